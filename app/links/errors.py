@@ -1,0 +1,86 @@
+"""What can go wrong between us and a chip. A class exists where a caller would act differently.
+
+BenchError
++-- LinkError               the wire or the adapter
+|   +-- LinkDown            not open, refused, unplugged: reconnect first
+|   +-- LinkTimeout         no reply in time: a read may be asked again, a write may have happened
+|   +-- BadReply            a reply came and is wrong: length, checksum, echo
++-- UsageError              we were asked for what cannot be
+    +-- UnknownThing        no such device, axis, register, channel
+    +-- OutOfRange          a value outside what is allowed
+    +-- WrongState          right request, wrong moment (mode, not connected, busy)
+        +-- WriteRefused    the chip did not take a write: the read-back differs
+"""
+
+from __future__ import annotations
+
+
+class BenchError(Exception):
+    """Root of everything that stepscope raises on purpose. Text is for people, attributes for code."""
+
+
+class LinkError(BenchError):
+    """The wire or the adapter failed."""
+
+    def __init__(self, link: str, message: str) -> None:
+        super().__init__(f"{link}: {message}")
+        self.link = link
+
+
+class LinkDown(LinkError):
+    """The port is not open, was refused, or went away."""
+
+
+class LinkTimeout(LinkError):
+    """No reply in time. What was asked may or may not have happened."""
+
+    def __init__(self, link: str, waited_s: float, what: str) -> None:
+        super().__init__(link, f"no reply to {what} in {waited_s:g} s")
+        self.waited_s = waited_s
+        self.what = what
+
+
+class BadReply(LinkError):
+    """A reply came and is wrong."""
+
+    def __init__(self, link: str, message: str, reply: bytes) -> None:
+        super().__init__(link, f"{message} (got {reply.hex(' ') or 'nothing'})")
+        self.reply = reply
+
+
+class UsageError(BenchError):
+    """We were asked for what cannot be."""
+
+
+class UnknownThing(UsageError):
+    """No such device, axis, register or channel. `known` lists what there is, as far as it helps."""
+
+    def __init__(self, kind: str, name: str, known: list[str] | None = None) -> None:
+        hint = f"; known: {', '.join(known[:12])}{', ...' if len(known) > 12 else ''}" if known else ""
+        super().__init__(f"no {kind} is called {name!r}{hint}")
+        self.kind, self.name, self.known = kind, name, known or []
+
+
+class OutOfRange(UsageError):
+    """A value outside what is allowed."""
+
+    def __init__(self, name: str, value: object, minimum: float | None, maximum: float | None, hint: str = "") -> None:
+        allowed = f"{'' if minimum is None else f'{minimum:g}'}..{'' if maximum is None else f'{maximum:g}'}"
+        super().__init__(f"{name} is {value}, allowed is {allowed}{'; ' + hint if hint else ''}")
+        self.name, self.value, self.minimum, self.maximum, self.hint = name, value, minimum, maximum, hint
+
+
+class WrongState(UsageError):
+    """The request is right, the moment is not. `way_out` says what to do."""
+
+    def __init__(self, message: str, way_out: str = "") -> None:
+        super().__init__(f"{message}{'; ' + way_out if way_out else ''}")
+        self.way_out = way_out
+
+
+class WriteRefused(WrongState):
+    """The chip did not take a write: the read-back differs. Values are raw register words."""
+
+    def __init__(self, register: str, written: int, read_back: int, why: str = "") -> None:
+        super().__init__(f"{register}: wrote {written:#x}, the chip holds {read_back:#x}", why)
+        self.register, self.written, self.read_back = register, written, read_back

@@ -1,0 +1,58 @@
+"""The narrow seam to the outside: a frame out, a frame back. Above it the code never knows the wire."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Protocol
+
+
+class FramePort(Protocol):
+    """One chip at the far end of a wire that answers each frame with a frame."""
+
+    @property
+    def name(self) -> str:
+        """What people call this link: `emulator`, `tcp 127.0.0.1:4280`."""
+        ...
+
+    async def exchange(self, frame: bytes, timeout_s: float = 1.0) -> bytes:
+        """Send `frame`, return the reply. One at a time: `LinkQueue` sees to that.
+
+        Raises LinkDown, LinkTimeout or BadReply; nothing else, and never retries.
+        """
+        ...
+
+    async def aclose(self) -> None:
+        """Close; a second call does nothing."""
+        ...
+
+
+class Wire(Protocol):
+    """What an emulator shows to a port or a server: bytes in, bytes out, at its own clock's time."""
+
+    def exchange(self, frame: bytes) -> bytes:
+        """Answer one frame. Raises ConnectionError while unplugged, TimeoutError while silent."""
+        ...
+
+
+SampleSink = Callable[[float, Sequence[bytes]], None]
+"""Takes the chip's time [s] and the replies to the frames of one sample."""
+
+
+class SamplingPort(FramePort, Protocol):
+    """A port whose far end can ask itself on a fixed beat, so that samples bear the chip's own time.
+
+    Emulators can, because they catch up in exact ticks: whoever talks to the chip next first gets
+    all samples that fell due before. Hardware cannot; there the sampler asks over the wire.
+    """
+
+    def device_time_s(self) -> float:
+        """The chip's time [s], which a time scale may run faster or slower than the server's."""
+        ...
+
+    def start_sampling(self, frames: Sequence[bytes], period_s: float, sink: SampleSink) -> Callable[[], None]:
+        """Ask `frames` every `period_s` [s] of server time; returns the function that ends it."""
+        ...
+
+    def run_due_samples(self) -> None:
+        """Take every sample that is due by now. Called on a timer by the sampler."""
+        ...

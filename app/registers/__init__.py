@@ -1,0 +1,1 @@
+"""Register tables: rows, one file a chip, each with its source."""

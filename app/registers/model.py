@@ -1,0 +1,240 @@
+"""What a register row is. One frozen row serves driver, emulator, API and register page.
+
+A row refuses at import what it can get wrong alone (fields that overlap or leave the register, a
+reset that does not fit, an enumeration beyond its width). What only the whole table can get wrong
+(two rows on one address, two rows of one name) is refused by `RegisterTable`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from enum import StrEnum
+from types import MappingProxyType
+
+GLOBAL_AXIS = None
+"""The `axis` of a register that belongs to the whole chip."""
+
+
+class Access(StrEnum):
+    """How a register or field answers the wire."""
+
+    R = "R"
+    """Read only: a write is ignored."""
+    W = "W"
+    """Write only: a read answers zero."""
+    RW = "RW"
+    """Read and write."""
+    RW_IF = "RW*"
+    """Read; a write works or acts only under the condition that `write_note` tells."""
+    R_W1C = "R+WC"
+    """Read; writing 1 clears, writing 0 leaves."""
+
+    @property
+    def readable(self) -> bool:
+        return self is not Access.W
+
+    @property
+    def writable(self) -> bool:
+        return self is not Access.R
+
+
+def to_signed(raw: int, width: int) -> int:
+    """Two's complement of `width` bits to int."""
+    return raw - (1 << width) if raw >> (width - 1) & 1 else raw
+
+
+def to_raw(value: int, width: int) -> int:
+    """An int, signed or not, to its `width` raw bits."""
+    return value & ((1 << width) - 1)
+
+
+@dataclass(frozen=True, slots=True)
+class Bits:
+    """What registers and fields share: a number of some width, with a unit, a range and a meaning."""
+
+    name: str
+    width: int
+    help: str
+    signed: bool = False
+    unit: str = ""
+    range: tuple[int, int] | None = None
+    """Allowed values (lowest, highest), inclusive; None stands for all that the width holds."""
+    values: Mapping[int, str] = field(default_factory=dict)
+    """Names of enumerated values."""
+
+    def __post_init__(self) -> None:
+        lowest, highest = self._width_range()
+        if self.range is not None and not lowest <= self.range[0] <= self.range[1] <= highest:
+            raise ValueError(f"{self.name}: range {self.range} does not fit {self.width} bits")
+        for value in self.values:
+            if not lowest <= value <= highest:
+                raise ValueError(f"{self.name}: enumerated value {value} does not fit {self.width} bits")
+        object.__setattr__(self, "values", MappingProxyType(dict(self.values)))
+
+    def _width_range(self) -> tuple[int, int]:
+        if self.signed:
+            return -(1 << (self.width - 1)), (1 << (self.width - 1)) - 1
+        return 0, (1 << self.width) - 1
+
+    @property
+    def minimum(self) -> int:
+        """The lowest allowed value."""
+        return self.range[0] if self.range else self._width_range()[0]
+
+    @property
+    def maximum(self) -> int:
+        """The highest allowed value."""
+        return self.range[1] if self.range else self._width_range()[1]
+
+    def decode(self, raw: int) -> int:
+        """Raw bits (only the lowest `width` count) to the value."""
+        raw = to_raw(raw, self.width)
+        return to_signed(raw, self.width) if self.signed else raw
+
+    def encode(self, value: int) -> int:
+        """A value to raw bits. Raises ValueError outside `minimum`..`maximum`."""
+        if not self.minimum <= value <= self.maximum:
+            raise ValueError(f"{self.name} is {self.minimum}..{self.maximum}, not {value}")
+        return to_raw(value, self.width)
+
+
+@dataclass(frozen=True, slots=True)
+class Field(Bits):
+    """Some bits of a register that have a name of their own."""
+
+    lsb: int = 0
+    access: Access = Access.RW
+    reset: int | None = 0
+    """Value after power-on; None where no source tells."""
+
+    @property
+    def mask(self) -> int:
+        """The field's bits inside its register."""
+        return ((1 << self.width) - 1) << self.lsb
+
+    def unpack(self, word: int) -> int:
+        """The field's value out of a register word."""
+        return self.decode(word >> self.lsb)
+
+    def pack(self, value: int, over: int = 0) -> int:
+        """`over` with this field replaced by `value`. Raises ValueError out of range."""
+        return (over & ~self.mask) | self.encode(value) << self.lsb
+
+
+@dataclass(frozen=True, slots=True)
+class Register(Bits):
+    """One addressable word of a chip.
+
+    `address` is the chip's own (TMC428: 7 bits with RRS as bit 6), `axis` the motor it belongs to
+    or None. `source` names document and section, `write_note` says when a conditional write works
+    and what it does.
+    """
+
+    address: int = 0
+    axis: int | None = GLOBAL_AXIS
+    access: Access = Access.RW
+    reset: int | None = 0
+    group: str = "motion"
+    source: str = ""
+    write_note: str = ""
+    volatile: bool = False
+    """The chip changes it by itself, so a read-back may differ from what was written."""
+    fields: tuple[Field, ...] = ()
+
+    def __post_init__(self) -> None:
+        super(Register, self).__post_init__()
+        if not self.source:
+            raise ValueError(f"{self.name}: a row without a source")
+        taken = 0
+        for part in self.fields:
+            if part.lsb + part.width > self.width:
+                raise ValueError(f"{self.name}.{part.name} leaves the register's {self.width} bits")
+            if taken & part.mask:
+                raise ValueError(f"{self.name}.{part.name} overlaps another field")
+            taken |= part.mask
+        if self.reset is not None and not 0 <= self.reset < 1 << self.width:
+            raise ValueError(f"{self.name}: reset {self.reset:#x} does not fit {self.width} bits")
+
+    @property
+    def mask(self) -> int:
+        """Every bit that means something: of a packed register, those of its fields."""
+        if not self.fields:
+            return (1 << self.width) - 1
+        return sum(part.mask for part in self.fields)
+
+    @property
+    def write_mask(self) -> int:
+        """Every bit that a write may change (or, with write-1-to-clear, act on)."""
+        if not self.access.writable:
+            return 0
+        if not self.fields:
+            return self.mask
+        return sum(part.mask for part in self.fields if part.access.writable)
+
+    def field_named(self, name: str) -> Field | None:
+        """The field of that name, without regard to case, or None."""
+        wanted = name.casefold()
+        return next((part for part in self.fields if part.name.casefold() == wanted), None)
+
+    def unpack(self, raw: int) -> dict[str, int]:
+        """Every field's value, by name, in the row's order."""
+        return {part.name: part.unpack(raw) for part in self.fields}
+
+
+class RegisterTable:
+    """All registers of one chip; names are matched without regard to case."""
+
+    def __init__(self, chip: str, registers: tuple[Register, ...]) -> None:
+        self.chip = chip
+        self.registers = registers
+        self._by_name: dict[tuple[str, int | None], Register] = {}
+        self._by_address: dict[int, Register] = {}
+        self._by_field: dict[tuple[str, int | None], tuple[Register, Field]] = {}
+        for register in registers:
+            key = (register.name.casefold(), register.axis)
+            if key in self._by_name:
+                raise ValueError(f"{chip}: two rows are called {register.name} on axis {register.axis}")
+            if register.address in self._by_address:
+                raise ValueError(f"{chip}: two rows stand on address {register.address:#04x}")
+            self._by_name[key] = register
+            self._by_address[register.address] = register
+        ambiguous: set[tuple[str, int | None]] = set()
+        for register in registers:
+            for part in register.fields:
+                key = (part.name.casefold(), register.axis)
+                if key in self._by_field or key in self._by_name:
+                    ambiguous.add(key)
+                self._by_field[key] = (register, part)
+        for key in ambiguous:  # y_even of 32 table words: only the packed name tells which
+            del self._by_field[key]
+
+    def __iter__(self) -> Iterator[Register]:
+        return iter(self.registers)
+
+    def __len__(self) -> int:
+        return len(self.registers)
+
+    def at(self, address: int) -> Register | None:
+        """The register at that address, or None where the chip has none."""
+        return self._by_address.get(address)
+
+    def find(self, name: str, axis: int | None = None) -> tuple[Register, Field | None] | None:
+        """A register, or a field by its own name, on `axis`; global ones answer on every axis.
+
+        Returns (register, None), (register, field), or None where nothing has that name.
+        """
+        for where in (axis, GLOBAL_AXIS):
+            key = (name.casefold(), where)
+            if key in self._by_name:
+                return self._by_name[key], None
+            if key in self._by_field:
+                return self._by_field[key]
+        return None
+
+    def get(self, name: str, axis: int | None = None) -> Register:
+        """The register of that exact kind. Raises KeyError: for code, whose names are constants."""
+        found = self._by_name.get((name.casefold(), axis)) or self._by_name.get((name.casefold(), GLOBAL_AXIS))
+        if found is None:
+            raise KeyError(f"{self.chip} has no register {name} on axis {axis}")
+        return found
