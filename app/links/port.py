@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
+from app.clock import ScaledClock
+
 
 class FramePort(Protocol):
     """One chip at the far end of a wire that answers each frame with a frame."""
@@ -29,13 +31,27 @@ class FramePort(Protocol):
 class Wire(Protocol):
     """What an emulator shows to a port or a server: bytes in, bytes out, at its own clock's time."""
 
-    def exchange(self, frame: bytes) -> bytes:
-        """Answer one frame. Raises ConnectionError while unplugged, TimeoutError while silent."""
+    @property
+    def model(self) -> str:
+        """The chip's model name, as in the catalog."""
+        ...
+
+    @property
+    def clock(self) -> ScaledClock:
+        """The chip's time; its scale runs the chip faster or slower than the server."""
+        ...
+
+    def exchange(self, frame: bytes, at_s: float | None = None) -> bytes:
+        """Answer one frame at chip time `at_s` [s], by default now; never before the latest time used.
+
+        Raises ValueError for a frame of a wrong length, ConnectionError while unplugged and
+        TimeoutError while silent.
+        """
         ...
 
 
-SampleSink = Callable[[float, Sequence[bytes]], None]
-"""Takes the chip's time [s] and the replies to the frames of one sample."""
+SampleSink = Callable[[float, bytes], None]
+"""Takes the chip's time [s] and the joined replies to the frames of one sample."""
 
 
 class SamplingPort(FramePort, Protocol):

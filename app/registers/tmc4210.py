@@ -192,7 +192,13 @@ _GLOBAL_REGISTERS = (
         source="000, 1.4, 5.3; TMC429 v2.06, p. 42 (bits)",
         fields=(
             Field("inv_ref", 1, "switch inputs", values={0: "high active", 1: "low active"}, lsb=0),
-            Field("sdo_int", 1, "makes the output pin an interrupt only and so blocks reading: keep 0", range=(0, 0), lsb=1),
+            Field(
+                "sdo_int",
+                1,
+                "makes the output pin an interrupt only and so blocks reading: keep 0",
+                range=(0, 0),
+                lsb=1,
+            ),
             Field("step_half", 1, "step output", values={0: "a pulse a step", 1: "an edge a step"}, lsb=2),
             Field("inv_stp", 1, "step output level", values=_INVERTED, lsb=3),
             Field("inv_dir", 1, "direction output level", values=_INVERTED, lsb=4),
@@ -262,9 +268,19 @@ _GLOBAL_REGISTERS = (
         volatile=True,
         source="000, 5.2.2.2, 5.3",
         fields=(
-            Field("r_r", 1, "right switch; only with mot1r", values={0: "inactive", 1: "active"}, lsb=0, access=Access.R, reset=None),
+            Field(
+                "r_r",
+                1,
+                "right switch; only with mot1r",
+                values={0: "inactive", 1: "active"},
+                lsb=0,
+                access=Access.R,
+                reset=None,
+            ),
             Field("r_l", 1, "left switch", values={0: "inactive", 1: "active"}, lsb=1, access=Access.R, reset=None),
-            Field("gp_in", 1, "general purpose input", values={0: "low", 1: "high"}, lsb=3, access=Access.R, reset=None),
+            Field(
+                "gp_in", 1, "general purpose input", values={0: "low", 1: "high"}, lsb=3, access=Access.R, reset=None
+            ),
         ),
     ),
     Register(

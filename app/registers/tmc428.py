@@ -336,12 +336,18 @@ def _global_registers() -> tuple[Register, ...]:
                     values={0: "1 driver", 1: "2 drivers", 2: "3 drivers"},
                     lsb=0,
                 ),
-                Field("polarity_nscs_s", 1, "chip select of the chain", values={0: "low active", 1: "high active"}, lsb=2),
+                Field(
+                    "polarity_nscs_s", 1, "chip select of the chain", values={0: "low active", 1: "high active"}, lsb=2
+                ),
                 Field("polarity_sck_s", 1, "clock of the chain", values={0: "as drawn", 1: "inverted"}, lsb=3),
-                Field("polarity_PH_AB", 1, "phase bits; turns the motor round", values={0: "as is", 1: "inverted"}, lsb=4),
+                Field(
+                    "polarity_PH_AB", 1, "phase bits; turns the motor round", values={0: "as is", 1: "inverted"}, lsb=4
+                ),
                 Field("polarity_FD", 1, "fast decay bits", values={0: "high active", 1: "low active"}, lsb=5),
                 Field("polarity_DAC_AB", 1, "DAC bits", values={0: "high active", 1: "low active"}, lsb=6),
-                Field("csCommonIndividual", 1, "chip selects", values={0: "one, common", 1: "three, individual"}, lsb=7),
+                Field(
+                    "csCommonIndividual", 1, "chip selects", values={0: "one, common", 1: "three, individual"}, lsb=7
+                ),
                 Field(
                     "clk2_div",
                     8,
