@@ -211,7 +211,7 @@ class RegisterBatch(Body):
 
 
 class RegisterBatchItem(RegisterWrite):
-    register: str
+    name: str = Field(description="register or field")
     axis: AxisIndex | None = None
 
 
