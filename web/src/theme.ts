@@ -1,0 +1,30 @@
+import { createTheme, type MantineColorsTuple } from "@mantine/core";
+
+/** The one accent. Red is kept for stop and faults alone. */
+const accent: MantineColorsTuple = [
+  "#e3f8fb",
+  "#cdeef3",
+  "#9cdde7",
+  "#67cbda",
+  "#3fbccf",
+  "#26b2c8",
+  "#0f8ea3",
+  "#0b7285",
+  "#086070",
+  "#044b58",
+];
+
+export const theme = createTheme({
+  primaryColor: "accent",
+  primaryShade: { light: 7, dark: 6 },
+  colors: { accent },
+  defaultRadius: "sm",
+  fontFamily: 'system-ui, -apple-system, "Segoe UI", Roboto, "Helvetica Neue", sans-serif',
+  fontFamilyMonospace: 'ui-monospace, "SF Mono", "Cascadia Mono", "Roboto Mono", Menlo, Consolas, monospace',
+  headings: {
+    fontWeight: "600",
+    sizes: { h1: { fontSize: "1.25rem" }, h2: { fontSize: "1rem" }, h3: { fontSize: "0.9rem" } },
+  },
+  spacing: { xs: "0.375rem", sm: "0.5rem", md: "0.75rem", lg: "1rem", xl: "1.5rem" },
+  cursorType: "pointer",
+});
