@@ -1,0 +1,100 @@
+# One word a job, the same by hand and in CI. Needs Python >= 3.11 and make; brings the rest itself, into .venv.
+
+PYTHON ?= python3
+HOST ?= 127.0.0.1
+PORT ?= 8000
+# `make serve ARGS="--no-demo"`, `make e2e ARGS="-k scope"`
+ARGS ?=
+# Both cores of a small machine; a browser test also keeps a server and a Chromium busy.
+WORKERS ?= 2
+# The versions that this commit was tested with; `make CONSTRAINTS= run` takes the newest.
+CONSTRAINTS ?= constraints.txt
+
+BIN := .venv/bin
+PY := $(BIN)/python
+PIP := $(PY) -m pip --disable-pip-version-check
+# Inside .venv, so that deleting it forgets them too.
+STAMPS := .venv/.stamps
+
+.DEFAULT_GOAL := help
+.PHONY: help run dev test test-fast lint format types conformance bench screenshots install web web-check chromium lock clean
+
+help:  ## this list
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
+
+run: install  ## start stepscope with its demo bench and print the URL (HOST, PORT, ARGS)
+	@exec $(BIN)/stepscope serve --host $(HOST) --port $(PORT) $(ARGS)
+
+dev: $(STAMPS)/app $(STAMPS)/tools  ## server and UI, both reload on a change; one Ctrl-C ends both
+	@exec $(PY) scripts/dev.py --host $(HOST) --port $(PORT)
+
+test: lint web-check chromium  ## everything that CI holds: linters, types, UI tests, Python tests, browser tests
+	$(BIN)/pytest -n $(WORKERS) $(ARGS)
+
+test-fast: $(STAMPS)/app $(STAMPS)/tools  ## Python tests without a browser
+	$(BIN)/pytest -n $(WORKERS) -m "not e2e" $(ARGS)
+
+lint: $(STAMPS)/app $(STAMPS)/tools  ## ruff, mypy --strict, import directions, biome, tsc, stale generated files
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(PY) scripts/web.py npm run --silent lint
+	$(PY) scripts/web.py npm run --silent typecheck
+	$(PY) scripts/generate_types.py --check
+
+format: $(STAMPS)/tools  ## let the formatters have their way
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+	$(PY) scripts/web.py npm run --silent format
+
+types: $(STAMPS)/app $(STAMPS)/tools  ## the OpenAPI schema and the UI's TypeScript types, from the Python models
+	$(PY) scripts/generate_types.py
+
+conformance: $(STAMPS)/app $(STAMPS)/tools  ## which sections of the data sheets the tests hold
+	$(PY) -m tests.conformance
+
+bench: install $(STAMPS)/tools chromium  ## measured figures beside what is required (QUICK=1 for a short run)
+	$(PY) -m tests.bench $(if $(QUICK),--quick) $(ARGS)
+
+screenshots: install $(STAMPS)/tools chromium  ## every page, two sizes, light and dark, into test-results/
+	$(PY) scripts/screenshots.py test-results/screenshots $(ARGS)
+
+install: $(STAMPS)/app web
+
+web: $(STAMPS)/venv
+	@$(PY) scripts/web.py build
+
+web-check: install
+	$(PY) scripts/web.py npm run --silent test
+
+chromium: $(STAMPS)/tools
+	@$(PY) scripts/ensure_chromium.py
+
+lock: $(STAMPS)/app $(STAMPS)/tools  ## take the newest versions that pyproject.toml allows, and write them down
+	$(PIP) install --quiet --upgrade --upgrade-strategy eager -e . --group test
+	$(PY) scripts/lock.py
+
+clean:  ## back to a fresh clone
+	rm -rf .venv app/_web app/_web.new app/_web.old web/node_modules web/dist dist test-results .coverage htmlcov \
+		.mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache .schemathesis
+	find app tests scripts -name __pycache__ -type d -prune -exec rm -rf {} +
+
+$(STAMPS)/venv:
+	@$(PYTHON) scripts/check_python.py
+	@echo "making .venv"
+	@$(PYTHON) -m venv .venv
+	@# --group, which installs the tools, came with pip 25.1
+	@$(PIP) install --quiet --upgrade "pip>=25.1"
+	@mkdir -p $(STAMPS) && touch $@
+
+# The UI first, then the package: so that pip's build finds it done, and fetches no second Node.js for it.
+$(STAMPS)/app: $(STAMPS)/venv pyproject.toml hatch_build.py $(CONSTRAINTS) | web
+	@echo "installing stepscope into .venv (the first time takes a minute or two)"
+	@$(PIP) install --quiet $(addprefix --constraint ,$(CONSTRAINTS)) --editable .
+	@touch $@
+
+$(STAMPS)/tools: $(STAMPS)/venv pyproject.toml $(CONSTRAINTS)
+	@echo "installing the development tools into .venv"
+	@$(PIP) install --quiet $(addprefix --constraint ,$(CONSTRAINTS)) --group test
+	@touch $@

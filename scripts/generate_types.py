@@ -1,0 +1,60 @@
+"""Writes web/src/api/openapi.json from the Python models, and the UI's TypeScript types from it.
+
+With --check nothing is written: it ends with 1 when a file is stale, and says which command makes it anew.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import tempfile
+from pathlib import Path
+
+from web import WEB, WebBuildError, install_packages, npm, require_node
+
+SCHEMA = WEB / "src" / "api" / "openapi.json"
+TYPES = WEB / "src" / "api" / "schema.d.ts"
+
+
+def schema_text() -> str:
+    """Return the schema as it stands in the repository: sorted by path, one line a value."""
+    from app.main import create_app  # here, because `--help` and a broken app should not meet
+    from app.settings import Settings
+
+    with tempfile.TemporaryDirectory() as folder:
+        app = create_app(Settings(data_dir=Path(folder)))
+        return json.dumps(app.openapi(), indent=1, ensure_ascii=False) + "\n"
+
+
+def types_text(schema: str) -> str:
+    """Return the TypeScript types of `schema`. Raises WebBuildError when openapi-typescript fails."""
+    node = require_node()
+    install_packages(node)
+    with tempfile.TemporaryDirectory() as folder:
+        source, target = Path(folder, "openapi.json"), Path(folder, "schema.d.ts")
+        source.write_text(schema)
+        npm(node, ["exec", "--no", "--", "openapi-typescript", str(source), "-o", str(target)], quiet=True)
+        return target.read_text()
+
+
+def main() -> int:
+    """Write or check both files."""
+    schema = schema_text()
+    try:
+        wanted = {SCHEMA: schema, TYPES: types_text(schema)}
+    except WebBuildError as error:
+        print(f"types: {error}", file=sys.stderr)
+        return 1
+    stale = [path for path, text in wanted.items() if not path.is_file() or path.read_text() != text]
+    if "--check" in sys.argv[1:]:
+        for path in stale:
+            print(f"{path.relative_to(WEB.parent)} is stale: run `make types` and commit it", file=sys.stderr)
+        return 1 if stale else 0
+    for path in stale:
+        path.write_text(wanted[path])
+        print(f"wrote {path.relative_to(WEB.parent)}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
