@@ -98,6 +98,11 @@ class ScaledClock:
         self._anchor_s = 0.0
 
     @property
+    def base(self) -> Clock:
+        """The clock that this one scales."""
+        return self._base
+
+    @property
     def scale(self) -> float:
         return self._scale
 

@@ -16,15 +16,25 @@ class FramePort(Protocol):
         """What people call this link: `emulator`, `tcp 127.0.0.1:4280`."""
         ...
 
-    async def exchange(self, frame: bytes, timeout_s: float = 1.0) -> bytes:
-        """Send `frame`, return the reply. One at a time: `LinkQueue` sees to that.
+    @property
+    def last_exchange_s(self) -> float:
+        """When the latest exchange happened, on the clock of `device_time_s` [s]."""
+        ...
 
-        Raises LinkDown, LinkTimeout or BadReply; nothing else, and never retries.
+    def device_time_s(self) -> float:
+        """The device's own time [s] where it has one (emulators), else the server's."""
+        ...
+
+    async def exchange(self, frame: bytes, timeout_s: float | None = None) -> bytes:
+        """Send `frame`, return the reply; `timeout_s` [s] replaces the port's own. One at a time: `LinkQueue`.
+
+        Raises LinkDown, LinkTimeout or BadReply; nothing else, and never retries. A port that is not
+        open opens itself.
         """
         ...
 
     async def aclose(self) -> None:
-        """Close; a second call does nothing."""
+        """Close; a second call does nothing. The next exchange opens the port again."""
         ...
 
 
@@ -61,14 +71,13 @@ class SamplingPort(FramePort, Protocol):
     all samples that fell due before. Hardware cannot; there the sampler asks over the wire.
     """
 
-    def device_time_s(self) -> float:
-        """The chip's time [s], which a time scale may run faster or slower than the server's."""
-        ...
-
     def start_sampling(self, frames: Sequence[bytes], period_s: float, sink: SampleSink) -> Callable[[], None]:
         """Ask `frames` every `period_s` [s] of server time; returns the function that ends it."""
         ...
 
     def run_due_samples(self) -> None:
-        """Take every sample that is due by now. Called on a timer by the sampler."""
+        """Take every sample that is due by now. Called on a timer by the sampler.
+
+        Raises LinkDown or LinkTimeout where the far end did not answer: samples due then are lost.
+        """
         ...

@@ -1,0 +1,142 @@
+"""A port whose far end is an emulated chip in the same process: bytes in, bytes out, no wait, no thread.
+
+It also is the chip's sampler. A sample that fell due earlier is taken at its own chip time just
+before anybody else talks to the chip, so samples bear exact times however late the timer was.
+"""
+
+from __future__ import annotations
+
+import heapq
+from collections.abc import Callable, Sequence
+
+from app.links.errors import LinkDown, LinkError, LinkTimeout
+from app.links.port import SampleSink, Wire
+
+CATCH_UP_S = 10.0
+"""Samples further behind than this [s] are given up: nobody asked for so long that the past is not worth a stall."""
+
+
+class _Sampling:
+    """One reader's beat: sample number `taken` is due at `start_s` + `taken` * `period_s` of server time."""
+
+    __slots__ = ("ended", "frames", "period_s", "sink", "start_s", "taken")
+
+    def __init__(self, frames: tuple[bytes, ...], start_s: float, period_s: float, sink: SampleSink) -> None:
+        self.frames = frames
+        self.start_s = start_s
+        self.period_s = period_s
+        self.sink = sink
+        self.taken = 0
+        self.ended = False
+
+    def due_s(self) -> float:
+        # From the start, not from the last sample: sums of rounded periods would drift.
+        return self.start_s + self.taken * self.period_s
+
+
+class EmulatorPort:
+    """`SamplingPort` over a `Wire`."""
+
+    def __init__(self, wire: Wire, name: str = "") -> None:
+        self.wire = wire
+        self.samples_missed = 0
+        self._name = name or f"emulated {wire.model}"
+        self._server = wire.clock.base
+        self._last_exchange_s = wire.clock.now()
+        # When samples were last taken, on both clocks: between there and now, time runs evenly.
+        self._seen_server_s = self._server.now()
+        self._seen_chip_s = self._last_exchange_s
+        self._due: list[tuple[float, int, _Sampling]] = []
+        self._order = 0
+
+    @property
+    def name(self) -> str:
+        return self._name
+
+    @property
+    def last_exchange_s(self) -> float:
+        return self._last_exchange_s
+
+    def device_time_s(self) -> float:
+        return self.wire.clock.now()
+
+    async def exchange(self, frame: bytes, timeout_s: float | None = None) -> bytes:
+        """Answer at once. `timeout_s` has no meaning here: a silent emulator is known to be silent."""
+        if self._due:
+            now_s = self._server.now()
+            if self._due[0][0] <= now_s:
+                self._take_due(now_s)
+        at_s = self.wire.clock.now()
+        try:
+            reply = self.wire.exchange(frame, at_s)
+        except TimeoutError as error:
+            raise LinkTimeout(self._name, 0.0, f"frame {frame.hex(' ')}") from error
+        except ConnectionError as error:
+            raise LinkDown(self._name, str(error) or "unplugged") from error
+        self._last_exchange_s = at_s
+        return reply
+
+    async def aclose(self) -> None:
+        """End all samplings. The chip lives on: closing a port does not cut a chip's power."""
+        for _, _, sampling in self._due:
+            sampling.ended = True
+        self._due.clear()
+
+    def start_sampling(self, frames: Sequence[bytes], period_s: float, sink: SampleSink) -> Callable[[], None]:
+        """Ask `frames` every `period_s` [s] of server time, from now on. Raises ValueError for an empty sample."""
+        if not frames or not period_s > 0:
+            raise ValueError(f"a sample has frames and a period above 0 s, not {len(frames)} and {period_s}")
+        now_s = self._server.now()
+        self._take_due(now_s)
+        sampling = _Sampling(tuple(frames), now_s, period_s, sink)
+        self._push(sampling)
+
+        def end() -> None:
+            sampling.ended = True
+
+        return end
+
+    def run_due_samples(self) -> None:
+        error = self._take_due(self._server.now())
+        if error is not None:
+            raise error
+
+    def _push(self, sampling: _Sampling) -> None:
+        self._order += 1
+        heapq.heappush(self._due, (sampling.due_s(), self._order, sampling))
+
+    def _take_due(self, now_s: float) -> LinkError | None:
+        """Take what is due by server time `now_s` [s], oldest first; the latest failure is returned, not raised."""
+        chip_now_s = self.wire.clock.now()
+        from_s, chip_from_s = self._seen_server_s, self._seen_chip_s
+        self._seen_server_s, self._seen_chip_s = now_s, chip_now_s
+        rate = (chip_now_s - chip_from_s) / (now_s - from_s) if now_s > from_s else 0.0
+        failure: LinkError | None = None
+        due = self._due
+        while due and due[0][0] <= now_s:
+            due_s, _, sampling = heapq.heappop(due)
+            if sampling.ended:
+                continue
+            if now_s - due_s > CATCH_UP_S:
+                behind = int((now_s - due_s) / sampling.period_s)
+                self.samples_missed += behind
+                sampling.taken += behind
+                self._push(sampling)
+                continue
+            failure = self._take(sampling, chip_now_s - (now_s - due_s) * rate)
+            sampling.taken += 1
+            self._push(sampling)
+        return failure
+
+    def _take(self, sampling: _Sampling, chip_s: float) -> LinkError | None:
+        exchange = self.wire.exchange
+        try:
+            replies = b"".join([exchange(frame, chip_s) for frame in sampling.frames])
+        except TimeoutError:
+            self.samples_missed += 1
+            return LinkTimeout(self._name, 0.0, "a sample")
+        except ConnectionError as error:
+            self.samples_missed += 1
+            return LinkDown(self._name, str(error) or "unplugged")
+        sampling.sink(chip_s, replies)
+        return None
