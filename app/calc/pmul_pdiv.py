@@ -1,0 +1,224 @@
+"""The pair pmul/pdiv that tells the ramp generator when to begin to brake.
+
+The chip needs p = a_max / (128 * 2^(ramp_div - pulse_div)) and keeps it as (128 + pmul) / 2^(3 + pdiv).
+A little less than p makes the motor brake a little early; more than p makes it overshoot. So the data
+sheets take off 5 % (TMC428) or 1 % (TMC4210) before they truncate to a pair.
+
+The TMC428 data sheet counts `pmul` 0..127, the TMC4210 data sheet `PMUL` 128..255 with its fixed top
+bit; the register bits are the same. Here `pmul` is the former and `p_mul` the latter.
+
+Source: TMC428 data sheet (001), 8.7.1, 8.10, 8.11, 8.11.1 and the program of chapter 19; TMC4210 (000), 6.1.9.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+MAX_DIVIDER = 13
+MAX_A = 2047
+MAX_PDIV = 13
+
+# What each data sheet takes off p (001 8.11.1: about 5 %; 000 6.1.9.2.2: about 1 %).
+REDUCTIONS = {"tmc428": 0.05, "tmc4210": 0.01}
+
+# The braking distance is counted in 19 bits. At v_max up to 2048/sqrt(2) half the distance is enough (001 8.7.1).
+V_MAX_OF_HALF_LIMIT = 1448
+
+# Candidates are the pairs around the reduced p, and those from the sheets' 0.95 < q < 1 to a little beyond 1,
+# so that a plot shows where overshooting begins.
+_NEAR_TARGET = 0.03
+_BAND = (0.92, 1.02)
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One pair near the wanted p. `quality` is q = p / p_ideal: above 1 overshoots (001, 8.11)."""
+
+    pmul: int
+    p_mul: int
+    pdiv: int
+    p: float
+    quality: float
+
+
+@dataclass(frozen=True)
+class PmulPdivDesign:
+    """What `design` finds. Without a pair that represents p, `pmul`, `p_mul`, `pdiv`, `p`, `quality` are None."""
+
+    p_ideal: float
+    p_reduced: float
+    pmul: int | None
+    p_mul: int | None
+    pdiv: int | None
+    p: float | None
+    quality: float | None
+    candidates: tuple[Candidate, ...]
+    a_max_lower_limit: int
+    a_max_upper_limit: int
+    warnings: tuple[str, ...] = field(default=())
+
+
+@dataclass(frozen=True)
+class PmulPdivTable:
+    """Many designs at once, every array in the broadcast shape. -1 and NaN stand where no pair represents p."""
+
+    p_ideal: NDArray[np.float64]
+    p_reduced: NDArray[np.float64]
+    pmul: NDArray[np.int64]
+    p_mul: NDArray[np.int64]
+    pdiv: NDArray[np.int64]
+    p: NDArray[np.float64]
+    quality: NDArray[np.float64]
+
+
+def default_reduction(chip: str) -> float:
+    """The part of p that the chip's data sheet takes off [-]. Raises ValueError for another chip."""
+    if chip not in REDUCTIONS:
+        raise ValueError(f"chip is one of {', '.join(REDUCTIONS)}, got {chip!r}")
+    return REDUCTIONS[chip]
+
+
+def a_max_lower_limit(ramp_div: int, pulse_div: int, v_max: int = 2047) -> int:
+    """Smallest a_max above 0 that brakes within 2^19 steps: 2^(ramp_div-pulse_div-1), at least 1.
+
+    Half of it where `v_max` is at most 1448. More than 2047 means that only a_max = 0 is left.
+
+    Raises ValueError unless the dividers are 0..13 and `v_max` 0..2047. Source: 001, 8.7.1; 000, 6.1.7.1.1.
+    """
+    _check_dividers(ramp_div, pulse_div)
+    _check_whole("v_max", v_max, 0, 2047)
+    exponent = ramp_div - pulse_div - 1
+    if exponent <= 0:
+        return 1
+    return 1 << (exponent - 1 if v_max <= V_MAX_OF_HALF_LIMIT else exponent)
+
+
+def a_max_upper_limit(ramp_div: int, pulse_div: int) -> int:
+    """Largest a_max whose p fits: 2^(ramp_div-pulse_div+12) - 1, at least 0.
+
+    2047 and more mean no limit beyond the register's own range.
+
+    Raises ValueError unless the dividers are 0..13. Source: 001, 8.7.1; 000, 6.1.7.1.1.
+    """
+    _check_dividers(ramp_div, pulse_div)
+    exponent = ramp_div - pulse_div + 12
+    return (1 << exponent) - 1 if exponent >= 0 else 0
+
+
+def design(
+    chip: str, a_max: int, ramp_div: int, pulse_div: int, reduction: float | None = None, *, v_max: int = 2047
+) -> PmulPdivDesign:
+    """The pair for an acceleration, its neighbours, and what stands against it.
+
+    Parameters
+    ----------
+    chip : "tmc428" or "tmc4210"; chooses the reduction where `reduction` is None
+    a_max : 0..2047; 0 has no p and so no pair
+    ramp_div, pulse_div : 0..13
+    reduction : part of p to take off, 0 <= reduction < 1 [-]; None is the data sheet's own
+    v_max : 0..2047, for the limits of a_max
+
+    Raises ValueError outside these ranges. The pair is the one of the program in 001, chapter 19: p reduced, then
+    truncated. (That program keeps the reduction in single precision, which pushes exact hits, such as its own
+    example of a_max 10 and 5 %, down by one pmul. Here 5 % is 5 %.)
+    """
+    part = default_reduction(chip) if reduction is None else reduction
+    table = design_many(a_max, ramp_div, pulse_div, part)
+    p_ideal, p_reduced = float(table.p_ideal), float(table.p_reduced)
+    found = int(table.pdiv) >= 0
+    lower, upper = a_max_lower_limit(ramp_div, pulse_div, v_max), a_max_upper_limit(ramp_div, pulse_div)
+    pair = (int(table.pmul), int(table.pdiv)) if found else None
+    return PmulPdivDesign(
+        p_ideal=p_ideal,
+        p_reduced=p_reduced,
+        pmul=int(table.pmul) if found else None,
+        p_mul=int(table.p_mul) if found else None,
+        pdiv=int(table.pdiv) if found else None,
+        p=float(table.p) if found else None,
+        quality=float(table.quality) if found else None,
+        candidates=_candidates(p_ideal, part, pair),
+        a_max_lower_limit=lower,
+        a_max_upper_limit=upper,
+        warnings=tuple(_warnings(a_max, p_reduced, found, lower, upper, v_max)),
+    )
+
+
+def design_many(a_max: ArrayLike, ramp_div: ArrayLike, pulse_div: ArrayLike, reduction: ArrayLike) -> PmulPdivTable:
+    """The pairs of many inputs at once: arrays that broadcast, each within the ranges of `design`.
+
+    Raises ValueError outside the ranges. Equal to `design` (and to the loop over pdiv of 001, chapter 19) for
+    every element: scaling by powers of two is exact, so the exponent of p alone decides about pdiv.
+    """
+    a = _whole_array("a_max", a_max, MAX_A)
+    ratio = _whole_array("ramp_div", ramp_div, MAX_DIVIDER) - _whole_array("pulse_div", pulse_div, MAX_DIVIDER)
+    part = np.asarray(reduction, dtype=np.float64)
+    if not np.all((part >= 0) & (part < 1)):
+        raise ValueError("reduction is 0 to less than 1")
+    p_ideal = np.ldexp(a.astype(np.float64), -7 - ratio)
+    p_reduced = np.asarray(p_ideal * (1.0 - part))
+    mantissa, exponent = np.frexp(p_reduced)  # p_reduced = mantissa * 2^exponent, mantissa in [0.5, 1)
+    pdiv = np.asarray(5 - exponent.astype(np.int64))
+    fits = (pdiv >= 0) & (pdiv <= MAX_PDIV) & (p_reduced > 0)
+    p_mul = np.where(fits, (mantissa * 256.0).astype(np.int64), -1)
+    p = np.where(fits, np.ldexp(p_mul.astype(np.float64), np.where(fits, exponent - 8, 0)), np.nan)
+    quality = np.divide(p, p_ideal, out=np.full(p.shape, np.nan), where=fits)
+    return PmulPdivTable(
+        p_ideal=np.broadcast_to(p_ideal, p.shape),
+        p_reduced=p_reduced,
+        pmul=np.where(fits, p_mul - 128, -1),
+        p_mul=p_mul,
+        pdiv=np.where(fits, pdiv, -1),
+        p=p,
+        quality=quality,
+    )
+
+
+def _candidates(p_ideal: float, reduction: float, chosen: tuple[int, int] | None) -> tuple[Candidate, ...]:
+    """Every pair in the bands: the chosen one first, the others by their distance from the reduced p."""
+    if p_ideal == 0:
+        return ()
+    wanted = 1.0 - reduction
+    pdiv, p_mul = np.mgrid[0 : MAX_PDIV + 1, 128:256]
+    quality = np.ldexp(p_mul / p_ideal, -3 - pdiv)
+    near = (np.abs(quality - wanted) <= _NEAR_TARGET * wanted) | ((quality >= _BAND[0]) & (quality <= _BAND[1]))
+    found = [
+        Candidate(int(m) - 128, int(m), int(d), float(m) / (8 << int(d)), float(q))
+        for m, d, q in zip(p_mul[near], pdiv[near], quality[near], strict=True)
+    ]
+    return tuple(sorted(found, key=lambda c: ((c.pmul, c.pdiv) != chosen, abs(c.quality - wanted))))
+
+
+def _warnings(a_max: int, p_reduced: float, found: bool, lower: int, upper: int, v_max: int) -> list[str]:
+    if a_max == 0:
+        return ["a_max is 0: the velocity cannot change, so there is no p to represent"]
+    said = []
+    if not found:
+        side = "below 1/512, the least" if p_reduced < 1 / 512 else "32 or more, above the most"
+        said.append(f"no pair represents p: {p_reduced:g} is {side} that pmul and pdiv can hold")
+    if a_max < lower:
+        hint = "" if v_max <= V_MAX_OF_HALF_LIMIT else f" (half of it with v_max up to {V_MAX_OF_HALF_LIMIT})"
+        said.append(f"a_max {a_max} is below its lower limit {lower}{hint}: may oscillate around the target")
+    if a_max > upper:
+        said.append(f"a_max {a_max} is above its upper limit {upper}: may oscillate around the target")
+    return said
+
+
+def _check_whole(name: str, value: int, low: int, high: int) -> None:
+    if not low <= value <= high or value != int(value):
+        raise ValueError(f"{name} is a whole number of {low} to {high}, got {value}")
+
+
+def _check_dividers(ramp_div: int, pulse_div: int) -> None:
+    _check_whole("ramp_div", ramp_div, 0, MAX_DIVIDER)
+    _check_whole("pulse_div", pulse_div, 0, MAX_DIVIDER)
+
+
+def _whole_array(name: str, values: ArrayLike, high: int) -> NDArray[np.int64]:
+    array = np.asarray(values)
+    whole = array.dtype.kind in "iu" or bool(np.all(array == np.floor(array)))
+    if not whole or (array.size and not (array.min() >= 0 and array.max() <= high)):
+        raise ValueError(f"{name} is a whole number of 0 to {high}")
+    return array.astype(np.int64, copy=False)
