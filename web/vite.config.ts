@@ -1,6 +1,9 @@
 import react from "@vitejs/plugin-react";
 import { defineConfig } from "vitest/config";
 
+// All that is needed of Node here; its type package would bring its globals into the browser code.
+declare const process: { env: Record<string, string | undefined> };
+
 // `make dev` sets STEPSCOPE_API to the server that it started; the UI is then served by Vite with hot reload.
 const api = process.env.STEPSCOPE_API ?? "http://127.0.0.1:8000";
 

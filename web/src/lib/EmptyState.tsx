@@ -1,0 +1,22 @@
+import { Stack, Text, ThemeIcon } from "@mantine/core";
+import type { PropsWithChildren, ReactNode } from "react";
+
+interface Props {
+  title: string;
+  icon?: ReactNode;
+}
+
+/** Nothing here yet: says why, and the children say what to do next (a sentence, then a button or link). */
+export function EmptyState({ title, icon, children }: PropsWithChildren<Props>) {
+  return (
+    <Stack align="center" gap="sm" py="xl" px="md" ta="center" role="status">
+      {icon && (
+        <ThemeIcon variant="light" size={44} radius="xl" aria-hidden>
+          {icon}
+        </ThemeIcon>
+      )}
+      <Text fw={600}>{title}</Text>
+      {children}
+    </Stack>
+  );
+}

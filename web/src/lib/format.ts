@@ -1,0 +1,66 @@
+import { symbolOf } from "./units";
+
+const MINUS = "−";
+const THIN = "\u202f"; // narrow and unbreakable
+const NOTHING = "–";
+
+/** `decimals` fixed digits after the point, thin spaces between thousands, a real minus; a dash for what is missing. */
+export function fixed(value: number | null | undefined, decimals = 0): string {
+  if (value === null || value === undefined || !Number.isFinite(value)) return NOTHING;
+  const rounded = Math.abs(value).toFixed(decimals);
+  const [whole = "0", fraction] = rounded.split(".");
+  const grouped = whole.length > 4 ? whole.replace(/\B(?=(\d{3})+$)/g, THIN) : whole;
+  const negative = value < 0 && Number(rounded) !== 0;
+  return `${negative ? MINUS : ""}${grouped}${fraction === undefined ? "" : `.${fraction}`}`;
+}
+
+/** Whole numbers whole, others with `digits` significant digits and no exponent where it can be avoided. */
+export function compact(value: number | null | undefined, digits = 4): string {
+  if (value === null || value === undefined || !Number.isFinite(value)) return NOTHING;
+  if (Number.isInteger(value) && Math.abs(value) < 1e9) return fixed(value);
+  const size = Math.abs(value);
+  if (size >= 1e9 || size < 1e-4) return value.toExponential(digits - 1).replace("-", MINUS);
+  return fixed(value, Math.max(0, digits - 1 - Math.floor(Math.log10(size))));
+}
+
+/** A number with its unit: never one without the other. */
+export function withUnit(value: number | null | undefined, unit: string, digits = 4): string {
+  const text = compact(value, digits);
+  const symbol = symbolOf(unit);
+  if (symbol === "") return text;
+  return symbol === "°" ? `${text}°` : `${text}${THIN}${symbol}`;
+}
+
+/** Seconds as people read them: 12 µs, 3.40 ms, 1.25 s, 2:05 min. */
+export function duration(seconds: number | null | undefined): string {
+  if (seconds === null || seconds === undefined || !Number.isFinite(seconds)) return NOTHING;
+  const size = Math.abs(seconds);
+  if (size === 0) return `0${THIN}s`;
+  if (size < 1e-3) return `${compact(seconds * 1e6, 3)}${THIN}µs`;
+  if (size < 1) return `${compact(seconds * 1e3, 3)}${THIN}ms`;
+  if (size < 60) return `${compact(seconds, 3)}${THIN}s`;
+  const whole = Math.round(size);
+  return `${seconds < 0 ? MINUS : ""}${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, "0")}${THIN}min`;
+}
+
+/** Hz, kHz or MHz. */
+export function frequency(hz: number | null | undefined): string {
+  if (hz === null || hz === undefined || !Number.isFinite(hz)) return NOTHING;
+  if (Math.abs(hz) >= 1e6) return `${compact(hz / 1e6)}${THIN}MHz`;
+  if (Math.abs(hz) >= 1e4) return `${compact(hz / 1e3)}${THIN}kHz`;
+  return `${compact(hz)}${THIN}Hz`;
+}
+
+/** 0x0012ab34 with as many digits as `bits` need. */
+export function hex(value: number, bits = 24): string {
+  return `0x${(value >>> 0).toString(16).padStart(Math.ceil(bits / 4), "0")}`;
+}
+
+/** A number as a person types it: 1e3, 1.5k, 1 000, 0x10, −3. null where it is none. */
+export function parseNumber(text: string): number | null {
+  const plain = text.replace(/[\s_]/g, "").replace(MINUS, "-").replace(",", ".");
+  if (plain === "") return null;
+  const scaled = /^([+-]?(?:\d+\.?\d*|\.\d+))([kM])$/.exec(plain);
+  const value = scaled ? Number(scaled[1]) * (scaled[2] === "k" ? 1e3 : 1e6) : Number(plain);
+  return Number.isFinite(value) ? value : null;
+}

@@ -1,0 +1,42 @@
+import { describe, expect, it } from "vitest";
+import { type AxisScale, fromSteps, toSteps, unitsFor } from "./units";
+
+const stage: AxisScale = {
+  fullStepsPerRev: 200,
+  microstepsPerFullStep: 64,
+  gearRatio: 2,
+  travelMmPerRev: 5,
+  pulseDiv: 3,
+  rampDiv: 5,
+  clockHz: 16e6,
+};
+
+describe("units", () => {
+  it("counts a turn of the load in microsteps of the motor", () => {
+    expect(toSteps(1, "rev", stage, "position")).toBe(200 * 64 * 2);
+    expect(toSteps(5, "mm", stage, "position")).toBe(200 * 64 * 2);
+    expect(fromSteps(25_600, "deg", stage, "position")).toBe(360);
+    expect(toSteps(60, "rpm", stage, "velocity")).toBe(25_600);
+  });
+
+  it("knows the chip's own units (TMC428 data sheet, 8.14)", () => {
+    expect(toSteps(2047, "chip", stage, "velocity")).toBeCloseTo((16e6 * 2047) / (8 * 2048 * 32), 6);
+    expect(toSteps(1, "chip", stage, "acceleration")).toBeCloseTo(16e6 ** 2 / 2 ** 37, 6);
+  });
+
+  it("goes there and back in every unit that the axis offers", () => {
+    for (const motion of ["position", "velocity", "acceleration"] as const) {
+      for (const unit of unitsFor(motion, stage)) {
+        expect(fromSteps(toSteps(123.25, unit, stage, motion), unit, stage, motion)).toBeCloseTo(123.25, 9);
+      }
+    }
+  });
+
+  it("does not offer what the axis does not know", () => {
+    const unknown: AxisScale = { ...stage, microstepsPerFullStep: null, travelMmPerRev: null, pulseDiv: null };
+    expect(unitsFor("position", unknown)).toEqual(["microsteps"]);
+    expect(unitsFor("velocity", unknown)).toEqual(["pps"]);
+    expect(fromSteps(1, "mm", { ...stage, travelMmPerRev: null }, "position")).toBeNaN();
+    expect(fromSteps(1, "rpm", stage, "position")).toBeNaN();
+  });
+});
