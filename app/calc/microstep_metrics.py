@@ -81,9 +81,8 @@ def metrics(values: Sequence[int], usrs: int = 6, dac_bits: int = DAC_BITS) -> T
     """
     lost = DAC_BITS - whole_number("dac_bits", dac_bits, 1, DAC_BITS)
     period = step_through(values, usrs)
-    # Truncated as a magnitude, then signed: the phase bit travels apart from the DAC bits.
-    phase_a = [math.copysign(abs(step.current_a) >> lost << lost, step.current_a) for step in period]
-    phase_b = [math.copysign(abs(step.current_b) >> lost << lost, step.current_b) for step in period]
+    phase_a = [_reaching(step.current_a, lost) for step in period]
+    phase_b = [_reaching(step.current_b, lost) for step in period]
     return metrics_of_currents(phase_a, phase_b)
 
 
@@ -93,8 +92,9 @@ def metrics_of_currents(phase_a: ArrayLike, phase_b: ArrayLike) -> TableMetrics:
     Both of shape (4 * 2^usrs,) for some usrs of 0..6, in any unit, which is that of the lengths.
     Raises ValueError for any other shape and for currents that are not finite.
     """
-    sine = np.asarray(phase_a, dtype=np.float64)
-    cosine = np.asarray(phase_b, dtype=np.float64)
+    # Adding 0 makes +0 of -0, for which atan2 would find the same angle a turn away.
+    sine = np.asarray(phase_a, dtype=np.float64) + 0.0
+    cosine = np.asarray(phase_b, dtype=np.float64) + 0.0
     if sine.ndim != 1 or sine.shape != cosine.shape or sine.size not in {4 << usrs for usrs in range(7)}:
         raise ValueError(f"a period has 4, 8, ... 256 steps in both phases, not {sine.shape} and {cosine.shape}")
     if not (np.isfinite(sine).all() and np.isfinite(cosine).all()):
@@ -131,6 +131,12 @@ def metrics_of_currents(phase_a: ArrayLike, phase_b: ArrayLike) -> TableMetrics:
         harmonics=harmonics,
         thd=thd,
     )
+
+
+def _reaching(current: int, lost_bits: int) -> int:
+    # Truncated as a magnitude, then signed: the phase bit travels apart from the DAC bits.
+    magnitude = abs(current) >> lost_bits << lost_bits
+    return -magnitude if current < 0 else magnitude
 
 
 def _wrapped(angle_deg: NDArray[np.float64]) -> NDArray[np.float64]:
