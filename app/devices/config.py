@@ -1,0 +1,88 @@
+"""What a connection is, before anything is connected: what the store keeps and the manager opens."""
+
+from __future__ import annotations
+
+import math
+import re
+import unicodedata
+from collections.abc import Collection
+from dataclasses import dataclass, field
+
+from app.calc.mechanics import Mechanics
+from app.links.errors import OutOfRange, UnknownThing, UsageError
+from app.links.registry import Link
+from app.registers.catalog import MODELS
+
+
+@dataclass(frozen=True, slots=True)
+class AxisSettings:
+    """The motor on an axis and what it moves; names, ranges and units as in the API's AxisConfig."""
+
+    name: str = "axis"
+    full_steps_per_rev: int = 200
+    driver_microsteps: int = 16
+    """Microsteps per full step of a step/direction driver (TMC4210); the TMC428 has usrs instead."""
+    gear_ratio: float = 1.0
+    travel_mm_per_rev: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, number, lowest, highest in (
+            ("full_steps_per_rev", self.full_steps_per_rev, 1, 100_000),
+            ("driver_microsteps", self.driver_microsteps, 1, 256),
+        ):
+            if not lowest <= number <= highest:
+                raise OutOfRange(name, number, lowest, highest)
+        for name, ratio in (("gear_ratio", self.gear_ratio), ("travel_mm_per_rev", self.travel_mm_per_rev)):
+            if ratio is not None and not (math.isfinite(ratio) and 0 < ratio <= 1e6):
+                raise OutOfRange(name, ratio, 0, 1e6, "above 0")
+
+    def mechanics(self, microsteps_per_full_step: int) -> Mechanics:
+        """Conversions of this axis at that microstep resolution."""
+        return Mechanics(
+            self.full_steps_per_rev, microsteps_per_full_step, self.gear_ratio, travel_mm_per_rev=self.travel_mm_per_rev
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceConfig:
+    """One connection. Missing axes are filled up with defaults; `demo` ones are never stored."""
+
+    name: str
+    model: str
+    link: Link
+    clock_hz: float = 0.0
+    """Chip clock [Hz]; 0 stands for the model's default."""
+    axes: tuple[AxisSettings, ...] = field(default=())
+    demo: bool = False
+
+    def __post_init__(self) -> None:
+        model = MODELS.get(self.model)
+        if model is None:
+            raise UnknownThing("model", self.model, sorted(MODELS))
+        if not self.name.strip():
+            raise UsageError("a device needs a name")
+        if not self.clock_hz:
+            object.__setattr__(self, "clock_hz", model.clock_hz_default)
+        if not (math.isfinite(self.clock_hz) and 0 < self.clock_hz <= model.clock_hz_max):
+            raise OutOfRange("clock_hz", self.clock_hz, 0, model.clock_hz_max, "above 0")
+        if len(self.axes) > model.axes:
+            raise OutOfRange("number of axes", len(self.axes), 0, model.axes)
+        missing = tuple(AxisSettings(name=f"axis {index}") for index in range(len(self.axes), model.axes))
+        object.__setattr__(self, "axes", tuple(self.axes) + missing)
+        object.__setattr__(self, "link", dict(self.link))
+
+
+def slug(name: str) -> str:
+    """What stands for a name in an address: ASCII letters, digits and single dashes; never empty."""
+    plain = unicodedata.normalize("NFKD", name).encode("ascii", "ignore").decode()
+    return re.sub(r"[^a-z0-9]+", "-", plain.lower()).strip("-") or "device"
+
+
+def unique_slug(name: str, taken: Collection[str]) -> str:
+    """The slug of `name`, numbered where it is in `taken`."""
+    wanted = candidate = slug(name)
+    number = 2
+    while candidate in taken:
+        candidate = f"{wanted}-{number}"
+        number += 1
+    return candidate

@@ -1,0 +1,288 @@
+"""One connected thing: who it is, whether it answers, and what everybody above may ask of it.
+
+`Device` is the contract. What the families share among themselves is in `ramp_chip`, what is the
+same for every 32-bit register chip in `register_chip`.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import cast
+
+from app.devices.config import AxisSettings, DeviceConfig
+from app.devices.prediction import Prediction
+from app.devices.results import (
+    AxisMove,
+    AxisState,
+    BatchResult,
+    ChainContents,
+    DeviceState,
+    MoveStarted,
+    ProfileDocument,
+    RawExchange,
+    RegisterReading,
+    RegisterWritten,
+    Rotating,
+    StopMode,
+    StopOutcome,
+    WriteItem,
+)
+from app.devices.sample_plan import Channel, SamplePlan
+from app.links.errors import BenchError, LinkError, UnknownThing, WrongState
+from app.links.port import FramePort, SamplingPort
+from app.links.queue import LinkQueue
+from app.links.registry import Link
+from app.registers.catalog import MODELS, Model
+
+RATE_MAX_EMULATED_HZ = 1000.0
+RATE_MAX_WIRE_HZ = 500.0
+"""What a socket and a task a sample carry without taking the link from commands; measured, not promised."""
+
+
+@dataclass(frozen=True, slots=True)
+class StateChanged:
+    """The connection's state is another one now."""
+
+    state: DeviceState
+    problem: BenchError | None
+
+
+@dataclass(frozen=True, slots=True)
+class MotionStarted:
+    """An axis was sent somewhere: what a trigger waits for."""
+
+    axis: int
+    started_at_s: float
+
+
+DeviceEvent = StateChanged | MotionStarted
+
+
+@dataclass(slots=True)
+class Axis:
+    """One axis: its settings, and what is known of its chip setting without asking (None: nothing yet)."""
+
+    index: int
+    settings: AxisSettings
+    pulse_div: int | None = None
+    ramp_div: int | None = None
+    microsteps_per_full_step: int | None = None
+
+    @property
+    def name(self) -> str:
+        return self.settings.name
+
+
+class Device(ABC):
+    """A chip behind a link. All positions in microsteps, all times in device time [s]."""
+
+    def __init__(self, device_id: str, config: DeviceConfig, port: FramePort) -> None:
+        self.id = device_id
+        self.config = config
+        self.port = port
+        self.queue = LinkQueue(port, on_result=self._link_result)
+        self.axes = tuple(Axis(index, settings) for index, settings in enumerate(config.axes))
+        self.stops = [0] * len(self.axes)
+        """How often each axis was stopped: a command that finds it changed was overtaken."""
+        self.motion_commands = [0] * len(self.axes)
+        """How many commands each axis got that may move or stop it: how procedures see that somebody else took over."""
+        self._state: DeviceState = "disconnected"
+        self._problem: BenchError | None = None
+        self._listeners: list[Callable[[DeviceEvent], None]] = []
+
+    # --- who it is ------------------------------------------------------------------------------
+
+    @property
+    def name(self) -> str:
+        return self.config.name
+
+    @property
+    def model(self) -> str:
+        return self.config.model
+
+    @property
+    def family(self) -> Model:
+        """The catalog's entry of this model."""
+        return MODELS[self.config.model]
+
+    @property
+    def link(self) -> Link:
+        return self.config.link
+
+    @property
+    def clock_hz(self) -> float:
+        return self.config.clock_hz
+
+    @property
+    def emulated(self) -> bool:
+        return self.config.link.get("kind") == "emulator"
+
+    @property
+    def sampling_port(self) -> SamplingPort | None:
+        """The port, where its far end samples itself on its own time."""
+        return cast("SamplingPort", self.port) if hasattr(self.port, "start_sampling") else None
+
+    @property
+    def chip_timed(self) -> bool:
+        """Whether samples bear the device's own time."""
+        return self.sampling_port is not None
+
+    @property
+    def rate_max_hz(self) -> float:
+        """Samples a second that this link is good for."""
+        return RATE_MAX_EMULATED_HZ if self.chip_timed else RATE_MAX_WIRE_HZ
+
+    def device_time_s(self) -> float:
+        """Now, device time [s]."""
+        return self.port.device_time_s()
+
+    def axis(self, index: int) -> Axis:
+        """Raises UnknownThing for an axis that the chip does not have."""
+        if not 0 <= index < len(self.axes):
+            raise UnknownThing("axis", str(index), [str(axis.index) for axis in self.axes])
+        return self.axes[index]
+
+    # --- whether it answers ---------------------------------------------------------------------
+
+    @property
+    def state(self) -> DeviceState:
+        return self._state
+
+    @property
+    def problem(self) -> BenchError | None:
+        """Why it is not connected; None while it is."""
+        return self._problem
+
+    def listen(self, listener: Callable[[DeviceEvent], None]) -> Callable[[], None]:
+        """Hear of state changes and starts; returns the function that ends it. A listener must not raise."""
+        self._listeners.append(listener)
+
+        def end() -> None:
+            if listener in self._listeners:
+                self._listeners.remove(listener)
+
+        return end
+
+    def set_state(self, state: DeviceState, problem: BenchError | None = None) -> None:
+        """For the manager."""
+        if (state, problem) != (self._state, self._problem):
+            self._state, self._problem = state, problem
+            self._tell(StateChanged(state, problem))
+
+    def _tell(self, event: DeviceEvent) -> None:
+        for listener in tuple(self._listeners):
+            listener(event)
+
+    def _link_result(self, error: LinkError | None) -> None:
+        if self._state == "disconnected":
+            return
+        if error is None:
+            self.set_state("connected")
+        else:
+            self.set_state("failed", error)
+
+    def require_connected(self) -> None:
+        """Raises WrongState after a disconnect. A failed link is tried: it may be back."""
+        if self._state == "disconnected":
+            raise WrongState(f"{self.name} is not connected", "connect it first")
+
+    # --- what it can ----------------------------------------------------------------------------
+
+    @abstractmethod
+    async def probe(self) -> str:
+        """Ask something harmless; returns what was found, for people. Raises LinkError, or WrongState (other chip)."""
+
+    @abstractmethod
+    async def refresh(self) -> None:
+        """Read again what the driver remembers of the chip (dividers): somebody else may have changed it."""
+
+    @abstractmethod
+    async def read(self, name: str, axis: int | None = None) -> RegisterReading:
+        """Read one register, or a field by its own name, from the chip, past any cache."""
+
+    @abstractmethod
+    async def read_all(self, axis: int | None = None) -> list[RegisterReading]:
+        """Every readable register; of one axis (and no global ones) where `axis` is given."""
+
+    @abstractmethod
+    async def write(
+        self,
+        name: str,
+        axis: int | None = None,
+        value: int | None = None,
+        fields: dict[str, int | str] | None = None,
+    ) -> RegisterWritten:
+        """Write the whole value, or some fields, and read back.
+
+        Raises UnknownThing, OutOfRange, WrongState (read-only), WriteRefused (the chip did not take it).
+        """
+
+    @abstractmethod
+    async def write_many(self, items: Sequence[WriteItem]) -> BatchResult:
+        """Several writes in order; the first that fails ends it."""
+
+    @abstractmethod
+    async def exchange(self, frame: bytes) -> RawExchange:
+        """One raw datagram. Raises OutOfRange for a wrong length."""
+
+    @abstractmethod
+    async def axis_state(self, axis: int) -> AxisState:
+        """Position, velocity, switches and flags now."""
+
+    @abstractmethod
+    async def move_together(self, moves: Sequence[AxisMove]) -> list[MoveStarted]:
+        """Prepare all, then start all in successive datagrams (001, 9.10)."""
+
+    async def move(self, axis: int, target: float, relative: bool = False, unit: str = "microsteps") -> MoveStarted:
+        """Go to `target`, in RAMP_MODE or SOFT_MODE. Raises WrongState where the setting cannot move the motor."""
+        return (await self.move_together([AxisMove(axis, target, relative, unit)]))[0]
+
+    @abstractmethod
+    async def rotate(self, axis: int, velocity: float, unit: str = "pps") -> Rotating:
+        """Turn on and on, in VELOCITY_MODE. Never clipped: raises OutOfRange with the limit in the same unit."""
+
+    @abstractmethod
+    async def stop_axes(self, axes: Sequence[int], mode: StopMode = "ramp") -> list[StopOutcome]:
+        """Stop ahead of everything that waits for this link. Failures are in the outcomes, not raised."""
+
+    async def stop(self, axis: int, mode: StopMode = "ramp") -> StopOutcome:
+        """Stop one axis. Raises what went wrong."""
+        self.require_connected()
+        outcome = (await self.stop_axes([self.axis(axis).index], mode))[0]
+        if outcome.problem is not None:
+            raise outcome.problem
+        return outcome
+
+    @abstractmethod
+    def prediction(self, axis: int) -> Prediction | None:
+        """The ramp expected for the present motion; None where there was none, or something changed it."""
+
+    @abstractmethod
+    def channels(self) -> tuple[Channel, ...]:
+        """Every telemetry channel of this device."""
+
+    @abstractmethod
+    def sample_plan(self, channels: Sequence[str]) -> SamplePlan:
+        """What to ask for these channels, and how to read the answers. Raises UnknownThing."""
+
+    @abstractmethod
+    async def profile(self) -> ProfileDocument:
+        """All readable configuration registers and tables."""
+
+    async def read_microstep_table(self) -> list[int]:
+        """The 64 values. Raises WrongState where the chip has no table."""
+        raise WrongState(f"a {self.family.title} has no microstep table", "its step/direction driver makes microsteps")
+
+    async def write_microstep_table(self, values: Sequence[int]) -> list[int]:
+        """Write 64 values of 0..63 and return the read-back. Raises WrongState, UsageError, WriteRefused."""
+        raise WrongState(f"a {self.family.title} has no microstep table", "its step/direction driver makes microsteps")
+
+    async def read_driver_chain(self) -> ChainContents:
+        """The chain's RAM and LSMD. Raises WrongState where the chip drives no chain."""
+        raise WrongState(f"a {self.family.title} drives no chain of SPI drivers", "it has a step/direction output")
+
+    async def write_driver_chain(self, ram_words: Sequence[int], lsmd: int) -> ChainContents:
+        """Write up to 32 RAM words and LSMD and return the read-back. Raises WrongState, UsageError, WriteRefused."""
+        raise WrongState(f"a {self.family.title} drives no chain of SPI drivers", "it has a step/direction output")

@@ -1,0 +1,212 @@
+"""Owns all connections: makes them, watches them, brings them back, and stops everything at once.
+
+What this session set in motion it stops before it lets go of a device (disconnect, remove, shut
+down). Axes that it never moved it leaves alone.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from app.clock import Clock
+from app.devices.config import AxisSettings, DeviceConfig, unique_slug
+from app.devices.device import Device
+from app.devices.families import make_device
+from app.devices.results import StopMode, StopOutcome
+from app.devices.watch import Watch
+from app.links.errors import BenchError, UnknownThing, WrongState
+from app.links.registry import Link, PortFactory, open_port
+
+LET_GO_S = 1.0
+"""How long letting go of a device may take to stop its motors [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceChange:
+    """What to edit; None leaves as it is. A new name makes a new id, a new link a new connection."""
+
+    name: str | None = None
+    link: Link | None = None
+    clock_hz: float | None = None
+    axes: tuple[AxisSettings, ...] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class LinkTrial:
+    """What a trial of a link found, without keeping anything."""
+
+    ok: bool
+    detail: str
+    round_trip_ms: float | None
+    problem: BenchError | None
+
+
+class DeviceManager:
+    """`kinds` are the link kinds that the composition root offers; `on_change` hears of any change worth storing."""
+
+    def __init__(
+        self, kinds: Mapping[str, PortFactory], clock: Clock, on_change: Callable[[], None] | None = None
+    ) -> None:
+        self._kinds = dict(kinds)
+        self._clock = clock
+        self._on_change = on_change or (lambda: None)
+        self._devices: dict[str, Device] = {}
+        self._watches: dict[Device, Watch] = {}
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Kinds of links on offer."""
+        return tuple(self._kinds)
+
+    @property
+    def devices(self) -> tuple[Device, ...]:
+        """All devices, in the order they were added."""
+        return tuple(self._devices.values())
+
+    def get(self, device_id: str) -> Device:
+        """Raises UnknownThing."""
+        device = self._devices.get(device_id)
+        if device is None:
+            raise UnknownThing("device", device_id, list(self._devices))
+        return device
+
+    def configs(self) -> list[DeviceConfig]:
+        """What there is to keep: every connection but the demo's."""
+        return [device.config for device in self.devices if not device.config.demo]
+
+    async def add(self, config: DeviceConfig, *, connect: bool = True, wait: bool = True) -> Device:
+        """Add a connection. One that does not answer is added all the same; its state tells why.
+
+        With `wait` the first attempt is over on return. Raises UsageError for a link that cannot be.
+        """
+        device = self._make(config, unique_slug(config.name, self._devices))
+        self._devices[device.id] = device
+        self._on_change()
+        if connect:
+            await self._start(device, wait=wait)
+        return device
+
+    async def edit(self, device_id: str, change: DeviceChange) -> Device:
+        """Change a connection. Only a new link disturbs it. An edited demo device becomes an ordinary one.
+
+        Raises UnknownThing, or UsageError for what cannot be; then nothing has changed.
+        """
+        device = self.get(device_id)
+        old = device.config
+        config = replace(
+            old,
+            name=old.name if change.name is None else change.name,
+            link=old.link if change.link is None else change.link,
+            clock_hz=old.clock_hz if change.clock_hz is None else change.clock_hz,
+            axes=old.axes if change.axes is None else change.axes,
+            demo=False,
+        )
+        others = [other for other in self._devices if other != device_id]
+        new_id = device_id if config.name == old.name else unique_slug(config.name, others)
+        if config.link == old.link:
+            device.reconfigure(new_id, config)
+            self._put(device_id, device)
+            self._on_change()
+            return device
+        successor = self._make(config, new_id)
+        connected = device.state != "disconnected"
+        self._put(device_id, successor)
+        self._on_change()
+        await self._let_go(device)
+        if connected:
+            await self._start(successor, wait=True)
+        return successor
+
+    async def remove(self, device_id: str) -> None:
+        """Forget a connection. Raises UnknownThing."""
+        device = self.get(device_id)
+        del self._devices[device_id]
+        self._on_change()
+        await self._let_go(device)
+
+    async def connect(self, device_id: str) -> Device:
+        """Connect, or try at once again where that failed; the state tells what came of it. Raises UnknownThing."""
+        device = self.get(device_id)
+        if device.state != "connected":
+            await self._end_watch(device)
+            await self._start(device, wait=True)
+        return device
+
+    async def disconnect(self, device_id: str) -> Device:
+        """Disconnect and stay so. Raises UnknownThing."""
+        device = self.get(device_id)
+        await self._let_go(device)
+        return device
+
+    async def test(self, model: str, link: Link) -> LinkTrial:
+        """Try a link without keeping it. Raises UsageError for a link that cannot be."""
+        device = self._make(DeviceConfig(name="trial", model=model, link=link), "trial")
+        started = time.perf_counter()
+        try:
+            detail = await device.probe()
+        except BenchError as error:
+            return LinkTrial(False, str(error), None, error)
+        else:
+            once = time.perf_counter()
+            await device.probe()  # the first one opened the link: only the second is a round trip
+            return LinkTrial(True, detail, (time.perf_counter() - once) * 1e3, None)
+        finally:
+            del started
+            await device.port.aclose()
+
+    async def stop_all(self, mode: StopMode = "ramp") -> list[StopOutcome]:
+        """Every axis of every device, ahead of all queues, all devices at once. Never raises.
+
+        A device that does not answer costs its own timeout and nobody else's. One that is
+        disconnected cannot be stopped, and its outcome says so.
+        """
+        outcomes = await asyncio.gather(*(self._stop_device(device, mode) for device in self.devices))
+        return [outcome for of_device in outcomes for outcome in of_device]
+
+    async def close(self) -> None:
+        """Let go of everything. For the end of the program."""
+        await asyncio.gather(*(self._let_go(device) for device in self.devices))
+
+    # --- inside ---------------------------------------------------------------------------------
+
+    def _make(self, config: DeviceConfig, device_id: str) -> Device:
+        return make_device(device_id, config, open_port(self._kinds, config.model, config.link, self._clock))
+
+    def _put(self, old_id: str, device: Device) -> None:
+        # Rebuilt, not replaced: a renamed device keeps its place in the list.
+        self._devices = {
+            (device.id if key == old_id else key): (device if key == old_id else other)
+            for key, other in self._devices.items()
+        }
+
+    async def _start(self, device: Device, *, wait: bool) -> None:
+        watch = self._watches[device] = Watch(device, self._clock)
+        await watch.start(wait=wait)
+
+    async def _end_watch(self, device: Device) -> None:
+        watch = self._watches.pop(device, None)
+        if watch is not None:
+            await watch.stop()
+
+    async def _let_go(self, device: Device) -> None:
+        await self._end_watch(device)
+        moved = [axis.index for axis in device.axes if device.motion_commands[axis.index]]
+        if moved and device.state == "connected":
+            try:
+                async with asyncio.timeout(LET_GO_S):
+                    await device.stop_axes(moved)
+            except TimeoutError:
+                pass  # its outcome would have nobody to hear it; the link is closed next
+        device.set_state("disconnected")
+        await device.port.aclose()
+
+    @staticmethod
+    async def _stop_device(device: Device, mode: StopMode) -> Sequence[StopOutcome]:
+        axes = [axis.index for axis in device.axes]
+        if device.state == "disconnected":
+            problem = WrongState(f"{device.name} is not connected, so it cannot be stopped", "use its power switch")
+            return [StopOutcome(device.id, axis, False, 0.0, problem) for axis in axes]
+        return await device.stop_axes(axes, mode)

@@ -1,0 +1,165 @@
+"""What drivers answer. Plain records, whose names are those of the REST contract."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from app.links.errors import BenchError
+
+StopMode = Literal["ramp", "immediate"]
+DeviceState = Literal["connected", "connecting", "disconnected", "failed"]
+
+
+@dataclass(slots=True)
+class RegisterReading:
+    """One register as the chip holds it; of a field asked for by its own name, `value` is the field's."""
+
+    name: str
+    address: int
+    axis: int | None
+    raw: int
+    """The register's meaningful bits."""
+    value: int
+    fields: dict[str, int]
+    unit: str
+
+
+@dataclass(slots=True)
+class RegisterWritten(RegisterReading):
+    """The read-back of a write."""
+
+    written: int = 0
+    """The word that was sent."""
+    verified: bool | None = True
+    """None where the chip may change the register by itself, so that a difference proves nothing."""
+    note: str = ""
+
+
+@dataclass(slots=True)
+class BatchResult:
+    """How far several writes came: `failed` is what ended them, `not_tried` how many were left."""
+
+    done: list[RegisterWritten]
+    failed: BenchError | None
+    not_tried: int
+
+
+@dataclass(slots=True)
+class WriteItem:
+    """One write of a batch: the whole value, or some fields."""
+
+    name: str
+    axis: int | None = None
+    value: int | None = None
+    fields: dict[str, int | str] | None = None
+
+
+@dataclass(slots=True)
+class Switches:
+    """True is active; None where the wiring has no such switch. `home` is the reference switch."""
+
+    left: bool | None
+    right: bool | None
+    home: bool | None
+
+
+@dataclass(slots=True)
+class AxisState:
+    """One axis, read now. Positions in microsteps."""
+
+    position: int
+    target_position: int
+    velocity_pps: float
+    target_velocity_pps: float
+    acceleration_pps2: float
+    position_reached: bool
+    moving: bool
+    mode: str
+    """RAMP_MODE, SOFT_MODE, VELOCITY_MODE or HOLD_MODE."""
+    switches: Switches
+    flags: dict[str, bool]
+    time_s: float
+    """Device time of the reading of the position."""
+    encoder_position: int | None = None
+    deviation: int | None = None
+
+
+@dataclass(slots=True)
+class AxisMove:
+    """One axis's part of a move of several that start together."""
+
+    axis: int
+    target: float
+    relative: bool = False
+    unit: str = "microsteps"
+
+
+@dataclass(slots=True)
+class MoveStarted:
+    """A move under way, device time."""
+
+    axis: int
+    from_position: int
+    target_position: int
+    started_at_s: float
+    predicted_duration_s: float | None
+    warnings: list[str] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class Rotating:
+    """A rotation under way."""
+
+    axis: int
+    velocity_chip: int
+    velocity_pps: float
+    warnings: list[str] = field(default_factory=list)
+
+
+@dataclass(slots=True)
+class StopOutcome:
+    """What came of a stop of one axis, and how long it took from the call on."""
+
+    device: str
+    axis: int
+    ok: bool
+    took_ms: float
+    problem: BenchError | None = None
+
+
+@dataclass(slots=True)
+class RawExchange:
+    """A raw datagram and its answer: `decoded` has address, register, axis, rw, data, value, fields, status, flags."""
+
+    reply: bytes
+    decoded: dict[str, object]
+
+
+@dataclass(slots=True)
+class ChainContents:
+    """The driver chain as the chip holds it: 32 RAM words (two 6-bit cells each), and LSMD."""
+
+    ram_words: list[int]
+    lsmd: int
+
+
+@dataclass(slots=True)
+class ProfileEntry:
+    """One register in a profile."""
+
+    name: str
+    axis: int | None
+    raw: int
+    value: int
+    fields: dict[str, int]
+
+
+@dataclass(slots=True)
+class ProfileDocument:
+    """A device's whole configuration."""
+
+    registers: list[ProfileEntry]
+    microstep_table: list[int] | None
+    driver_chain: list[int] | None
+    """The 32 RAM words; LSMD is in the global register."""

@@ -1,0 +1,68 @@
+"""Keeps one device's state true: looks in on what works, tries again what does not."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+
+from app.clock import Clock
+from app.devices.device import Device
+from app.links.errors import BenchError
+
+LOOK_IN_S = 2.0
+"""How often a working device is looked in on: soon enough to see a cable pulled while nobody asks anything."""
+RETRIES_S = (0.25, 0.5, 1.0, 2.0, 4.0)
+"""Waits before the next attempts; the last one repeats."""
+
+
+class Watch:
+    """One device from connect to disconnect."""
+
+    def __init__(self, device: Device, clock: Clock) -> None:
+        self._device = device
+        self._clock = clock
+        self._task: asyncio.Task[None] | None = None
+
+    async def start(self, *, wait: bool) -> None:
+        """Connect, and go on watching. With `wait` the first attempt is over when this returns."""
+        self._device.set_state("connecting")
+        if wait:
+            await self._attempt()
+        self._task = asyncio.create_task(self._run(attempt_first=not wait), name=f"watch {self._device.id}")
+
+    async def stop(self) -> None:
+        """End watching. A second call does nothing."""
+        task, self._task = self._task, None
+        if task is not None:
+            task.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await task
+
+    async def _run(self, *, attempt_first: bool) -> None:
+        if attempt_first:
+            await self._attempt()
+        failures = 0
+        while True:
+            if self._device.state == "connected":
+                failures = 0
+                await self._clock.sleep(LOOK_IN_S)
+                await self._look_in()
+            else:
+                await self._clock.sleep(RETRIES_S[min(failures, len(RETRIES_S) - 1)])
+                failures += 1
+                await self._attempt()
+
+    async def _look_in(self) -> None:
+        # A failure of the link is told to the device by its queue; here it only must not end the watch.
+        with contextlib.suppress(BenchError):
+            await self._device.refresh()
+
+    async def _attempt(self) -> None:
+        device = self._device
+        try:
+            await device.probe()
+            await device.refresh()
+        except BenchError as error:
+            device.set_state("failed", error)
+        else:
+            device.set_state("connected")
