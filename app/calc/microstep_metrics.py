@@ -92,9 +92,8 @@ def metrics_of_currents(phase_a: ArrayLike, phase_b: ArrayLike) -> TableMetrics:
     Both of shape (4 * 2^usrs,) for some usrs of 0..6, in any unit, which is that of the lengths.
     Raises ValueError for any other shape and for currents that are not finite.
     """
-    # Adding 0 makes +0 of -0, for which atan2 would find the same angle a turn away.
-    sine = np.asarray(phase_a, dtype=np.float64) + 0.0
-    cosine = np.asarray(phase_b, dtype=np.float64) + 0.0
+    sine = np.asarray(phase_a, dtype=np.float64)
+    cosine = np.asarray(phase_b, dtype=np.float64)
     if sine.ndim != 1 or sine.shape != cosine.shape or sine.size not in {4 << usrs for usrs in range(7)}:
         raise ValueError(f"a period has 4, 8, ... 256 steps in both phases, not {sine.shape} and {cosine.shape}")
     if not (np.isfinite(sine).all() and np.isfinite(cosine).all()):

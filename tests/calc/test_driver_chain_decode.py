@@ -69,7 +69,7 @@ def test_any_noise_has_the_length_that_the_chip_would_send(words: list[int], lsm
     assert len(decoded.drivers) == sum(bit.next_motor for bit in decoded.bits)
 
 
-@given(lsmd=st.integers(0, 2), ends=st.sets(st.integers(0, 63), max_size=5))
+@given(lsmd=st.integers(0, 3), ends=st.sets(st.integers(0, 63), max_size=5))
 def test_findings_tell_endless_and_too_long_chains(lsmd: int, ends: set[int]) -> None:
     cells = [0x30 if address in ends else 0x10 for address in range(64)]
     decoded = decode_chain(pack_cells(cells), lsmd)

@@ -141,6 +141,18 @@ def test_a_motor_without_current_has_no_angle() -> None:
 
 
 @given(values=tables, usrs=resolutions)
+def test_of_equal_extremes_the_first_is_named(values: list[int], usrs: int) -> None:
+    found = metrics(values, usrs)
+    assume(found.worst_angle_step is not None)
+    assert found.worst_angle_step is not None
+    assert found.largest_step is not None
+    assert found.smallest_step is not None
+    # each quarter repeats the one before, so every extreme is met in the first
+    for step in (found.worst_angle_step, found.largest_step.step, found.smallest_step.step):
+        assert step < 1 << usrs
+
+
+@given(values=tables, usrs=resolutions)
 def test_steps_of_a_period_add_up_to_a_turn(values: list[int], usrs: int) -> None:
     assume(values[63] > 0)  # or a step could be half a turn, either way round
     found = metrics(values, usrs)
