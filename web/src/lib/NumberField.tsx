@@ -81,7 +81,9 @@ export function NumberField(props: NumberFieldProps) {
             ),
             rightSectionWidth: 14 + symbol.length * 7,
           })}
-      aria-label={input["aria-label"] ?? (typeof input.label === "string" ? `${input.label} ${symbol}`.trim() : undefined)}
+      aria-label={
+        input["aria-label"] ?? (typeof input.label === "string" ? `${input.label} ${symbol}`.trim() : undefined)
+      }
       onChange={(event) => {
         setDraft(event.currentTarget.value);
         setWrong(null);

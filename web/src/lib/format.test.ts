@@ -10,7 +10,7 @@ describe("format", () => {
   });
 
   it("shows the significant digits", () => {
-    expect(compact(3.14159)).toBe("3.142");
+    expect(compact(Math.PI)).toBe("3.142");
     expect(compact(0.012345)).toBe("0.01235");
     expect(compact(51200)).toBe("51\u202f200");
     expect(compact(4.2e-7)).toBe("4.200e−7");

@@ -2,13 +2,7 @@ import type { Schemas } from "../api/client";
 
 export type PositionUnit = Schemas["Move"]["unit"];
 export type VelocityUnit = Schemas["Rotate"]["unit"];
-export type AccelerationUnit =
-  | "pps2"
-  | "chip"
-  | "fullsteps_per_s2"
-  | "rpm_per_s"
-  | "rad_per_s2"
-  | "mm_per_s2";
+export type AccelerationUnit = "pps2" | "chip" | "fullsteps_per_s2" | "rpm_per_s" | "rad_per_s2" | "mm_per_s2";
 export type Unit = NonNullable<PositionUnit> | NonNullable<VelocityUnit> | AccelerationUnit | "s" | "Hz" | "";
 
 /** How units are written beside a number. */
@@ -49,10 +43,7 @@ export interface AxisScale {
   clockHz: number;
 }
 
-export function scaleOf(
-  axis: Schemas["AxisInfo"] | undefined,
-  clockHz: number | undefined,
-): AxisScale {
+export function scaleOf(axis: Schemas["AxisInfo"] | undefined, clockHz: number | undefined): AxisScale {
   return {
     fullStepsPerRev: axis?.full_steps_per_rev ?? 200,
     microstepsPerFullStep: axis?.microsteps_per_full_step ?? null,
