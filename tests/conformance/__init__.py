@@ -1,0 +1,1 @@
+"""Which sections of the data sheets the tests hold: `make conformance`."""
