@@ -29,7 +29,7 @@ dev: $(STAMPS)/app $(STAMPS)/tools  ## server and UI, both reload on a change; o
 	@exec $(PY) scripts/dev.py --host $(HOST) --port $(PORT)
 
 test: lint web-check chromium  ## everything that CI holds: linters, types, UI tests, Python tests, browser tests
-	$(BIN)/pytest -n $(WORKERS) $(ARGS)
+	$(BIN)/pytest -n $(WORKERS) --dist loadgroup $(ARGS)
 
 test-fast: $(STAMPS)/app $(STAMPS)/tools  ## Python tests without a browser
 	$(BIN)/pytest -n $(WORKERS) -m "not e2e" $(ARGS)

@@ -1,0 +1,102 @@
+"""Takes a picture of every page at desktop and phone size, in light and dark: scripts/screenshots.py FOLDER [--url URL].
+
+Without --url it starts a server of its own with the demo bench, and sets its axes moving: there is something to see.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import json
+import sys
+import tempfile
+import urllib.request
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Literal
+
+from chromium import chromium_flags, find_chromium
+from playwright.sync_api import Browser, ViewportSize, sync_playwright
+from server_process import ServerProcess
+
+PAGES = {
+    "bench": "/",
+    "registers": "/registers",
+    "ramps": "/ramps",
+    "microsteps": "/microsteps",
+    "chain": "/chain",
+    "connections": "/connections",
+}
+SIZES: dict[str, ViewportSize] = {
+    "desktop": {"width": 1440, "height": 900},
+    "phone": {"width": 390, "height": 844},
+}
+SCHEMES: tuple[Literal["light", "dark"], ...] = ("light", "dark")
+
+
+@contextlib.contextmanager
+def a_server(url: str | None) -> Iterator[str]:
+    """Yield the URL of the given server or of one of our own."""
+    if url:
+        yield url
+        return
+    with tempfile.TemporaryDirectory() as folder, ServerProcess(Path(folder), "--demo") as server:
+        yield server.url
+
+
+def shuttle(url: str) -> None:
+    """Send every axis of every device back and forth."""
+    for device in _call(f"{url}/api/v1/devices"):
+        for axis in device["axes"]:
+            address = f"{url}/api/v1/devices/{device['id']}/axes/{axis['index']}"
+            here = _call(address)["position"]
+            _call(f"{address}/shuttle", {"first": here, "second": here + 20_000 * (1 + axis["index"])})
+
+
+def _call(url: str, body: dict[str, object] | None = None) -> Any:
+    data = None if body is None else json.dumps(body).encode()
+    request = urllib.request.Request(url, data, {"content-type": "application/json"})
+    with urllib.request.urlopen(request, timeout=10) as answer:
+        return json.load(answer)
+
+
+def take(browser: Browser, url: str, folder: Path, pages: list[str], settle_s: float) -> list[str]:
+    """Write FOLDER/page-size-scheme.png for each; return what the consoles said of errors."""
+    said: list[str] = []
+    for size, viewport in SIZES.items():
+        for scheme in SCHEMES:
+            context = browser.new_context(viewport=viewport, color_scheme=scheme, base_url=url)
+            page = context.new_page()
+            page.on("console", lambda message: said.append(message.text) if message.type == "error" else None)
+            page.on("pageerror", lambda error: said.append(str(error)))
+            for name in pages:
+                page.goto(PAGES[name])
+                # Not for "networkidle": a page with a live socket and polling is never idle.
+                page.wait_for_timeout(settle_s * 1000)
+                page.screenshot(path=folder / f"{name}-{size}-{scheme}.png")
+            context.close()
+    return said
+
+
+def main() -> int:
+    """Take the pictures; 1 when a page complained on its console."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--url", help="a running server; by default one is started")
+    parser.add_argument("--page", action="append", choices=PAGES, help="only this page; may be repeated")
+    parser.add_argument("--settle", type=float, default=2.0, metavar="S", help="how long a page may run before [s]")
+    arguments = parser.parse_args()
+    arguments.folder.mkdir(parents=True, exist_ok=True)
+    with a_server(arguments.url) as url, sync_playwright() as playwright:
+        if not arguments.url:
+            shuttle(url)
+        browser = playwright.chromium.launch(executable_path=find_chromium(), args=chromium_flags())
+        said = take(browser, url, arguments.folder, arguments.page or list(PAGES), arguments.settle)
+        browser.close()
+    for line in dict.fromkeys(said):
+        print(f"console: {line}", file=sys.stderr)
+    return 1 if said else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

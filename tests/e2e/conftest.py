@@ -1,0 +1,140 @@
+"""A real browser against a real server. Playwright's fixtures are our own, a module long.
+
+Playwright's synchronous API keeps an event loop running in this thread, in which pytest-asyncio could start no other:
+a browser that lived for the whole session, as pytest-playwright's does, would fail every async test after it.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Generator, Iterator
+from pathlib import Path
+
+import httpx
+import pytest
+from axe_playwright_python.sync_playwright import Axe
+from chromium import chromium_flags, find_chromium
+from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, WebError, expect, sync_playwright
+from server_process import ServerProcess
+
+RESULTS = Path(__file__).parents[2] / "test-results"
+DESKTOP = {"width": 1440, "height": 900}
+PHONE = {"width": 390, "height": 844}
+
+expect.set_options(timeout=10_000)  # the machine may be busy; passing tests do not wait for it
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Mark every test here, and keep them on one xdist worker: two browsers starve each other on two cores."""
+    for item in items:
+        if item.path.is_relative_to(Path(__file__).parent):
+            item.add_marker(pytest.mark.e2e)
+            item.add_marker(pytest.mark.xdist_group("e2e"))
+
+
+class Errors:
+    """What went wrong in the pages of a test: failed scripts and console errors. Any makes the test fail."""
+
+    def __init__(self) -> None:
+        self._seen: list[str] = []
+        self._expected: list[re.Pattern[str]] = []
+
+    def expect(self, pattern: str) -> None:
+        """Let errors pass that `pattern` finds: the test causes them on purpose."""
+        self._expected.append(re.compile(pattern))
+
+    def on_console(self, message: ConsoleMessage) -> None:
+        if message.type == "error":
+            self._seen.append(f"console: {message.text} ({message.location.get('url', '')})")
+
+    def on_error(self, error: WebError) -> None:
+        self._seen.append(f"uncaught: {error.error}")
+
+    def unexpected(self) -> list[str]:
+        return [error for error in self._seen if not any(pattern.search(error) for pattern in self._expected)]
+
+
+@pytest.fixture(scope="session")
+def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServerProcess]:
+    """One server for all browser tests: they leave its demo bench standing still, as they found it."""
+    with ServerProcess(tmp_path_factory.mktemp("data"), "--demo") as running:
+        yield running
+
+
+@pytest.fixture(scope="session")
+def api(server: ServerProcess) -> Iterator[httpx.Client]:
+    """The same server without a browser: to arrange, and to look behind the page."""
+    with httpx.Client(base_url=f"{server.url}/api/v1", timeout=10) as client:
+        yield client
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Browser]:
+    with sync_playwright() as playwright:
+        running = playwright.chromium.launch(executable_path=find_chromium(), args=chromium_flags())
+        yield running
+        running.close()
+
+
+@pytest.fixture
+def errors() -> Errors:
+    return Errors()
+
+
+@pytest.fixture
+def new_context(browser: Browser, server: ServerProcess, errors: Errors) -> Iterator[Callable[..., BrowserContext]]:
+    """Make further browsers-in-the-browser, of other sizes or schemes, that fail the test for errors too."""
+    made: list[BrowserContext] = []
+
+    def make(**options: object) -> BrowserContext:
+        context = browser.new_context(**{"base_url": server.url, "viewport": DESKTOP, **options})  # type: ignore[arg-type]
+        context.on("console", errors.on_console)
+        context.on("weberror", errors.on_error)
+        made.append(context)
+        return context
+
+    yield make
+    for context in made:
+        context.close()
+
+
+@pytest.fixture
+def page(new_context: Callable[..., BrowserContext], errors: Errors, request: pytest.FixtureRequest) -> Iterator[Page]:
+    """A fresh page of desktop size. After the test no error may have been seen."""
+    page = new_context().new_page()
+    yield page
+    if request.node.stash.get(FAILED, False):
+        RESULTS.mkdir(exist_ok=True)
+        name = re.sub(r"[^\w.-]+", "_", request.node.name)
+        page.screenshot(path=RESULTS / f"{name}.png")
+        (RESULTS / f"{name}.html").write_text(page.content())
+    assert not errors.unexpected()
+
+
+FAILED = pytest.StashKey[bool]()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item) -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Let fixtures know whether their test failed: a failed one leaves a picture of its page."""
+    report = yield
+    if report.when == "call":
+        item.stash[FAILED] = report.failed
+    return report
+
+
+@pytest.fixture
+def check_axe() -> Callable[[Page], None]:
+    """Fail for what axe calls serious or critical on a page, naming the rule and the elements."""
+    axe = Axe()
+
+    def check(page: Page) -> None:
+        findings = [
+            f"{violation['id']} ({violation['impact']}): {violation['help']}\n"
+            + "\n".join(f"    {node['html']}\n    {node['failureSummary']}" for node in violation["nodes"])
+            for violation in axe.run(page).response["violations"]
+            if violation["impact"] in ("serious", "critical")
+        ]
+        assert not findings, "\n".join(findings)
+
+    return check
