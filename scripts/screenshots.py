@@ -1,4 +1,4 @@
-"""Takes a picture of every page at desktop and phone size, in light and dark: scripts/screenshots.py FOLDER [--url URL].
+"""Takes pictures of every page at desktop and phone size, in light and dark: scripts/screenshots.py FOLDER [--url URL].
 
 Without --url it starts a server of its own with the demo bench, and sets its axes moving: there is something to see.
 """
