@@ -1,0 +1,214 @@
+import { decodeFrame } from "./frames";
+import { TraceBuffer } from "./TraceBuffer";
+
+export interface TelemetryRequest {
+  device: string;
+  channels: readonly string[];
+  rateHz: number;
+  /** what the page keeps, and asks back for after a reload [s] */
+  keepS: number;
+}
+
+export type LinkPhase = "connecting" | "live" | "gap" | "lost" | "refused";
+
+/** What is known of a telemetry link: the only part of it that React renders. */
+export interface LinkState {
+  phase: LinkPhase;
+  requestedRateHz: number;
+  /** what the server granted */
+  rateHz: number | null;
+  achievedRateHz: number | null;
+  jitterMs: number | null;
+  latencyMs: number | null;
+  dropped: number;
+  /** samples bear the device's own time */
+  chipTimed: boolean;
+  /** unix time of device time 0 [s] */
+  timeOriginUnixS: number | null;
+  units: Readonly<Record<string, string>>;
+  /** why nothing comes */
+  reason: string | null;
+  /** seconds until the next attempt */
+  retryInS: number | null;
+}
+
+export interface MoveEvent {
+  device: string;
+  axis: number;
+  startedAtS: number;
+}
+
+/** How a socket is made; tests bring their own. */
+export type OpenSocket = (url: string, protocol: string) => WebSocket;
+
+const PROTOCOL = "stepscope.telemetry.v1";
+const FIRST_RETRY_S = 0.25;
+const LAST_RETRY_S = 5;
+/** More would be 100 MB of columns in the page; a recording is the place for longer runs. */
+const MOST_ROWS = 150_000;
+
+function initialState(request: TelemetryRequest): LinkState {
+  return {
+    phase: "connecting",
+    requestedRateHz: request.rateHz,
+    rateHz: null,
+    achievedRateHz: null,
+    jitterMs: null,
+    latencyMs: null,
+    dropped: 0,
+    chipTimed: false,
+    timeOriginUnixS: null,
+    units: {},
+    reason: null,
+    retryInS: null,
+  };
+}
+
+export function telemetryUrl(request: TelemetryRequest, origin: string): string {
+  const url = new URL(`/api/v1/devices/${encodeURIComponent(request.device)}/telemetry`, origin);
+  url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
+  url.searchParams.set("channels", request.channels.join(","));
+  url.searchParams.set("rate_hz", String(request.rateHz));
+  url.searchParams.set("history_s", String(request.keepS));
+  return url.href;
+}
+
+/**
+ * The samples of one device: a socket that comes back by itself, and the buffer that it fills. Made to live outside of
+ * React: `subscribe` tells of the link's state (at most about once a second), `buffer.revision` of the samples.
+ */
+export class TelemetrySource {
+  readonly request: TelemetryRequest;
+  readonly buffer: TraceBuffer;
+  private socket: WebSocket | null = null;
+  private state: LinkState;
+  private retryS = FIRST_RETRY_S;
+  private timer: ReturnType<typeof setTimeout> | undefined;
+  private closed = true;
+  private readonly listeners = new Set<() => void>();
+  private readonly moveListeners = new Set<(move: MoveEvent) => void>();
+  private readonly open: OpenSocket;
+
+  constructor(request: TelemetryRequest, open: OpenSocket = (url, protocol) => new WebSocket(url, protocol)) {
+    this.request = request;
+    this.open = open;
+    this.state = initialState(request);
+    const rows = Math.ceil(request.keepS * request.rateHz * 1.05) + 64;
+    this.buffer = new TraceBuffer(request.channels, Math.min(MOST_ROWS, rows));
+  }
+
+  /** Connect, and stay so until `stop`. A second start does nothing. */
+  start(): void {
+    if (!this.closed) return;
+    this.closed = false;
+    this.connect();
+  }
+
+  stop(): void {
+    this.closed = true;
+    clearTimeout(this.timer);
+    const socket = this.socket;
+    this.socket = null;
+    if (socket) {
+      socket.onclose = socket.onmessage = socket.onerror = null;
+      socket.close();
+    }
+  }
+
+  link = (): LinkState => this.state;
+
+  subscribe = (listener: () => void): (() => void) => {
+    this.listeners.add(listener);
+    return () => this.listeners.delete(listener);
+  };
+
+  onMove(listener: (move: MoveEvent) => void): () => void {
+    this.moveListeners.add(listener);
+    return () => this.moveListeners.delete(listener);
+  }
+
+  private update(change: Partial<LinkState>): void {
+    this.state = { ...this.state, ...change };
+    for (const listener of this.listeners) listener();
+  }
+
+  private connect(): void {
+    if (this.closed) return;
+    const socket = this.open(telemetryUrl(this.request, window.location.origin), PROTOCOL);
+    this.socket = socket;
+    socket.binaryType = "arraybuffer";
+    socket.onmessage = ({ data }: MessageEvent<ArrayBuffer | string>) => {
+      if (typeof data === "string") this.onText(data);
+      else this.onFrame(data);
+    };
+    socket.onclose = (event) => this.onClose(event);
+  }
+
+  private onFrame(data: ArrayBuffer): void {
+    const frame = decodeFrame(data);
+    // Rows that the server had to drop are missing between the last frame and this one.
+    if (frame.dropped > this.state.dropped) {
+      this.buffer.gap();
+      this.update({ dropped: frame.dropped });
+    }
+    this.buffer.append(frame);
+    if (this.state.phase !== "live") this.update({ phase: "live", reason: null });
+  }
+
+  private onText(text: string): void {
+    const message = JSON.parse(text) as Record<string, unknown>;
+    switch (message.type) {
+      case "start":
+        // The history that follows is complete: what was kept before the break is part of it.
+        this.buffer.clear();
+        this.retryS = FIRST_RETRY_S;
+        this.update({
+          phase: "live",
+          reason: null,
+          retryInS: null,
+          dropped: 0,
+          rateHz: message.rate_hz as number,
+          chipTimed: message.chip_timed as boolean,
+          timeOriginUnixS: message.time_origin_unix_s as number,
+          units: Object.fromEntries(
+            (message.channels as { name: string; unit: string }[]).map((c) => [c.name, c.unit]),
+          ),
+        });
+        break;
+      case "status":
+        this.update({
+          achievedRateHz: message.achieved_rate_hz as number,
+          jitterMs: message.jitter_ms as number,
+          latencyMs: message.latency_ms as number,
+        });
+        break;
+      case "gap":
+        this.buffer.gap();
+        this.update({ phase: "gap", reason: message.reason as string });
+        break;
+      case "move":
+        for (const listener of this.moveListeners)
+          listener({
+            device: this.request.device,
+            axis: message.axis as number,
+            startedAtS: message.started_at_s as number,
+          });
+        break;
+    }
+  }
+
+  private onClose(event: CloseEvent): void {
+    if (this.closed) return;
+    this.buffer.gap();
+    const refused = event.code >= 4000 || event.code === 1008;
+    const wait = this.retryS * (0.8 + 0.4 * Math.random()); // so that many pages do not come back in step
+    this.update({
+      phase: refused ? "refused" : "lost",
+      reason: event.reason || (refused ? "The server refused the channels" : "The connection to the server is lost"),
+      retryInS: wait,
+      achievedRateHz: null,
+    });
+    this.retryS = Math.min(LAST_RETRY_S, this.retryS * 2);
+    this.timer = setTimeout(() => this.connect(), wait * 1000);
+  }
+}

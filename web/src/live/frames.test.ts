@@ -1,0 +1,53 @@
+import { describe, expect, it } from "vitest";
+import { decodeFrame, FrameError } from "./frames";
+
+/** The frame of the layout in the comment of `decodeFrame`, written by hand. */
+function build(sequence: number, dropped: bigint, columns: number[][]): ArrayBuffer {
+  const rows = columns[0]?.length ?? 0;
+  const message = new ArrayBuffer(24 + 8 * rows * columns.length);
+  const view = new DataView(message);
+  [..."SSC1"].forEach((letter, index) => {
+    view.setUint8(index, letter.charCodeAt(0));
+  });
+  view.setUint32(4, sequence, true);
+  view.setUint32(8, rows, true);
+  view.setUint32(12, columns.length - 1, true);
+  view.setBigUint64(16, dropped, true);
+  columns.forEach((column, index) => {
+    column.forEach((value, row) => {
+      view.setFloat64(24 + 8 * (rows * index + row), value, true);
+    });
+  });
+  return message;
+}
+
+describe("decodeFrame", () => {
+  it("views time and columns in place", () => {
+    const message = build(7, 12n, [
+      [0.001, 0.002],
+      [100, 101],
+      [Number.NaN, -3.5],
+    ]);
+    const frame = decodeFrame(message);
+    expect(frame).toMatchObject({ sequence: 7, rows: 2, dropped: 12 });
+    expect([...frame.time]).toEqual([0.001, 0.002]);
+    expect(frame.columns.map((column) => [...column])).toEqual([
+      [100, 101],
+      [Number.NaN, -3.5],
+    ]);
+    expect(frame.columns.every((column) => column.buffer === message)).toBe(true);
+  });
+
+  it("takes a frame without rows", () => {
+    expect(decodeFrame(build(0, 0n, [[], []]))).toMatchObject({ rows: 0, columns: [new Float64Array()] });
+  });
+
+  it("refuses what is no frame", () => {
+    const good = build(1, 0n, [[1], [2]]);
+    expect(() => decodeFrame(new ArrayBuffer(8))).toThrow(FrameError);
+    expect(() => decodeFrame(good.slice(0, good.byteLength - 8))).toThrow(/40 bytes, got 32/);
+    const wrong = good.slice(0);
+    new Uint8Array(wrong)[3] = 0x32;
+    expect(() => decodeFrame(wrong)).toThrow(/SSC1/);
+  });
+});
