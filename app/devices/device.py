@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
+from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import cast
 
@@ -57,7 +58,19 @@ class MotionStarted:
     started_at_s: float
 
 
-DeviceEvent = StateChanged | MotionStarted
+@dataclass(frozen=True, slots=True)
+class MotionCommanded:
+    """Something went to the chip that may move or stop an axis. `by` is what `motion_owner` held then."""
+
+    axis: int
+    what: str
+    by: object
+
+
+DeviceEvent = StateChanged | MotionStarted | MotionCommanded
+
+motion_owner: ContextVar[object] = ContextVar("motion_owner", default=None)
+"""Who commands in this task: how a procedure tells its own commands from everybody else's."""
 
 
 @dataclass(slots=True)
@@ -87,7 +100,7 @@ class Device(ABC):
         self.stops = [0] * len(self.axes)
         """How often each axis was stopped: a command that finds it changed was overtaken."""
         self.motion_commands = [0] * len(self.axes)
-        """How many commands each axis got that may move or stop it: how procedures see that somebody else took over."""
+        """How many commands each axis got from this session that may move or stop it."""
         self._state: DeviceState = "disconnected"
         self._problem: BenchError | None = None
         self._listeners: list[Callable[[DeviceEvent], None]] = []
@@ -144,6 +157,12 @@ class Device(ABC):
             raise UnknownThing("axis", str(index), [str(axis.index) for axis in self.axes])
         return self.axes[index]
 
+    def reconfigure(self, device_id: str, config: DeviceConfig) -> None:
+        """For the manager: another name, clock or other axes on the same link."""
+        self.id, self.config = device_id, config
+        for axis, settings in zip(self.axes, config.axes, strict=True):
+            axis.settings = settings
+
     # --- whether it answers ---------------------------------------------------------------------
 
     @property
@@ -174,6 +193,11 @@ class Device(ABC):
     def _tell(self, event: DeviceEvent) -> None:
         for listener in tuple(self._listeners):
             listener(event)
+
+    def commanded(self, axis: int, what: str) -> None:
+        """For drivers: something that may move or stop `axis` is on its way to the chip."""
+        self.motion_commands[axis] += 1
+        self._tell(MotionCommanded(axis, what, motion_owner.get()))
 
     def _link_result(self, error: LinkError | None) -> None:
         if self._state == "disconnected":

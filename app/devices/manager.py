@@ -7,6 +7,7 @@ down). Axes that it never moved it leaves alone.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -144,17 +145,15 @@ class DeviceManager:
     async def test(self, model: str, link: Link) -> LinkTrial:
         """Try a link without keeping it. Raises UsageError for a link that cannot be."""
         device = self._make(DeviceConfig(name="trial", model=model, link=link), "trial")
-        started = time.perf_counter()
         try:
             detail = await device.probe()
+            once = time.perf_counter()  # the first one opened the link: only the second is a round trip
+            await device.probe()
         except BenchError as error:
             return LinkTrial(False, str(error), None, error)
         else:
-            once = time.perf_counter()
-            await device.probe()  # the first one opened the link: only the second is a round trip
             return LinkTrial(True, detail, (time.perf_counter() - once) * 1e3, None)
         finally:
-            del started
             await device.port.aclose()
 
     async def stop_all(self, mode: StopMode = "ramp") -> list[StopOutcome]:
@@ -195,11 +194,10 @@ class DeviceManager:
         await self._end_watch(device)
         moved = [axis.index for axis in device.axes if device.motion_commands[axis.index]]
         if moved and device.state == "connected":
-            try:
+            # What comes of it nobody is there to hear; the link is closed next.
+            with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(LET_GO_S):
                     await device.stop_axes(moved)
-            except TimeoutError:
-                pass  # its outcome would have nobody to hear it; the link is closed next
         device.set_state("disconnected")
         await device.port.aclose()
 

@@ -1,0 +1,132 @@
+"""Telemetry channels of a ramp generator chip: which frames they need and what the replies mean."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.calc.units import acceleration_hz_s, pulse_rate_hz
+from app.devices.prediction import wrapped
+from app.devices.ramp_writes import RampWrites
+from app.devices.sample_plan import Channel, Decoder, FloatArray, SamplePlan
+from app.devices.words import READ_FRAMES
+from app.links.errors import UnknownThing, UsageError
+from app.registers.model import Register
+
+IntArray = NDArray[np.int64]
+
+QUANTITIES = {
+    "position": "microsteps",
+    "target_position": "microsteps",
+    "velocity": "pps",
+    "target_velocity": "pps",
+    "acceleration": "pps^2",
+    "switch_left": "0/1",
+    "switch_right": "0/1",
+    "switch_reference": "0/1",
+    "position_reached": "0/1",
+    "predicted_position": "microsteps",
+    "predicted_velocity": "pps",
+    "residual": "microsteps",
+}
+"""Channel quantities and their units."""
+
+
+class Frames:
+    """The frames of one sample: each register once, the status bits with any of them."""
+
+    def __init__(self) -> None:
+        self.addresses: list[int] = []
+
+    def column(self, register: Register) -> int:
+        """Which word of a sample holds `register`."""
+        if register.address not in self.addresses:
+            self.addresses.append(register.address)
+        return self.addresses.index(register.address)
+
+
+class RampSamples(RampWrites):
+    """`RampChip` with telemetry."""
+
+    def channels(self) -> tuple[Channel, ...]:
+        return tuple(
+            Channel(f"{quantity}.{axis.index}", quantity, axis.index, unit)
+            for axis in self.axes
+            for quantity, unit in QUANTITIES.items()
+        )
+
+    def sample_plan(self, channels: Sequence[str]) -> SamplePlan:
+        if not channels:
+            raise UsageError("a sample of no channel")
+        known = {channel.name: channel for channel in self.channels()}
+        unknown = next((name for name in channels if name not in known), None)
+        if unknown is not None:
+            raise UnknownThing("channel", unknown, list(known))
+        chosen = tuple(known[name] for name in channels)
+        frames = Frames()
+        decoders = tuple(self._decoder(channel.quantity, channel.axis, frames) for channel in chosen)
+        if not frames.addresses:  # status bits and predictions alone: any register brings the status
+            frames.column(self.rows[chosen[0].axis].x_actual)
+        return SamplePlan(tuple(READ_FRAMES[address] for address in frames.addresses), chosen, decoders)
+
+    def _decoder(self, quantity: str, axis: int, frames: Frames) -> Decoder:
+        rows = self.rows[axis]
+        registers = {
+            "position": rows.x_actual,
+            "target_position": rows.x_target,
+            "velocity": rows.v_actual,
+            "target_velocity": rows.v_target,
+            "acceleration": rows.a_actual,
+            "residual": rows.x_actual,
+        }
+        if quantity.startswith("switch_"):
+            return self._switch_decoder(quantity.removeprefix("switch_"), axis, frames)
+        if quantity == "position_reached":
+            return lambda _, __, status: self._reached_column(status, axis)
+        if quantity.startswith("predicted_"):
+            which = 0 if quantity == "predicted_position" else 1
+            return lambda times_s, _, __: self._books[axis].at(times_s)[which]
+        register = registers[quantity]
+        column = frames.column(register)
+        number = _number(register)
+        if quantity in ("position", "target_position"):
+            return lambda _, words, __: number(words[:, column])
+        if quantity == "residual":
+            return lambda times_s, words, _: wrapped(number(words[:, column]) - self._books[axis].at(times_s)[0])
+        if quantity == "acceleration":
+            return lambda _, words, __: number(words[:, column]) * self._acceleration_unit(axis)
+        return lambda _, words, __: number(words[:, column]) * self._velocity_unit(axis)
+
+    def _velocity_unit(self, axis: int) -> float:
+        """What one chip unit of velocity is [pps]; NaN before the divider was seen."""
+        pulse_div = self.axes[axis].pulse_div
+        return float("nan") if pulse_div is None else pulse_rate_hz(1, pulse_div, self.clock_hz)
+
+    def _acceleration_unit(self, axis: int) -> float:
+        pulse_div, ramp_div = self.axes[axis].pulse_div, self.axes[axis].ramp_div
+        if pulse_div is None or ramp_div is None:
+            return float("nan")
+        return acceleration_hz_s(1, pulse_div, ramp_div, self.clock_hz)
+
+    def _reached_column(self, status: IntArray, axis: int) -> FloatArray:
+        raise NotImplementedError
+
+    def _switch_decoder(self, side: str, axis: int, frames: Frames) -> Decoder:
+        raise NotImplementedError
+
+
+def _number(register: Register) -> _Number:
+    return _Number(register.width, signed=register.signed)
+
+
+class _Number:
+    """Register words to values, a column at a time."""
+
+    def __init__(self, width: int, *, signed: bool) -> None:
+        self._mask = (1 << width) - 1
+        self._sign = 1 << (width - 1) if signed else 0
+
+    def __call__(self, words: IntArray) -> FloatArray:
+        return (((words & self._mask) ^ self._sign) - self._sign).astype(np.float64)

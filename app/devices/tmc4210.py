@@ -1,0 +1,97 @@
+"""The TMC4210: one ramp generator with step/direction output."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from app.devices.axis_rows import AxisRows
+from app.devices.config import DeviceConfig
+from app.devices.profile import read_profile
+from app.devices.ramp_samples import Frames, IntArray, RampSamples
+from app.devices.results import ProfileDocument
+from app.devices.sample_plan import Decoder, FloatArray
+from app.devices.words import Words, read_once_more
+from app.links.datagram32 import DATA_MASK, STATUS_TMC4210
+from app.links.errors import WrongState
+from app.links.port import FramePort
+from app.registers.tmc4210 import TYPE_VERSION
+
+LEFT_BIT = STATUS_TMC4210.index("R_L")
+RIGHT_BIT = STATUS_TMC4210.index("R_R")
+REACHED_BIT = STATUS_TMC4210.index("xEQt1")
+
+
+class Tmc4210(RampSamples):
+    """Driver of one TMC4210."""
+
+    status_names = STATUS_TMC4210
+
+    def __init__(self, device_id: str, config: DeviceConfig, port: FramePort) -> None:
+        super().__init__(device_id, config, port)
+        self._global = self.table.get("STEPPER_MOTOR_GLOBAL_PARAMETER_REGISTER")
+        self._interface = self.table.get("IF_CONFIGURATION_4210")
+        self._type = self.table.get("TYPE_VERSION_4210")
+        self._remembered |= {self._global.address}
+
+    def _axis_rows(self, axis: int) -> AxisRows:
+        return AxisRows.of(
+            self.table,
+            axis,
+            reference="lp_REF_CONF_RAMP_MODE",
+            dividers="PULSE_DIV_RAMP_DIV",
+            interrupts="INTERRUPT_MASK_INTERRUPT_FLAGS",
+            mode="RAMP_MODE",
+        )
+
+    async def probe(self) -> str:
+        kind = await read_once_more(self.queue, self._type.address) & DATA_MASK
+        if kind != TYPE_VERSION:
+            raise WrongState(
+                f"no TMC4210 answers here: the type register reads {kind:#08x} instead of {TYPE_VERSION:#08x}",
+                "choose another model, or check the wiring",
+            )
+        return f"a TMC4210 answers, type {kind:#08x}"
+
+    async def refresh(self) -> None:
+        await super().refresh()
+        self._saw_word(self._global, await read_once_more(self.queue, self._global.address) & DATA_MASK)
+
+    def _microsteps(self, axis: int) -> int | None:
+        return self.axes[axis].settings.driver_microsteps
+
+    async def _motion_warnings(self, words: Words) -> list[str]:
+        enabled = self._interface.unpack(await words.read(self._interface))["en_sd"]
+        return [] if enabled else ["en_sd is off: no step reaches the driver (000, 1.4)"]
+
+    def _right_wired(self) -> bool:
+        """The right switch is seen in the status bits always, but acts only with mot1r (000, 1.5.4, 5.2.2.2)."""
+        word = self._known.get(self._global.address, 0)
+        return bool(self._global.unpack(word)["mot1r"])
+
+    async def _switches(self, words: Words, axis: int) -> tuple[bool | None, bool | None]:
+        self._saw_word(self._global, await words.read(self._global))
+        right = bool(words.status >> RIGHT_BIT & 1) if self._right_wired() else None
+        return bool(words.status >> LEFT_BIT & 1), right
+
+    def _reached(self, status: int, axis: int) -> bool:
+        return bool(status >> REACHED_BIT & 1)
+
+    def _reached_column(self, status: IntArray, axis: int) -> FloatArray:
+        return (status >> REACHED_BIT & 1).astype(np.float64)
+
+    def _switch_decoder(self, side: str, axis: int, frames: Frames) -> Decoder:
+        rows = self.rows[axis]
+
+        def bit(side_now: str, status: IntArray) -> FloatArray:
+            if side_now == "right" and not self._right_wired():
+                return np.full(len(status), np.nan)
+            return (status >> (RIGHT_BIT if side_now == "right" else LEFT_BIT) & 1).astype(np.float64)
+
+        def reference(times_s: FloatArray, words: IntArray, status: IntArray) -> FloatArray:
+            word = self._known.get(rows.reference.address, 0)
+            return bit("right" if rows.reference_right.unpack(word) else "left", status)
+
+        return reference if side == "reference" else lambda _, __, status: bit(side, status)
+
+    async def profile(self) -> ProfileDocument:
+        return ProfileDocument(await read_profile(self), None, None)
