@@ -8,6 +8,7 @@ const Registers = lazy(() => import("./pages/registers/RegistersPage"));
 const Ramps = lazy(() => import("./pages/ramps/RampsPage"));
 const Microsteps = lazy(() => import("./pages/microsteps/MicrostepsPage"));
 const Chain = lazy(() => import("./pages/chain/ChainPage"));
+const PlotSpeed = lazy(() => import("./pages/speed/PlotSpeedPage"));
 const Connections = lazy(() => import("./pages/connections/ConnectionsPage"));
 
 export function App() {
@@ -27,6 +28,7 @@ export function App() {
           <Route path="/microsteps" component={Microsteps} />
           <Route path="/chain" component={Chain} />
           <Route path="/connections" component={Connections} />
+          <Route path="/bench/plots" component={PlotSpeed} />
           <Route>
             <Redirect to="/" replace />
           </Route>
