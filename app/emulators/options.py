@@ -1,0 +1,122 @@
+"""What an emulator can be asked for when it is made, and changed in while it runs."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+Wiring = Literal["left-only", "two-one-null", "multiplexed"]
+FullSteps = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False, strict=True)]
+AxisIndex = Annotated[int, Field(strict=True, ge=0, le=2)]
+Forced = Annotated[bool, Field(strict=True)] | Literal["auto"]
+
+
+class _Closed(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+
+class StageOptions(_Closed):
+    """A linear stage with three switches. Positions in full steps of the motor.
+
+    The default is 300 mm of travel at 200 full steps and 8 mm a turn, started in the middle, the
+    reference switch 10..14 mm from the left one.
+    """
+
+    left_at_fullsteps: FullSteps = Field(default=0.0, description="left switch is active here and to the left")
+    right_at_fullsteps: FullSteps = Field(default=7500.0, description="right switch is active here and to the right")
+    ref_from_fullsteps: FullSteps = Field(default=250.0, description="left end of the reference switch")
+    ref_to_fullsteps: FullSteps = Field(default=350.0, description="right end of the reference switch")
+    start_fullsteps: FullSteps = Field(default=3750.0, description="where the carriage stands at first")
+
+    @model_validator(mode="after")
+    def _in_order(self) -> StageOptions:
+        if self.ref_from_fullsteps > self.ref_to_fullsteps:
+            raise ValueError("ref_from_fullsteps lies right of ref_to_fullsteps")
+        if self.left_at_fullsteps >= self.right_at_fullsteps:
+            raise ValueError("left_at_fullsteps does not lie left of right_at_fullsteps")
+        return self
+
+
+class EmulatorOptions(_Closed):
+    """How an emulated chip and what hangs on it are made: the `link` of an emulated device."""
+
+    seed: Annotated[int, Field(strict=True, ge=0, le=2**32 - 1)] = Field(
+        default=428, description="seed of the RAM noise after power-on and of bit errors"
+    )
+    clock_hz: Annotated[float, Field(strict=True, ge=1.0, le=32e6, allow_inf_nan=False)] = Field(
+        default=16e6, description="the chip's clock [Hz]: TMC428 up to 16 MHz, TMC4210 up to 32 MHz"
+    )
+    time_scale: Annotated[float, Field(strict=True, ge=0, le=1000, allow_inf_nan=False)] = Field(
+        default=1.0, description="how fast chip time passes; 0 stands still"
+    )
+    wiring: Wiring = Field(
+        default="multiplexed",
+        description="TMC428: how the switches reach REF1..REF3 (001, Figures 9-3 to 9-5); the reference switch is "
+        "wired or with the left one (9.8). The chip interprets its pins by refmux and mot1r whatever the wiring.",
+    )
+    stages: Annotated[list[StageOptions], Field(max_length=3)] = Field(
+        default_factory=list, description="one stage an axis; axes beyond the list have the default stage"
+    )
+    driver_microsteps: Annotated[int, Field(strict=True, ge=1, le=256)] = Field(
+        default=16, description="TMC4210: microsteps per full step of the step/direction driver"
+    )
+
+
+class SwitchChange(_Closed):
+    """Forces switches of one axis, or gives them back to the stage with "auto"."""
+
+    axis: AxisIndex
+    left: Forced | None = None
+    right: Forced | None = None
+    reference: Forced | None = None
+
+
+class StageChange(_Closed):
+    """Moves switches of one stage, or the carriage itself as by hand. Full steps."""
+
+    axis: AxisIndex
+    left_at_fullsteps: FullSteps | None = None
+    right_at_fullsteps: FullSteps | None = None
+    ref_from_fullsteps: FullSteps | None = None
+    ref_to_fullsteps: FullSteps | None = None
+    position_fullsteps: FullSteps | None = Field(default=None, description="puts the carriage there")
+
+
+class InputsChange(_Closed):
+    gp_in: Annotated[bool, Field(strict=True)] | None = Field(
+        default=None, description="TMC4210: level of the general purpose input"
+    )
+
+
+class FaultsChange(_Closed):
+    """Faults between the chip and us."""
+
+    silence: Annotated[bool, Field(strict=True)] | None = Field(default=None, description="frames get no answer")
+    unplugged: Annotated[bool, Field(strict=True)] | None = Field(default=None, description="the link is gone")
+    bit_error_rate: Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)] | None = Field(
+        default=None, description="probability that a bit of a reply is flipped"
+    )
+
+
+class DriverChange(_Closed):
+    """TMC428: the 12 status bits that one driver of the chain reports."""
+
+    axis: AxisIndex
+    status: Annotated[int, Field(strict=True, ge=0, le=0xFFF)] = Field(
+        description="LD2 LD1 LD0 1 OT OTPW UV OCHS OLB OLA OCB OCA"
+    )
+
+
+class EmulatorPatch(_Closed):
+    """A change to a running emulator; what is left out stays. A power cycle comes first."""
+
+    time_scale: Annotated[float, Field(strict=True, ge=0, le=1000, allow_inf_nan=False)] | None = None
+    switches: Annotated[list[SwitchChange], Field(max_length=3)] = Field(default_factory=list)
+    stages: Annotated[list[StageChange], Field(max_length=3)] = Field(default_factory=list)
+    inputs: InputsChange = Field(default_factory=InputsChange)
+    faults: FaultsChange = Field(default_factory=FaultsChange)
+    drivers: Annotated[list[DriverChange], Field(max_length=3)] = Field(default_factory=list)
+    power_cycle: Annotated[bool, Field(strict=True)] = Field(
+        default=False, description="resets the chip; the carriages stay where they are"
+    )

@@ -1,0 +1,102 @@
+"""What an emulator tells about itself and the world behind its pins."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import BaseModel, Field
+
+
+class SwitchState(BaseModel):
+    active: bool
+    forced: bool | None = Field(description="null while the switch follows the stage")
+
+
+class Switches(BaseModel):
+    left: SwitchState
+    right: SwitchState
+    reference: SwitchState
+
+
+class StageState(BaseModel):
+    """Where the switches stand [full steps]."""
+
+    left_at_fullsteps: float
+    right_at_fullsteps: float
+    ref_from_fullsteps: float
+    ref_to_fullsteps: float
+
+
+class AxisState(BaseModel):
+    axis: int
+    position_fullsteps: float = Field(description="where the carriage really is [full steps]")
+    stage: StageState
+    switches: Switches
+
+
+class Inputs(BaseModel):
+    gp_in: bool = Field(description="TMC4210: general purpose input")
+
+
+class Faults(BaseModel):
+    silence: bool
+    unplugged: bool
+    bit_error_rate: float
+
+
+class ChainBit(BaseModel):
+    """One bit of a driver's part of the datagram."""
+
+    signal: str
+    value: int
+
+
+class DriverState(BaseModel):
+    """What one driver got with the last datagram, and the coils behind it."""
+
+    driver: int
+    bits: list[ChainBit]
+    dac_a: int
+    dac_b: int
+    ph_a: int
+    ph_b: int
+    fd_a: int
+    fd_b: int
+    status: int = Field(description="12 status bits that the driver reports")
+
+
+class ChainState(BaseModel):
+    """The driver chain of a TMC428."""
+
+    datagrams_sent: int
+    busy: bool
+    endless: bool = Field(description="no NxM bit in the RAM: the datagram never ends (001, 11)")
+    duration_us: float | None = Field(description="what one datagram takes now; null if endless")
+    last_bits: str = Field(description="the last datagram, first bit first")
+    covered: bool
+    drivers: list[DriverState]
+
+
+class StepDirState(BaseModel):
+    """The step/direction output of a TMC4210."""
+
+    enabled: bool
+    steps_sent: int = Field(description="step pulses that left the chip")
+    steps_merged: int = Field(description="steps whose pulse merged with the one before: the driver missed them")
+    step_level: int
+    dir_level: int
+    pulse_clocks: int
+
+
+class EmulatorState(BaseModel):
+    model: Literal["tmc428", "tmc4210"]
+    time_scale: float
+    chip_time_s: float
+    clock_hz: float
+    wiring: str
+    axes: list[AxisState]
+    inputs: Inputs
+    faults: Faults
+    powered_down: bool
+    driver_chain: ChainState | None
+    step_dir: StepDirState | None
