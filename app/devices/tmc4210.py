@@ -17,7 +17,8 @@ from app.links.port import FramePort
 from app.registers.tmc4210 import TYPE_VERSION
 
 LEFT_BIT = STATUS_TMC4210.index("R_L")
-RIGHT_BIT = STATUS_TMC4210.index("R_R")
+RIGHT_INPUT = 0
+"""Bit of r_r in REFERENCE_SWITCHES."""
 REACHED_BIT = STATUS_TMC4210.index("xEQt1")
 
 
@@ -30,6 +31,7 @@ class Tmc4210(RampSamples):
         super().__init__(device_id, config, port)
         self._global = self.table.get("STEPPER_MOTOR_GLOBAL_PARAMETER_REGISTER")
         self._interface = self.table.get("IF_CONFIGURATION_4210")
+        self._inputs = self.table.get("REFERENCE_SWITCHES")
         self._type = self.table.get("TYPE_VERSION_4210")
         self._remembered |= {self._global.address}
 
@@ -64,14 +66,14 @@ class Tmc4210(RampSamples):
         return [] if enabled else ["en_sd is off: no step reaches the driver (000, 1.4)"]
 
     def _right_wired(self) -> bool:
-        """The right switch is seen in the status bits always, but acts only with mot1r (000, 1.5.4, 5.2.2.2)."""
+        """With mot1r the right switch is one, and read from its register; the status bit is then 0 (000, 5.2.2.2)."""
         word = self._known.get(self._global.address, 0)
         return bool(self._global.unpack(word)["mot1r"])
 
     async def _switches(self, words: Words, axis: int) -> tuple[bool | None, bool | None]:
         self._saw_word(self._global, await words.read(self._global))
-        right = bool(words.status >> RIGHT_BIT & 1) if self._right_wired() else None
-        return bool(words.status >> LEFT_BIT & 1), right
+        inputs = self._inputs.unpack(await words.read(self._inputs))
+        return bool(inputs["r_l"]), bool(inputs["r_r"]) if self._right_wired() else None
 
     def _reached(self, status: int, axis: int) -> bool:
         return bool(status >> REACHED_BIT & 1)
@@ -80,18 +82,23 @@ class Tmc4210(RampSamples):
         return (status >> REACHED_BIT & 1).astype(np.float64)
 
     def _switch_decoder(self, side: str, axis: int, frames: Frames) -> Decoder:
+        if side == "left":
+            return lambda _, __, status: (status >> LEFT_BIT & 1).astype(np.float64)
+        column = frames.column(self._inputs)
         rows = self.rows[axis]
 
-        def bit(side_now: str, status: IntArray) -> FloatArray:
-            if side_now == "right" and not self._right_wired():
-                return np.full(len(status), np.nan)
-            return (status >> (RIGHT_BIT if side_now == "right" else LEFT_BIT) & 1).astype(np.float64)
+        def right(times_s: FloatArray, words: IntArray, status: IntArray) -> FloatArray:
+            if not self._right_wired():
+                return np.full(len(times_s), np.nan)
+            return (words[:, column] >> RIGHT_INPUT & 1).astype(np.float64)
 
         def reference(times_s: FloatArray, words: IntArray, status: IntArray) -> FloatArray:
             word = self._known.get(rows.reference.address, 0)
-            return bit("right" if rows.reference_right.unpack(word) else "left", status)
+            if rows.reference_right.unpack(word):
+                return right(times_s, words, status)
+            return (status >> LEFT_BIT & 1).astype(np.float64)
 
-        return reference if side == "reference" else lambda _, __, status: bit(side, status)
+        return right if side == "right" else reference
 
     async def profile(self) -> ProfileDocument:
         return ProfileDocument(await read_profile(self), None, None)
