@@ -12,10 +12,13 @@ Source: TMC428 data sheet (001), 8.7.1, 8.10, 8.11, 8.11.1 and the program of ch
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from app.calc.ramp import DISTANCE_LIMIT, RampParameters, ramp_ending
+from app.calc.units import steps_during_acceleration
 
 MAX_DIVIDER = 13
 MAX_A = 2047
@@ -32,16 +35,33 @@ V_MAX_OF_HALF_LIMIT = 1448
 _NEAR_TARGET = 0.03
 _BAND = (0.92, 1.02)
 
+# A one-step overshoot depends on the remainder in the pulse accumulator, so each pair makes a few moves of
+# slightly different length, and the worst counts. Ramps of very many ticks have a p so small that this does not
+# matter, and they take the longest: one move is enough, and a slider stays smooth.
+_REFERENCE_MOVES = 3
+_MANY_RAMP_TICKS = 50_000
+
 
 @dataclass(frozen=True)
 class Candidate:
-    """One pair near the wanted p. `quality` is q = p / p_ideal: above 1 overshoots (001, 8.11)."""
+    """One pair near the wanted p, and how it brakes from v_max (the exact ramp, worst of a few moves).
+
+    pmul 0..127, p_mul 128..255, pdiv 0..13, p = p_mul / 2^(3 + pdiv)
+    quality : q = p / p_ideal; above 1 overshoots (001, 8.11)
+    overshoot_steps : farthest beyond the target [microsteps]
+    settling_s : from the first arrival at the target to rest [s]; None where it oscillates without end
+    move_s : the whole reference move [s], to compare pairs by; None where it oscillates without end
+    The last three are None where `design` was asked not to evaluate, or where v_max or a_max is 0.
+    """
 
     pmul: int
     p_mul: int
     pdiv: int
     p: float
     quality: float
+    overshoot_steps: int | None = None
+    settling_s: float | None = None
+    move_s: float | None = None
 
 
 @dataclass(frozen=True)
@@ -109,7 +129,16 @@ def a_max_upper_limit(ramp_div: int, pulse_div: int) -> int:
 
 
 def design(
-    chip: str, a_max: int, ramp_div: int, pulse_div: int, reduction: float | None = None, *, v_max: int = 2047
+    chip: str,
+    a_max: int,
+    ramp_div: int,
+    pulse_div: int,
+    reduction: float | None = None,
+    *,
+    v_max: int = 2047,
+    v_min: int = 1,
+    clock_hz: float = 16e6,
+    evaluate: bool = True,
 ) -> PmulPdivDesign:
     """The pair for an acceleration, its neighbours, and what stands against it.
 
@@ -119,7 +148,9 @@ def design(
     a_max : 0..2047; 0 has no p and so no pair
     ramp_div, pulse_div : 0..13
     reduction : part of p to take off, 0 <= reduction < 1 [-]; None is the data sheet's own
-    v_max : 0..2047, for the limits of a_max
+    v_max, v_min : 0..2047, for the limits of a_max and for the moves that the candidates make
+    clock_hz : above 0 [Hz], for the candidates' times
+    evaluate : False leaves the moves out, for callers that want the pair alone
 
     Raises ValueError outside these ranges. The pair is the one of the program in 001, chapter 19: p reduced, then
     truncated. (That program keeps the reduction in single precision, which pushes exact hits, such as its own
@@ -131,6 +162,10 @@ def design(
     found = int(table.pdiv) >= 0
     lower, upper = a_max_lower_limit(ramp_div, pulse_div, v_max), a_max_upper_limit(ramp_div, pulse_div)
     pair = (int(table.pmul), int(table.pdiv)) if found else None
+    candidates = _candidates(p_ideal, part, pair)
+    if evaluate and a_max > 0 and v_max > 0:
+        moving = RampParameters(v_min, v_max, a_max, ramp_div, pulse_div, clock_hz=clock_hz)
+        candidates = tuple(_evaluated(candidate, moving) for candidate in candidates)
     return PmulPdivDesign(
         p_ideal=p_ideal,
         p_reduced=p_reduced,
@@ -139,7 +174,7 @@ def design(
         pdiv=int(table.pdiv) if found else None,
         p=float(table.p) if found else None,
         quality=float(table.quality) if found else None,
-        candidates=_candidates(p_ideal, part, pair),
+        candidates=candidates,
         a_max_lower_limit=lower,
         a_max_upper_limit=upper,
         warnings=tuple(_warnings(a_max, p_reduced, found, lower, upper, v_max)),
@@ -189,6 +224,24 @@ def _candidates(p_ideal: float, reduction: float, chosen: tuple[int, int] | None
         for m, d, q in zip(p_mul[near], pdiv[near], quality[near], strict=True)
     ]
     return tuple(sorted(found, key=lambda c: ((c.pmul, c.pdiv) != chosen, abs(c.quality - wanted))))
+
+
+def _evaluated(candidate: Candidate, moving: RampParameters) -> Candidate:
+    moving = replace(moving, pmul=candidate.pmul, pdiv=candidate.pdiv)
+    braking = moving.v_max**2 / (2048 * candidate.p)
+    to_v_max = steps_during_acceleration(moving.v_max, moving.a_max, moving.ramp_div, moving.pulse_div) + braking
+    distance = min(DISTANCE_LIMIT - _REFERENCE_MOVES, int(1.05 * to_v_max) + 100)
+    moves = 1 if 256 * moving.v_max > _MANY_RAMP_TICKS * moving.a_max else _REFERENCE_MOVES
+    endings = [ramp_ending(moving, distance + extra) for extra in range(moves)]
+    settling = [ending.settling_s for ending in endings if ending.settling_s is not None]
+    durations = [ending.duration_s for ending in endings if ending.duration_s is not None]
+    ends = len(durations) == len(endings)
+    return replace(
+        candidate,
+        overshoot_steps=max(ending.overshoot_steps for ending in endings),
+        settling_s=max(settling) if ends else None,
+        move_s=max(durations) if ends else None,
+    )
 
 
 def _warnings(a_max: int, p_reduced: float, found: bool, lower: int, upper: int, v_max: int) -> list[str]:

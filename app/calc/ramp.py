@@ -151,8 +151,40 @@ def exact_ramp(
     rows = np.zeros((samples, 4), dtype=np.int64)
     first_velocity = int(state[kernel.VELOCITY_256])
     kernel.sample(settings, state, phases, clocks, rows)
-    rows[0] = (distance, first_velocity, 0, 0) if clocks[0] == 0 else rows[0]
+    if state[kernel.ENDING] == kernel.UNDECIDED:
+        raise ValueError(f"too long: more than {kernel.MAX_EVENTS} changes of the ramp generator within duration_s")
     return _curve(parameters, distance, clocks, rows, phases[: state[kernel.PHASES]], state, first_velocity)
+
+
+@dataclass(frozen=True)
+class RampEnding:
+    """How a move ends: overshoot [microsteps], time from the first arrival at the target to rest [s], and in all [s].
+
+    Where it never settles, both times are None and `overshoot_steps` is the farthest that was seen.
+    """
+
+    overshoot_steps: int
+    settling_s: float | None
+    duration_s: float | None
+
+
+def ramp_ending(parameters: RampParameters, distance: int, start: RampStart | None = None) -> RampEnding:
+    """The end of the move that `exact_ramp` draws, without drawing it: ramp and soft mode.
+
+    Raises ValueError outside the ranges of `exact_ramp`, for velocity and hold mode, and with v_max or a_max 0.
+    """
+    if parameters.ramp_mode not in ("ramp", "soft"):
+        raise ValueError(f"ramp_mode is ramp or soft, got {parameters.ramp_mode!r}: only these end at a target")
+    begin = start if start is not None else RampStart()
+    _check_whole("distance", distance, 1 - DISTANCE_LIMIT, DISTANCE_LIMIT - 1)
+    _check_can_end(parameters, distance, begin)
+    settings, state = _prepared(parameters, distance, begin)
+    kernel.advance(settings, state, np.zeros((kernel.MAX_PHASES, 4), dtype=np.int64), kernel.NEVER)
+    beyond = int(state[kernel.BEYOND])
+    if state[kernel.ENDING] != kernel.SETTLED:
+        return RampEnding(beyond, None, None)
+    end, arrival = int(state[kernel.END_CLOCK]), int(state[kernel.FIRST_ARRIVAL])
+    return RampEnding(beyond, (end - arrival) / parameters.clock_hz, end / parameters.clock_hz)
 
 
 def _check_whole(name: str, value: int, low: int, high: int) -> None:
@@ -196,11 +228,11 @@ def _prepared(parameters: RampParameters, distance: int, start: RampStart) -> tu
     state[kernel.ACCUMULATOR] = start.accumulator
     state[kernel.FIRST_ARRIVAL] = -1
     state[kernel.DIRECTION] = 1 if distance > 0 or (distance == 0 and velocity >= 0) else -1
-    if distance == 0 and velocity != 0:
+    if distance == 0 and parameters.ramp_mode in ("ramp", "soft"):
         state[kernel.FIRST_ARRIVAL] = 0
-    if distance == 0 and velocity == 0 and parameters.ramp_mode in ("ramp", "soft"):
-        state[kernel.ENDING] = kernel.SETTLED
-        state[kernel.FIRST_ARRIVAL] = 0
+        if abs(velocity) >> 8 <= parameters.v_min:  # at the target, and slow enough to stop at once
+            state[kernel.ENDING] = kernel.SETTLED
+            state[kernel.VELOCITY_256] = 0
     return settings, state
 
 

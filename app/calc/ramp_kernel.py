@@ -9,7 +9,8 @@ reading of them that reproduces their statements:
   overflow is one step (001, 8.14); where both ticks fall together the ramp tick comes first;
 - with d = min(|x_target - x_actual|, 2^19 - 1) and p = (128 + pmul) / 2^(3 + pdiv) the target velocity is
   floor(sqrt(2048 * p * d)) in RAMP_MODE and floor(p * d) in SOFT_MODE, raised to v_min, cut to v_max;
-- the step that reaches the target also stops the motor if |v| <= v_min; else the motor brakes and comes back.
+- the step that reaches the target also stops the motor if the whole part of |v| is v_min or less; else the
+  motor brakes and comes back.
 
 Ticks are not run one by one. As long as the velocity climbs, falls or stays by the same amount each ramp
 tick, the pulses add up to a sum of floors with a closed form, so that a stretch of any length costs the same.
@@ -61,7 +62,7 @@ RUNNING, SETTLED, STUCK, OSCILLATES, UNDECIDED = range(5)
 ACCELERATION, CONSTANT, DECELERATION, APPROACH, SETTLING, REVERSAL = range(6)
 
 LONGEST_BRAKING: Final = (1 << 19) - 1  # steps: the chip counts the braking distance in 19 bits (001, 8.7.1)
-MAX_ARRIVALS: Final = 64
+MAX_ARRIVALS: Final = 256
 MAX_EVENTS: Final = 4_000_000
 MAX_PHASES: Final = 32
 NEVER: Final = 1 << 61
@@ -181,7 +182,7 @@ def run_pulses(settings: IntArray, state: IntArray, last: int) -> None:
             needed = (before * 2048 - state[ACCUMULATOR] + whole - 1) // whole
             clock = state[NEXT_PULSE] + (needed - 1) * period
             arrive(state, clock)
-            if abs(velocity) <= settings[V_MIN] << 8:
+            if whole <= settings[V_MIN]:
                 state[ACCUMULATOR] = (state[ACCUMULATOR] + needed * whole) & 2047
                 state[TO_GO] = 0
                 state[NEXT_PULSE] = clock + period
@@ -217,25 +218,27 @@ def leap(settings: IntArray, state: IntArray, target: int, last: int) -> bool:
     """Run many ramp ticks of one slope at once, where that changes no decision on the way. False: nothing done."""
     velocity, to_go = state[VELOCITY_256], state[TO_GO]
     positioning = settings[MODE] != VELOCITY
-    if positioning and to_go == 0:
-        return False  # the stop rule looks at every tick here
     speed = abs(velocity)
     way = 1 if velocity > 0 or (velocity == 0 and target > 0) else -1
     goal = target * way  # of the speed; negative while the motor goes the wrong way
     period = settings[RAMP_PERIOD]
     ticks = (last + 1 - state[NEXT_RAMP]) // period
-    if speed < goal:
+    frozen = settings[A_MAX] == 0  # no target velocity matters, only the way to the target
+    if speed == goal or frozen:
+        slope = 0
+    elif speed < goal:
         slope = settings[A_MAX]
         ticks = min(ticks, (goal - speed) // slope)
-    elif speed > goal:
-        slope = -settings[A_MAX]
-        ticks = min(ticks, (speed - max(goal, 0)) // settings[A_MAX])
     else:
-        slope = 0
+        slope = -settings[A_MAX]
+        lowest = max(goal, 0)
+        if positioning and to_go == 0:
+            lowest = (settings[V_MIN] + 1) << 8  # below that the stop rule may end the move at this very place
+        ticks = min(ticks, (speed - lowest) // settings[A_MAX])
     before = to_go * way
     toward = positioning and before > 0
     if slope == 0 and toward and speed >= 256:
-        spare = before - least_distance(settings, speed >> 8) + 1
+        spare = before if frozen else before - least_distance(settings, speed >> 8) + 1
         pulses = (spare << 11) // (speed >> 8) + 1
         ticks = min(ticks, pulses * settings[PULSE_PERIOD] // period + 1)
     while ticks >= 2:
@@ -244,7 +247,8 @@ def leap(settings: IntArray, state: IntArray, target: int, last: int) -> bool:
         after = before - (total >> 11)
         end_speed = speed + slope * ticks
         # The target velocity only falls on the way in: what is still below it at the end was so at each tick.
-        if not toward or (after > 0 and (slope < 0 or target_velocity(settings, after) << 8 >= end_speed)):
+        undecided = slope >= 0 and not frozen
+        if not toward or (after > 0 and not (undecided and target_velocity(settings, after) << 8 < end_speed)):
             state[ACCUMULATOR] = total & 2047
             state[TO_GO] = after * way
             state[VELOCITY_256] = end_speed * way
@@ -298,14 +302,14 @@ def advance(settings: IntArray, state: IntArray, phases: IntArray, last: int) ->
                 target = target_velocity(settings, abs(to_go)) << 8
                 if to_go < 0:
                     target = -target
-            elif abs(velocity) <= settings[V_MIN] << 8:
+            elif abs(velocity) >> 8 <= settings[V_MIN]:
                 settle(state, state[NEXT_RAMP])
                 return
             if to_go != 0 and velocity == target and abs(velocity) < 256:
                 state[ENDING] = STUCK
                 return
         state[EVENTS] += 1
-        if state[ARRIVALS] > MAX_ARRIVALS:
+        if last == NEVER and state[ARRIVALS] > MAX_ARRIVALS:
             state[ENDING] = OSCILLATES
             return
         if state[EVENTS] > MAX_EVENTS:
