@@ -1,0 +1,1 @@
+"""`make bench`: what was promised, measured, with its peer or limit in the same run."""

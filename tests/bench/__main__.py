@@ -1,0 +1,40 @@
+"""Measures what issue 2 promised and prints a table; 1 when something is below it. `--quick` is for a look."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import platform
+import sys
+from collections.abc import Callable, Sequence
+
+from tests.bench import browser, calculators, emulation, serving
+from tests.bench.table import Row, render
+
+MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
+    "emulation": lambda quick: [emulation.measure(quick=quick)],
+    "cpu": lambda quick: [serving.measure_cpu(quick=quick)],
+    "get": lambda quick: [serving.measure_get(quick=quick)],
+    "telemetry": lambda quick: serving.measure_telemetry(quick=quick),
+    "plots": lambda quick: [browser.measure(quick=quick)],
+    "pmul": lambda quick: [calculators.measure(quick=quick)],
+}
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="shorter runs: figures for a look, not for a claim")
+    parser.add_argument("--only", action="append", choices=MEASURES, help="only this; may be repeated")
+    arguments = parser.parse_args()
+    rows: list[Row] = []
+    for name in arguments.only or MEASURES:
+        print(f"measuring {name} ...", file=sys.stderr, flush=True)
+        rows += MEASURES[name](arguments.quick)
+    print(f"{platform.machine()}, {os.cpu_count()} cores, Python {platform.python_version()}", end="")
+    print(", quick\n" if arguments.quick else "\n")
+    print(render(rows))
+    return 0 if all(row.ok for row in rows) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
