@@ -1,0 +1,121 @@
+"""The connections that outlive a run: `connections.json` in the data directory, meant to be read by people too."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from app.devices.config import AxisSettings, DeviceConfig, unique_slug
+from app.links.errors import BenchError
+from app.store.document import Document, UnreadableDocument
+
+FILE_NAME = "connections.json"
+FORMAT = "stepscope-connections"
+VERSION = 1
+
+Entry = dict[str, object]
+
+
+@dataclass(frozen=True, slots=True)
+class Loaded:
+    """What was found. `warnings` are for people: what could not be read, and where it is kept now."""
+
+    configs: list[DeviceConfig]
+    warnings: list[str]
+
+
+class ConnectionStore:
+    """Loads and saves connections. Two programs on one directory do not lose each other's."""
+
+    def __init__(self, data_dir: Path) -> None:
+        self._document = Document(data_dir / FILE_NAME)
+        self._base: dict[str, Entry] = {}
+        """What the file held when we last saw it: tells our own changes from another program's."""
+
+    @property
+    def path(self) -> Path:
+        return self._document.path
+
+    def load(self) -> Loaded:
+        """All connections that can be read. Raises nothing for a broken file: it is set aside, and a warning tells."""
+        entries, warnings = self._entries()
+        configs: list[DeviceConfig] = []
+        unreadable: list[Entry] = []
+        for entry in entries:
+            try:
+                configs.append(_config(entry))
+            except (BenchError, TypeError, ValueError, KeyError) as error:
+                unreadable.append(entry)
+                warnings.append(f"{self.path}: connection {entry.get('name', '?')!r} left out: {error}")
+        if unreadable:
+            warnings.append(f"{self.path}: the file as it was is kept as {self._document.set_aside()}")
+        self._base = _keyed([*(_entry(config) for config in configs), *unreadable])
+        return Loaded(configs, warnings)
+
+    def save(self, configs: Sequence[DeviceConfig]) -> None:
+        """Make the file hold `configs`, and what another program put there meanwhile. Raises OSError."""
+        ours = _keyed([_entry(config) for config in configs if not config.demo])
+        with self._document.locked():
+            theirs = _keyed(self._entries()[0])
+            kept = {key: self._kept(key, entry, theirs.get(key)) for key, entry in ours.items()}
+            # What we never had is somebody else's; what we had and removed goes, unless somebody else changed it.
+            kept |= {key: entry for key, entry in theirs.items() if key not in ours and entry != self._base.get(key)}
+            self._document.write({"format": FORMAT, "version": VERSION, "connections": list(kept.values())})
+            self._base = ours
+
+    def _kept(self, key: str, ours: Entry, theirs: Entry | None) -> Entry:
+        """Of two versions the one that was changed since we last looked; ours, where both were."""
+        return theirs if theirs is not None and ours == self._base.get(key) else ours
+
+    def _entries(self) -> tuple[list[Entry], list[str]]:
+        """The file's connections, unchecked; none, and why, where the file cannot be read."""
+        try:
+            document = self._document.read()
+            return ([] if document is None else _connections(document)), []
+        except UnreadableDocument as error:
+            aside = self._document.set_aside() if self.path.is_file() else self.path
+            return [], [f"{self.path} cannot be read ({error}); it is kept as {aside}, and a new one is begun"]
+
+
+def _connections(document: dict[str, object]) -> list[Entry]:
+    if document.get("format") != FORMAT or document.get("version") != VERSION:
+        raise UnreadableDocument(
+            f"format {document.get('format')!r} version {document.get('version')!r}"
+            f" instead of {FORMAT!r} version {VERSION}"
+        )
+    entries = document.get("connections")
+    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
+        raise UnreadableDocument("its connections are no list of objects")
+    return entries
+
+
+def _keyed(entries: Iterable[Entry]) -> dict[str, Entry]:
+    """Entries by a key that stays the same as long as the name does."""
+    keyed: dict[str, Entry] = {}
+    for entry in entries:
+        keyed[unique_slug(str(entry.get("name", "")), keyed)] = entry
+    return keyed
+
+
+def _entry(config: DeviceConfig) -> Entry:
+    return {
+        "name": config.name,
+        "model": config.model,
+        "link": dict(config.link),
+        "clock_hz": config.clock_hz,
+        "axes": [asdict(axis) for axis in config.axes],
+    }
+
+
+def _config(entry: Entry) -> DeviceConfig:
+    unknown = set(entry) - {"name", "model", "link", "clock_hz", "axes"}
+    if unknown:
+        raise ValueError(f"unknown keys {', '.join(sorted(unknown))}")
+    name, model, link = entry["name"], entry["model"], entry["link"]
+    axes, clock_hz = entry.get("axes", []), entry.get("clock_hz", 0.0)
+    if not isinstance(name, str) or not isinstance(model, str) or not isinstance(link, dict):
+        raise TypeError("name and model are text, link is an object")
+    if not isinstance(axes, list) or not isinstance(clock_hz, int | float):
+        raise TypeError("axes is a list, clock_hz a number")
+    return DeviceConfig(name, model, link, float(clock_hz), tuple(AxisSettings(**axis) for axis in axes))

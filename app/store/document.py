@@ -1,0 +1,102 @@
+"""One JSON document on disk that survives crashes, full disks and a second program writing it.
+
+A write goes to a temporary file, to the disk, and then by rename over the old document: a reader
+sees the old one or the new one, never half of one. Writers take turns by a lock beside the file.
+What cannot be read is set aside under another name, never overwritten.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import shutil
+import sys
+import tempfile
+import threading
+from collections.abc import Iterator
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import cast
+
+if sys.platform != "win32":
+    import fcntl
+
+
+class UnreadableDocument(Exception):
+    """The file is there and is no document of ours; the text says why."""
+
+
+class Document:
+    """The document at `path`. Its directory is made when first written."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self._threads = threading.RLock()
+
+    @contextlib.contextmanager
+    def locked(self) -> Iterator[None]:
+        """Keep other threads and other processes from writing."""
+        with self._threads:
+            self.path.parent.mkdir(parents=True, exist_ok=True)
+            # A file of its own: the document itself is replaced by every write, and a lock would go with the old one.
+            with self.path.with_name(self.path.name + ".lock").open("w") as lock:
+                if sys.platform != "win32":
+                    fcntl.flock(lock, fcntl.LOCK_EX)
+                yield
+
+    def read(self) -> dict[str, object] | None:
+        """The document, or None where there is none. Raises UnreadableDocument."""
+        try:
+            text = self.path.read_text(encoding="utf-8")
+        except FileNotFoundError:
+            return None
+        except (OSError, UnicodeDecodeError) as error:
+            raise UnreadableDocument(str(error)) from error
+        try:
+            found = json.loads(text)
+        except (ValueError, RecursionError) as error:
+            raise UnreadableDocument(f"no JSON: {error}") from error
+        if not isinstance(found, dict):
+            raise UnreadableDocument("no JSON object")
+        return cast("dict[str, object]", found)
+
+    def write(self, document: dict[str, object]) -> None:
+        """Replace the document. Raises OSError; then the old one is still there."""
+        text = json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+        with self.locked():
+            handle, name = tempfile.mkstemp(prefix=self.path.name + ".", suffix=".tmp", dir=self.path.parent)
+            temporary = Path(name)
+            try:
+                with os.fdopen(handle, "w", encoding="utf-8") as file:
+                    file.write(text)
+                    file.flush()
+                    os.fsync(file.fileno())
+                temporary.replace(self.path)
+            except BaseException:
+                temporary.unlink(missing_ok=True)
+                raise
+            _sync_directory(self.path.parent)
+
+    def set_aside(self) -> Path:
+        """Copy the file to a name of its own and return that; the original stays until the next write."""
+        stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
+        with self.locked():
+            number = 0
+            while True:
+                suffix = f"-{number}" if number else ""
+                aside = self.path.with_name(f"{self.path.stem}.broken-{stamp}{suffix}{self.path.suffix}")
+                if not aside.exists():
+                    shutil.copyfile(self.path, aside)
+                    return aside
+                number += 1
+
+
+def _sync_directory(directory: Path) -> None:
+    """The rename itself has to reach the disk too; not every system lets a directory be opened."""
+    with contextlib.suppress(OSError):
+        handle = os.open(directory, os.O_RDONLY)
+        try:
+            os.fsync(handle)
+        finally:
+            os.close(handle)
