@@ -1,27 +1,38 @@
-import { Select } from "@mantine/core";
-import { useDevices } from "../api/queries";
+import { Group, Select, Text } from "@mantine/core";
+import { type Device, useDevices } from "../api/queries";
+import { StateDot } from "../lib/StateDot";
 import { useSelection } from "../live/selection";
 
 /** Which axis the pages show. */
 export function DevicePicker() {
   const devices = useDevices();
   const { device, axis, select } = useSelection();
-  const groups = (devices.data ?? []).map((candidate) => ({
-    group: `${candidate.name} · ${candidate.title}`,
-    items: candidate.axes.map((entry) => ({
-      value: `${candidate.id}/${entry.index}`,
-      label: `${candidate.name} ${entry.name}`,
-    })),
-  }));
+  const list = devices.data ?? [];
+  const stateOf = (value: string): Device["state"] =>
+    list.find((candidate) => candidate.id === value.split("/")[0])?.state ?? "disconnected";
   return (
     <Select
       aria-label="Device and axis"
-      data={groups}
+      data={list.map((candidate) => ({
+        group: `${candidate.name} · ${candidate.title}`,
+        items: candidate.axes.map((entry) => ({
+          value: `${candidate.id}/${entry.index}`,
+          label: `${candidate.name} · ${entry.name}`,
+        })),
+      }))}
       value={device ? `${device.id}/${axis}` : null}
       placeholder={devices.isPending ? "Looking for devices" : "No device"}
       allowDeselect={false}
       size="xs"
-      w={{ base: 140, sm: 220 }}
+      w={{ base: 150, xs: 200, sm: 240 }}
+      leftSection={device && <StateDot state={device.state} />}
+      comboboxProps={{ width: "max-content", position: "bottom-start" }}
+      renderOption={({ option }) => (
+        <Group gap={8} wrap="nowrap">
+          <StateDot state={stateOf(option.value)} />
+          <Text size="xs">{option.label}</Text>
+        </Group>
+      )}
       onChange={(value) => {
         const [id, index] = value?.split("/") ?? [];
         if (id !== undefined && index !== undefined) select(id, Number(index));

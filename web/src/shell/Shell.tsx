@@ -1,70 +1,91 @@
-import { AppShell, Burger, Group, NavLink, ScrollArea, Text } from "@mantine/core";
-import { useDisclosure } from "@mantine/hooks";
-import {
-  IconActivity,
-  IconBinaryTree,
-  IconChartLine,
-  IconPlugConnected,
-  IconTableColumn,
-  IconWaveSine,
-} from "@tabler/icons-react";
-import type { PropsWithChildren } from "react";
+import { AppShell, Group, NavLink, ScrollArea, Text } from "@mantine/core";
+import { useHotkeys } from "@mantine/hooks";
+import { type PropsWithChildren, useEffect } from "react";
 import { Link, useLocation } from "wouter";
 import { ColorSchemeToggle } from "./ColorSchemeToggle";
+import { ConnectionBanner } from "./ConnectionBanner";
 import { DevicePicker } from "./DevicePicker";
+import { PAGES } from "./pages";
+import { ServerStatus } from "./ServerStatus";
+import { Shortcuts } from "./Shortcuts";
 import { StopAll } from "./StopAll";
+import classes from "./shell.module.css";
 
-const PAGES = [
-  { path: "/", label: "Bench", Icon: IconActivity },
-  { path: "/registers", label: "Registers", Icon: IconTableColumn },
-  { path: "/ramps", label: "Ramps", Icon: IconChartLine },
-  { path: "/microsteps", label: "Microsteps", Icon: IconWaveSine },
-  { path: "/chain", label: "Driver chain", Icon: IconBinaryTree },
-  { path: "/connections", label: "Connections", Icon: IconPlugConnected },
-] as const;
-
-/** The frame of every page: pages on the left, the selected axis above, stop always in reach. */
+/** The frame of every page: pages on the left (on a phone below), the selected axis above, stop always in reach. */
 export function Shell({ children }: PropsWithChildren) {
-  const [opened, { toggle, close }] = useDisclosure();
-  const [location] = useLocation();
+  const [location, go] = useLocation();
+  useHotkeys(PAGES.map(({ path }, index) => [`alt+${index + 1}`, () => go(path)]));
+  useEffect(() => {
+    const page = PAGES.find((candidate) => candidate.path === location);
+    document.title = page ? `${page.label} · stepscope` : "stepscope";
+  }, [location]);
+
   return (
-    <AppShell
-      header={{ height: 52 }}
-      navbar={{ width: 188, breakpoint: "sm", collapsed: { mobile: !opened } }}
-      padding={{ base: "xs", sm: "md" }}
-    >
-      <AppShell.Header>
-        <Group h="100%" px="sm" gap="sm" wrap="nowrap" justify="space-between">
-          <Group gap="xs" wrap="nowrap">
-            <Burger opened={opened} onClick={toggle} hiddenFrom="sm" size="sm" aria-label="Pages" />
-            <img src="/favicon.svg" width={24} height={24} alt="" />
-            <Text fw={700} visibleFrom="sm" component="span">
-              stepscope
-            </Text>
+    <>
+      <a className={classes.skip} href="#main">
+        Skip to the page
+      </a>
+      <AppShell
+        header={{ height: 52 }}
+        navbar={{ width: 172, breakpoint: "sm", collapsed: { mobile: true } }}
+        footer={{ height: { base: 54, sm: 0 } }}
+        padding={{ base: "xs", sm: "sm" }}
+      >
+        <AppShell.Header>
+          <Group h="100%" px="sm" gap="sm" wrap="nowrap" justify="space-between">
+            <Link href="/" className={classes.brand} aria-label="stepscope, to the bench">
+              <img src="/favicon.svg" width={24} height={24} alt="" />
+              <Text fw={700} visibleFrom="sm" component="span">
+                stepscope
+              </Text>
+            </Link>
+            <Group gap="md" wrap="nowrap">
+              <DevicePicker />
+              <ServerStatus />
+            </Group>
+            <Group gap={6} wrap="nowrap">
+              <Shortcuts />
+              <ColorSchemeToggle />
+              <StopAll />
+            </Group>
           </Group>
-          <DevicePicker />
-          <Group gap="xs" wrap="nowrap">
-            <ColorSchemeToggle />
-            <StopAll />
-          </Group>
-        </Group>
-      </AppShell.Header>
-      <AppShell.Navbar p="xs">
-        <ScrollArea>
-          {PAGES.map(({ path, label, Icon }) => (
-            <NavLink
-              key={path}
-              component={Link}
-              href={path}
-              label={label}
-              active={location === path}
-              leftSection={<Icon size={18} stroke={1.6} aria-hidden />}
-              onClick={close}
-            />
-          ))}
-        </ScrollArea>
-      </AppShell.Navbar>
-      <AppShell.Main>{children}</AppShell.Main>
-    </AppShell>
+        </AppShell.Header>
+        <AppShell.Navbar p="xs" aria-label="Pages" visibleFrom="sm">
+          <ScrollArea>
+            {PAGES.map(({ path, label, Icon }) => (
+              <NavLink
+                key={path}
+                component={Link}
+                href={path}
+                label={label}
+                active={location === path}
+                aria-current={location === path ? "page" : undefined}
+                leftSection={<Icon size={18} stroke={1.6} aria-hidden />}
+              />
+            ))}
+          </ScrollArea>
+        </AppShell.Navbar>
+        <AppShell.Main id="main" tabIndex={-1} className={classes.main}>
+          <ConnectionBanner />
+          {children}
+        </AppShell.Main>
+        <AppShell.Footer hiddenFrom="sm">
+          <nav className={classes.bar} aria-label="Pages">
+            {PAGES.map(({ path, short, label, Icon }) => (
+              <Link
+                key={path}
+                href={path}
+                className={classes.tab}
+                aria-label={label}
+                aria-current={location === path ? "page" : undefined}
+              >
+                <Icon size={20} stroke={1.6} aria-hidden />
+                {short}
+              </Link>
+            ))}
+          </nav>
+        </AppShell.Footer>
+      </AppShell>
+    </>
   );
 }

@@ -1,54 +1,48 @@
-import { Button, Kbd } from "@mantine/core";
-import { useHotkeys } from "@mantine/hooks";
-import { notifications } from "@mantine/notifications";
+import { Button, Kbd, VisuallyHidden } from "@mantine/core";
 import { IconHandStop } from "@tabler/icons-react";
-import { useCallback } from "react";
-import { api, problemOf, unwrap } from "../api/client";
+import { useEffect, useState } from "react";
+import classes from "./shell.module.css";
+import { STOP_EVENT, stopEverything } from "./stopEverything";
 
-/** Stops every axis of every device. On the keyboard: Escape, or Space outside of controls. */
+/** Stops every axis of every device. On the keyboard: Escape, wherever the focus is. */
 export function StopAll() {
-  const stop = useCallback(async () => {
-    try {
-      const report = unwrap(await api.POST("/api/v1/stop", { body: { mode: "ramp" } }));
-      const failed = report.results.filter((result) => !result.ok);
-      if (failed.length > 0) {
-        notifications.show({
-          color: "red",
-          title: "Some axes did not confirm the stop",
-          message: failed
-            .map((result) => `${result.device} axis ${result.axis}: ${result.problem?.detail ?? "no answer"}`)
-            .join("\n"),
-          autoClose: false,
-        });
-      } else {
-        notifications.show({
-          color: "gray",
-          title: "Stopped",
-          message: `${report.results.length} axes slow down and stop`,
-          autoClose: 2500,
-        });
-      }
-    } catch (error) {
-      const problem = problemOf(error);
-      notifications.show({
-        color: "red",
-        title: `Stop failed: ${problem.title}`,
-        message: problem.detail,
-        autoClose: false,
-      });
+  const [count, setCount] = useState(0);
+
+  useEffect(() => {
+    // In the capture phase and without regard to who else handles it: Escape also closes menus, and still stops.
+    function onKey(event: KeyboardEvent) {
+      if (event.key === "Escape" && !event.repeat) void stopEverything();
     }
+    const onStop = () => setCount((value) => value + 1);
+    window.addEventListener("keydown", onKey, { capture: true });
+    window.addEventListener(STOP_EVENT, onStop);
+    return () => {
+      window.removeEventListener("keydown", onKey, { capture: true });
+      window.removeEventListener(STOP_EVENT, onStop);
+    };
   }, []);
-  useHotkeys([["Escape", () => void stop()]], []);
+
   return (
-    <Button
-      color="red"
-      variant="filled"
-      leftSection={<IconHandStop size={18} aria-hidden />}
-      rightSection={<Kbd visibleFrom="sm">Esc</Kbd>}
-      onClick={() => void stop()}
-      data-testid="stop-all"
-    >
-      STOP ALL
-    </Button>
+    <>
+      <Button
+        color="red"
+        variant="filled"
+        className={classes.stop}
+        leftSection={<IconHandStop size={18} aria-hidden />}
+        rightSection={
+          <Kbd visibleFrom="md" className={classes.stopKey} aria-hidden>
+            Esc
+          </Kbd>
+        }
+        onClick={() => void stopEverything()}
+        aria-keyshortcuts="Escape"
+        data-testid="stop-all"
+      >
+        STOP<span className={classes.stopAllWord}>&nbsp;ALL</span>
+      </Button>
+      <VisuallyHidden role="alert">
+        {count > 0 && <span key={count}>Stop: all axes are told to stop</span>}
+      </VisuallyHidden>
+    </>
   );
 }
