@@ -28,7 +28,9 @@ class Body(BaseModel):
 
 
 class Answer(BaseModel):
-    """What goes out."""
+    """What goes out; also made from the drivers' own records, whose fields bear the same names."""
+
+    model_config = ConfigDict(from_attributes=True)
 
 
 class Problem(Answer):
@@ -391,7 +393,7 @@ class ChainTable(Answer):
     bits: list[ChainBit]
     ram_words: list[int] = Field(description="64 cells of 6 bits")
     lsmd: int
-    length_bits: int
+    length_bits: int | None = Field(description="null where the datagram never ends")
     findings: list[str]
 
 
@@ -451,8 +453,11 @@ class PmulPdivCandidate(Answer):
     pdiv: int
     p: float
     quality: float
-    overshoot_steps: int | None
-    settling_s: float | None
+    overshoot_steps: int | None = Field(description="farthest beyond the target, in the exact ramp [microsteps]")
+    settling_s: float | None = Field(
+        description="from the first arrival at the target to rest [s]; null where it oscillates without end"
+    )
+    move_s: float | None = Field(default=None, description="the whole reference move [s], to compare pairs by")
 
 
 class PmulPdivResult(Answer):
@@ -568,6 +573,7 @@ class MicrostepDesign(Body):
     sigma: Annotated[float, Field(strict=True, ge=-1, le=1, allow_inf_nan=False)] = 0.0
     offset: Annotated[float, Field(strict=True, ge=0, le=63, allow_inf_nan=False)] = 0.0
     amplitude: Annotated[float, Field(strict=True, ge=0, le=63, allow_inf_nan=False)] | None = None
+    full_scale: Flag = Field(default=False, description="stretch a box (sigma > 0) until it reaches the amplitude")
     method: Literal["half_rounded_64", "63", "offset"] = Field(
         default="half_rounded_64", description="the three formulas of chapter 12 of the TMC428 data sheet, in its order"
     )
@@ -579,15 +585,17 @@ class MicrostepDesign(Body):
 
 class MicrostepMetrics(Answer):
     vector_length_mean: float
-    vector_length_ripple: float = Field(description="(max - min) / mean")
-    angle_error_deg: list[float] = Field(description="electrical, at each microstep of the full period")
-    angle_error_max_deg: float
-    angle_error_rms_deg: float
-    harmonics: list[float] = Field(description="amplitude of harmonic 1, 2, ... relative to the first")
-    thd: float
-    worst_step: int
-    worst_step_ratio: float = Field(description="longest angle step over the ideal one")
-    smallest_step_ratio: float
+    vector_length_ripple: float | None = Field(description="(max - min) / mean; null for a table without current")
+    angle_error_deg: list[float | None] = Field(
+        description="electrical, at each microstep of the full period; null where there is no current and so no angle"
+    )
+    angle_error_max_deg: float | None
+    angle_error_rms_deg: float | None
+    harmonics: list[float] = Field(description="amplitude of harmonic 1, 2, ... relative to the first; empty without")
+    thd: float | None
+    worst_step: int | None
+    worst_step_ratio: float | None = Field(description="longest angle step over the ideal one")
+    smallest_step_ratio: float | None
 
 
 class SequencerRow(Answer):

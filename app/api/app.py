@@ -1,0 +1,71 @@
+"""The HTTP and WebSocket edge as one application, over a bench that somebody else has put together."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import AbstractAsyncContextManager
+
+from fastapi import APIRouter, FastAPI
+
+from app import __version__
+from app.api import openapi, problems
+from app.api.bench import Bench
+from app.api.guard import Guard
+from app.api.routes import (
+    axes,
+    calc,
+    catalog,
+    devices,
+    emulator,
+    health,
+    ports,
+    registers,
+    stop,
+    tables,
+    telemetry,
+)
+from app.api.ui import WebUi
+
+BASE = "/api/v1"
+SUBJECTS = (
+    health,
+    catalog,
+    ports,
+    stop,
+    devices,
+    registers,
+    axes,
+    tables,
+    emulator,
+    calc,
+    telemetry,
+)
+
+Lifespan = Callable[[FastAPI], AbstractAsyncContextManager[None]]
+
+
+def make_app(bench: Bench, lifespan: Lifespan) -> FastAPI:
+    """Routes, errors, guard and browser UI over `bench`."""
+    app = FastAPI(
+        title="stepscope",
+        version=__version__,
+        lifespan=lifespan,
+        generate_unique_id_function=openapi.operation_id,
+        docs_url=None,  # both pages load scripts from elsewhere; a bench may have no network, and the CSP forbids it
+        redoc_url=None,
+        redirect_slashes=False,
+    )
+    app.state.bench = bench
+    app.state.allowed_methods = openapi.allowed_methods(app)
+    api = APIRouter(prefix=BASE)
+    for subject in SUBJECTS:
+        api.include_router(subject.router)
+    app.include_router(api)
+    # The UI answers what no route knows. As a route it would hide the 405 of the API's own addresses.
+    app.router.default = WebUi(bench.settings.web_dir)
+    problems.install(app)
+    openapi.customise(app)
+    app.add_middleware(
+        Guard, allowed_hosts=bench.settings.allowed_hosts, body_limit_bytes=bench.settings.body_limit_bytes
+    )
+    return app

@@ -1,0 +1,139 @@
+"""Between the shapes of the contract and the records of the rooms behind it. No rules here, only translation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+
+from app.api.problems import problem_of
+from app.api.schemas import (
+    AxisConfig,
+    AxisInfo,
+    ChainBit,
+    ChainTable,
+    ChannelInfo,
+    DeviceInfo,
+    DriverSpecIn,
+    Phase,
+    Prediction,
+    StopResult,
+)
+from app.api.schemas_devices import EmulatorLink, TcpLink
+from app.calc.driver_chain import Chain, build_chain, decode_chain
+from app.calc.ram_words import unpack_words
+from app.devices import prediction
+from app.devices.config import AxisSettings
+from app.devices.device import Axis, Device
+from app.devices.results import StopOutcome
+from app.links.errors import UsageError
+from app.links.registry import Link
+
+
+@contextmanager
+def calculating() -> Iterator[None]:
+    """The calculators refuse with ValueError, naming the range; at the edge that is the client's error."""
+    try:
+        yield
+    except ValueError as error:
+        raise UsageError(str(error)) from error
+
+
+def link_of(link: EmulatorLink | TcpLink, clock_hz: float | None) -> Link:
+    """A link as it is kept: only what was said, so that defaults may become better.
+
+    An emulated chip runs at the device's clock, unless it was told another one.
+    """
+    said = link.model_dump(mode="json", exclude_unset=True)
+    said["kind"] = link.kind
+    if isinstance(link, EmulatorLink) and clock_hz is not None:
+        said.setdefault("clock_hz", clock_hz)
+    return said
+
+
+def clock_of(link: EmulatorLink | TcpLink, clock_hz: float | None) -> float:
+    """The clock that the driver reckons with [Hz]: as said, else the emulator's own; 0 for the model's default."""
+    if clock_hz is None and isinstance(link, EmulatorLink) and "clock_hz" in link.model_fields_set:
+        return link.clock_hz
+    return clock_hz or 0.0
+
+
+def axis_settings(axes: Sequence[AxisConfig] | None) -> tuple[AxisSettings, ...]:
+    return tuple(AxisSettings(**axis.model_dump()) for axis in axes or ())
+
+
+def axis_config(settings: AxisSettings) -> AxisConfig:
+    return AxisConfig(
+        name=settings.name,
+        full_steps_per_rev=settings.full_steps_per_rev,
+        driver_microsteps=settings.driver_microsteps,
+        gear_ratio=settings.gear_ratio,
+        travel_mm_per_rev=settings.travel_mm_per_rev,
+    )
+
+
+def device_info(device: Device) -> DeviceInfo:
+    return DeviceInfo(
+        id=device.id,
+        name=device.name,
+        model=device.model,
+        title=device.family.title,
+        link=dict(device.link),
+        clock_hz=device.clock_hz,
+        state=device.state,
+        problem=None if device.problem is None else problem_of(device.problem),
+        emulated=device.emulated,
+        demo=device.config.demo,
+        axes=[_axis_info(axis) for axis in device.axes],
+        channels=[ChannelInfo.model_validate(channel) for channel in device.channels()],
+        rate_max_hz=device.rate_max_hz,
+        chip_timed=device.chip_timed,
+    )
+
+
+def _axis_info(axis: Axis) -> AxisInfo:
+    return AxisInfo(
+        index=axis.index,
+        **axis_config(axis.settings).model_dump(),
+        microsteps_per_full_step=axis.microsteps_per_full_step,
+        pulse_div=axis.pulse_div,
+        ramp_div=axis.ramp_div,
+    )
+
+
+def stop_result(outcome: StopOutcome) -> StopResult:
+    problem = None if outcome.problem is None else problem_of(outcome.problem)
+    return StopResult(device=outcome.device, axis=outcome.axis, ok=outcome.ok, took_ms=outcome.took_ms, problem=problem)
+
+
+def prediction_out(expected: prediction.Prediction | None) -> Prediction | None:
+    if expected is None:
+        return None
+    return Prediction(
+        started_at_s=expected.started_at_s,
+        duration_s=expected.duration_s,
+        time_s=expected.time_s.tolist(),
+        position=expected.position.tolist(),
+        velocity_pps=expected.velocity_pps.tolist(),
+        phases=[Phase.model_validate(phase) for phase in expected.phases],
+    )
+
+
+def built_chain(drivers: Sequence[str | DriverSpecIn]) -> Chain:
+    """Raises UsageError for drivers that make no chain."""
+    with calculating():
+        return build_chain(
+            [driver if isinstance(driver, str) else driver.model_dump(exclude_none=True) for driver in drivers]
+        )
+
+
+def chain_table(ram_words: Sequence[int], lsmd: int) -> ChainTable:
+    """What a RAM says, however it came about."""
+    with calculating():
+        decoded = decode_chain(ram_words, lsmd)
+    return ChainTable(
+        bits=[ChainBit.model_validate(bit) for bit in decoded.bits],
+        ram_words=list(unpack_words(ram_words)),
+        lsmd=decoded.lsmd,
+        length_bits=decoded.length_bits,
+        findings=[finding.text for finding in decoded.findings],
+    )

@@ -1,0 +1,42 @@
+"""What a route may ask for in its signature."""
+
+from __future__ import annotations
+
+from typing import Annotated, cast
+
+from fastapi import Depends, Path, Query
+from starlette.requests import HTTPConnection
+
+from app.api.bench import Bench
+from app.devices.device import Axis, Device
+
+# All of these are coroutines, although none waits: FastAPI would send plain functions to a thread.
+
+
+async def _bench(connection: HTTPConnection) -> Bench:
+    return cast("Bench", connection.app.state.bench)
+
+
+CurrentBench = Annotated[Bench, Depends(_bench)]
+DeviceId = Annotated[str, Path(description="the device's id: a slug of its name", max_length=200)]
+
+
+async def _device(device: DeviceId, bench: CurrentBench) -> Device:
+    return bench.manager.get(device)
+
+
+CurrentDevice = Annotated[Device, Depends(_device)]
+AxisNumber = Annotated[int, Path(description="the axis, from 0", ge=0, le=31)]
+
+
+async def _axis(axis: AxisNumber, device: CurrentDevice) -> Axis:
+    return device.axis(axis)
+
+
+CurrentAxis = Annotated[Axis, Depends(_axis)]
+AxisQuery = Annotated[
+    int | None, Query(description="the axis, from 0; none for registers of the whole chip", ge=0, le=31)
+]
+RegisterName = Annotated[
+    str, Path(description="register or field, as in the data sheet, without regard to case", max_length=60)
+]

@@ -1,0 +1,114 @@
+"""What stands before every request: is it from our own pages or from a script, and is it short enough.
+
+A motor must not move because some web page elsewhere posted to 127.0.0.1. Browsers say where a
+request comes from (Origin, Sec-Fetch-Site); scripts say nothing and are let through. A page that
+points its own DNS name at this machine (rebinding) looks same-origin, but bears that name in Host:
+so Host must be an address, a name that public DNS cannot give, or one that the settings allow.
+"""
+
+from __future__ import annotations
+
+import ipaddress
+
+from starlette.exceptions import HTTPException
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from app.api.problems import FOREIGN, TOO_LARGE, problem_answer
+
+SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
+
+
+def host_name(authority: str) -> str:
+    """`name:port` or `[v6]:port` to the bare name."""
+    if authority.startswith("["):
+        return authority[1:].partition("]")[0].casefold()
+    return authority.partition(":")[0].casefold().rstrip(".")
+
+
+def host_is_ours(authority: str, allowed: frozenset[str]) -> bool:
+    """Whether a browser under that Host can only mean this machine."""
+    name = host_name(authority)
+    if not name:
+        return False
+    if "." not in name or name in allowed or name.endswith((".localhost", ".local")):
+        return True  # no dot: localhost, a container, a machine in this network; never from public DNS
+    return is_address(name)
+
+
+def is_address(name: str) -> bool:
+    try:
+        ipaddress.ip_address(name)
+    except ValueError:
+        return False
+    return True
+
+
+def origin_is_ours(origin: str, authority: str, allowed: frozenset[str]) -> bool:
+    """Whether the page behind `origin` was served under the Host that it talks to (or an allowed name)."""
+    scheme, _, page = origin.partition("://")
+    if scheme not in ("http", "https"):
+        return False  # "null" of sandboxed frames and files among them
+    return page.casefold() == authority.casefold() or host_name(page) in allowed
+
+
+class Guard:
+    """ASGI middleware: 403 for foreign pages, 413 for long bodies."""
+
+    def __init__(self, app: ASGIApp, allowed_hosts: tuple[str, ...], body_limit_bytes: int) -> None:
+        self._app = app
+        self._allowed = frozenset(allowed_hosts)
+        self._limit = body_limit_bytes
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] not in ("http", "websocket"):
+            await self._app(scope, receive, send)
+            return
+        host = origin = site = length = ""
+        for key, value in scope["headers"]:
+            if key == b"host":
+                host = value.decode("latin-1")
+            elif key == b"origin":
+                origin = value.decode("latin-1")
+            elif key == b"sec-fetch-site":
+                site = value.decode("latin-1")
+            elif key == b"content-length":
+                length = value.decode("latin-1")
+        finding = self._foreign(scope, host, origin, site)
+        if finding:
+            await problem_answer(FOREIGN, finding, scope["path"])(scope, receive, send)
+            return
+        if scope["type"] == "http" and scope["method"] not in SAFE_METHODS:
+            if length.isdecimal() and int(length[:20]) > self._limit:
+                detail = f"{length} bytes, at most {self._limit} are read"
+                await problem_answer(TOO_LARGE, detail, scope["path"], connection="close")(scope, receive, send)
+                return
+            receive = _Counted(receive, self._limit)
+        await self._app(scope, receive, send)
+
+    def _foreign(self, scope: Scope, host: str, origin: str, site: str) -> str:
+        if not host_is_ours(host, self._allowed):
+            return f"Host {host!r} is not a name of this server; STEPSCOPE_ALLOWED_HOSTS can make it one"
+        if scope["type"] == "http" and scope["method"] in SAFE_METHODS:
+            return ""
+        if origin:
+            ours = origin_is_ours(origin, host, self._allowed)
+            return "" if ours else f"a page of {origin} may not use the bench at {host}"
+        if site and site not in ("same-origin", "none"):
+            return f"a {site} page may not use the bench at {host}"
+        return ""
+
+
+class _Counted:
+    """A body without a declared length, cut off where it gets too long."""
+
+    def __init__(self, receive: Receive, limit_bytes: int) -> None:
+        self._receive = receive
+        self._left = limit_bytes
+
+    async def __call__(self) -> Message:
+        message = await self._receive()
+        if message["type"] == "http.request":
+            self._left -= len(message.get("body", b""))
+            if self._left < 0:
+                raise HTTPException(TOO_LARGE.status, "the body is longer than this server reads")
+        return message

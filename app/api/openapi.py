@@ -1,0 +1,91 @@
+"""The schema that clients are generated from: every error documented, the socket's messages with it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+from fastapi import FastAPI
+from fastapi.openapi.utils import get_openapi
+from fastapi.routing import APIRoute
+
+from app import __version__
+from app.api.problems import FOREIGN, INVALID, TOO_LARGE, UNDECODABLE, Kind, problems
+from app.api.schemas import Problem
+from app.api.schemas_telemetry import TelemetryMessage
+
+REF = "#/components/schemas/{model}"
+
+
+def operation_id(route: APIRoute) -> str:
+    """The function's name: what generated clients call the call."""
+    return route.name
+
+
+def customise(app: FastAPI) -> None:
+    """Let `app` describe itself as this module says."""
+    made: list[dict[str, Any]] = []
+
+    def schema() -> dict[str, Any]:
+        if not made:
+            made.append(_schema(app))
+        return made[0]
+
+    app.openapi = schema  # type: ignore[method-assign]  # how FastAPI wants it to be replaced
+
+
+def _schema(app: FastAPI) -> dict[str, Any]:
+    schema = get_openapi(
+        title="stepscope",
+        version=__version__,
+        summary="Configure, tune and watch stepper motion controllers",
+        description=(
+            "Errors are RFC 9457 problem documents with a stable `type`. Telemetry is a WebSocket at "
+            "`/api/v1/devices/{device}/telemetry`; its text messages are the schema `TelemetryMessage`, its binary "
+            "frames little-endian: `SSC1`, u32 sequence, u32 rows, u32 columns, u64 rows dropped, then float64 time "
+            "in seconds for each row, then float64 for each row, column after column."
+        ),
+        routes=app.routes,
+    )
+    components = schema.setdefault("components", {}).setdefault("schemas", {})
+    for model in (Problem, TelemetryMessage):
+        described = model.model_json_schema(ref_template=REF, mode="serialization")
+        components.update(described.pop("$defs", {}))
+        components[model.__name__] = described
+    for name in ("HTTPValidationError", "ValidationError"):
+        components.pop(name, None)
+    for path in schema["paths"].values():
+        for operation in path.values():
+            _document_problems(operation)
+    return schema
+
+
+def _document_problems(operation: dict[str, Any]) -> None:
+    """Add the errors that the edge itself gives to those of the route."""
+    kinds: list[Kind] = [FOREIGN]
+    if "requestBody" in operation:
+        kinds += [UNDECODABLE, TOO_LARGE, INVALID]
+    elif operation.get("parameters"):
+        kinds.append(INVALID)
+    responses = operation["responses"]
+    if "HTTPValidationError" in str(responses.get("422")):
+        del responses["422"]
+    for status, answer in problems(*kinds).items():
+        known = responses.setdefault(str(status), answer)
+        if known is not answer:
+            known["description"] = f"{known['description']}; {answer['description']}"
+
+
+def allowed_methods(app: FastAPI) -> Callable[[str], list[str]]:
+    """A function from a path to the methods that the schema has for it: for the Allow header of a 405."""
+    table: list[tuple[re.Pattern[str], list[str]]] = []
+
+    def methods(path: str) -> list[str]:
+        if not table:
+            for template, operations in app.openapi()["paths"].items():
+                pattern = "[^/]+".join(re.escape(part) for part in re.split(r"{[^}]*}", template))
+                table.append((re.compile(f"{pattern}\\Z"), sorted(method.upper() for method in operations)))
+        return next((found for pattern, found in table if pattern.match(path)), [])
+
+    return methods

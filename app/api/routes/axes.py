@@ -1,0 +1,45 @@
+"""One axis: its state, and moving it."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+
+from app.api.convert import prediction_out
+from app.api.deps import CurrentAxis, CurrentDevice
+from app.api.problems import DEVICE_PROBLEMS, problems
+from app.api.schemas import AxisStateOut, Move, Moves, MoveStarted, Prediction, Rotate, Rotating
+from app.devices.results import AxisMove
+from app.links.errors import UnknownThing
+
+router = APIRouter(prefix="/devices/{device}", tags=["axes"])
+
+
+@router.get("/axes/{axis}", responses=problems(*DEVICE_PROBLEMS))
+async def get_axis(device: CurrentDevice, axis: CurrentAxis) -> AxisStateOut:
+    """Position, velocity, switches and flags, read now."""
+    return AxisStateOut.model_validate(await device.axis_state(axis.index))
+
+
+@router.post("/axes/{axis}/move", responses=problems(*DEVICE_PROBLEMS))
+async def move_axis(device: CurrentDevice, axis: CurrentAxis, body: Move) -> MoveStarted:
+    """Start a move to a position, or by a distance. Answers when it has started, not when it has arrived."""
+    return MoveStarted.model_validate(await device.move(axis.index, body.target, body.relative, body.unit))
+
+
+@router.post("/move", responses=problems(*DEVICE_PROBLEMS))
+async def move_axes(device: CurrentDevice, body: Moves) -> list[MoveStarted]:
+    """Start several axes together: everything is prepared first, then all targets go out in successive datagrams."""
+    moves = [AxisMove(move.axis, move.target, move.relative, move.unit) for move in body.moves]
+    return [MoveStarted.model_validate(started) for started in await device.move_together(moves)]
+
+
+@router.post("/axes/{axis}/rotate", responses=problems(*DEVICE_PROBLEMS))
+async def rotate_axis(device: CurrentDevice, axis: CurrentAxis, body: Rotate) -> Rotating:
+    """Turn on and on at a velocity, until told otherwise."""
+    return Rotating.model_validate(await device.rotate(axis.index, body.velocity, body.unit))
+
+
+@router.get("/axes/{axis}/prediction", responses=problems(UnknownThing))
+async def get_prediction(device: CurrentDevice, axis: CurrentAxis) -> Prediction | None:
+    """The ramp expected for the present motion, on device time; null where there is none."""
+    return prediction_out(device.prediction(axis.index))

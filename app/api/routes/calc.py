@@ -1,0 +1,53 @@
+"""The calculators. Nothing here touches a device; plain functions, so that a long one runs in a thread."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+
+from app.api import calculators
+from app.api.problems import problems
+from app.api.schemas import (
+    ChainDesign,
+    ChainRequest,
+    MicrostepDesign,
+    MicrostepResult,
+    PmulPdiv,
+    PmulPdivResult,
+    Ramp,
+    RampResult,
+    Units,
+    UnitsResult,
+)
+from app.links.errors import UsageError
+
+router = APIRouter(prefix="/calc", tags=["calculators"], responses=problems(UsageError))
+
+
+@router.post("/pmul-pdiv")
+def calculate_pmul_pdiv(body: PmulPdiv) -> PmulPdivResult:
+    """The pair pmul/pdiv for an acceleration, its neighbours with overshoot and settling, limits and warnings."""
+    return calculators.pmul_pdiv(body)
+
+
+@router.post("/units")
+def convert_units(body: Units) -> UnitsResult:
+    """Chip units and physical units of one axis, every unit of what is given."""
+    return calculators.units(body)
+
+
+@router.post("/ramp")
+def calculate_ramp(body: Ramp) -> RampResult:
+    """A move over time, bit for bit as the chip makes it, or as an ideal trapezoid."""
+    return calculators.ramp(body)
+
+
+@router.post("/microstep-table")
+def design_microstep_table(body: MicrostepDesign) -> MicrostepResult:
+    """A microstep table from a formula (or drawn by hand), its datagrams, metrics and sequence."""
+    return calculators.microstep_table(body)
+
+
+@router.post("/driver-chain")
+def design_driver_chain(body: ChainRequest) -> ChainDesign:
+    """A driver chain's RAM, datagrams and frequencies."""
+    return calculators.driver_chain(body)

@@ -1,0 +1,85 @@
+"""Connections: what there is, add, edit, try, connect, remove."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, HTTPException
+
+from app.api.convert import axis_settings, clock_of, device_info, link_of
+from app.api.deps import CurrentBench, CurrentDevice, DeviceId
+from app.api.problems import problem_of, problems
+from app.api.schemas import DeviceInfo, LinkTest
+from app.api.schemas_devices import DeviceChange, DeviceCreate, DeviceTrial
+from app.devices import manager
+from app.devices.config import DeviceConfig
+from app.links.errors import OutOfRange, UnknownThing
+
+router = APIRouter(prefix="/devices", tags=["devices"])
+
+
+@router.get("")
+async def list_devices(bench: CurrentBench) -> list[DeviceInfo]:
+    """Every device, in the order they were added."""
+    return [device_info(device) for device in bench.manager.devices]
+
+
+@router.post("", status_code=201, responses=problems(OutOfRange))
+async def add_device(body: DeviceCreate, bench: CurrentBench) -> DeviceInfo:
+    """Add a connection and try it. One that does not answer is added all the same; `state` and `problem` tell why."""
+    config = DeviceConfig(
+        name=body.name,
+        model=body.model,
+        link=link_of(body.link, body.clock_hz),
+        clock_hz=clock_of(body.link, body.clock_hz),
+        axes=axis_settings(body.axes),
+    )
+    return device_info(await bench.manager.add(config))
+
+
+@router.post("/test", responses=problems(OutOfRange))
+async def test_link(body: DeviceTrial, bench: CurrentBench) -> LinkTest:
+    """Try a link without keeping it."""
+    trial = await bench.manager.test(body.model, link_of(body.link, None))
+    problem = None if trial.problem is None else problem_of(trial.problem)
+    return LinkTest(ok=trial.ok, detail=trial.detail, round_trip_ms=trial.round_trip_ms, problem=problem)
+
+
+@router.api_route("/test", methods=["GET", "PATCH", "DELETE"], include_in_schema=False)
+async def no_device_is_called_test() -> None:
+    """Keep `/devices/{device}` from taking this address for a device."""
+    raise HTTPException(405, headers={"Allow": "POST"})
+
+
+@router.get("/{device}", responses=problems(UnknownThing))
+async def get_device(device: CurrentDevice) -> DeviceInfo:
+    """One device: its link, state, axes and telemetry channels."""
+    return device_info(device)
+
+
+@router.patch("/{device}", responses=problems(UnknownThing, OutOfRange))
+async def edit_device(device: DeviceId, body: DeviceChange, bench: CurrentBench) -> DeviceInfo:
+    """Change a connection. A new name gives a new id; only a new link interrupts the device."""
+    change = manager.DeviceChange(
+        name=body.name,
+        link=None if body.link is None else link_of(body.link, body.clock_hz),
+        clock_hz=body.clock_hz,
+        axes=None if body.axes is None else axis_settings(body.axes),
+    )
+    return device_info(await bench.manager.edit(device, change))
+
+
+@router.delete("/{device}", status_code=204, responses=problems(UnknownThing))
+async def remove_device(device: DeviceId, bench: CurrentBench) -> None:
+    """Stop what this server set in motion, disconnect, and forget the connection."""
+    await bench.manager.remove(device)
+
+
+@router.post("/{device}/connect", responses=problems(UnknownThing))
+async def connect_device(device: DeviceId, bench: CurrentBench) -> DeviceInfo:
+    """Connect, or try again at once; `state` and `problem` tell what came of it."""
+    return device_info(await bench.manager.connect(device))
+
+
+@router.post("/{device}/disconnect", responses=problems(UnknownThing))
+async def disconnect_device(device: DeviceId, bench: CurrentBench) -> DeviceInfo:
+    """Stop what this server set in motion, and let go of the link until told to connect."""
+    return device_info(await bench.manager.disconnect(device))

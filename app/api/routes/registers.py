@@ -1,0 +1,64 @@
+"""Registers, one or many, and raw datagrams. A write is read back before it is reported as done."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+
+from app.api.deps import AxisQuery, CurrentDevice, RegisterName
+from app.api.problems import DEVICE_PROBLEMS, problem_of, problems
+from app.api.schemas import (
+    Exchange,
+    ExchangeReply,
+    RegisterBatch,
+    RegisterBatchResult,
+    RegisterReading,
+    RegisterWrite,
+    RegisterWritten,
+)
+from app.devices.results import WriteItem
+from app.links.errors import UsageError, WriteRefused
+
+router = APIRouter(prefix="/devices/{device}", tags=["registers"])
+
+
+@router.get("/registers", responses=problems(*DEVICE_PROBLEMS))
+async def list_registers(device: CurrentDevice, axis: AxisQuery = None) -> list[RegisterReading]:
+    """Every readable register, from the chip; with `axis` only those of that axis."""
+    return [RegisterReading.model_validate(reading) for reading in await device.read_all(axis)]
+
+
+@router.post("/registers", responses=problems(*DEVICE_PROBLEMS))
+async def write_registers(device: CurrentDevice, body: RegisterBatch) -> RegisterBatchResult:
+    """Write several in order; the first that fails ends it, and the answer says how far it came."""
+    items = [WriteItem(item.name, item.axis, item.value, item.fields) for item in body.writes]
+    result = await device.write_many(items)
+    return RegisterBatchResult(
+        done=[RegisterWritten.model_validate(written) for written in result.done],
+        failed=None if result.failed is None else problem_of(result.failed),
+        not_tried=result.not_tried,
+    )
+
+
+@router.get("/registers/{name}", responses=problems(*DEVICE_PROBLEMS))
+async def read_register(device: CurrentDevice, name: RegisterName, axis: AxisQuery = None) -> RegisterReading:
+    """Read one register, or a field by its own name, past any cache."""
+    return RegisterReading.model_validate(await device.read(name, axis))
+
+
+@router.put("/registers/{name}", responses=problems(*DEVICE_PROBLEMS, WriteRefused))
+async def write_register(
+    device: CurrentDevice, name: RegisterName, body: RegisterWrite, axis: AxisQuery = None
+) -> RegisterWritten:
+    """Write one register, whole or some of its fields; answers with the read-back."""
+    return RegisterWritten.model_validate(await device.write(name, axis, body.value, body.fields))
+
+
+@router.post("/exchange", responses=problems(*DEVICE_PROBLEMS))
+async def exchange_frame(device: CurrentDevice, body: Exchange) -> ExchangeReply:
+    """Send one raw datagram as it is, past every check but its length."""
+    try:
+        frame = bytes.fromhex(body.frame)
+    except ValueError as error:
+        raise UsageError(f"a frame is hex digits in pairs, not {body.frame!r}") from error
+    raw = await device.exchange(frame)
+    return ExchangeReply(reply=raw.reply.hex(), decoded=raw.decoded)

@@ -1,0 +1,98 @@
+"""The built browser UI: files, the page for every route of the client, and what to do where it is missing."""
+
+from __future__ import annotations
+
+import html
+import os
+from pathlib import Path
+
+from starlette.exceptions import HTTPException
+from starlette.responses import FileResponse, HTMLResponse, Response
+from starlette.staticfiles import NotModifiedResponse
+from starlette.types import Receive, Scope, Send
+from starlette.websockets import WebSocketClose
+
+CSP = "; ".join(
+    (
+        "default-src 'self'",
+        "script-src 'self'",
+        # the component library and the plots set styles from script
+        "style-src 'self' 'unsafe-inline'",
+        "img-src 'self' data: blob:",
+        "font-src 'self' data:",
+        "connect-src 'self'",
+        "worker-src 'self' blob:",
+        "object-src 'none'",
+        "base-uri 'none'",
+        "form-action 'self'",
+        "frame-ancestors 'none'",
+    )
+)
+HEADERS = {
+    "content-security-policy": CSP,
+    "x-content-type-options": "nosniff",
+    "referrer-policy": "no-referrer",
+    "cross-origin-opener-policy": "same-origin",
+}
+HASHED = "public, max-age=31536000, immutable"
+REVALIDATED = "no-cache"
+
+MISSING = """<!doctype html><html lang="en"><meta charset="utf-8"><title>stepscope</title>
+<body><h1>stepscope runs, its web page was not built</h1>
+<p>Nothing was found in <code>{directory}</code>. <code>make run</code> builds it; with hot reload:
+<code>make dev</code>. An installed wheel always has it.</p>
+<p>The API answers at <a href="/api/v1/health">/api/v1</a>; <a href="/openapi.json">/openapi.json</a> describes it.</p>
+"""
+
+
+class WebUi:
+    """ASGI application behind the API's routes: whatever these do not know comes here."""
+
+    def __init__(self, directory: Path) -> None:
+        self._directory = directory.resolve()
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] == "websocket":
+            await WebSocketClose(1008, "no socket at this address")(scope, receive, send)
+            return
+        path: str = scope["path"]
+        if path == "/api" or path.startswith("/api/"):
+            raise HTTPException(404, "no such call")
+        if scope["method"] not in ("GET", "HEAD"):
+            raise HTTPException(405, headers={"Allow": "GET, HEAD"})
+        response = self._response(path)
+        if isinstance(response, FileResponse) and _unchanged(response, scope):
+            response = NotModifiedResponse(response.headers)
+        await response(scope, receive, send)
+
+    def _response(self, path: str) -> Response:
+        found = self._file(path)
+        if found is not None:
+            return self._send(found, HASHED if path.startswith("/assets/") else REVALIDATED)
+        if "." in path.rpartition("/")[2]:
+            raise HTTPException(404, "no such file")
+        index = self._file("/index.html")
+        if index is None:
+            page = MISSING.format(directory=html.escape(str(self._directory)))
+            return HTMLResponse(page, 503, headers={**HEADERS, "cache-control": "no-store"})
+        return self._send(index, REVALIDATED)
+
+    def _file(self, path: str) -> Path | None:
+        """The file under the directory that `path` names, or None; `..` and links never lead out."""
+        if "\0" in path:
+            return None
+        try:
+            found = (self._directory / path.lstrip("/")).resolve()
+            inside = found.is_relative_to(self._directory)
+            return found if inside and found.is_file() else None
+        except OSError:  # names longer than the file system takes
+            return None
+
+    @staticmethod
+    def _send(path: Path, cache: str) -> FileResponse:
+        return FileResponse(path, stat_result=os.stat(path), headers={**HEADERS, "cache-control": cache})
+
+
+def _unchanged(response: Response, scope: Scope) -> bool:
+    tags = next((value.decode("latin-1") for key, value in scope["headers"] if key == b"if-none-match"), "")
+    return response.headers["etag"] in [tag.strip().removeprefix("W/") for tag in tags.split(",")]

@@ -1,0 +1,121 @@
+"""The demo bench: what is there before anybody has connected anything, ready for the first click.
+
+Both devices are set up over their wire, through the same drivers as hardware. Every axis is a
+200-step motor on a stage of 300 mm with 8 mm a turn, standing in its middle, where position 0 is.
+"""
+
+from __future__ import annotations
+
+import logging
+from dataclasses import dataclass
+
+from app.calc.driver_chain import build_chain
+from app.calc.microstep_table import design_table
+from app.calc.pmul_pdiv import default_reduction, design_many
+from app.calc.units import acceleration_from_hz_s, velocity_from_rate
+from app.devices.config import AxisSettings, DeviceConfig
+from app.devices.device import Device
+from app.devices.manager import DeviceManager
+from app.links.errors import BenchError
+
+log = logging.getLogger("stepscope.demo")
+
+TRAVEL_MM_PER_REV = 8.0
+FULL_STEPS_PER_REV = 200
+CLOCK_HZ = 16e6
+
+
+@dataclass(frozen=True, slots=True)
+class Tuning:
+    """How an axis of the demo moves: microsteps a full step as 2^usrs, speed and acceleration of the carriage."""
+
+    usrs: int
+    speed_mm_s: float
+    acceleration_mm_s2: float
+    pulse_div: int
+    ramp_div: int
+
+    @property
+    def microsteps_per_mm(self) -> float:
+        return FULL_STEPS_PER_REV * (1 << self.usrs) / TRAVEL_MM_PER_REV
+
+    def motion(self, chip: str) -> dict[str, int]:
+        """v_max, a_max, pmul (0..127) and pdiv for these dividers."""
+        rate_pps = self.speed_mm_s * self.microsteps_per_mm
+        change_pps2 = self.acceleration_mm_s2 * self.microsteps_per_mm
+        v_max = round(velocity_from_rate(rate_pps, self.pulse_div, CLOCK_HZ))
+        a_max = round(acceleration_from_hz_s(change_pps2, self.pulse_div, self.ramp_div, CLOCK_HZ))
+        pair = design_many(a_max, self.ramp_div, self.pulse_div, default_reduction(chip))
+        return {"v_min": 1, "v_max": v_max, "a_max": a_max, "pmul": int(pair.pmul), "pdiv": int(pair.pdiv)}
+
+
+# The whole stage takes 2 to 3 s; the three axes differ, so that their ramps do on one plot.
+BENCH = {
+    "X": Tuning(usrs=4, speed_mm_s=200.0, acceleration_mm_s2=400.0, pulse_div=2, ramp_div=7),
+    "Y": Tuning(usrs=5, speed_mm_s=160.0, acceleration_mm_s2=250.0, pulse_div=1, ramp_div=7),
+    "Z": Tuning(usrs=6, speed_mm_s=120.0, acceleration_mm_s2=800.0, pulse_div=0, ramp_div=7),
+}
+SLIDER = Tuning(usrs=4, speed_mm_s=150.0, acceleration_mm_s2=300.0, pulse_div=2, ramp_div=7)
+
+
+async def add(manager: DeviceManager) -> None:
+    """Add both devices and set them up. What fails is logged: a demo must not keep the server from starting."""
+    link = {"kind": "emulator"}
+    bench = await manager.add(DeviceConfig("bench", "tmc428", link, axes=_axes(*BENCH), demo=True))
+    slider = await manager.add(DeviceConfig("slider", "tmc4210", link, axes=_axes("slider"), demo=True))
+    try:
+        await set_up_bench(bench)
+        await set_up_slider(slider)
+    except BenchError:
+        log.exception("the demo bench could not be set up")
+
+
+def _axes(*names: str) -> tuple[AxisSettings, ...]:
+    return tuple(
+        AxisSettings(
+            name=name,
+            full_steps_per_rev=FULL_STEPS_PER_REV,
+            driver_microsteps=1 << SLIDER.usrs,
+            travel_mm_per_rev=TRAVEL_MM_PER_REV,
+        )
+        for name in names
+    )
+
+
+async def set_up_bench(device: Device) -> None:
+    """Chain, table and switches of the TMC428, then its axes."""
+    chain = build_chain(["tmc236", "tmc236", "tmc236"])
+    # The chain first: a TMC428 without it sends noise to its drivers (001, 11).
+    await device.write_driver_chain(chain.ram_words, chain.lsmd)
+    await device.write_microstep_table(design_table().values)
+    # Multiplexed wiring brings both switches of all three axes (001, 9.8, Table 9-3).
+    await device.write("stepper_motor_global_parameter_register", fields={"refmux": 1, "clk2_div": 7})
+    for axis, tuning in enumerate(BENCH.values()):
+        motion = tuning.motion("tmc428")
+        await device.write(
+            "pulse_div_ramp_div_usrs",
+            axis,
+            fields={"pulse_div": tuning.pulse_div, "ramp_div": tuning.ramp_div, "usrs": tuning.usrs},
+        )
+        for name in ("v_min", "v_max", "a_max"):
+            await device.write(name, axis, motion[name])
+        await device.write("pmul_pdiv", axis, fields={"pmul": motion["pmul"], "pdiv": motion["pdiv"]})
+        # Full current while accelerating, less at rest: what is_v0 is for (001, 8.9).
+        await device.write(
+            "is_agtat_is_aleat_is_v0_a_threshold",
+            axis,
+            fields={"is_agtat": 0, "is_aleat": 6, "is_v0": 3, "a_threshold": 1},
+        )
+        await device.write("lp_ref_conf_rm", axis, fields={"rm": 0, "SOFT_STOP": 1})
+
+
+async def set_up_slider(device: Device) -> None:
+    """Step/direction output and the axis of the TMC4210."""
+    motion = SLIDER.motion("tmc4210")
+    await device.write("STEPPER_MOTOR_GLOBAL_PARAMETER_REGISTER", fields={"mot1r": 1, "STPDIV_4210": 2})
+    await device.write("IF_CONFIGURATION_4210", fields={"en_sd": 1})
+    await device.write("PULSE_DIV_RAMP_DIV", 0, fields={"PULSE_DIV": SLIDER.pulse_div, "RAMP_DIV": SLIDER.ramp_div})
+    for name in ("v_min", "v_max", "a_max"):
+        await device.write(name, 0, motion[name])
+    await device.write("PMUL_PDIV", 0, fields={"PMUL": 128 + motion["pmul"], "PDIV": motion["pdiv"]})
+    await device.write("lp_REF_CONF_RAMP_MODE", 0, fields={"RAMP_MODE": 0, "soft_stop": 1})

@@ -1,0 +1,46 @@
+"""One typed settings object: flags of the command line win over STEPSCOPE_* variables, these over defaults."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Literal
+
+from platformdirs import user_data_path
+from pydantic import Field, field_validator
+from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
+
+LogLevel = Literal["debug", "info", "warning", "error"]
+
+
+class Settings(BaseSettings):
+    """What a server may be told. Every field is also a variable, e.g. STEPSCOPE_PORT=8001."""
+
+    model_config = SettingsConfigDict(env_prefix="STEPSCOPE_", frozen=True, extra="forbid")
+
+    host: str = Field(default="127.0.0.1", description="address to listen on; 0.0.0.0 opens the bench to the network")
+    port: Annotated[int, Field(ge=0, le=65_535)] = Field(default=8000, description="0 picks a free one")
+    data_dir: Path = Field(
+        default_factory=lambda: user_data_path("stepscope", appauthor=False),
+        description="where connections and profiles are kept",
+    )
+    demo: bool | None = Field(
+        default=None, description="the emulated demo bench: yes, no, or (unset) only while no connection is saved"
+    )
+    web_dir: Path = Field(default=Path(__file__).parent / "_web", description="the built browser UI")
+    log_level: LogLevel = "info"
+    allowed_hosts: Annotated[tuple[str, ...], NoDecode] = Field(
+        default=(), description="host names, comma-separated, under which browsers may reach this server"
+    )
+    history_minutes: Annotated[float, Field(gt=0, le=24 * 60)] = Field(
+        default=10.0, description="how much of every connected device the server remembers [min]"
+    )
+    body_limit_bytes: Annotated[int, Field(ge=1024)] = Field(
+        default=1 << 20, description="the longest request body that is read [bytes]"
+    )
+
+    @field_validator("allowed_hosts", mode="before")
+    @classmethod
+    def _split(cls, value: object) -> object:
+        if isinstance(value, str):
+            return tuple(part.strip().casefold() for part in value.split(",") if part.strip())
+        return value

@@ -1,0 +1,236 @@
+"""Everything that is sampled of one device: its history, and what its readers want.
+
+One pump a device. The live samples are those of one beat, the union of all readers' channels at
+the highest of their rates: ten pages cost the link no more than one, and a chip behind a slow wire
+is never asked the same thing twice.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from app.clock import Clock
+from app.devices.device import Device, DeviceEvent, MotionStarted
+from app.links.errors import BenchError, OutOfRange
+from app.telemetry.group import FloatArray, Group, Subscription
+from app.telemetry.history import HISTORY_RATE_HZ, History
+from app.telemetry.reader import QUEUED_ROWS_LEAST, QUEUED_S, Gap, MoveSeen, Reader
+from app.telemetry.sampling import Block, Sampling
+
+log = logging.getLogger("stepscope.telemetry")
+
+PUMP_S = 1 / 60
+"""The beat of the pump while somebody reads [s]: once a frame of a screen."""
+IDLE_PUMP_S = 0.1
+RATE_LIMITS_HZ = (1.0, 1000.0)
+BATCH_LIMITS_HZ = (1.0, 60.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Joined:
+    """What a reader gets first: how its stream will be, and the past in the same columns."""
+
+    reader: Reader
+    units: tuple[str, ...]
+    rate_hz: float
+    chip_timed: bool
+    time_origin_unix_s: float
+    history_time_s: FloatArray
+    history: FloatArray
+
+
+class Feed:
+    """Samples one device as long as it is connected."""
+
+    def __init__(
+        self, device: Device, clock: Clock, history_minutes: float, unix_s: Callable[[], float] = time.time
+    ) -> None:
+        self.device = device
+        self._clock = clock
+        self._unix_s = unix_s
+        self._groups: dict[Subscription, Group] = {}
+        self._history = History([channel.name for channel in device.channels()], history_minutes)
+        self._history_sampling: Sampling | None = None
+        self._live: Sampling | None = None
+        self._ended: list[Sampling] = []
+        self._in_gap = True
+        self._seen_s = clock.now()
+        self._seen_device_s = device.device_time_s()
+        self._device_rate = 1.0
+        self._stop_listening = device.listen(self._hear)
+        self._task: asyncio.Task[None] | None = None
+
+    @property
+    def readers(self) -> int:
+        return sum(len(group.readers) for group in self._groups.values())
+
+    def start(self) -> None:
+        """Begin to pump. Needs a running event loop."""
+        self._restart_pump()
+
+    def join(self, channels: tuple[str, ...], rate_hz: float, batch_hz: float, history_s: float) -> Joined:
+        """A new reader. Raises UnknownThing for a channel and OutOfRange for a rate or batch rate."""
+        for name, value, (low, high) in (("rate_hz", rate_hz, RATE_LIMITS_HZ), ("batch_hz", batch_hz, BATCH_LIMITS_HZ)):
+            if not low <= value <= high:
+                raise OutOfRange(name, value, low, high)
+        device = self.device
+        plan = device.sample_plan(channels)
+        granted_hz = min(rate_hz, device.rate_max_hz)
+        # What is sampled so far goes out first: to the history, and to those who were here before.
+        self.pump()
+        now_s = self._clock.now()
+        for group in self._groups.values():
+            group.flush(now_s, at_once=True)
+        subscription = Subscription(channels, granted_hz, batch_hz)
+        group = self._groups.setdefault(subscription, Group(subscription, now_s))
+        reader = Reader(len(channels), max(QUEUED_ROWS_LEAST, round(granted_hz * QUEUED_S)))
+        group.readers.append(reader)
+        self._replan()
+        self._restart_pump()
+        device_s = device.device_time_s()
+        past_s, past = self._history.since(device_s - history_s if history_s > 0 else float("inf"), channels)
+        return Joined(reader, plan.units, granted_hz, device.chip_timed, self._unix_s() - device_s, past_s, past)
+
+    def leave(self, reader: Reader) -> None:
+        """A reader has gone. A second call does nothing."""
+        self.pump()  # what was sampled for the others, before the beat may change
+        for subscription, group in list(self._groups.items()):
+            if reader in group.readers:
+                group.readers.remove(reader)
+                if not group.readers:
+                    del self._groups[subscription]
+                    self._replan()
+
+    def pump(self) -> None:
+        """Take what was sampled and hand it on."""
+        now_s, device_s = self._clock.now(), self.device.device_time_s()
+        if now_s > self._seen_s:
+            self._device_rate = (device_s - self._seen_device_s) / (now_s - self._seen_s) or 1.0
+            self._seen_s, self._seen_device_s = now_s, device_s
+        if self.device.state != "connected":
+            self._pause()
+        else:
+            self._resume()
+            port = self.device.sampling_port
+            if port is not None:
+                try:
+                    port.run_due_samples()
+                except BenchError as error:
+                    self._gap(str(error))
+        if self._history_sampling is not None:
+            block = self._history_sampling.take()
+            self._in_gap = self._in_gap and not len(block.time_s)
+            self._history.append(block)
+        if self._live is not None:
+            self._hand_out(self._live.take(), now_s, device_s)
+        for group in self._groups.values():
+            group.flush(now_s)
+            group.report(now_s)
+
+    def close(self, reason: str) -> None:
+        """End all readers and samplings."""
+        self._stop_listening()
+        if self._task is not None:
+            self._task.cancel()
+        self._end_samplings()
+        for group in self._groups.values():
+            for reader in group.readers:
+                reader.close(reason)
+
+    async def wait_closed(self) -> None:
+        """After `close`: return when nothing of this feed runs any more."""
+        if self._task is not None:
+            await asyncio.gather(self._task, return_exceptions=True)
+        for sampling in self._ended:
+            await sampling.wait_ended()
+
+    # --- inside ---------------------------------------------------------------------------------
+
+    def _restart_pump(self) -> None:
+        # Not only woken: the sleep of an idle pump may be far longer than the beat that is wanted now.
+        if self._task is not None:
+            self._task.cancel()
+        self._task = asyncio.create_task(self._run(), name=f"telemetry {self.device.id}")
+
+    async def _run(self) -> None:
+        due_s = self._clock.now()
+        while True:
+            beat_s = PUMP_S if self._groups else IDLE_PUMP_S
+            due_s = max(due_s + beat_s, self._clock.now())
+            await self._clock.sleep(due_s - self._clock.now())
+            try:
+                self.pump()
+            except Exception:  # a mistake of ours must not end the telemetry of everybody
+                log.exception("a beat of the telemetry of %s failed", self.device.id)
+
+    def _hand_out(self, block: Block, now_s: float, device_s: float) -> None:
+        if not len(block.time_s):
+            return
+        self._in_gap = False
+        oldest_s = now_s - max(0.0, device_s - float(block.time_s[0])) / self._device_rate
+        for group in self._groups.values():
+            group.offer(block, oldest_s)
+
+    def _hear(self, event: DeviceEvent) -> None:
+        if isinstance(event, MotionStarted):
+            for group in self._groups.values():
+                group.tell(MoveSeen(event.axis, event.started_at_s))
+
+    def _failed(self, error: BenchError) -> None:
+        self._gap(str(error))
+
+    def _gap(self, reason: str) -> None:
+        """Say once that samples are missing; the next one that comes ends the gap."""
+        if self._in_gap:
+            return
+        self._in_gap = True
+        now_s, device_s = self._clock.now(), self.device.device_time_s()
+        self._history.mark_gap(device_s)
+        for group in self._groups.values():
+            group.gap(device_s, now_s)
+            group.tell(Gap(reason))
+
+    def _resume(self) -> None:
+        if self._history_sampling is None:
+            self._history_sampling = self._sampling(self._history.channels, HISTORY_RATE_HZ)
+        if self._live is None:
+            self._replan()
+
+    def _pause(self) -> None:
+        if self._history_sampling is not None:
+            problem = self.device.problem
+            self._gap(str(problem) if problem else f"{self.device.name} is {self.device.state}")
+        self._end_samplings()
+
+    def _replan(self) -> None:
+        """Sample what the readers want now, and nothing else."""
+        if not self._groups or self.device.state != "connected":
+            self._end_live()
+            return
+        channels = tuple(sorted({name for subscription in self._groups for name in subscription.channels}))
+        rate_hz = max(subscription.rate_hz for subscription in self._groups)
+        if self._live is None or (self._live.channels, self._live.rate_hz) != (channels, rate_hz):
+            self._end_live()
+            self._live = self._sampling(channels, rate_hz)
+        for group in self._groups.values():
+            group.follow(channels, rate_hz)
+
+    def _sampling(self, channels: tuple[str, ...], rate_hz: float) -> Sampling:
+        return Sampling(self.device, channels, min(rate_hz, self.device.rate_max_hz), self._clock, self._failed)
+
+    def _end_live(self) -> None:
+        live, self._live = self._live, None
+        if live is not None:
+            live.end()
+            self._ended = [sampling for sampling in self._ended if sampling.running] + [live]
+
+    def _end_samplings(self) -> None:
+        self._end_live()
+        history, self._history_sampling = self._history_sampling, None
+        if history is not None:
+            history.end()
+            self._ended.append(history)

@@ -1,0 +1,111 @@
+"""Readers that want the same: their samples are chosen, decimated and encoded once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.telemetry.frames import encode_body
+from app.telemetry.reader import Body, Event, Reader, Status
+from app.telemetry.sampling import Block
+
+FloatArray = NDArray[np.float64]
+
+
+@dataclass(frozen=True, slots=True)
+class Subscription:
+    """What a reader wants: channels in its order, samples a second, frames a second at the most."""
+
+    channels: tuple[str, ...]
+    rate_hz: float
+    batch_hz: float
+
+
+class Group:
+    """One subscription and everybody who has it."""
+
+    def __init__(self, subscription: Subscription, now_s: float) -> None:
+        self.subscription = subscription
+        self.readers: list[Reader] = []
+        self._columns: NDArray[np.intp] | None = None
+        self._sampled_hz = subscription.rate_hz
+        self._times_s: list[FloatArray] = []
+        self._samples: list[FloatArray] = []
+        self._oldest_s = now_s
+        self._flushed_s = now_s
+        self._status_s = now_s
+        self._intervals_s: list[FloatArray] = []
+        self._last_time_s = np.nan
+        self._rows_since_status = 0
+
+    def follow(self, channels: Sequence[str], sampled_hz: float) -> None:
+        """From now on blocks have these columns, at this rate (never below the subscription's)."""
+        where = {name: index for index, name in enumerate(channels)}
+        self._columns = np.array([where[name] for name in self.subscription.channels], dtype=np.intp)
+        self._sampled_hz = sampled_hz
+
+    def offer(self, block: Block, oldest_s: float) -> None:
+        """Take what this group wants of a block whose first row is of server time `oldest_s` [s]."""
+        assert self._columns is not None
+        time_s, samples = block.time_s, block.samples[:, self._columns]
+        if self.subscription.rate_hz < self._sampled_hz:
+            # By count, not by time: exact in the long run at any ratio, and no sample twice.
+            share = self.subscription.rate_hz / self._sampled_hz
+            slots = np.floor(np.arange(block.first, block.first + len(time_s) + 1) * share + 1e-9)
+            wanted = np.diff(slots) > 0
+            time_s, samples = time_s[wanted], samples[wanted]
+        if len(time_s):
+            self.add(time_s, samples, oldest_s)
+
+    def add(self, time_s: FloatArray, samples: FloatArray, oldest_s: float) -> None:
+        """Queue rows for the next frame."""
+        if not self._times_s:
+            self._oldest_s = oldest_s
+        self._times_s.append(time_s)
+        self._samples.append(samples)
+        self._intervals_s.append(np.diff(time_s, prepend=self._last_time_s))
+        self._last_time_s = float(time_s[-1])
+        self._rows_since_status += len(time_s)
+
+    def gap(self, time_s: float, now_s: float) -> None:
+        """A row of NaN at device time `time_s` [s]: a plot must not draw a line across what is unknown."""
+        if np.isnan(self._last_time_s) or time_s >= self._last_time_s:
+            self.add(np.array([time_s]), np.full((1, len(self.subscription.channels)), np.nan), now_s)
+        self._last_time_s = np.nan  # the interval across the gap says nothing about jitter
+
+    def flush(self, now_s: float, *, at_once: bool = False) -> None:
+        """Give the readers a frame, if it is time for one."""
+        # A tenth of a beat early is on time: else a beat equal to the pump's would miss every second one.
+        if not self._times_s or (not at_once and now_s - self._flushed_s < 0.9 / self.subscription.batch_hz):
+            return
+        time_s = np.concatenate(self._times_s)
+        body = Body(len(time_s), encode_body(time_s, np.concatenate(self._samples)), self._oldest_s)
+        self._times_s.clear()
+        self._samples.clear()
+        self._flushed_s = now_s
+        for reader in self.readers:
+            reader.push(body)
+
+    def tell(self, event: Event) -> None:
+        """Tell every reader."""
+        for reader in self.readers:
+            reader.tell(event)
+
+    def report(self, now_s: float) -> None:
+        """Tell every reader how the last second went, when it is over."""
+        elapsed_s = now_s - self._status_s
+        if elapsed_s < 1.0:
+            return
+        rate_hz = self._rows_since_status / elapsed_s
+        intervals_s = np.concatenate(self._intervals_s) if self._intervals_s else np.empty(0)
+        intervals_s = intervals_s[np.isfinite(intervals_s)]
+        jitter_ms = float(intervals_s.std() * 1e3) if len(intervals_s) else 0.0
+        self._intervals_s.clear()
+        self._rows_since_status = 0
+        self._status_s = now_s
+        for reader in self.readers:
+            reader.tell(Status(rate_hz, jitter_ms, reader.dropped, reader.latency_s * 1e3))
+            reader.latency_s = 0.0

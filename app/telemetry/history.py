@@ -1,0 +1,45 @@
+"""What the server remembers of a device, so that a reloaded page has its past."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.telemetry.ring import Ring
+from app.telemetry.sampling import Block
+
+FloatArray = NDArray[np.float64]
+
+HISTORY_RATE_HZ = 50.0
+
+
+class History:
+    """The last `minutes` of `channels`, sampled at `HISTORY_RATE_HZ`."""
+
+    def __init__(self, channels: Sequence[str], minutes: float) -> None:
+        self.channels = tuple(channels)
+        self._column = {name: index for index, name in enumerate(self.channels)}
+        self._ring = Ring(len(self.channels), max(1, round(minutes * 60 * HISTORY_RATE_HZ)))
+
+    def __len__(self) -> int:
+        return len(self._ring)
+
+    def append(self, block: Block) -> None:
+        """Add what was sampled."""
+        if len(block.time_s):
+            self._ring.append(block.time_s, block.samples)
+
+    def mark_gap(self, time_s: float) -> None:
+        """A row of NaN at device time `time_s` [s]: a plot must not draw a line across what is unknown."""
+        self._ring.append(np.array([time_s]), np.full((1, len(self.channels)), np.nan))
+
+    def since(self, from_s: float, channels: Sequence[str]) -> tuple[FloatArray, FloatArray]:
+        """Time [rows] and samples [rows, len(channels)] from device time `from_s` [s] on; NaN for what is not kept."""
+        time_s, samples = self._ring.since(from_s)
+        wanted = np.full((len(time_s), len(channels)), np.nan)
+        for index, name in enumerate(channels):
+            if name in self._column:
+                wanted[:, index] = samples[:, self._column[name]]
+        return time_s, wanted
