@@ -1,4 +1,5 @@
 import type { Schemas } from "../../api/client";
+import { fixed } from "../../lib/format";
 
 export type RegisterRow = Schemas["RegisterRow"];
 export type FieldRow = Schemas["FieldRow"];
@@ -31,14 +32,6 @@ export function packField(word: number, field: Pick<FieldRow, "lsb" | "width">, 
 
 export function bitOf(word: number, bit: number): 0 | 1 {
   return (Math.floor(word / 2 ** bit) % 2) as 0 | 1;
-}
-
-/** Hex digits for all `width` bits, in upper case: `0x0F00`. */
-export function hex(raw: number, width: number): string {
-  return `0x${toRaw(raw, width)
-    .toString(16)
-    .toUpperCase()
-    .padStart(Math.ceil(width / 4), "0")}`;
 }
 
 export function readable(access: string): boolean {
@@ -109,7 +102,7 @@ export function editorOf(bits: Pick<Bits, "width" | "values" | "signed">): "sele
 
 /** A register in one line: its value, or of a packed one the fields that say something. */
 export function summary(row: RegisterRow, raw: number): string {
-  if (row.fields.length === 0) return String(row.signed ? toSigned(raw, row.width) : raw);
+  if (row.fields.length === 0) return fixed(row.signed ? toSigned(raw, row.width) : raw);
   const shown: string[] = [];
   let flags = 0;
   for (const field of row.fields) {

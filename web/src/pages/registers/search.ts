@@ -1,4 +1,5 @@
-import { hex, type RegisterRow } from "./bits";
+import { hex } from "../../lib/format";
+import type { RegisterRow } from "./bits";
 
 export interface Group {
   key: string;

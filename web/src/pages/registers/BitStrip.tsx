@@ -1,0 +1,78 @@
+import { useState } from "react";
+import { bitOf, enumName, type RegisterRow, segments, unpackField, WORD_BITS, writable } from "./bits";
+import css from "./registers.module.css";
+
+interface Props {
+  row: RegisterRow;
+  /** null: not known */
+  raw: number | null;
+  /** the word as it will be; bits that differ are marked */
+  staged: number | null;
+  onPick?: (field: string) => void;
+}
+
+/** The word as the data sheet draws it: bit numbers, named stretches, and what each bit is now. */
+export function BitStrip({ row, raw, staged, onPick }: Props) {
+  const [under, setUnder] = useState<string | null>(null);
+  const total = Math.max(WORD_BITS, row.width);
+  const shown = staged ?? raw;
+  return (
+    <div className={css.stripScroll}>
+      <div
+        className={css.strip}
+        style={{ "--bits": total } as React.CSSProperties}
+        role="img"
+        aria-label={`${row.name}, ${row.width} bits, ${
+          raw === null ? "not known" : raw.toString(2).padStart(row.width, "0")
+        }`}
+      >
+        {segments(row).map((part) => {
+          const width = part.msb - part.lsb + 1;
+          const name = part.field?.name ?? (part.whole ? row.name : "");
+          const meaningful = part.field !== null || part.whole;
+          const value =
+            part.field && shown !== null
+              ? (enumName(part.field, unpackField(shown, part.field)) ?? String(unpackField(shown, part.field)))
+              : "";
+          const access = part.field?.access ?? row.access;
+          return (
+            // Pointers only: the same fields stand below as labelled controls.
+            // biome-ignore lint/a11y/noStaticElementInteractions: a shortcut for the mouse
+            // biome-ignore lint/a11y/useKeyWithClickEvents: a shortcut for the mouse
+            <div
+              key={part.lsb}
+              className={css.segment}
+              data-kind={!meaningful ? "gap" : writable(access) ? "write" : "read"}
+              data-under={name !== "" && name === under}
+              style={{ gridColumn: `span ${width}` }}
+              title={meaningful ? `${name}${value ? ` = ${value}` : ""}` : "no meaning"}
+              onMouseEnter={() => setUnder(name)}
+              onMouseLeave={() => setUnder(null)}
+              onClick={() => part.field && onPick?.(part.field.name)}
+            >
+              <div className={css.segmentName}>{width >= 3 ? name : ""}</div>
+              <div className={css.segmentBits}>
+                {Array.from({ length: width }, (_, index) => {
+                  const bit = part.msb - index;
+                  const old = raw === null ? null : bitOf(raw, bit);
+                  const now = shown === null ? null : bitOf(shown, bit);
+                  return (
+                    <span
+                      key={bit}
+                      className={css.bit}
+                      data-on={now === 1}
+                      data-staged={staged !== null && old !== now}
+                    >
+                      <i className={css.bitNumber}>{bit}</i>
+                      <b className={css.bitValue}>{meaningful ? (now ?? "?") : "·"}</b>
+                    </span>
+                  );
+                })}
+              </div>
+            </div>
+          );
+        })}
+      </div>
+    </div>
+  );
+}

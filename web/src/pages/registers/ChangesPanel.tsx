@@ -1,0 +1,207 @@
+import { ActionIcon, Button, Group, Text } from "@mantine/core";
+import { IconArrowBackUp, IconCheck, IconListCheck } from "@tabler/icons-react";
+import type { ReactNode } from "react";
+import { EmptyState } from "../../lib/EmptyState";
+import { fixed, hex } from "../../lib/format";
+import { ProblemAlert } from "../../lib/ProblemAlert";
+import { enumName, type RegisterRow } from "./bits";
+import { RegisterName } from "./parts";
+import css from "./registers.module.css";
+import { type Applied, type Change, changes, countChanges, type Edit, type Key, keyOf } from "./staging";
+import type { Staged } from "./store";
+import type { Reading } from "./useRegisters";
+
+interface Props {
+  staged: Staged;
+  rows: ReadonlyMap<Key, RegisterRow>;
+  readings: ReadonlyMap<Key, Reading>;
+  axisNames: readonly string[];
+  error: unknown;
+  busy: boolean;
+  canApply: boolean;
+  onApply: () => void;
+  onDiscard: (key: Key | null, field?: string) => void;
+}
+
+/** The diff that waits, in the order in which it will be sent, and how the last one fared. */
+export function ChangesPanel(props: Props) {
+  const { staged, rows, readings, axisNames, error, busy, canApply, onApply, onDiscard } = props;
+  const count = countChanges(staged.edits);
+  const many = (row: { axis: number | null }) => (row.axis === null || axisNames.length < 2 ? "" : axisNames[row.axis]);
+  return (
+    <div className={css.changes}>
+      {error !== null && <ProblemAlert error={error} doing="Writing registers" />}
+      {count === 0 && staged.applied.length === 0 && (
+        <EmptyState title="Nothing staged" icon={<IconListCheck size={22} />}>
+          <Text size="sm" className={css.dim} maw={260}>
+            Edit a value or a field in the table. Edits gather here and reach the chip only when you apply them.
+          </Text>
+        </EmptyState>
+      )}
+      {count > 0 && (
+        <>
+          <Group gap="xs" mb="xs">
+            <Button size="compact-sm" loading={busy} disabled={!canApply} onClick={onApply}>
+              Apply {count === 1 ? "1 edit" : `${count} edits`}
+            </Button>
+            <Button size="compact-sm" variant="default" disabled={busy} onClick={() => onDiscard(null)}>
+              Discard all
+            </Button>
+          </Group>
+          <ol className={css.diff}>
+            {staged.edits.map((edit) => {
+              const key = keyOf(edit);
+              const row = rows.get(key);
+              return (
+                row && (
+                  <DiffEntry
+                    key={key}
+                    edit={edit}
+                    row={row}
+                    axis={many(row) ?? ""}
+                    chip={readings.get(key)?.raw ?? null}
+                    onDiscard={(field) => onDiscard(key, field)}
+                  />
+                )
+              );
+            })}
+          </ol>
+        </>
+      )}
+      {staged.applied.length > 0 && (
+        <>
+          <h2 className={css.smallTitle}>
+            Written {staged.appliedAt !== null && `at ${new Date(staged.appliedAt).toLocaleTimeString()}`}
+          </h2>
+          <ul className={css.diff}>
+            {staged.applied.map((done) => {
+              const row = rows.get(keyOf(done.edit));
+              return row && <AppliedEntry key={keyOf(done.edit)} applied={done} row={row} axis={many(row) ?? ""} />;
+            })}
+          </ul>
+        </>
+      )}
+    </div>
+  );
+}
+
+interface DiffProps {
+  edit: Edit;
+  row: RegisterRow;
+  axis: string;
+  chip: number | null;
+  onDiscard: (field?: string) => void;
+}
+
+function DiffEntry({ edit, row, axis, chip, onDiscard }: DiffProps) {
+  const moved = !row.volatile && edit.base !== null && chip !== null && edit.base !== chip && edit.fate === null;
+  return (
+    <li className={css.diffEntry} data-fate={edit.fate?.kind}>
+      <Title row={row} axis={axis}>
+        <Discard label={`Discard the edits of ${row.name}`} onClick={() => onDiscard()} />
+      </Title>
+      {changes(edit, row, chip).map((change) => (
+        <div key={change.field?.name ?? ""} className={css.diffLine}>
+          <span className={css.fieldName}>{change.field?.name ?? "value"}</span>
+          <DiffValues row={row} change={change} />
+          {row.fields.length > 0 && (
+            <Discard
+              label={`Discard the edit of ${change.field?.name ?? row.name}`}
+              onClick={() => onDiscard(change.field?.name)}
+            />
+          )}
+        </div>
+      ))}
+      {edit.fate && <FateText edit={edit} row={row} />}
+      {moved && edit.base !== null && (
+        <Text size="xs" className={css.note}>
+          The chip changed since you began: it held {hex(edit.base, row.width)}.
+        </Text>
+      )}
+    </li>
+  );
+}
+
+function DiffValues({ row, change }: { row: RegisterRow; change: Change }) {
+  const text = (value: number) => (change.field ? enumName(change.field, value) : enumName(row, value)) ?? fixed(value);
+  if (change.field?.access === "R+WC") return <span className={css.diffValues}>clear the flag</span>;
+  return (
+    <span className={`num ${css.diffValues}`}>
+      <span className={css.from}>{change.from === null ? "?" : text(change.from)}</span>
+      <span className={css.arrow}>→</span>
+      <b className={css.next}>{text(change.to)}</b>
+    </span>
+  );
+}
+
+function FateText({ edit, row }: { edit: Edit; row: RegisterRow }) {
+  const fate = edit.fate;
+  if (fate === null) return null;
+  if (fate.kind === "not tried")
+    return (
+      <Text size="xs" className={css.note}>
+        Not tried: an edit before it failed. Still staged.
+      </Text>
+    );
+  if (fate.kind === "differs")
+    return (
+      <Text size="xs" className={css.wrong}>
+        Written, but reads back as {hex(fate.readBack, row.width)}. Still staged.
+      </Text>
+    );
+  return (
+    <Text size="xs" className={css.wrong} component="div">
+      <b>Refused.</b> {fate.problem.detail}
+      {fate.problem.way_out && <div>{fate.problem.way_out}</div>}
+    </Text>
+  );
+}
+
+function AppliedEntry({ applied, row, axis }: { applied: Applied; row: RegisterRow; axis: string }) {
+  const { edit, written } = applied;
+  return (
+    <li className={css.diffEntry} data-fate="done">
+      <Title row={row} axis={axis}>
+        <span className={css.verified}>
+          {written.verified === true && <IconCheck size={13} aria-hidden />}
+          {written.verified === true ? "verified" : "sent"}
+        </span>
+      </Title>
+      <div className={css.diffLine}>
+        <span className={css.fieldName}>
+          {edit.value !== null
+            ? "value"
+            : row.fields
+                .filter((field) => field.name in edit.fields)
+                .map((f) => f.name)
+                .join(", ")}
+        </span>
+        <span className={`num ${css.diffValues}`}>reads {hex(written.raw, row.width)}</span>
+      </div>
+      {(written.note !== "" || written.verified === null) && (
+        <Text size="xs" className={css.note}>
+          {written.note || "The chip changes this register by itself, so a read-back proves nothing."}
+        </Text>
+      )}
+    </li>
+  );
+}
+
+function Title({ row, axis, children }: { row: RegisterRow; axis: string; children: ReactNode }) {
+  return (
+    <div className={css.diffTitle}>
+      <RegisterName name={row.name} strong />
+      {axis !== "" && <span className={css.axisTag}>{axis}</span>}
+      <span className={css.grow} />
+      {children}
+    </div>
+  );
+}
+
+function Discard({ label, onClick }: { label: string; onClick: () => void }) {
+  return (
+    <ActionIcon size={20} variant="subtle" color="gray" aria-label={label} onClick={onClick}>
+      <IconArrowBackUp size={13} />
+    </ActionIcon>
+  );
+}

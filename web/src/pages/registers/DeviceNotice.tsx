@@ -1,0 +1,38 @@
+import { Alert, Button, Group, Text } from "@mantine/core";
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { Link } from "wouter";
+import { api, unwrap } from "../../api/client";
+import type { Device } from "../../api/queries";
+import { ProblemAlert } from "../../lib/ProblemAlert";
+
+/** Why the values stand still, and what to do about it. Nothing while the device is connected. */
+export function DeviceNotice({ device }: { device: Device }) {
+  const queries = useQueryClient();
+  const connect = useMutation({
+    mutationFn: async () =>
+      unwrap(await api.POST("/api/v1/devices/{device}/connect", { params: { path: { device: device.id } } })),
+    onSettled: () => queries.invalidateQueries({ queryKey: ["devices"] }),
+  });
+  if (device.state === "connected") return null;
+  if (device.state === "connecting")
+    return (
+      <Alert variant="light" p="xs">
+        Connecting to {device.name}…
+      </Alert>
+    );
+  if (device.problem) return <ProblemAlert error={device.problem} doing={device.name} retry={() => connect.mutate()} />;
+  return (
+    <Alert variant="light" p="xs" role="status">
+      <Group gap="sm">
+        <Text size="sm">{device.name} is not connected. Edits can be staged now and applied later.</Text>
+        <Button size="compact-sm" loading={connect.isPending} onClick={() => connect.mutate()}>
+          Connect
+        </Button>
+        <Button size="compact-sm" variant="default" component={Link} href="/connections">
+          Connections
+        </Button>
+      </Group>
+      {connect.isError && <ProblemAlert error={connect.error} doing="Connecting" />}
+    </Alert>
+  );
+}

@@ -1,0 +1,192 @@
+import { Button, Group, Text, TextInput } from "@mantine/core";
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useRef, useState, useSyncExternalStore } from "react";
+import { api, type Problem, problemOf, unwrap } from "../../api/client";
+import { hex } from "../../lib/format";
+import { type RegisterRow, readable, writable } from "./bits";
+import { decodedLines, decodeRequest, frameText, parseFrame, type Request, requestFrame } from "./frames";
+import css from "./registers.module.css";
+
+interface Entry {
+  id: number;
+  at: Date;
+  sent: string;
+  reply: string | null;
+  lines: [string, string][];
+  problem: Problem | null;
+}
+
+const KEPT = 50;
+
+/** What was exchanged with each device, until the page is reloaded. */
+let history: Record<string, readonly Entry[]> = {};
+let count = 0;
+const listeners = new Set<() => void>();
+const NONE: readonly Entry[] = [];
+
+function remember(device: string, entry: Omit<Entry, "id" | "at">): void {
+  count += 1;
+  history = {
+    ...history,
+    [device]: [{ ...entry, id: count, at: new Date() }, ...(history[device] ?? [])].slice(0, KEPT),
+  };
+  for (const listener of listeners) listener();
+}
+
+function useHistory(device: string): readonly Entry[] {
+  return useSyncExternalStore(
+    (listener) => {
+      listeners.add(listener);
+      return () => listeners.delete(listener);
+    },
+    () => history[device] ?? NONE,
+  );
+}
+
+interface Props {
+  device: string;
+  connected: boolean;
+  rows: readonly RegisterRow[];
+  selected: RegisterRow | null;
+  raw: number | null;
+}
+
+/** One datagram out, one back, past all checks: what you send is what the chip gets. */
+export function ExchangeConsole({ device, connected, rows, selected, raw }: Props) {
+  const queries = useQueryClient();
+  const entries = useHistory(device);
+  const [text, setText] = useState("");
+  const back = useRef(-1);
+  const frame = parseFrame(text);
+  const request = frame.ok ? decodeRequest(frame.bytes, rows) : null;
+  const send = useMutation({
+    mutationFn: async (sent: string) =>
+      unwrap(
+        await api.POST("/api/v1/devices/{device}/exchange", { params: { path: { device } }, body: { frame: sent } }),
+      ),
+    onSuccess: (answer, sent) =>
+      remember(device, { sent, reply: grouped(answer.reply), lines: decodedLines(answer.decoded), problem: null }),
+    onError: (error, sent) => remember(device, { sent, reply: null, lines: [], problem: problemOf(error) }),
+    onSettled: () => queries.invalidateQueries({ queryKey: ["registers", device] }),
+  });
+
+  function recall(by: number) {
+    back.current = Math.max(-1, Math.min(entries.length - 1, back.current + by));
+    setText(entries[back.current]?.sent ?? "");
+  }
+
+  return (
+    <div className={css.console}>
+      <form
+        onSubmit={(event) => {
+          event.preventDefault();
+          if (frame.ok && connected && !send.isPending) {
+            back.current = -1;
+            send.mutate(frameText(frame.bytes));
+          }
+        }}
+      >
+        <Group gap="xs" wrap="nowrap" align="flex-end">
+          <TextInput
+            size="xs"
+            flex={1}
+            label="Datagram, 4 bytes in hex"
+            placeholder="03 00 00 00"
+            classNames={{ input: "num" }}
+            autoComplete="off"
+            spellCheck={false}
+            value={text}
+            error={text.trim() !== "" && !frame.ok}
+            aria-describedby="datagram-meaning"
+            onChange={(event) => setText(event.currentTarget.value)}
+            onKeyDown={(event) => {
+              if (event.key !== "ArrowUp" && event.key !== "ArrowDown") return;
+              event.preventDefault();
+              recall(event.key === "ArrowUp" ? 1 : -1);
+            }}
+          />
+          <Button size="xs" type="submit" disabled={!frame.ok || !connected} loading={send.isPending}>
+            Send
+          </Button>
+        </Group>
+        <Text id="datagram-meaning" size="xs" className={text.trim() !== "" && !frame.ok ? css.wrong : css.meaning}>
+          {request
+            ? requestText(request)
+            : frame.ok || text.trim() === ""
+              ? "It goes to the chip as it is: no range is checked."
+              : frame.why}
+        </Text>
+      </form>
+      {selected && (
+        <Group gap={6} mt={6}>
+          {readable(selected.access) && (
+            <Button
+              size="compact-xs"
+              variant="default"
+              onClick={() => setText(frameText(requestFrame(selected.address, true)))}
+            >
+              Read {selected.name.length > 24 ? "the selected register" : selected.name}
+            </Button>
+          )}
+          {writable(selected.access) && (
+            <Button
+              size="compact-xs"
+              variant="default"
+              onClick={() => setText(frameText(requestFrame(selected.address, false, raw ?? 0)))}
+            >
+              Write it
+            </Button>
+          )}
+        </Group>
+      )}
+      {entries.length === 0 ? (
+        <Text size="sm" className={css.dim} mt="md">
+          Nothing sent yet. Type a datagram, or take one from the selected register.
+          {connected ? "" : " The device is not connected."}
+        </Text>
+      ) : (
+        <ol className={css.history} aria-label="Datagrams sent, newest first">
+          {entries.map((entry) => (
+            <li key={entry.id}>
+              <button type="button" className={css.sent} onClick={() => setText(entry.sent)} title="Use it again">
+                <span className={css.dim}>{entry.at.toLocaleTimeString()}</span>
+                <span className="num">{entry.sent}</span>
+                <span className={css.dim}>{shortRequest(entry.sent, rows)}</span>
+              </button>
+              {entry.problem ? (
+                <Text size="xs" className={css.wrong}>
+                  {entry.problem.detail} {entry.problem.way_out}
+                </Text>
+              ) : (
+                <div className={css.reply}>
+                  <span className="num">← {entry.reply}</span>
+                  {entry.lines.map(([name, line]) => (
+                    <span key={name}>
+                      <i className={css.replyName}>{name}</i> {line}
+                    </span>
+                  ))}
+                </div>
+              )}
+            </li>
+          ))}
+        </ol>
+      )}
+    </div>
+  );
+}
+
+function grouped(reply: string): string {
+  return reply.replace(/\s/g, "").replace(/(..)(?=.)/g, "$1 ");
+}
+
+function requestText({ address, read, data, row }: Request): string {
+  const what = row ? `${row.name}${row.axis === null ? "" : ` of axis ${row.axis}`}` : "no register";
+  return `${read ? "reads" : "writes"} ${hex(address, 8)}, ${what}${read ? "" : `: ${hex(data, 24)}`}`;
+}
+
+function shortRequest(sent: string, rows: readonly RegisterRow[]): string {
+  const frame = parseFrame(sent);
+  if (!frame.ok) return "";
+  const { read, row } = decodeRequest(frame.bytes, rows);
+  return `${read ? "read" : "write"} ${row?.name ?? "?"}`;
+}

@@ -1,0 +1,153 @@
+import { ActionIcon, Button, Checkbox, Select, Tooltip } from "@mantine/core";
+import { IconArrowBackUp } from "@tabler/icons-react";
+import { fixed } from "../../lib/format";
+import { editorOf, enumName, type FieldRow, type RegisterRow, unpackField, writable } from "./bits";
+import type { Scale } from "./input";
+import { LiveText } from "./LiveText";
+import { NumberEntry } from "./NumberEntry";
+import { chipUnit, derived, physicalText } from "./physical";
+import css from "./registers.module.css";
+import type { Edit } from "./staging";
+
+interface Props {
+  row: RegisterRow;
+  raw: number | null;
+  edit: Edit | null;
+  scalesOf: (unit: string) => readonly Scale[];
+  clockHz: number;
+  disabled: boolean;
+  stage: (field: FieldRow, value: number) => void;
+  unstage: (field: string) => void;
+}
+
+/** Every field of a packed register, highest bits first as on the strip, each with the editor that suits it. */
+export function FieldList(props: Props) {
+  const { row, raw, edit, stage, unstage, scalesOf, clockHz, disabled } = props;
+  const ordered = [...row.fields].sort((a, b) => b.lsb - a.lsb);
+  return (
+    <ul className={css.fields}>
+      {ordered.map((field) => {
+        const chip = raw === null ? null : unpackField(raw, field);
+        const staged = edit?.fields[field.name];
+        const scales = scalesOf(field.unit);
+        const shown = staged ?? chip;
+        return (
+          <li key={field.name} className={css.field} data-staged={staged !== undefined} data-field={field.name}>
+            <span className={`num ${css.fieldBits}`}>
+              {field.width === 1 ? field.lsb : `${field.lsb + field.width - 1}:${field.lsb}`}
+            </span>
+            <span className={css.fieldName}>{field.name}</span>
+            <span className={css.fieldControl}>
+              <FieldControl
+                row={row}
+                field={field}
+                chip={chip}
+                staged={staged}
+                scales={scales}
+                disabled={disabled}
+                stage={(value) => stage(field, value)}
+                unstage={() => unstage(field.name)}
+              />
+            </span>
+            <span className={css.fieldMeaning}>
+              {shown !== null && (physicalText(shown, scales) || derived(field, shown, clockHz))}
+              {staged !== undefined && (
+                <span className={css.was}>
+                  was {chip === null ? "unknown" : (enumName(field, chip) ?? fixed(chip))}
+                  <Tooltip label="Discard this edit">
+                    <ActionIcon
+                      size={20}
+                      variant="subtle"
+                      aria-label={`Discard the edit of ${field.name}`}
+                      onClick={() => unstage(field.name)}
+                    >
+                      <IconArrowBackUp size={13} />
+                    </ActionIcon>
+                  </Tooltip>
+                </span>
+              )}
+            </span>
+            <span className={css.fieldHelp}>{field.help}</span>
+          </li>
+        );
+      })}
+    </ul>
+  );
+}
+
+interface ControlProps {
+  row: RegisterRow;
+  field: FieldRow;
+  chip: number | null;
+  staged: number | undefined;
+  scales: readonly Scale[];
+  disabled: boolean;
+  stage: (value: number) => void;
+  unstage: () => void;
+}
+
+function FieldControl({ row, field, chip, staged, scales, disabled, stage, unstage }: ControlProps) {
+  const label = `${field.name} of ${row.name}`;
+  const shown = staged ?? chip;
+  const text = shown === null ? "–" : (enumName(field, shown) ?? fixed(shown));
+  if (field.access === "R+WC") {
+    return (
+      <>
+        <LiveText className={css.flag} text={chip === null ? "–" : chip === 1 ? "set" : "not set"} />
+        <Button
+          size="compact-xs"
+          variant={staged === 1 ? "filled" : "default"}
+          disabled={disabled}
+          aria-pressed={staged === 1}
+          aria-label={`Clear ${label}`}
+          onClick={() => (staged === 1 ? unstage() : stage(1))}
+        >
+          {staged === 1 ? "will clear" : "clear"}
+        </Button>
+      </>
+    );
+  }
+  if (!writable(field.access) || !writable(row.access)) {
+    return (
+      <span>
+        <LiveText className="num" text={text} /> <span className={css.unit}>{chipUnit(field.unit)}</span>
+        <span className={css.readOnlyMark}>read only</span>
+      </span>
+    );
+  }
+  const kind = editorOf(field);
+  if (kind === "check") {
+    return (
+      <Checkbox
+        size="xs"
+        label={shown === null ? "–" : shown === 1 ? "on" : "off"}
+        aria-label={label}
+        checked={shown === 1}
+        indeterminate={shown === null}
+        disabled={disabled}
+        onChange={(event) => stage(event.currentTarget.checked ? 1 : 0)}
+      />
+    );
+  }
+  if (kind === "select") {
+    const options = Object.entries(field.values)
+      .map(([value, name]) => ({ value, label: `${value} · ${name}` }))
+      .filter(({ value }) => Number(value) >= field.minimum && Number(value) <= field.maximum);
+    if (shown !== null && enumName(field, shown) === undefined)
+      options.push({ value: String(shown), label: `${shown} · without a name` });
+    return (
+      <Select
+        size="xs"
+        w={176}
+        aria-label={label}
+        data={options}
+        value={shown === null ? null : String(shown)}
+        placeholder="not known"
+        allowDeselect={false}
+        disabled={disabled}
+        onChange={(value) => value !== null && stage(Number(value))}
+      />
+    );
+  }
+  return <NumberEntry bits={field} label={label} value={shown} scales={scales} onStage={stage} />;
+}

@@ -1,0 +1,82 @@
+import { Button, Group } from "@mantine/core";
+import { IconArrowBackUp } from "@tabler/icons-react";
+import { memo } from "react";
+import { hex } from "../../lib/format";
+import { toSigned, writable } from "./bits";
+import { NumberEntry } from "./NumberEntry";
+import { AccessMark, PackedText, PhysicalText, RawText, RegisterName, ValueText } from "./parts";
+import { scalesOf } from "./physical";
+import { RegisterHelp } from "./RegisterHelp";
+import { RegisterBits, type RowProps } from "./RegisterLine";
+import css from "./registers.module.css";
+import { keyOf } from "./staging";
+
+/** One register on a phone: what it holds at a glance, everything else when opened. */
+export const RegisterCard = memo(function RegisterCard(props: RowProps) {
+  const { row, reading, edit, scale, clockHz, axisName, expanded, editing, actions } = props;
+  const key = keyOf(row);
+  const raw = reading?.raw ?? null;
+  const packed = row.fields.length > 0;
+  const scales = scalesOf(row.unit, scale);
+  const value = raw === null ? null : row.signed ? toSigned(raw, row.width) : raw;
+  const shown = edit?.value ?? value;
+  return (
+    <li className={css.card} data-row={key} data-staged={edit !== null} data-fate={edit?.fate?.kind}>
+      <button
+        type="button"
+        className={css.cardHead}
+        aria-expanded={expanded}
+        aria-label={`${row.name}${axisName ? ` of ${axisName}` : ""}`}
+        onClick={() => {
+          actions.select(key);
+          actions.toggle(key);
+        }}
+      >
+        <span className={css.cardTop}>
+          <RegisterName name={row.name} />
+          <span className={`num ${css.dim}`}>{hex(row.address, 8)}</span>
+          <AccessMark access={row.access} />
+        </span>
+        <span className={css.cardValue}>
+          {packed ? <PackedText row={row} raw={raw} edit={edit} /> : <ValueText row={row} raw={raw} />}
+          <RawText row={row} raw={raw} />
+        </span>
+        {(scales.length > 0 || edit) && !packed && <PhysicalText row={row} raw={raw} edit={edit} scales={scales} />}
+      </button>
+      {expanded && (
+        <div className={css.cardBody}>
+          {!packed && writable(row.access) && (
+            <Group gap="xs">
+              {editing ? (
+                <NumberEntry
+                  bits={row}
+                  label={`New value of ${row.name}`}
+                  value={shown}
+                  scales={scales}
+                  onStage={(next) => actions.stage(row, null, next, raw)}
+                  onDone={() => actions.edit(null)}
+                />
+              ) : (
+                <Button size="compact-sm" variant="light" onClick={() => actions.edit(key)}>
+                  Edit the value
+                </Button>
+              )}
+            </Group>
+          )}
+          {edit && (
+            <Button
+              size="compact-sm"
+              variant="subtle"
+              leftSection={<IconArrowBackUp size={14} aria-hidden />}
+              onClick={() => actions.unstage(key)}
+            >
+              Discard the staged edit
+            </Button>
+          )}
+          <RegisterBits row={row} raw={raw} edit={edit} scale={scale} clockHz={clockHz} actions={actions} />
+          <RegisterHelp row={row} raw={raw} actions={actions} />
+        </div>
+      )}
+    </li>
+  );
+});

@@ -1,0 +1,119 @@
+import { Button, Group, Text } from "@mantine/core";
+import { fixed, hex } from "../../lib/format";
+import { accessText, enumName, type RegisterRow, toSigned, unpackField, writable } from "./bits";
+import { rangeText } from "./input";
+import { AccessMark, RegisterName } from "./parts";
+import type { RowActions } from "./RegisterLine";
+import css from "./registers.module.css";
+
+interface Props {
+  row: RegisterRow;
+  raw: number | null;
+  actions: RowActions;
+  heading?: boolean;
+}
+
+/** Everything that is known about one register, and the way back to its default. */
+export function RegisterHelp({ row, raw, actions, heading = false }: Props) {
+  const anyWrite = /\bany write\b/i.test(`${row.help} ${row.write_note}`);
+  const canReset = writable(row.access) && row.reset !== null && !anyWrite;
+  return (
+    <div className={css.help}>
+      {heading && (
+        <h2 className={css.helpTitle}>
+          <RegisterName name={row.name} strong />
+        </h2>
+      )}
+      <Text size="sm" mb={6}>
+        {sentence(row.help)}
+      </Text>
+      <dl className={css.facts}>
+        <dt>Address</dt>
+        <dd>
+          <span className="num">{hex(row.address, 8)}</span>, {row.axis === null ? "whole chip" : `axis ${row.axis}`},{" "}
+          {row.group}
+        </dd>
+        <dt>Access</dt>
+        <dd>
+          <AccessMark access={row.access} /> {accessText(row.access)}
+        </dd>
+        {row.write_note !== "" && (
+          <>
+            <dt>Writing</dt>
+            <dd>{sentence(row.write_note)}</dd>
+          </>
+        )}
+        {row.volatile && (
+          <>
+            <dt>Changes</dt>
+            <dd>The chip changes it by itself; a read-back may differ from what was written.</dd>
+          </>
+        )}
+        <dt>Width</dt>
+        <dd>
+          <span className="num">{row.width}</span> bits{row.signed ? ", two's complement" : ""}
+        </dd>
+        {row.fields.length === 0 && (
+          <>
+            <dt>Range</dt>
+            <dd className="num">{rangeText({ minimum: row.minimum, maximum: row.maximum })}</dd>
+          </>
+        )}
+        {row.unit !== "" && (
+          <>
+            <dt>Unit</dt>
+            <dd className={css.formula}>{row.unit}</dd>
+          </>
+        )}
+        <dt>Reset</dt>
+        <dd>{row.reset === null ? "no source tells" : resetText(row, row.reset)}</dd>
+        <dt>Source</dt>
+        <dd>{sourceText(row.source)}</dd>
+      </dl>
+      <Group gap="xs" mt="sm">
+        {canReset && (
+          <Button size="compact-xs" variant="default" onClick={() => stageReset(row, raw, actions)}>
+            Stage the reset value
+          </Button>
+        )}
+        {anyWrite && writable(row.access) && (
+          <Button size="compact-xs" variant="default" onClick={() => actions.stage(row, null, 0, raw)}>
+            Stage a write
+          </Button>
+        )}
+      </Group>
+    </div>
+  );
+}
+
+function resetText(row: RegisterRow, reset: number) {
+  const value = row.signed ? toSigned(reset, row.width) : reset;
+  const name = enumName(row, value);
+  return (
+    <span className="num">
+      {hex(reset, row.width)}
+      {row.fields.length === 0 && ` = ${name ?? fixed(value)}`}
+    </span>
+  );
+}
+
+function stageReset(row: RegisterRow, raw: number | null, actions: RowActions): void {
+  const reset = row.reset ?? 0;
+  if (row.fields.length === 0) {
+    actions.stage(row, null, row.signed ? toSigned(reset, row.width) : reset, raw);
+    return;
+  }
+  for (const field of row.fields) {
+    // Flags that are cleared by writing 1 have no value to go back to.
+    if (field.access === "RW" || field.access === "RW*") actions.stage(row, field, unpackField(reset, field), raw);
+  }
+}
+
+/** "001" and "000" are the house's numbers for the two data sheets. */
+function sourceText(source: string): string {
+  return source.replace(/\b001\b/g, "TMC428 data sheet").replace(/\b000\b/g, "TMC4210 data sheet");
+}
+
+function sentence(text: string): string {
+  return `${text.charAt(0).toUpperCase()}${text.slice(1)}.`;
+}

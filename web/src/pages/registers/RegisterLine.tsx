@@ -1,0 +1,187 @@
+import { ActionIcon } from "@mantine/core";
+import { IconArrowBackUp, IconChevronRight, IconPencil } from "@tabler/icons-react";
+import { memo, useCallback } from "react";
+import { hex } from "../../lib/format";
+import type { AxisScale } from "../../lib/units";
+import { BitStrip } from "./BitStrip";
+import { type FieldRow, type RegisterRow, toSigned, writable } from "./bits";
+import { FieldList } from "./FieldList";
+import { NumberEntry } from "./NumberEntry";
+import { AccessMark, PackedText, PhysicalText, RawText, RegisterName, ValueText } from "./parts";
+import { scalesOf } from "./physical";
+import css from "./registers.module.css";
+import { type Edit, type Key, keyOf, stagedRaw } from "./staging";
+import type { Reading } from "./useRegisters";
+
+/** What a row may ask of its page. Stable, so that rows render only for their own sake. */
+export interface RowActions {
+  select: (key: Key) => void;
+  toggle: (key: Key, open?: boolean) => void;
+  edit: (key: Key | null) => void;
+  stage: (row: RegisterRow, field: FieldRow | null, value: number, chip: number | null) => void;
+  unstage: (key: Key, field?: string) => void;
+}
+
+export interface RowProps {
+  row: RegisterRow;
+  reading: Reading | undefined;
+  edit: Edit | null;
+  /** conversion to physical units; null for a register that belongs to no axis */
+  scale: AxisScale | null;
+  clockHz: number;
+  axisName: string | null;
+  found: string;
+  selected: boolean;
+  expanded: boolean;
+  editing: boolean;
+  /** false: no chip to write to; edits may be staged all the same */
+  actions: RowActions;
+}
+
+/** One register as a line of the table, with its bits below when opened. */
+export const RegisterLine = memo(function RegisterLine(props: RowProps) {
+  const { row, reading, edit, scale, clockHz, axisName, found, selected, expanded, editing, actions } = props;
+  const key = keyOf(row);
+  const raw = reading?.raw ?? null;
+  const packed = row.fields.length > 0;
+  const scales = scalesOf(row.unit, scale);
+  const value = raw === null ? null : row.signed ? toSigned(raw, row.width) : raw;
+  const done = useCallback(() => {
+    actions.edit(null);
+    document.querySelector<HTMLElement>(`[data-row="${CSS.escape(key)}"]`)?.focus();
+  }, [actions, key]);
+
+  return (
+    <>
+      <tr
+        data-row={key}
+        data-selected={selected}
+        data-staged={edit !== null}
+        data-fate={edit?.fate?.kind}
+        data-access={row.access}
+        className={css.row}
+        tabIndex={selected ? 0 : -1}
+        onFocus={() => actions.select(key)}
+        onClick={() => actions.select(key)}
+        onDoubleClick={() => (packed ? actions.toggle(key) : writable(row.access) && actions.edit(key))}
+      >
+        <td className={css.chevronCell}>
+          <ActionIcon
+            size={22}
+            variant="transparent"
+            color="gray"
+            tabIndex={-1}
+            aria-label={`Bits of ${row.name}${axisName ? ` of ${axisName}` : ""}`}
+            aria-expanded={expanded}
+            onClick={() => actions.toggle(key)}
+          >
+            <IconChevronRight size={14} className={css.chevron} data-open={expanded} />
+          </ActionIcon>
+        </td>
+        <th scope="row" className={css.nameCell}>
+          <RegisterName name={row.name} />
+          {found !== "" && <span className={css.found}>{found}</span>}
+        </th>
+        <td className="num">{hex(row.address, 8)}</td>
+        <td>
+          <AccessMark access={row.access} />
+        </td>
+        <td>
+          <RawText row={row} raw={raw} />
+        </td>
+        {packed ? (
+          <td colSpan={2} className={css.packedCell}>
+            <PackedText row={row} raw={raw} edit={edit} />
+          </td>
+        ) : editing ? (
+          <td colSpan={2}>
+            <NumberEntry
+              bits={row}
+              label={`New value of ${row.name}`}
+              value={edit?.value ?? value}
+              scales={scales}
+              onStage={(next) => actions.stage(row, null, next, raw)}
+              onDone={done}
+            />
+          </td>
+        ) : (
+          <>
+            <td className={css.valueCell}>
+              <ValueText row={row} raw={raw} />
+            </td>
+            <td>
+              <PhysicalText row={row} raw={raw} edit={edit} scales={scales} />
+            </td>
+          </>
+        )}
+        <td className={css.tools}>
+          {edit && !editing && (
+            <ActionIcon
+              size={22}
+              variant="subtle"
+              tabIndex={-1}
+              aria-label={`Discard the edits of ${row.name}`}
+              onClick={() => actions.unstage(key)}
+            >
+              <IconArrowBackUp size={14} />
+            </ActionIcon>
+          )}
+          {writable(row.access) && !editing && (
+            <ActionIcon
+              size={22}
+              variant="subtle"
+              color="gray"
+              tabIndex={-1}
+              aria-label={`Edit ${row.name}${axisName ? ` of ${axisName}` : ""}`}
+              onClick={() => (packed ? actions.toggle(key, true) : actions.edit(key))}
+            >
+              <IconPencil size={14} />
+            </ActionIcon>
+          )}
+        </td>
+      </tr>
+      {expanded && (
+        <tr className={css.detailRow}>
+          <td colSpan={8}>
+            <RegisterBits row={row} raw={raw} edit={edit} scale={scale} clockHz={clockHz} actions={actions} />
+          </td>
+        </tr>
+      )}
+    </>
+  );
+});
+
+type BitsProps = Pick<RowProps, "row" | "edit" | "scale" | "clockHz" | "actions"> & { raw: number | null };
+
+/** The strip and the field editors, in the table and on a card. */
+export function RegisterBits({ row, raw, edit, scale, clockHz, actions }: BitsProps) {
+  const key = keyOf(row);
+  return (
+    <div className={css.detail} data-detail={key}>
+      <BitStrip
+        row={row}
+        raw={raw}
+        staged={edit ? stagedRaw(edit, row, raw) : null}
+        onPick={(field) =>
+          document
+            .querySelector<HTMLElement>(
+              `[data-detail="${CSS.escape(key)}"] [data-field="${CSS.escape(field)}"] :is(input, button)`,
+            )
+            ?.focus()
+        }
+      />
+      {row.fields.length > 0 && (
+        <FieldList
+          row={row}
+          raw={raw}
+          edit={edit}
+          scalesOf={(unit) => scalesOf(unit, scale)}
+          clockHz={clockHz}
+          disabled={false}
+          stage={(field, value) => actions.stage(row, field, value, raw)}
+          unstage={(field) => actions.unstage(key, field)}
+        />
+      )}
+    </div>
+  );
+}

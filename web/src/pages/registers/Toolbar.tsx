@@ -1,0 +1,82 @@
+import { Button, CloseButton, Kbd, Switch, TextInput } from "@mantine/core";
+import { IconPlayerPause, IconPlayerPlay, IconSearch } from "@tabler/icons-react";
+import type { RefObject } from "react";
+import css from "./registers.module.css";
+
+interface Props {
+  searchRef: RefObject<HTMLInputElement>;
+  query: string;
+  onQuery: (query: string) => void;
+  shown: number;
+  many: boolean;
+  allAxes: boolean;
+  onAllAxes: (all: boolean) => void;
+  paused: boolean;
+  onPaused: (paused: boolean) => void;
+  connected: boolean;
+  /** at least one reading has come */
+  known: boolean;
+  ageMs: number;
+}
+
+export function Toolbar(props: Props) {
+  const { searchRef, query, onQuery, shown, many, allAxes, onAllAxes } = props;
+  const { paused, onPaused, connected, known, ageMs } = props;
+  const state = !connected ? "not connected" : paused ? "paused" : ageMs > 0 ? "no news" : known ? "live" : "reading";
+  return (
+    <search className={css.toolbar}>
+      <TextInput
+        ref={searchRef}
+        size="xs"
+        className={css.search}
+        aria-label="Search registers"
+        placeholder="Name, address, field or words of the help"
+        leftSection={<IconSearch size={14} aria-hidden />}
+        rightSection={
+          query === "" ? (
+            <Kbd size="xs" aria-hidden>
+              /
+            </Kbd>
+          ) : (
+            <CloseButton size="xs" aria-label="Clear the search" onClick={() => onQuery("")} />
+          )
+        }
+        value={query}
+        onChange={(event) => onQuery(event.currentTarget.value)}
+        onKeyDown={(event) => {
+          if (event.key !== "ArrowDown") return;
+          event.preventDefault();
+          document.querySelector<HTMLElement>("[data-row]")?.focus();
+        }}
+      />
+      {many && (
+        <Switch
+          size="xs"
+          label="All axes"
+          classNames={{ label: css.switchLabel }}
+          checked={allAxes}
+          onChange={(event) => onAllAxes(event.currentTarget.checked)}
+        />
+      )}
+      <span className={`${css.shown} num`} role="status">
+        {query === "" ? "" : `${shown} found`}
+      </span>
+      <span className={css.grow} />
+      <span className={css.liveState} data-state={state}>
+        <i className={css.dot} aria-hidden />
+        {state}
+        {ageMs > 0 && known && <span className="num">{` ${Math.round(ageMs / 1000)} s old`}</span>}
+      </span>
+      <Button
+        size="xs"
+        w={86}
+        variant="default"
+        disabled={!connected}
+        leftSection={paused ? <IconPlayerPlay size={13} aria-hidden /> : <IconPlayerPause size={13} aria-hidden />}
+        onClick={() => onPaused(!paused)}
+      >
+        {paused ? "Resume" : "Pause"}
+      </Button>
+    </search>
+  );
+}

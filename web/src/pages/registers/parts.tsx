@@ -1,0 +1,118 @@
+import { IconLock } from "@tabler/icons-react";
+import { Fragment } from "react";
+import { fixed, hex, withUnit } from "../../lib/format";
+import { accessText, enumName, type RegisterRow, summary, toSigned } from "./bits";
+import type { Scale } from "./input";
+import { LiveText } from "./LiveText";
+import { chipUnit, pairText } from "./physical";
+import css from "./registers.module.css";
+import { changes, type Edit } from "./staging";
+
+/** A register's name, which may wrap after an underscore only. */
+export function RegisterName({ name, strong = false }: { name: string; strong?: boolean }) {
+  const words = name.split("_");
+  return (
+    <span className={css.name} data-strong={strong}>
+      {words.map((word, index) => (
+        // biome-ignore lint/suspicious/noArrayIndexKey: the words of one name never change places
+        <Fragment key={index}>
+          {word}
+          {index < words.length - 1 && (
+            <>
+              _<wbr />
+            </>
+          )}
+        </Fragment>
+      ))}
+    </span>
+  );
+}
+
+export function AccessMark({ access }: { access: string }) {
+  return (
+    <span className={css.access} data-access={access} title={accessText(access)}>
+      {access === "R" && <IconLock size={10} aria-hidden />}
+      {access}
+    </span>
+  );
+}
+
+/** The raw word, or why there is none. */
+export function RawText({ row, raw }: { row: RegisterRow; raw: number | null }) {
+  if (row.access === "W") return <span className={css.noRaw}>write only</span>;
+  return raw === null ? (
+    <span className={css.dim}>–</span>
+  ) : (
+    <LiveText className={`num ${css.live}`} text={hex(raw, row.width)} />
+  );
+}
+
+/** The value in chip units. Its digits end, and its unit begins, at the same place in every row. */
+export function ValueText({ row, raw }: { row: RegisterRow; raw: number | null }) {
+  const value = raw === null ? null : row.signed ? toSigned(raw, row.width) : raw;
+  return (
+    <span className={css.value}>
+      <span className={css.digits}>
+        {value === null ? (
+          <span className={css.dim}>–</span>
+        ) : (
+          <LiveText className={`num ${css.live}`} text={enumName(row, value) ?? fixed(value)} />
+        )}
+      </span>
+      <span className={css.unit}>{chipUnit(row.unit)}</span>
+    </span>
+  );
+}
+
+/** A value in each physical unit that the axis knows; of a staged one, what it will be. */
+export function PhysicalText({ row, raw, edit, scales }: PhysicalProps) {
+  const staged = edit?.value ?? null;
+  const value = staged ?? (raw === null ? null : row.signed ? toSigned(raw, row.width) : raw);
+  return (
+    <span className={css.physicals}>
+      {staged !== null && (
+        <span className={`num ${css.next}`}>
+          <span className={css.arrow}>→</span>
+          {enumName(row, staged) ?? fixed(staged)}
+        </span>
+      )}
+      {value !== null &&
+        scales.map((scale) => (
+          <span key={scale.unit} className={css.physicalPart}>
+            {withUnit(value * scale.perChip, scale.unit)}
+          </span>
+        ))}
+    </span>
+  );
+}
+
+interface PhysicalProps {
+  row: RegisterRow;
+  raw: number | null;
+  edit: Edit | null;
+  scales: readonly Scale[];
+}
+
+/** A packed register's fields in one line, staged ones first. */
+export function PackedText({ row, raw, edit }: { row: RegisterRow; raw: number | null; edit: Edit | null }) {
+  const staged = edit ? changes(edit, row, raw) : [];
+  return (
+    <span className={css.packed}>
+      {staged.map((change) => (
+        <span key={change.field?.name} className={css.stagedField}>
+          {change.field?.name} {change.from === null ? "?" : fixed(change.from)}
+          <span className={css.arrow}>→</span>
+          <b>{change.field ? (enumName(change.field, change.to) ?? fixed(change.to)) : fixed(change.to)}</b>
+        </span>
+      ))}
+      {raw === null ? (
+        <span className={css.dim}>–</span>
+      ) : (
+        <LiveText
+          className={`${css.live} ${css.summary}`}
+          text={[summary(row, raw), pairText(row, raw)].filter(Boolean).join(" · ")}
+        />
+      )}
+    </span>
+  );
+}

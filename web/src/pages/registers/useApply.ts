@@ -1,0 +1,28 @@
+import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { api, unwrap } from "../../api/client";
+import { batchOf, merge, settle } from "./staging";
+import { stagedOf, updateStaged } from "./store";
+
+/** Sends a device's staged edits in their order; what failed or was not tried stays staged. */
+export function useApply(device: string) {
+  const queries = useQueryClient();
+  return useMutation({
+    mutationFn: async () => {
+      const sent = stagedOf(device).edits;
+      const result = unwrap(
+        await api.POST("/api/v1/devices/{device}/registers", {
+          params: { path: { device } },
+          body: { writes: batchOf(sent) },
+        }),
+      );
+      const { applied, left } = settle(sent, result);
+      updateStaged(device, (now) => ({ edits: merge(now.edits, sent, left), applied, appliedAt: Date.now() }));
+      return { applied: applied.length, left: left.length };
+    },
+    onSettled: () =>
+      Promise.all([
+        queries.invalidateQueries({ queryKey: ["registers", device] }),
+        queries.invalidateQueries({ queryKey: ["devices"] }),
+      ]),
+  });
+}
