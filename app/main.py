@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
@@ -16,13 +17,15 @@ from app.api.routes.ports import serial_ports
 from app.api.schemas import Port
 from app.clock import Clock, WallClock
 from app.devices.manager import DeviceManager
-from app.emulators.build import build_emulator
+from app.emulators.build import build_emulator, warm_up
 from app.emulators.options import EmulatorOptions
 from app.links.emulator import EmulatorPort
 from app.links.errors import UsageError
 from app.links.port import FramePort
 from app.links.registry import Link, tcp_factory
 from app.settings import Settings
+from app.store.connections import ConnectionStore
+from app.store.saver import Saver
 from app.telemetry.hub import TelemetryHub
 
 log = logging.getLogger("stepscope")
@@ -39,20 +42,40 @@ def create_app(
     """
     settings, clock = settings or Settings(), clock or WallClock()
     hub = TelemetryHub(clock, settings.history_minutes)
+    store = ConnectionStore(settings.data_dir)
     kinds = {"emulator": emulator_port, "tcp": tcp_factory}
-    manager = DeviceManager(kinds, clock, on_change=lambda: hub.sync(manager.devices))
+    opened = asyncio.Event()
+
+    def changed() -> None:
+        hub.sync(manager.devices)
+        if opened.is_set():  # what comes from the disk need not go back there
+            saver.request()
+
+    manager = DeviceManager(kinds, clock, on_change=changed)
+    saver = Saver(store, manager.configs)
     bench = Bench(settings, clock, manager, hub, list_serial_ports)
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
-        if settings.demo or settings.demo is None:
+        saved = store.load()
+        for warning in saved.warnings:
+            log.warning("%s", warning)
+        # In a thread, because it takes seconds on the first start of an installation (milliseconds later).
+        await asyncio.to_thread(warm_up)
+        for config in saved.configs:
+            # Not waited for: hardware that is off must not keep the page from coming up.
+            await manager.add(config, wait=False)
+        if settings.demo or (settings.demo is None and not saved.configs):
             await demo.add(manager)
+        opened.set()
         try:
             yield
         finally:
+            opened.clear()
             await stop_motors(bench)
             await hub.close()
             await manager.close()
+            await saver.close()
 
     return make_app(bench, lifespan)
 

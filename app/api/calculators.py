@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+import numpy as np
+
 from app.api.convert import built_chain, calculating, chain_table
 from app.api.schemas import (
     ChainDesign,
@@ -18,18 +20,21 @@ from app.api.schemas import (
     PmulPdivResult,
     Quantity,
     Ramp,
+    RampInverse,
+    RampInverseResult,
     RampResult,
     SequencerRow,
     Units,
     UnitsResult,
 )
-from app.calc import mechanics
+from app.calc import mechanics, pmul_pdiv_inverse
 from app.calc import microstep_table as tables
 from app.calc import pmul_pdiv as pairs
 from app.calc import units as chip_units
 from app.calc.driver_chain import chain_frequencies
 from app.calc.ramp import RampParameters, exact_ramp
 from app.calc.ramp_curve import RampCurve
+from app.calc.ramp_trapezoid import trapezoid_ramp
 from app.links.errors import UsageError
 
 VELOCITY_UNITS = {
@@ -114,7 +119,8 @@ def units(body: Units) -> UnitsResult:
 
 def ramp(body: Ramp) -> RampResult:
     with calculating():
-        curve = _exact(body)
+        curve = _trapezoid(body) if body.model == "trapezoid" else _exact(body)
+    _check_finite(curve)
     return RampResult(
         duration_s=curve.duration_s,
         phases=[Phase.model_validate(phase) for phase in curve.phases],
@@ -125,6 +131,21 @@ def ramp(body: Ramp) -> RampResult:
         overshoot_steps=curve.overshoot_steps,
         warnings=[] if curve.settled or _open_ended(body) else ["the motor does not rest at the target at the end"],
     )
+
+
+def ramp_inverse(body: RampInverse) -> RampInverseResult:
+    with calculating():
+        found = pmul_pdiv_inverse.inverse(
+            body.model,
+            body.velocity.value,
+            body.acceleration.value,
+            _mechanics(body.mechanics),
+            body.clock_hz,
+            velocity_unit=_unit(body.velocity, VELOCITY_UNITS),
+            acceleration_unit=_unit(body.acceleration, ACCELERATION_UNITS),
+            reduction=body.reduction,
+        )
+    return RampInverseResult.model_validate(found)
 
 
 def microstep_table(body: MicrostepDesign) -> MicrostepResult:
@@ -174,6 +195,22 @@ WHOLE = ("v_min", "v_max", "a_max", "ramp_div", "pulse_div", "pmul", "pdiv", "v_
 NEEDED = ("v_max", "a_max", "ramp_div", "pulse_div")
 
 
+def _trapezoid(body: Ramp) -> RampCurve:
+    names = ("vmax", "amax", "dmax")
+    given = dict(body.parameters)
+    given.setdefault("dmax", given.get("amax", 0.0))
+    _check_names(given, names, names)
+    vmax, amax, dmax = (_number(name, given[name]) for name in names)
+    return trapezoid_ramp(vmax, amax, dmax, body.distance, body.samples)
+
+
+def _check_finite(curve: RampCurve) -> None:
+    """Numbers that no motor reaches must not become an answer that no JSON can bear."""
+    columns = (curve.time_s, curve.position, curve.velocity_pps, curve.acceleration_pps2)
+    if not all(np.isfinite(column).all() for column in columns):
+        raise UsageError("this motion is beyond what numbers can hold")
+
+
 def _exact(body: Ramp) -> RampCurve:
     given = dict(body.parameters)
     mode = given.pop("ramp_mode", "ramp")
@@ -197,6 +234,12 @@ def _check_names(
         raise UsageError(f"there is no parameter {unknown[0]!r}; known: {', '.join((*known, *others))}")
     if missing:
         raise UsageError(f"missing parameters: {', '.join(missing)}")
+
+
+def _number(name: str, value: float | str) -> float:
+    if isinstance(value, str):
+        raise UsageError(f"{name} is a number, not {value!r}")
+    return value
 
 
 def _whole(name: str, value: float | str) -> int:

@@ -475,6 +475,8 @@ class PmulPdivResult(Answer):
 
 
 class Mechanics(Body):
+    model_config = ConfigDict(extra="forbid", from_attributes=True)
+
     full_steps_per_rev: Annotated[int, Field(strict=True, ge=1, le=100_000)] = 200
     microsteps_per_full_step: Annotated[int, Field(strict=True, ge=1, le=1024)] = 64
     gear_ratio: Annotated[float, Field(strict=True, gt=0, le=1e6, allow_inf_nan=False)] = 1.0
@@ -510,8 +512,9 @@ class RampInverseResult(Answer):
     pdiv: int | None
     achieved_velocity_pps: float
     achieved_acceleration_pps2: float
-    velocity_error: float
-    acceleration_error: float
+    velocity_error: float = Field(description="achieved / wanted - 1")
+    acceleration_error: float = Field(description="achieved / wanted - 1")
+    mechanics: Mechanics = Field(description="as given, with the microsteps of usrs")
     warnings: list[str]
 
 

@@ -14,6 +14,8 @@ from app.api.schemas import (
     PmulPdiv,
     PmulPdivResult,
     Ramp,
+    RampInverse,
+    RampInverseResult,
     RampResult,
     Units,
     UnitsResult,
@@ -27,6 +29,12 @@ router = APIRouter(prefix="/calc", tags=["calculators"], responses=problems(Usag
 def calculate_pmul_pdiv(body: PmulPdiv) -> PmulPdivResult:
     """The pair pmul/pdiv for an acceleration, its neighbours with overshoot and settling, limits and warnings."""
     return calculators.pmul_pdiv(body)
+
+
+@router.post("/ramp-inverse")
+def calculate_ramp_inverse(body: RampInverse) -> RampInverseResult:
+    """Register values for a wanted speed and acceleration, and what they really give."""
+    return calculators.ramp_inverse(body)
 
 
 @router.post("/units")
