@@ -1,59 +1,25 @@
-"""The ramp generator that TMC428 and TMC4210 share: state, moves, rotation, stops, predictions."""
+"""The ramp generator that TMC428 and TMC4210 share: its registers, what is remembered of them, its state."""
 
 from __future__ import annotations
 
-import time
 from abc import abstractmethod
-from collections.abc import Sequence
-from dataclasses import dataclass, field
 
 from app.calc.mechanics import Mechanics
 from app.calc.units import acceleration_hz_s, pulse_rate_hz
-from app.devices.axis_rows import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOCITY_MODE, AxisRows
-from app.devices.axis_units import to_chip_velocity, to_position
+from app.devices.axis_rows import HOLD_MODE, POSITIONING_MODES, AxisRows
 from app.devices.config import DeviceConfig
-from app.devices.device import MotionStarted
-from app.devices.motion import Setting, checked_target, distance
-from app.devices.prediction import Origin, Prediction, PredictionBook
+from app.devices.motion import Setting, distance
+from app.devices.prediction import Prediction, PredictionBook
 from app.devices.register_chip import RegisterChip
 from app.devices.results import (
-    AxisMove,
     AxisState,
-    MoveStarted,
-    Rotating,
-    StopMode,
-    StopOutcome,
     Switches,
 )
 from app.devices.words import Words
 from app.links.datagram32 import status_flags
-from app.links.errors import BenchError, LinkDown, LinkTimeout, UsageError, WriteRefused
 from app.links.port import FramePort
 from app.links.queue import Priority
 from app.registers.model import Access, Register
-
-
-@dataclass(slots=True)
-class _Prepared:
-    """One axis of a move, ready to start."""
-
-    axis: int
-    rows: AxisRows
-    setting: Setting
-    x_actual: int
-    v_actual: int
-    target: int
-    warnings: list[str] = field(default_factory=list)
-    started_at_s: float = 0.0
-
-    @property
-    def positioning(self) -> bool:
-        return self.setting.mode in POSITIONING_MODES
-
-    @property
-    def mode(self) -> int:
-        """The ramp mode that the move uses."""
-        return self.setting.mode if self.positioning else RAMP_MODE
 
 
 class RampChip(RegisterChip):
@@ -105,6 +71,10 @@ class RampChip(RegisterChip):
     async def _motion_warnings(self, words: Words) -> list[str]:
         """Why steps may not get to the motor although the ramp generator runs."""
         return []
+
+    def switch_problem(self) -> tuple[str, str] | None:
+        """Why switches cannot be trusted at rest, and the way out, by the registers last seen; None where they can."""
+        return None
 
     # --- what is remembered ---------------------------------------------------------------------
 
@@ -209,195 +179,6 @@ class RampChip(RegisterChip):
         for register in Setting.rows(rows):
             self._saw_word(register, await words.read(register))
         return Setting.of(rows, self._known)
-
-    # --- moves ----------------------------------------------------------------------------------
-
-    async def move_together(self, moves: Sequence[AxisMove]) -> list[MoveStarted]:
-        axes = [self.axis(move.axis).index for move in moves]
-        if len(set(axes)) != len(axes):
-            raise UsageError("an axis is named twice in one move")
-        if not axes:
-            raise UsageError("a move of no axis")
-        self.require_connected()
-        async with self.queue.turn(Priority.COMMAND, self._guard(axes)) as turn:
-            words = Words(turn)
-            common = await self._motion_warnings(words)
-            prepared = [await self._prepare(words, move) for move in moves]
-            for one in prepared:
-                if not one.positioning:  # there x_target has no effect yet, and the mode starts the move
-                    await words.put(one.rows.x_target, one.target)
-            for one in prepared:
-                await self._start(words, one)
-            for one in prepared:
-                await self._check_target(words, one)
-        started = []
-        for one in prepared:
-            prediction = self._predict(one)
-            started.append(
-                MoveStarted(
-                    one.axis,
-                    one.x_actual,
-                    one.target,
-                    one.started_at_s,
-                    prediction.duration_s if prediction.ends else None,
-                    common + one.warnings,
-                )
-            )
-            self._tell(MotionStarted(one.axis, one.started_at_s))
-        return started
-
-    async def _prepare(self, words: Words, move: AxisMove) -> _Prepared:
-        """Read what decides, and refuse what cannot go well. Nothing is written."""
-        rows = self.rows[move.axis]
-        setting = await self._read_setting(words, move.axis)
-        setting.require_motion(move.axis)
-        setting.require_proportionality(move.axis)
-        warnings = setting.proportionality_warnings()
-        left, right = await self._switches(words, move.axis)
-        v_actual = await words.value(rows.v_actual)
-        x_actual = await words.value(rows.x_actual)
-        wanted = to_position(self.mechanics(move.axis), move.target, move.unit)
-        if move.unit == "microsteps" and wanted != move.target:
-            warnings.append(f"rounded to {wanted} microsteps")
-        shown = "" if move.unit == "microsteps" else f"; {move.target:g} {move.unit} asked"
-        target = checked_target(move.axis, x_actual + wanted if move.relative else wanted, x_actual, shown)
-        switch = setting.blocked(rows, target - x_actual, left, right)
-        if switch:
-            warnings.append(f"the {switch} switch is active and stops motion that way")
-        return _Prepared(move.axis, rows, setting, x_actual, v_actual, target, warnings)
-
-    async def _start(self, words: Words, one: _Prepared) -> None:
-        """Exactly one datagram, which sets the axis in motion."""
-        if one.positioning:
-            await words.put(one.rows.x_target, one.target)
-        else:
-            await words.write(one.rows.reference, one.rows.with_mode(one.setting.reference, RAMP_MODE))
-        one.started_at_s = words.time_s
-        self.commanded(one.axis, "move")
-
-    async def _check_target(self, words: Words, one: _Prepared) -> None:
-        rows = one.rows
-        back = await words.value(rows.x_target)
-        mode = await words.read(rows.reference)
-        self._saw_word(rows.reference, mode)
-        if back != one.target:
-            raise WriteRefused(rows.x_target.name, one.target, back, f"axis {one.axis} may go there: stop it")
-        if rows.mode.unpack(mode) != one.mode:
-            raise WriteRefused(rows.reference.name, one.mode, mode, f"axis {one.axis} did not take RAMP_MODE")
-
-    def _predict(self, one: _Prepared) -> Prediction:
-        return self._books[one.axis].begin(
-            Origin(
-                axis=one.axis,
-                started_at_s=one.started_at_s,
-                position=one.x_actual,
-                distance=one.target - one.x_actual,
-                velocity=one.v_actual,
-                parameters=one.setting.parameters(self.clock_hz, one.mode),
-            )
-        )
-
-    # --- rotation -------------------------------------------------------------------------------
-
-    async def rotate(self, axis: int, velocity: float, unit: str = "pps") -> Rotating:
-        self.axis(axis)
-        self.require_connected()
-        rows = self.rows[axis]
-        async with self.queue.turn(Priority.COMMAND, self._guard([axis])) as turn:
-            words = Words(turn)
-            setting = await self._read_setting(words, axis)
-            setting.require_motion(axis)
-            chip, warnings = to_chip_velocity(
-                self.mechanics(axis), velocity, unit, setting.pulse_div, self.clock_hz, setting.v_max
-            )
-            warnings += await self._motion_warnings(words)
-            left, right = await self._switches(words, axis)
-            switch = setting.blocked(rows, chip, left, right)
-            if switch:
-                warnings.append(f"the {switch} switch is active and stops motion that way")
-            x_actual = await words.value(rows.x_actual)
-            v_actual = await words.value(rows.v_actual)
-            if setting.mode != VELOCITY_MODE:
-                if setting.mode == HOLD_MODE:
-                    # HOLD_MODE ignores v_target, so an old one may still stand there: replace it first.
-                    await words.put(rows.v_target, chip)
-                await words.write(rows.reference, rows.with_mode(setting.reference, VELOCITY_MODE))
-            await words.put(rows.v_target, chip)
-            started_at_s = words.time_s
-            self.commanded(axis, "rotate")
-            back = await words.value(rows.v_target)
-            reference = await words.read(rows.reference)
-            self._saw_word(rows.reference, reference)
-        if back != chip:
-            raise WriteRefused(rows.v_target.name, chip, back, f"axis {axis} may turn at another speed: stop it")
-        if rows.mode.unpack(reference) != VELOCITY_MODE:
-            raise WriteRefused(rows.reference.name, VELOCITY_MODE, reference, f"axis {axis} did not take VELOCITY_MODE")
-        parameters = setting.parameters(self.clock_hz, VELOCITY_MODE, v_target=chip)
-        self._books[axis].begin(Origin(axis, started_at_s, x_actual, 0, v_actual, parameters))
-        self._tell(MotionStarted(axis, started_at_s))
-        return Rotating(axis, chip, pulse_rate_hz(chip, setting.pulse_div, self.clock_hz), warnings)
-
-    # --- stops ----------------------------------------------------------------------------------
-
-    async def stop_axes(self, axes: Sequence[int], mode: StopMode = "ramp") -> list[StopOutcome]:
-        began = time.perf_counter()
-        for axis in axes:
-            self.stops[axis] += 1  # before anything waits: what is under way for these axes gives up
-            self.commanded(axis, "stop")
-        outcomes: list[StopOutcome] = []
-        lost: BenchError | None = None
-        async with self.queue.turn(Priority.STOP) as turn:
-            words = Words(turn)
-            sent: dict[int, bool | BenchError] = {}
-            for axis in axes:  # all motors first, all checks afterwards
-                how = lost if lost is not None else await self._stop(words, axis, mode)
-                sent[axis] = how
-                if isinstance(how, LinkDown):
-                    lost = how  # the next axis would only wait for the same dead link
-            for axis, how in sent.items():
-                problem = how if isinstance(how, BenchError) else await self._check_stop(words, axis, how)
-                took_ms = (time.perf_counter() - began) * 1e3
-                outcomes.append(StopOutcome(self.id, axis, problem is None, took_ms, problem))
-        return outcomes
-
-    async def _stop(self, words: Words, axis: int, mode: StopMode) -> bool | BenchError:
-        """Send one axis its stop: whether at once (True) or by the ramp (False), or what went wrong."""
-        rows = self.rows[axis]
-        for attempt in (1, 2):  # a stop moves nothing, so it may be sent again
-            try:
-                reference = await words.read(rows.reference)
-                at_once = mode == "immediate" or await words.value(rows.a_max) == 0  # else it would never slow down
-                if at_once:
-                    await words.write(rows.reference, rows.with_mode(reference, HOLD_MODE))
-                    await words.put(rows.v_actual, 0)
-                else:
-                    await words.write(rows.reference, rows.with_mode(reference, VELOCITY_MODE))
-                    await words.put(rows.v_target, 0)
-            except LinkTimeout as error:
-                if attempt == 2:
-                    return error
-            except BenchError as error:
-                return error
-            else:
-                self._books[axis].end(words.time_s, "stop")
-                return at_once
-        raise AssertionError("unreachable")
-
-    async def _check_stop(self, words: Words, axis: int, at_once: bool) -> BenchError | None:
-        rows = self.rows[axis]
-        wanted_mode, register = (HOLD_MODE, rows.v_actual) if at_once else (VELOCITY_MODE, rows.v_target)
-        try:
-            reference = await words.read(rows.reference)
-            self._saw_word(rows.reference, reference)
-            if rows.mode.unpack(reference) != wanted_mode:
-                sent = rows.with_mode(reference, wanted_mode)
-                return WriteRefused(rows.reference.name, sent, reference, "stop again, or cut the power")
-            value = await words.value(register)
-            if value != 0:
-                return WriteRefused(register.name, 0, value, "stop again, or cut the power")
-        except BenchError as error:
-            return error
-        return None
 
     # --- predictions ----------------------------------------------------------------------------
 

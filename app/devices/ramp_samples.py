@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from app.calc.units import acceleration_hz_s, pulse_rate_hz
 from app.devices.prediction import wrapped
-from app.devices.ramp_writes import RampWrites
+from app.devices.ramp_stops import RampStops
 from app.devices.sample_plan import Channel, Decoder, FloatArray, SamplePlan
 from app.devices.words import READ_FRAMES
 from app.links.errors import UnknownThing, UsageError
@@ -47,7 +47,7 @@ class Frames:
         return self.addresses.index(register.address)
 
 
-class RampSamples(RampWrites):
+class RampSamples(RampStops):
     """`RampChip` with telemetry."""
 
     def channels(self) -> tuple[Channel, ...]:

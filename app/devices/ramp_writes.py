@@ -6,14 +6,14 @@ from app.devices.axis_rows import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOC
 from app.devices.device import MotionStarted
 from app.devices.motion import Setting, distance
 from app.devices.prediction import Origin
-from app.devices.ramp_chip import RampChip
+from app.devices.ramp_moves import RampMoves
 from app.devices.words import Words
 from app.links.errors import BenchError, WriteRefused
 from app.links.queue import Priority
 from app.registers.model import Register
 
 
-class RampWrites(RampChip):
+class RampWrites(RampMoves):
     """`RampChip` that knows the side effects of its registers."""
 
     async def _before_write(self, words: Words, register: Register, word: int) -> list[str]:

@@ -78,7 +78,7 @@ class Tmc428(RampSamples):
         word = self._known.get(rows.dividers.address)
         if word is None or rows.usrs is None:
             return None
-        return int(1 << min(rows.usrs.unpack(word), 6))  # 7 has no meaning in Table 8-8; a chip that holds it ...
+        return int(1 << min(rows.usrs.unpack(word), 6))  # 7 has no meaning in Table 8-8
 
     # --- switches -------------------------------------------------------------------------------
 
@@ -102,6 +102,12 @@ class Tmc428(RampSamples):
             bool(self._switch_bit("l", axis).unpack(word)) if left else None,
             bool(self._switch_bit("r", axis).unpack(word)) if right else None,
         )
+
+    def switch_problem(self) -> tuple[str, str] | None:
+        word = self._known.get(self._global.address, 0)
+        if self._refmux.unpack(word) and not self._field(self._global, "continuous_update").unpack(word):
+            return "multiplexed switches are not sampled at rest", "set continuous_update (001, 9.7)"
+        return None
 
     def _reached(self, status: int, axis: int) -> bool:
         return bool(status >> (2 * axis) & 1)

@@ -33,17 +33,23 @@ class Document:
     def __init__(self, path: Path) -> None:
         self.path = path
         self._threads = threading.RLock()
+        self._depth = 0
 
     @contextlib.contextmanager
     def locked(self) -> Iterator[None]:
         """Keep other threads and other processes from writing."""
-        with self._threads:
-            self.path.parent.mkdir(parents=True, exist_ok=True)
-            # A file of its own: the document itself is replaced by every write, and a lock would go with the old one.
-            with self.path.with_name(self.path.name + ".lock").open("w") as lock:
+        with self._threads, contextlib.ExitStack() as held:
+            if self._depth == 0:  # a second file lock of the same thread would wait for the first one
+                self.path.parent.mkdir(parents=True, exist_ok=True)
+                # A file of its own: every write replaces the document, and a lock would go with the old one.
+                lock = held.enter_context(self.path.with_name(self.path.name + ".lock").open("w"))
                 if sys.platform != "win32":
                     fcntl.flock(lock, fcntl.LOCK_EX)
+            self._depth += 1
+            try:
                 yield
+            finally:
+                self._depth -= 1
 
     def read(self) -> dict[str, object] | None:
         """The document, or None where there is none. Raises UnreadableDocument."""

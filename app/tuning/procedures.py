@@ -1,0 +1,110 @@
+"""Which procedure runs on which axis: one at a time, started, looked at and ended from here."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import TypeVar
+from weakref import WeakKeyDictionary
+
+from app.clock import Clock
+from app.devices.device import Device
+from app.devices.ramp_stops import RampStops
+from app.links.errors import WrongState
+from app.tuning import reference_search, shuttle
+from app.tuning.edges import Switch
+from app.tuning.procedure import Procedure
+from app.tuning.reference_search import ReferenceSearch, ReferenceSearchState
+from app.tuning.shuttle import Shuttle, ShuttleState
+
+P = TypeVar("P", bound=Procedure)
+
+
+class Procedures:
+    """All procedures of this server. `clock` is the server's."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        # Weak: a removed device takes its procedures with it.
+        self._latest: WeakKeyDictionary[Device, dict[tuple[int, str], Procedure]] = WeakKeyDictionary()
+
+    def running(self, device: Device, axis: int | None = None) -> list[Procedure]:
+        """What runs on that axis, or on any axis of the device."""
+        return [
+            procedure
+            for (at, _), procedure in self._latest.get(device, {}).items()
+            if procedure.running and axis in (None, at)
+        ]
+
+    async def cancel(self, device: Device, axis: int | None = None, why: str = "aborted") -> None:
+        """End what runs on that axis, or on the device, and stop its motor."""
+        await asyncio.gather(*(procedure.abort(why) for procedure in self.running(device, axis)))
+
+    async def close(self) -> None:
+        """End everything. For the end of the program."""
+        await asyncio.gather(*(self.cancel(device, why="the server ends") for device in list(self._latest)))
+
+    # --- reference search -----------------------------------------------------------------------
+
+    def start_search(
+        self,
+        device: Device,
+        axis: int,
+        switch: Switch = "reference",
+        velocity_pps: float | None = None,
+        max_travel: int | None = None,
+    ) -> ReferenceSearchState:
+        """Raises WrongState while another procedure runs there, OutOfRange for what cannot be."""
+        search = ReferenceSearch(_ramp_chip(device), axis, self._clock, switch, velocity_pps, max_travel)
+        return self._start(search).state
+
+    def search_state(self, device: Device, axis: int) -> ReferenceSearchState:
+        """The present search, or the latest. Raises UnknownThing for the axis."""
+        latest = self._find(device, axis, ReferenceSearch)
+        return reference_search.IDLE if latest is None else latest.state
+
+    async def abort_search(self, device: Device, axis: int) -> ReferenceSearchState:
+        """End it and stop the motor; the state afterwards."""
+        latest = self._find(device, axis, ReferenceSearch)
+        if latest is not None:
+            await latest.abort("aborted on request")
+        return self.search_state(device, axis)
+
+    # --- shuttle --------------------------------------------------------------------------------
+
+    def start_shuttle(self, device: Device, axis: int, first: int, second: int, dwell_s: float = 0.3) -> ShuttleState:
+        """Raises WrongState while another procedure runs there, OutOfRange for what cannot be."""
+        return self._start(Shuttle(device, axis, self._clock, first, second, dwell_s)).state
+
+    def shuttle_state(self, device: Device, axis: int) -> ShuttleState:
+        """The present shuttle, or the latest. Raises UnknownThing for the axis."""
+        latest = self._find(device, axis, Shuttle)
+        return shuttle.IDLE if latest is None else latest.state
+
+    async def stop_shuttle(self, device: Device, axis: int) -> ShuttleState:
+        """End it and stop the motor; the state afterwards."""
+        latest = self._find(device, axis, Shuttle)
+        if latest is not None:
+            await latest.abort("stopped on request")
+        return self.shuttle_state(device, axis)
+
+    # --- inside ---------------------------------------------------------------------------------
+
+    def _start(self, procedure: P) -> P:
+        device, axis = procedure.device, procedure.axis
+        device.require_connected()
+        others = self.running(device, axis)
+        if others:
+            raise WrongState(f"a {others[0].kind} runs on axis {axis} of {device.name}", "stop it first")
+        self._latest.setdefault(device, {})[axis, procedure.kind] = procedure
+        procedure.start()
+        return procedure
+
+    def _find(self, device: Device, axis: int, kind: type[P]) -> P | None:
+        found = self._latest.get(device, {}).get((device.axis(axis).index, kind.kind))
+        return found if isinstance(found, kind) else None
+
+
+def _ramp_chip(device: Device) -> RampStops:
+    if not isinstance(device, RampStops):
+        raise WrongState(f"a {device.family.title} has no position latch to search with")
+    return device
