@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+FloatArray = NDArray[np.float64]
+
 MAX_DIVIDER = 13
 MAX_A = 2047
 MAX_PDIV = 13
@@ -21,18 +23,43 @@ REDUCTIONS = {"tmc428": 0.05, "tmc4210": 0.01}
 # The braking distance is counted in 19 bits. At v_max up to 2048/sqrt(2) half the distance is enough (001 8.7.1).
 V_MAX_OF_HALF_LIMIT = 1448
 
+# a_max and ramp_div - pulse_div have 2048 * 27 different values together.
+_DIFFERENT_INPUTS = (MAX_A + 1) * (2 * MAX_DIVIDER + 1)
+
 
 @dataclass(frozen=True)
 class PmulPdivTable:
-    """Many designs at once, every array in the broadcast shape. -1 and NaN stand where no pair represents p."""
+    """Many designs at once, every array in the broadcast shape. -1 and NaN stand where no pair represents p.
 
-    p_ideal: NDArray[np.float64]
-    p_reduced: NDArray[np.float64]
-    pmul: NDArray[np.int64]
-    p_mul: NDArray[np.int64]
-    pdiv: NDArray[np.int64]
-    p: NDArray[np.float64]
-    quality: NDArray[np.float64]
+    The pairs are there; the factors are worked out, when asked for, from them and from the inputs, which are not
+    copied.
+    """
+
+    pmul: NDArray[np.int32]
+    p_mul: NDArray[np.int32]
+    pdiv: NDArray[np.int32]
+    a_max: NDArray[np.int64]
+    divider_ratio: NDArray[np.int64]
+    """ramp_div - pulse_div"""
+    reduction: FloatArray
+
+    @property
+    def p_ideal(self) -> FloatArray:
+        return np.asarray(np.broadcast_to(_p_ideal(self.a_max, self.divider_ratio), self.pdiv.shape))
+
+    @property
+    def p_reduced(self) -> FloatArray:
+        return np.asarray(self.p_ideal * (1.0 - self.reduction))
+
+    @property
+    def p(self) -> FloatArray:
+        return np.where(self.pdiv >= 0, np.ldexp(self.p_mul.astype(np.float64), -3 - self.pdiv), np.nan)
+
+    @property
+    def quality(self) -> FloatArray:
+        """Q = p / p_ideal."""
+        found = self.pdiv >= 0
+        return np.divide(self.p, self.p_ideal, out=np.full(found.shape, np.nan), where=found)
 
 
 def default_reduction(chip: str) -> float:
@@ -80,23 +107,33 @@ def design_many(a_max: ArrayLike, ramp_div: ArrayLike, pulse_div: ArrayLike, red
     part = np.asarray(reduction, dtype=np.float64)
     if not np.all((part >= 0) & (part < 1)):
         raise ValueError("reduction is 0 to less than 1")
-    p_ideal = np.ldexp(a.astype(np.float64), -7 - ratio)
-    p_reduced = np.asarray(p_ideal * (1.0 - part))
-    mantissa, exponent = np.frexp(p_reduced)  # p_reduced = mantissa * 2^exponent, mantissa in [0.5, 1)
-    pdiv = np.asarray(5 - exponent.astype(np.int64))
-    fits = (pdiv >= 0) & (pdiv <= MAX_PDIV) & (p_reduced > 0)
-    p_mul = np.where(fits, (mantissa * 256.0).astype(np.int64), -1)
-    p = np.where(fits, np.ldexp(p_mul.astype(np.float64), np.where(fits, exponent - 8, 0)), np.nan)
-    quality = np.divide(p, p_ideal, out=np.full(p.shape, np.nan), where=fits)
-    return PmulPdivTable(
-        p_ideal=np.broadcast_to(p_ideal, p.shape),
-        p_reduced=p_reduced,
-        pmul=np.where(fits, p_mul - 128, -1),
-        p_mul=p_mul,
-        pdiv=np.where(fits, pdiv, -1),
-        p=p,
-        quality=quality,
-    )
+    if part.ndim or max(a.size, ratio.size) <= _DIFFERENT_INPUTS:
+        p_mul, pdiv = _pairs(a, ratio, part)
+    else:
+        # More inputs than there are different ones: work those out, then look each input up. (32 bits and few
+        # passes, because fresh memory for large arrays is what takes the time here.)
+        p_muls, pdivs = _pairs(np.arange(MAX_A + 1)[:, None], np.arange(-MAX_DIVIDER, MAX_DIVIDER + 1), part)
+        row = np.add(np.multiply(a, pdivs.shape[1], dtype=np.int32), ratio, dtype=np.int32)
+        row += MAX_DIVIDER
+        p_mul, pdiv = np.take(p_muls, row), np.take(pdivs, row)
+    pmul = np.maximum(p_mul - np.int32(128), np.int32(-1))
+    return PmulPdivTable(pmul, p_mul, pdiv, a, ratio, part)
+
+
+def _p_ideal(a: NDArray[np.int64], ratio: NDArray[np.int64]) -> FloatArray:
+    return np.asarray(np.ldexp(a.astype(np.float64), -7 - ratio))
+
+
+def _pairs(
+    a: NDArray[np.int64], ratio: NDArray[np.int64], part: FloatArray
+) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    """(p_mul, pdiv), -1 for none."""
+    mantissa, exponent = np.frexp(_p_ideal(a, ratio) * (1.0 - part))  # p = mantissa * 2^exponent, mantissa 0.5 to 1
+    pdiv = 5 - exponent.astype(np.int32)
+    fits = (pdiv >= 0) & (pdiv <= MAX_PDIV) & (mantissa > 0)
+    p_mul = (mantissa * 256.0).astype(np.int32)
+    none = np.int32(-1)
+    return np.where(fits, p_mul, none), np.where(fits, pdiv, none)
 
 
 def _check_whole(name: str, value: int, low: int, high: int) -> None:

@@ -13,7 +13,19 @@ from numpy.typing import NDArray
 
 from app.calc import ramp_kernel as kernel
 from app.calc.ramp_curve import Phase, RampCurve, check_samples
+from app.calc.ramp_trapezoid import trapezoid_ramp
 from app.calc.units import acceleration_hz_s, pulse_rate_hz
+
+__all__ = [
+    "Phase",
+    "RampCurve",
+    "RampEnding",
+    "RampParameters",
+    "RampStart",
+    "exact_ramp",
+    "ramp_ending",
+    "trapezoid_ramp",
+]
 
 IntArray = NDArray[np.int64]
 
