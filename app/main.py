@@ -27,6 +27,7 @@ from app.settings import Settings
 from app.store.connections import ConnectionStore
 from app.store.saver import Saver
 from app.telemetry.hub import TelemetryHub
+from app.tuning.procedures import Procedures
 
 log = logging.getLogger("stepscope")
 
@@ -53,7 +54,7 @@ def create_app(
 
     manager = DeviceManager(kinds, clock, on_change=changed)
     saver = Saver(store, manager.configs)
-    bench = Bench(settings, clock, manager, hub, list_serial_ports)
+    bench = Bench(settings, clock, manager, hub, Procedures(clock), list_serial_ports)
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
@@ -98,6 +99,7 @@ def bench_of(app: FastAPI) -> Bench:
 
 async def stop_motors(bench: Bench) -> None:
     """Slow every moving motor down to a stop: before the server goes. What fails is told, and holds nothing up."""
+    await bench.procedures.close()
     for outcome in await bench.manager.stop_all():
         if not outcome.ok:
             log.warning("%s axis %d was not stopped: %s", outcome.device, outcome.axis, outcome.problem)

@@ -10,6 +10,7 @@ from app.clock import Clock
 from app.devices.manager import DeviceManager
 from app.settings import Settings
 from app.telemetry.hub import TelemetryHub
+from app.tuning.procedures import Procedures
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,4 +21,5 @@ class Bench:
     clock: Clock
     manager: DeviceManager
     hub: TelemetryHub
+    procedures: Procedures
     list_serial_ports: Callable[[], list[Port]]

@@ -16,16 +16,15 @@ from dataclasses import dataclass
 from app.clock import Clock
 from app.devices.device import Device, DeviceEvent, MotionStarted
 from app.links.errors import BenchError, OutOfRange
-from app.telemetry.group import FloatArray, Group, Subscription
+from app.telemetry.group import PUMP_S, FloatArray, Group, Subscription
 from app.telemetry.history import HISTORY_RATE_HZ, History
 from app.telemetry.reader import QUEUED_ROWS_LEAST, QUEUED_S, Gap, MoveSeen, Reader
 from app.telemetry.sampling import Block, Sampling
 
 log = logging.getLogger("stepscope.telemetry")
 
-PUMP_S = 1 / 60
-"""The beat of the pump while somebody reads [s]: once a frame of a screen."""
 IDLE_PUMP_S = 0.1
+"""The beat of the pump while nobody reads [s]: often enough for the history."""
 RATE_LIMITS_HZ = (1.0, 1000.0)
 BATCH_LIMITS_HZ = (1.0, 60.0)
 

@@ -14,6 +14,9 @@ from app.telemetry.sampling import Block
 
 FloatArray = NDArray[np.float64]
 
+PUMP_S = 1 / 60
+"""The beat on which samples are handed on [s]: once a frame of a screen."""
+
 
 @dataclass(frozen=True, slots=True)
 class Subscription:
@@ -35,7 +38,7 @@ class Group:
         self._times_s: list[FloatArray] = []
         self._samples: list[FloatArray] = []
         self._oldest_s = now_s
-        self._flushed_s = now_s
+        self._flush_due_s = now_s + 1 / subscription.batch_hz
         self._status_s = now_s
         self._intervals_s: list[FloatArray] = []
         self._last_time_s = np.nan
@@ -78,14 +81,16 @@ class Group:
 
     def flush(self, now_s: float, *, at_once: bool = False) -> None:
         """Give the readers a frame, if it is time for one."""
-        # A tenth of a beat early is on time: else a beat equal to the pump's would miss every second one.
-        if not self._times_s or (not at_once and now_s - self._flushed_s < 0.9 / self.subscription.batch_hz):
+        # Half a beat of the pump early is on time, and beats are counted from the one before: a pump that
+        # is now late, now punctual, must not cost every second frame.
+        period_s = 1 / self.subscription.batch_hz
+        if not self._times_s or (not at_once and now_s < self._flush_due_s - PUMP_S / 2):
             return
+        self._flush_due_s = max(self._flush_due_s, now_s - period_s) + period_s
         time_s = np.concatenate(self._times_s)
         body = Body(len(time_s), encode_body(time_s, np.concatenate(self._samples)), self._oldest_s)
         self._times_s.clear()
         self._samples.clear()
-        self._flushed_s = now_s
         for reader in self.readers:
             reader.push(body)
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 
-from app.telemetry.frames import HEADER, decode, encode_body, encode_header
+from app.telemetry.frames import HEADER, FloatArray, decode, encode_body, encode_header
 from tests.telemetry import make_golden
 
 
@@ -31,14 +31,14 @@ def test_the_header_leaves_the_numbers_aligned() -> None:
 
 @given(
     samples=arrays.arrays(
-        np.float64, st.tuples(st.integers(0, 40), st.integers(1, 12)), elements=st.floats(allow_nan=True)
+        np.dtype("float64"), st.tuples(st.integers(0, 40), st.integers(1, 12)), elements=st.floats(allow_nan=True)
     ),
     sequence=st.integers(0, 2**40),
     dropped=st.integers(0, 2**64 - 1),
 )
-def test_a_frame_survives_the_wire(samples: np.ndarray, sequence: int, dropped: int) -> None:  # type: ignore[type-arg]
+def test_a_frame_survives_the_wire(samples: FloatArray, sequence: int, dropped: int) -> None:
     time_s = np.arange(len(samples)) * 1e-3
-    frame = decode(encode_header(sequence, dropped, *samples.shape) + encode_body(time_s, samples))
+    frame = decode(encode_header(sequence, dropped, *samples.shape) + encode_body(time_s, samples.astype(np.float64)))
     assert (frame.sequence, frame.dropped) == (sequence % 2**32, dropped)
     np.testing.assert_array_equal(frame.time_s, time_s)
     np.testing.assert_array_equal(frame.columns.T, samples)

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+import random
+
 import numpy as np
 import pytest
 
@@ -37,9 +39,9 @@ def test_decimation_is_exact_in_the_long_run_whatever_the_blocks(rate_hz: float,
     group, reader = group_of("b", rate_hz=rate_hz)
     group.follow(("a", "b", "c"), sampled_hz)
     seconds, first = 20, 0
-    random = np.random.default_rng(428)
+    blocks = random.Random(428)
     while first < seconds * sampled_hz:
-        count = int(min(random.integers(0, 40), seconds * sampled_hz - first))
+        count = min(blocks.randrange(40), round(seconds * sampled_hz) - first)
         group.offer(block(first, count, sampled_hz), 0.0)
         first += count
     group.flush(0.0, at_once=True)

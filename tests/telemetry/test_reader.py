@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Callable
 
 import numpy as np
 
@@ -50,7 +51,12 @@ def test_of_statuses_the_latest_wins_and_of_events_the_oldest_go() -> None:
 
 async def test_waiting_ends_for_rows_events_and_the_end() -> None:
     reader = Reader(columns=1, rows_max=5)
-    for wake in (lambda: reader.push(body(0, 1)), lambda: reader.tell(Gap("gone")), lambda: reader.close("bye")):
+    wakes: list[Callable[[], None]] = [
+        lambda: reader.push(body(0, 1)),
+        lambda: reader.tell(Gap("gone")),
+        lambda: reader.close("bye"),
+    ]
+    for wake in wakes:
         waiting = asyncio.ensure_future(reader.wait())
         await asyncio.sleep(0)
         assert not waiting.done()

@@ -1,0 +1,58 @@
+"""What moves an axis on its own for a while: reference search and shuttle. Any other command to the axis ends them."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+
+from app.api.deps import CurrentAxis, CurrentBench, CurrentDevice
+from app.api.problems import problems
+from app.api.schemas import ReferenceSearchStart, ReferenceSearchState, ShuttleStart, ShuttleState
+from app.links.errors import OutOfRange, UnknownThing, WrongState
+
+router = APIRouter(prefix="/devices/{device}/axes/{axis}", tags=["procedures"])
+
+LOOK = problems(UnknownThing)
+START = problems(UnknownThing, WrongState, OutOfRange)
+
+
+@router.get("/reference-search", responses=LOOK)
+async def get_reference_search(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis) -> ReferenceSearchState:
+    """How far the search is, or how the latest one ended."""
+    return ReferenceSearchState.model_validate(bench.procedures.search_state(device, axis.index))
+
+
+@router.post("/reference-search", responses=START)
+async def start_reference_search(
+    bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis, body: ReferenceSearchStart | None = None
+) -> ReferenceSearchState:
+    """Search a switch at both its edges and set zero to its centre. Answers when it has started."""
+    wanted = body or ReferenceSearchStart()
+    state = bench.procedures.start_search(device, axis.index, wanted.switch, wanted.velocity, wanted.max_travel)
+    return ReferenceSearchState.model_validate(state)
+
+
+@router.delete("/reference-search", responses=LOOK)
+async def abort_reference_search(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis) -> ReferenceSearchState:
+    """End the search and stop the motor."""
+    return ReferenceSearchState.model_validate(await bench.procedures.abort_search(device, axis.index))
+
+
+@router.get("/shuttle", responses=LOOK)
+async def get_shuttle(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis) -> ShuttleState:
+    """Whether the axis shuttles, and how often it did."""
+    return ShuttleState.model_validate(bench.procedures.shuttle_state(device, axis.index))
+
+
+@router.post("/shuttle", responses=START)
+async def start_shuttle(
+    bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis, body: ShuttleStart
+) -> ShuttleState:
+    """Move back and forth between two positions until stopped. Answers when it has started."""
+    state = bench.procedures.start_shuttle(device, axis.index, body.first, body.second, body.dwell_s)
+    return ShuttleState.model_validate(state)
+
+
+@router.delete("/shuttle", responses=LOOK)
+async def stop_shuttle(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis) -> ShuttleState:
+    """End the shuttle and stop the motor."""
+    return ShuttleState.model_validate(await bench.procedures.stop_shuttle(device, axis.index))
