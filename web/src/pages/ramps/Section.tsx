@@ -1,0 +1,29 @@
+import { Paper, Text } from "@mantine/core";
+import { type PropsWithChildren, type ReactNode, useId } from "react";
+import classes from "./Section.module.css";
+
+interface Props {
+  title: string;
+  /** beside the title: a state, a unit */
+  note?: ReactNode;
+  /** at the right end of the title: buttons, a choice */
+  actions?: ReactNode;
+  className?: string | undefined;
+}
+
+/** A part of a page with its heading. */
+export function Section({ title, note, actions, className, children }: PropsWithChildren<Props>) {
+  const id = useId();
+  return (
+    <Paper component="section" withBorder aria-labelledby={id} className={`${classes.section} ${className ?? ""}`}>
+      <header className={classes.header}>
+        <Text component="h2" id={id} className={classes.title}>
+          {title}
+        </Text>
+        {note !== undefined && <span className={classes.note}>{note}</span>}
+        {actions !== undefined && <div className={classes.actions}>{actions}</div>}
+      </header>
+      {children}
+    </Paper>
+  );
+}
