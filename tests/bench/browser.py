@@ -23,10 +23,12 @@ def measure(*, quick: bool) -> Row:
         blank_fps = _idle_fps(page)
         page.goto("/bench/plots")
         page.get_by_test_id("plot-speed").wait_for()
+        time.sleep(3.0)  # loading and compiling are over
+        before = _figures(page)
         time.sleep(seconds)
         figures = _figures(page)
         browser.close()
-    fps = float(figures["fps"])
+    fps = (figures["frames"] - before["frames"]) * 1000.0 / (figures["atMs"] - before["atMs"])
     return Row(
         what="4 plots x 3 series x 20,000 points in headless Chromium",
         measured=f"{fps:.1f} frames/s",
@@ -34,7 +36,7 @@ def measure(*, quick: bool) -> Row:
         ratio=fps / REQUIRED_FPS,
         required=f">= {REQUIRED_FPS:g} frames/s",
         ok=fps >= REQUIRED_FPS,
-        notes=(f"script {figures['scriptMs']:.1f} ms a frame, {figures['frames']:.0f} frames",),
+        notes=(f"script {figures['scriptMs']:.1f} ms a frame, {figures['frames'] - before['frames']} frames",),
     )
 
 

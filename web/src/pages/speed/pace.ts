@@ -1,5 +1,5 @@
 /** The latest this many frames count. */
-const KEPT = 600;
+const KEPT = 300;
 
 /** Keeps count of animation frames: how fast they come and what script they cost. */
 export class Pace {
@@ -28,12 +28,15 @@ export class Pace {
     }
   }
 
-  /** Frames per second and mean script time over the frames kept; null before there are two. */
-  figures(): { fps: number; scriptMs: number; frames: number } | null {
+  /**
+   * Frames per second and mean script time over the frames kept, and how many there ever were by which moment: from
+   * two such pairs a rate over any span follows. Null before there are two frames.
+   */
+  figures(): { fps: number; scriptMs: number; frames: number; atMs: number } | null {
     const count = this.times.length;
     const spanMs = (this.times[count - 1] ?? 0) - (this.times[0] ?? 0);
     if (count < 2 || spanMs <= 0) return null;
     const scriptMs = this.scripts.reduce((sum, value) => sum + value, 0) / count;
-    return { fps: ((count - 1) * 1000) / spanMs, scriptMs, frames: this.frames };
+    return { fps: ((count - 1) * 1000) / spanMs, scriptMs, frames: this.frames, atMs: this.times[count - 1] ?? 0 };
   }
 }
