@@ -1,0 +1,48 @@
+"""A real TCP server on the loopback that misbehaves on request: what an emulator never does on its own."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator, Awaitable, Callable
+from contextlib import asynccontextmanager
+
+Behaviour = Callable[[bytes, asyncio.StreamWriter], Awaitable[None]]
+"""Takes one 4-byte frame and answers it, or not."""
+
+
+async def echo(frame: bytes, writer: asyncio.StreamWriter) -> None:
+    writer.write(frame)
+
+
+class Server:
+    """`behave` may be changed at any time; `connections` counts those ever made."""
+
+    def __init__(self, behave: Behaviour) -> None:
+        self.behave = behave
+        self.connections = 0
+        self.writers: list[asyncio.StreamWriter] = []
+        self.port = 0
+
+    async def serve(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self.connections += 1
+        self.writers.append(writer)
+        with contextlib.suppress(ConnectionError, asyncio.IncompleteReadError):
+            while True:
+                frame = await reader.readexactly(4)
+                await self.behave(frame, writer)
+        writer.close()
+
+
+@asynccontextmanager
+async def serving(behave: Behaviour = echo) -> AsyncIterator[Server]:
+    server = Server(behave)
+    listener = await asyncio.start_server(server.serve, "127.0.0.1", 0)
+    server.port = listener.sockets[0].getsockname()[1]
+    try:
+        yield server
+    finally:
+        listener.close()
+        for writer in server.writers:
+            writer.transport.abort()
+        await listener.wait_closed()
