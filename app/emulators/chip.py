@@ -233,6 +233,7 @@ class Chip(ABC):
         if v8 == 0 and axis[k.V8] != 0:
             axis[k.STOPT] = self.chip[k.TICK]
         axis[k.V8] = v8
+        axis[k.STOPPING] = 0
 
     def _write_pmul_pdiv(self, index: int, data: int) -> None:
         self._words[index << 4 | PMUL_PDIV] = data

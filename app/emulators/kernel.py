@@ -15,9 +15,11 @@ first, and within a tick axis 1 goes before 2 before 3.
 
 How it jumps. Axes meet only at the driver chain (a step asks for a datagram, a datagram samples
 multiplexed switches) and at switch inputs. So each axis runs ahead alone until its next step that
-matters. While a datagram is under way and the next one already asked for, steps matter only at guarded
-positions (target, zero, tolerance, compare value, switch edges); everything between is a product.
-An axis whose ramp has settled needs no ramp ticks at all. `docs/decisions` tells what was measured.
+matters. While a datagram is under way, steps matter only at guarded positions (target, zero, tolerance,
+compare value, switch edges): everything between is a product, and that there were steps is enough to
+send the next datagram. An axis whose ramp has settled needs no ramp ticks at all, and where one motor
+keeps the chain busy for sure, whole trains of datagrams are passed over. `tests/emulators` holds all of
+it to a plain model that does none of this.
 """
 
 # numpy's stubs type a cell as Any; inside compiled code it is an int64 and nothing else.
@@ -90,8 +92,11 @@ _XEQ, _WRONG, _MISS, _COMP = 1, 2, 4, 8
 
 
 def compiled(function: Any) -> Any:
-    """Numba's njit as this file uses it: cached on disk, off the GIL."""
-    return njit(cache=True, nogil=True)(function)
+    """Numba's njit as this file uses it: cached on disk, off the GIL, no check for division by zero.
+
+    Inlining everything makes it 1.4 times as fast as leaving that to LLVM (measured).
+    """
+    return njit(cache=True, nogil=True, error_model="numpy", forceinline=True)(function)
 
 
 @compiled
@@ -131,7 +136,7 @@ def speed_for_distance(a: Cells, d: int) -> int:
 
 @compiled
 def _ramp(a: Cells, x: int, v8: int, target: int) -> Any:
-    """One ramp tick: (v_target register, velocity after it in 1/256)."""
+    """One ramp tick: (v_target register, velocity after it in 1/256, acceleration applied)."""
     mode = a[MODE]
     if mode < 2:
         dx = wrap24(a[XT] - x)
@@ -139,7 +144,7 @@ def _ramp(a: Cells, x: int, v8: int, target: int) -> Any:
         if d == 0:
             target = 0
             if abs(v8) >> 8 <= a[VMIN]:
-                return target, 0
+                return target, 0, 0  # stopping dead at the target is no acceleration
         else:
             speed = a[TFAR] if d >= a[DFAR] else speed_for_distance(a, d)
             target = speed if dx > 0 else -speed
@@ -150,9 +155,8 @@ def _ramp(a: Cells, x: int, v8: int, target: int) -> Any:
         goal = v8
     if (goal < 0 and a[LSTOP]) or (goal > 0 and a[RSTOP]):
         goal = 0
-    if v8 < goal:
-        return target, min(v8 + a[AMAX], goal)
-    return target, max(v8 - a[AMAX], goal)
+    new = min(v8 + a[AMAX], goal) if v8 < goal else max(v8 - a[AMAX], goal)
+    return target, new, new - v8
 
 
 @compiled
@@ -244,12 +248,17 @@ def _stop(a: Cells, tick: int) -> None:
         a[V8] = 0
         a[STOPT] = tick
         a[CLASS] = 0
+    a[STOPPING] = 0
     a[STEADY] = 0
 
 
 @compiled
-def _evaluate(axes: Cells, chip: Cells, i: int, tick: int) -> None:
-    """Conditions of axis `i` at its present position and switches: flags, stops, next guarded position."""
+def _evaluate(axes: Cells, chip: Cells, i: int, tick: int, landed: bool) -> None:
+    """Conditions of axis `i` at its present position and switches: flags, stops, next guarded position.
+
+    `landed`: a step has just brought it here, so a slow motor stops dead at its target. One that finds
+    itself there because somebody wrote a register waits for its ramp tick.
+    """
     a = axes[i]
     x = a[X]
     reference = a[SR] if a[REFR] else a[SL]
@@ -280,10 +289,9 @@ def _evaluate(axes: Cells, chip: Cells, i: int, tick: int) -> None:
         a[STEADY] = 0
         if not a[SOFT]:
             _stop(a, tick)
-            a[STOPPING] = 0
     else:
         a[STOPPING] = 0
-    if a[MODE] < 2 and now & _XEQ and abs(a[V8]) >> 8 <= a[VMIN]:
+    if landed and a[MODE] < 2 and now & _XEQ and abs(a[V8]) >> 8 <= a[VMIN]:
         _stop(a, tick)
     direction = a[GDIR]
     if a[V8] != 0:
@@ -315,7 +323,7 @@ def _see(axes: Cells, chip: Cells, i: int, tick: int, done: int) -> None:
         a[XL] = a[X]
         a[LP] = 0
     a[STEADY] = 0  # a released switch lets the ramp tick try again
-    _evaluate(axes, chip, i, tick)
+    _evaluate(axes, chip, i, tick, False)
 
 
 @compiled
@@ -333,9 +341,8 @@ def _switches_moved(axes: Cells, chip: Cells, tick: int, i: int) -> None:
 
 
 @compiled
-def _quiet_steps(a: Cells, chip: Cells, steps: int) -> None:
+def _quiet_steps(a: Cells, chip: Cells, steps: int, direction: int) -> None:
     """Steps between guarded positions: they move, and that is all."""
-    direction = 1 if a[V8] > 0 else -1
     a[X] = wrap24(a[X] + direction * steps)
     a[SEQ] = (a[SEQ] + direction * steps * a[INC]) & 0xFF
     a[MECH] += direction * steps * a[MINC]
@@ -366,7 +373,7 @@ def _sync(a: Cells, chip: Cells, tick: int) -> None:
         total = a[ACC] + ((tick >> a[PD]) - (a[LAST] >> a[PD])) * v
         a[ACC] = total & 2047
         if total >> 11:
-            _quiet_steps(a, chip, total >> 11)
+            _quiet_steps(a, chip, total >> 11, 1 if a[V8] > 0 else -1)
             if chip[EN_SD]:
                 step_tick = ((tick >> a[PD]) - a[ACC] // v) << a[PD]
                 chip[PULSE_END] = 32 * step_tick + chip[PULSE_LEN]
@@ -376,31 +383,19 @@ def _sync(a: Cells, chip: Cells, tick: int) -> None:
 
 
 @compiled
-def _ramp_commit(a: Cells, target: int, v8: int, tick: int) -> None:
-    change = v8 - a[V8]
-    if abs(change) > a[AMAX]:
-        change = 0  # the abrupt stop at the target is not an acceleration
-    a[A3] = a[A2]
-    a[A2] = a[A1]
-    a[A1] = a[A0]
-    a[A0] = change
-    if v8 == 0 and a[V8] != 0:
-        a[STOPT] = tick
-    settled = v8 == a[V8] and target == a[VT]
-    if settled and a[MODE] < 2 and v8 != 0:
-        dx = wrap24(a[XT] - a[X])
-        settled = abs(dx) >= a[DFAR] and v8 == target * 256 and (dx > 0) == (v8 > 0)
-    a[VT] = target
-    a[V8] = v8
-    a[CLASS] = _class_of(a, v8, change)
-    a[STEADY] = settled
+def _settled(a: Cells, x: int, v8: int, target: int) -> bool:
+    """Will ramp ticks change nothing more, until a register, a switch or a falling distance does?"""
+    if a[MODE] > 1 or v8 == 0:
+        return True
+    dx = wrap24(a[XT] - x)
+    return abs(dx) >= a[DFAR] and v8 == target * 256 and (dx > 0) == (v8 > 0)
 
 
 @compiled
 def _bulk(a: Cells, chip: Cells) -> bool:
     """May steps between guarded positions be taken together?"""
     if chip[KIND] == TMC428_KIND:
-        return chip[BUSY] != 0 and chip[PENDING] != 0
+        return chip[BUSY] != 0
     if chip[HALF] or not chip[EN_SD]:
         return True
     next_pulse = 32 * (((a[LAST] >> a[PD]) + 1) << a[PD])
@@ -408,71 +403,168 @@ def _bulk(a: Cells, chip: Cells) -> bool:
 
 
 @compiled
-def _plan(axes: Cells, chip: Cells, i: int, end: int) -> None:
-    """Run axis `i` ahead as far as nobody else can notice; NEXT is then the tick of its next event."""
-    a = axes[i]
-    rd = a[RD]
-    pd = a[PD]
-    locked = chip[CROSS] != 0 or a[HELD] != 0
-    bulk = _bulk(a, chip) and not locked
-    limit = end
-    if bulk and chip[KIND] == TMC428_KIND:
-        limit = min(end, (chip[BUSY_UNTIL] + 31) // 32 - 1)
-    while True:
-        v8 = a[V8]
-        v = abs(v8) >> 8
-        last = a[LAST]
-        if v8 != 0 and a[GDIR] != (1 if v8 > 0 else -1):
-            a[GDIR] = -a[GDIR]
-            a[GUARD] = _guard(a, chip, a[GDIR])
-        steps = a[GUARD] if bulk else 1
-        if a[STEADY]:
-            a[NEXT] = NEVER
-            if v == 0:
-                return
-            quiet = steps
-            if a[MODE] < 2:  # one step inside DFAR the wanted speed begins to fall
-                quiet = min(quiet, abs(wrap24(a[XT] - a[X])) - a[DFAR] + 1)
-            if a[ACC] + ((limit >> pd) - (last >> pd)) * v < 2048 * quiet:
-                return
-            pulses = (2048 * quiet - a[ACC] + v - 1) // v
-            tick = ((last >> pd) + pulses) << pd
-            if quiet == steps:
-                a[NEXT] = tick
-                return
-            _sync(a, chip, tick)
-            a[STEADY] = 0
-            continue
-        ramp = ((last >> rd) + 1) << rd
-        total = a[ACC] + (((ramp - 1) >> pd) - (last >> pd)) * v
-        if total >= 2048 * steps:
-            a[NEXT] = ((last >> pd) + (2048 * steps - a[ACC] + v - 1) // v) << pd
-            return
-        a[NEXT] = ramp
-        if ramp > limit or locked:
-            return
-        _sync(a, chip, ramp - 1)
-        target, new = _ramp(a, a[X], v8, a[VT])
-        change = new - v8
-        if _class_of(a, new, change) != a[CLASS] or (v8 > 0) != (new > 0):
-            return
-        if ramp & ((1 << pd) - 1) == 0 and a[ACC] + (abs(new) >> 8) >= 2048 and not (bulk and a[GUARD] > 1):
-            return
-        _ramp_commit(a, target, new, ramp)
-        _sync_pulse(a, chip, ramp)
+def _face(a: Cells, chip: Cells) -> None:
+    """The guard looks where the motor goes."""
+    if a[V8] != 0 and a[GDIR] != (1 if a[V8] > 0 else -1):
+        a[GDIR] = -a[GDIR]
+        a[GUARD] = _guard(a, chip, a[GDIR])
 
 
 @compiled
-def _sync_pulse(a: Cells, chip: Cells, tick: int) -> None:
-    """The pulse half of `tick`, whose step if any is a quiet one."""
-    if tick & ((1 << a[PD]) - 1) == 0:
-        a[ACC] += abs(a[V8]) >> 8
-        if a[ACC] >= 2048:
-            a[ACC] -= 2048
-            _quiet_steps(a, chip, 1)
+def _before(clock: int) -> int:
+    """The last tick that lies before `clock`."""
+    return (clock + 31) // 32 - 1
+
+
+@compiled
+def _plan(axes: Cells, chip: Cells, i: int, end: int) -> None:
+    """Run axis `i` ahead as far as nobody else can notice; NEXT is then the tick of its next event."""
+    a = axes[i]
+    locked = chip[CROSS] != 0 or a[HELD] != 0
+    bulk = _bulk(a, chip) and not locked
+    limit = min(end, _before(chip[BUSY_UNTIL])) if chip[BUSY] and bulk else end
+    _run(a, chip, limit, bulk, locked, True)
+
+
+@compiled
+def _run(a: Cells, chip: Cells, limit: int, bulk: bool, locked: bool, pause: bool) -> None:
+    """The inner loop: ramp ticks up to `limit` with the pulses between them.
+
+    It ends before the tick of a step that matters (any step, or with `bulk` only one onto a guarded
+    position), before a ramp tick at all if `locked`, and with `pause` before one that changes the current
+    scale. A settled axis is left where it is: `_sync` brings it on. Works on locals: three times as fast.
+    """
+    _face(a, chip)
+    rd, pd = a[RD], a[PD]
+    v8, x, acc, last, vt, steady, cls = a[V8], a[X], a[ACC], a[LAST], a[VT], a[STEADY], a[CLASS]
+    a0, a1, a2, a3 = a[A0], a[A1], a[A2], a[A3]
+    guard = a[GUARD]
+    direction = 1 if v8 > 0 else -1
+    done = 0
+    last_step = -1
+    while True:
+        upcoming = NEVER
+        v = abs(v8) >> 8
+        steps = guard - done if bulk else 1
+        if steady:
+            if v == 0:
+                break
+            quiet = steps
+            if a[MODE] < 2:  # one step inside DFAR the wanted speed begins to fall
+                quiet = min(quiet, abs(wrap24(a[XT] - x)) - a[DFAR] + 1)
+            if acc + ((limit >> pd) - (last >> pd)) * v < 2048 * quiet:
+                break
+            pulses = (2048 * quiet - acc + v - 1) // v
+            tick = ((last >> pd) + pulses) << pd
+            if quiet == steps:
+                upcoming = tick
+                break
+            acc = (acc + pulses * v) & 2047
+            done += quiet
+            x += direction * quiet
+            last_step = tick
+            for _ in range(min((tick >> rd) - (last >> rd), 4)):
+                a0, a1, a2, a3 = 0, a0, a1, a2
+            last = tick
+            steady = 0
+            continue
+        ramp = ((last >> rd) + 1) << rd
+        total = acc + (((ramp - 1) >> pd) - (last >> pd)) * v
+        if total >= 2048 * steps:
+            upcoming = ((last >> pd) + (2048 * steps - acc + v - 1) // v) << pd
+            break
+        upcoming = ramp
+        if ramp > limit or locked:
+            break
+        acc = total & 2047
+        last = ramp - 1
+        if total >> 11:
+            done += total >> 11
+            x += direction * (total >> 11)
             if chip[EN_SD]:
-                chip[PULSE_END] = 32 * tick + chip[PULSE_LEN]
-    a[LAST] = tick
+                last_step = ((last >> pd) - acc // v) << pd
+        target, new, change = _ramp(a, x, v8, vt)
+        new_cls = _class_of(a, new, change)
+        if (pause and new_cls != cls) or (v8 > 0) != (new > 0):
+            break
+        if ramp & ((1 << pd) - 1) == 0:
+            pulse = acc + (abs(new) >> 8)
+            if pulse >= 2048:
+                if not bulk or guard - done <= 1:
+                    break
+                done += 1
+                x += direction
+                last_step = ramp
+            acc = pulse & 2047
+        a0, a1, a2, a3 = change, a0, a1, a2
+        if new == v8 and target == vt:
+            steady = _settled(a, x, new, target)
+        v8, vt, cls, last = new, target, new_cls, ramp
+    a[V8], a[ACC], a[LAST], a[VT], a[STEADY], a[CLASS] = v8, acc, last, vt, steady, cls
+    a[A0], a[A1], a[A2], a[A3] = a0, a1, a2, a3
+    a[NEXT] = upcoming
+    if v8 == 0:
+        a[STOPPING] = 0
+    if done:
+        _quiet_steps(a, chip, done, direction)
+        if chip[EN_SD]:
+            chip[PULSE_END] = 32 * last_step + chip[PULSE_LEN]
+
+
+@compiled
+def _leap(axes: Cells, chip: Cells, clock: int) -> bool:
+    """Pass over datagrams of a train in which one follows the other for sure. False: nothing passed over.
+
+    For when the datagram under way is about to end and another is asked for. While one motor steps at
+    least once in every datagram's time, datagrams follow without a gap; as long as besides nothing
+    happens, all but the last may be skipped. That one is sent, for its signals can be seen.
+    """
+    duration = chip[DURATION]
+    if chip[CROSS] or chip[CW] or chip[CAPTURE] in (1, 2) or duration >= NEVER:
+        return False
+    horizon = clock >> 5
+    assured = 0
+    for i in range(chip[NAXES]):
+        a = axes[i]
+        if a[HELD]:
+            return False
+        _face(a, chip)
+        v8, last, rd, pd = a[V8], a[LAST], a[RD], a[PD]
+        v = abs(v8) >> 8
+        window = duration // (32 << pd)
+        needed = (2047 + window) // window if window else NEVER
+        if a[STEADY]:
+            if v:
+                quiet = a[GUARD]
+                if a[MODE] < 2:
+                    quiet = min(quiet, abs(wrap24(a[XT] - a[X])) - a[DFAR] + 1)
+                horizon = min(horizon, (((last >> pd) + (2048 * quiet - a[ACC] + v - 1) // v) << pd) - 1)
+                if v >= needed:
+                    assured = NEVER
+            continue
+        if v8 == 0 or (a[MODE] < 2 and a[X] == a[XT]):
+            return False
+        change = max(a[AMAX], 1)
+        horizon = min(horizon, last + ((a[GUARD] - 1) << pd), ((last >> rd) + (abs(v8) - 1) // change) << rd)
+        if v >= needed:
+            assured = max(assured, ((last >> rd) + (abs(v8) - needed * 256) // change) << rd)
+    first = chip[BUSY_UNTIL]
+    follow = (32 * min(horizon, assured) - first) // duration  # starts at first + 0..follow durations
+    if follow < 2:
+        return False
+    tick = _before(first + (follow - 1) * duration)
+    for i in range(chip[NAXES]):
+        _run(axes[i], chip, tick, True, False, False)
+        _sync(axes[i], chip, tick)
+        axes[i, SENT] = axes[i, STEPS]  # the last datagram's step bits tell what moved since the one before
+    chip[SENT_COUNT] += follow
+    tick = _before(first + follow * duration)
+    for i in range(chip[NAXES]):
+        _run(axes[i], chip, tick, True, False, False)
+        _sync(axes[i], chip, tick)
+    chip[CU_NEXT] = _next_update(axes, chip, tick)
+    _start_datagram(axes, chip, first + follow * duration, tick)
+    return True
 
 
 @compiled
@@ -484,8 +576,16 @@ def _execute(axes: Cells, chip: Cells, i: int, tick: int) -> None:
         if a[STEADY]:
             _settled_ramp_ticks(a, 1)
         else:
-            target, v8 = _ramp(a, a[X], a[V8], a[VT])
-            _ramp_commit(a, target, v8, tick)
+            target, v8, change = _ramp(a, a[X], a[V8], a[VT])
+            a[A0], a[A1], a[A2], a[A3] = change, a[A0], a[A1], a[A2]
+            if v8 == 0:
+                a[STOPPING] = 0
+                if a[V8] != 0:
+                    a[STOPT] = tick
+            a[STEADY] = v8 == a[V8] and target == a[VT] and _settled(a, a[X], v8, target)
+            a[VT] = target
+            a[V8] = v8
+            a[CLASS] = _class_of(a, v8, change)
     a[LAST] = tick
     if tick & ((1 << a[PD]) - 1):
         return
@@ -521,7 +621,7 @@ def _step(axes: Cells, chip: Cells, i: int, tick: int) -> None:
         if physical != a[PHYS]:
             a[PHYS] = physical
             _switches_moved(axes, chip, tick, i)
-        _evaluate(axes, chip, i, tick)
+        _evaluate(axes, chip, i, tick, True)
 
 
 @compiled
@@ -576,17 +676,22 @@ def _start_datagram(axes: Cells, chip: Cells, clock: int, tick: int) -> None:
 
 
 @compiled
-def _end_datagram(axes: Cells, chip: Cells) -> None:
-    """The datagram is out; one that was asked for meanwhile follows at once."""
-    clock = chip[BUSY_UNTIL]
-    tick = (clock + 31) // 32 - 1
-    chip[BUSY] = 0
+def _end_datagram(axes: Cells, chip: Cells, clock: int) -> None:
+    """The datagram is out; if another was asked for meanwhile, it follows at once."""
+    now = chip[BUSY_UNTIL]
+    tick = _before(now)
     if chip[CW] == 2:
         chip[CW] = 0
     if chip[CAPTURE] == 2:
         chip[CAPTURE] = 3
-    if chip[PENDING]:
-        _start_datagram(axes, chip, clock, tick)
+    wanted = chip[PENDING]
+    for i in range(chip[NAXES]):
+        _sync(axes[i], chip, tick)
+        if axes[i, STEPS] != axes[i, SENT]:
+            wanted = 1
+    chip[BUSY] = 0
+    if wanted and not _leap(axes, chip, clock):
+        _start_datagram(axes, chip, now, tick)
 
 
 @compiled
@@ -633,13 +738,13 @@ def advance(axes: Cells, chip: Cells, clock: int) -> int:
         for i in range(axis_count):
             tick = min(tick, axes[i, NEXT])
         if chip[BUSY] and chip[BUSY_UNTIL] <= clock and chip[BUSY_UNTIL] <= 32 * min(tick, NEVER >> 6):
-            _end_datagram(axes, chip)
+            _end_datagram(axes, chip, clock)
             for i in range(axis_count):
                 _plan(axes, chip, i, end)
             continue
         if tick > end:
             break
-        before = chip[BUSY] + 2 * chip[PENDING]
+        before = chip[BUSY]
         for i in range(axis_count):
             if chip[CROSS]:  # an axis before this one may have moved its switches in this very tick
                 _plan(axes, chip, i, end)
@@ -651,7 +756,7 @@ def advance(axes: Cells, chip: Cells, clock: int) -> int:
             chip[CU_NEXT] = _next_update(axes, chip, tick)
         if chip[REQ]:
             _request(axes, chip, 32 * tick, tick)
-        again = before != chip[BUSY] + 2 * chip[PENDING]
+        again = before != chip[BUSY]
         for i in range(axis_count):
             if again or axes[i, NEXT] == -1 or axes[i, HELD] or chip[CROSS]:
                 _plan(axes, chip, i, end)
@@ -683,7 +788,7 @@ def refresh(axes: Cells, chip: Cells) -> int:
         a[PHYS] = _physical(a)
     _switches_moved(axes, chip, tick, chip[NAXES])
     for i in range(chip[NAXES]):
-        _evaluate(axes, chip, i, tick)
+        _evaluate(axes, chip, i, tick, False)
     chip[CU_NEXT] = _next_update(axes, chip, tick)
     if chip[REQ]:
         _request(axes, chip, chip[CLOCK], tick)
