@@ -53,16 +53,15 @@ def main() -> int:
     arguments = parser.parse_args()
     # A `kill` of this process ends the others like Ctrl-C does.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
+    processes: list[subprocess.Popen[bytes]] = []
     try:
         node = require_node()
         install_packages(node)
         processes = start(arguments.host, arguments.port, node)
-    except WebBuildError as error:
-        print(f"dev: {error}", file=sys.stderr)
-        return 1
-    try:
         while all(process.poll() is None for process in processes):
             time.sleep(0.2)
+    except WebBuildError as error:
+        print(f"dev: {error}", file=sys.stderr)
     except KeyboardInterrupt:
         return 0
     finally:
