@@ -1,0 +1,45 @@
+import { type ComponentPropsWithoutRef, useEffect, useRef } from "react";
+
+interface Props extends Omit<ComponentPropsWithoutRef<"span">, "children"> {
+  /** what to show now; asked about fifteen times a second, outside of React's rendering */
+  read: () => string;
+}
+
+const PERIOD_MS = 66; // faster, nobody reads digits; slower, they stutter
+const readers = new Set<() => void>();
+let request = 0;
+let lastMs = 0;
+
+function tick(now: number) {
+  request = requestAnimationFrame(tick);
+  if (now - lastMs < PERIOD_MS) return;
+  lastMs = now;
+  for (const update of readers) update();
+}
+
+/** Run `update` with all live texts of the page, in one loop. Returns the function that ends it. */
+export function everyTick(update: () => void): () => void {
+  readers.add(update);
+  if (readers.size === 1) request = requestAnimationFrame(tick);
+  return () => {
+    readers.delete(update);
+    if (readers.size === 0) cancelAnimationFrame(request);
+  };
+}
+
+/** Text that follows live samples without rendering: only its text node changes. */
+export function LiveText({ read, className, ...rest }: Props) {
+  const span = useRef<HTMLSpanElement>(null);
+  const latest = useRef(read);
+  latest.current = read;
+  useEffect(
+    () =>
+      everyTick(() => {
+        const text = latest.current();
+        const node = span.current;
+        if (node && node.textContent !== text) node.textContent = text;
+      }),
+    [],
+  );
+  return <span ref={span} className={className ?? "num"} {...rest} />;
+}

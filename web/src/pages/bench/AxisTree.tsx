@@ -1,0 +1,140 @@
+import { Group, Text, UnstyledButton } from "@mantine/core";
+import { useRef } from "react";
+import { Link } from "wouter";
+import type { Device } from "../../api/queries";
+import { fixed } from "../../lib/format";
+import { StateDot } from "../../lib/StateDot";
+import { fromSteps, ratesOf, scaleOf, symbolOf } from "../../lib/units";
+import { LiveText } from "../../live/LiveText";
+import classes from "./bench.module.css";
+import { geometryOf, useCarriage } from "./carriage";
+import { Lamps } from "./Lamps";
+import { useLiveAxis } from "./live";
+import { type EmulatorState, useEmulator } from "./useEmulator";
+
+interface TreeProps {
+  devices: readonly Device[];
+  selected: { device: string; axis: number } | null;
+  unit: string;
+  onSelect: (device: string, axis: number) => void;
+}
+
+/** Devices and their axes, each with what it does now. */
+export function AxisTree({ devices, selected, unit, onSelect }: TreeProps) {
+  return (
+    <nav aria-label="Devices and axes" className={classes.tree}>
+      {devices.map((device) => (
+        <DeviceGroup key={device.id} device={device} selected={selected} unit={unit} onSelect={onSelect} />
+      ))}
+    </nav>
+  );
+}
+
+function DeviceGroup({ device, selected, unit, onSelect }: Omit<TreeProps, "devices"> & { device: Device }) {
+  const emulator = useEmulator(device.state === "connected" ? device : undefined);
+  return (
+    <section className={classes.device} aria-label={device.name}>
+      <Group gap={8} wrap="nowrap" className={classes.deviceHead}>
+        <StateDot state={device.state} />
+        <Text size="sm" fw={600} truncate>
+          {device.name}
+        </Text>
+        <Text size="xs" c="dimmed" truncate ml="auto">
+          {device.emulated ? "emulated" : String(device.link.kind ?? "")}
+        </Text>
+      </Group>
+      {device.problem && (
+        <Text size="xs" c="red" px="xs" pb={4}>
+          {device.problem.detail} <Link href="/connections">Connections</Link>
+        </Text>
+      )}
+      {device.axes.map((axis) => (
+        <AxisRow
+          key={axis.index}
+          device={device}
+          axis={axis}
+          emulator={emulator.data}
+          unit={unit}
+          active={selected?.device === device.id && selected.axis === axis.index}
+          onSelect={() => onSelect(device.id, axis.index)}
+        />
+      ))}
+    </section>
+  );
+}
+
+interface RowProps {
+  device: Device;
+  axis: Device["axes"][number];
+  emulator: EmulatorState | undefined;
+  unit: string;
+  active: boolean;
+  onSelect: () => void;
+}
+
+function AxisRow({ device, axis, emulator, unit, active, onSelect }: RowProps) {
+  const live = useLiveAxis(device.id, axis.index);
+  const scale = scaleOf(axis, device.clock_hz);
+  const known = !Number.isNaN(fromSteps(1, unit, scale, "position"));
+  const shown = known ? unit : "microsteps";
+  const rate = ratesOf(shown).velocity;
+  const decimals = shown === "microsteps" ? 0 : 2;
+  return (
+    <UnstyledButton
+      className={classes.axis}
+      data-active={active}
+      aria-pressed={active}
+      onClick={onSelect}
+      data-testid={`axis-${device.id}-${axis.index}`}
+    >
+      <span className={classes.axisName}>{axis.name}</span>
+      <span className={classes.axisPosition}>
+        <LiveText read={() => fixed(fromSteps(live.read("position"), shown, scale, "position"), decimals)} />
+        <span className={classes.unit}>{symbolOf(shown)}</span>
+      </span>
+      <Lamps live={live} />
+      <LiveText
+        className={classes.axisState}
+        read={() => {
+          const velocity = live.read("velocity");
+          if (Number.isNaN(velocity)) return device.state === "connected" ? "waiting for samples" : device.state;
+          if (velocity !== 0)
+            return `${fixed(fromSteps(velocity, rate, scale, "velocity"), decimals)} ${symbolOf(rate)}`;
+          return live.read("position_reached") > 0.5 ? "at target" : "at rest";
+        }}
+      />
+      {emulator && <Rail axis={axis} live={live} emulator={emulator} />}
+    </UnstyledButton>
+  );
+}
+
+interface RailProps {
+  axis: Device["axes"][number];
+  live: ReturnType<typeof useLiveAxis>;
+  emulator: EmulatorState;
+}
+
+/** The stage of an emulated axis as a line: switches, reference, carriage. */
+function Rail({ axis, live, emulator }: RailProps) {
+  const carriage = useRef<HTMLSpanElement>(null);
+  const stage = emulator.axes.find((candidate) => candidate.axis === axis.index)?.stage;
+  useCarriage(live, axis.index, emulator, axis.microsteps_per_full_step, (share) => {
+    if (carriage.current) carriage.current.style.left = `${100 * Math.max(0, Math.min(1, share))}%`;
+  });
+  if (!stage) return null;
+  const geometry = geometryOf(stage);
+  const percent = (share: number) => `${100 * share}%`;
+  return (
+    <span className={classes.rail} aria-hidden>
+      <span
+        className={classes.railSpan}
+        style={{ left: percent(geometry.left), width: percent(geometry.right - geometry.left) }}
+      />
+      <span
+        className={classes.railRef}
+        style={{ left: percent(geometry.refFrom), width: percent(geometry.refTo - geometry.refFrom) }}
+      />
+      <span ref={carriage} className={classes.railCarriage} />
+    </span>
+  );
+}

@@ -1,0 +1,106 @@
+import { Button, Loader, Stack, Text, VisuallyHidden } from "@mantine/core";
+import { useDisclosure } from "@mantine/hooks";
+import { IconAdjustmentsAlt, IconPlugConnected } from "@tabler/icons-react";
+import { useMemo } from "react";
+import { Link } from "wouter";
+import { type Device, useDevices } from "../../api/queries";
+import { EmptyState } from "../../lib/EmptyState";
+import { useSelection } from "../../live/selection";
+import { AxisTree } from "./AxisTree";
+import classes from "./bench.module.css";
+import { DemoBanner } from "./DemoBanner";
+import { EmulatorDrawer } from "./EmulatorDrawer";
+import { BenchLive, useLiveAxis } from "./live";
+import { MotionCard } from "./motion/MotionCard";
+import { StageDrawing } from "./StageDrawing";
+import { ScopeCard } from "./scope/ScopeCard";
+import { useScopeSettings } from "./scope/settings";
+import { useEmulator } from "./useEmulator";
+
+/** All axes at a glance, one in the hand, and the scope on it. */
+export default function BenchPage() {
+  const devices = useDevices();
+  if (devices.data === undefined)
+    return devices.isError ? null : (
+      <Stack align="center" py="xl">
+        <Loader aria-label="Looking for devices" />
+      </Stack>
+    );
+  if (devices.data.length === 0)
+    return (
+      <EmptyState title="No device yet" icon={<IconPlugConnected size={22} />}>
+        <Text size="sm">Add a chip on a TCP link, or an emulated one.</Text>
+        <Button component={Link} href="/connections" size="sm">
+          Add a device
+        </Button>
+      </EmptyState>
+    );
+  return (
+    <BenchLive>
+      <Bench devices={devices.data} />
+    </BenchLive>
+  );
+}
+
+function Bench({ devices }: { devices: readonly Device[] }) {
+  const { device, axis, select } = useSelection();
+  const [settings, change] = useScopeSettings();
+  const [drawer, { open, close }] = useDisclosure();
+  const entry = device?.axes.find((candidate) => candidate.index === axis) ?? device?.axes[0];
+  const deviceId = device?.id ?? "";
+  const main = useMemo(() => ({ device: deviceId, axis }), [deviceId, axis]);
+  return (
+    <div className={classes.bench}>
+      <VisuallyHidden>
+        <h1>Bench</h1>
+      </VisuallyHidden>
+      <div className={classes.side}>
+        <AxisTree
+          devices={devices}
+          selected={device ? { device: device.id, axis } : null}
+          unit={settings.unit}
+          onSelect={select}
+        />
+        {device && entry && (
+          <MotionCard device={device} axis={entry} unit={settings.unit} onUnit={(unit) => change({ unit })} />
+        )}
+      </div>
+      <div className={classes.stageAndScope}>
+        <DemoBanner devices={devices} />
+        {device && entry && (
+          <>
+            {device.emulated && <Stage device={device} axis={entry} onOpen={open} />}
+            <ScopeCard devices={devices} main={main} axisName={`${device.name} ${entry.name}`} />
+            {device.emulated && <EmulatorDrawer device={device} opened={drawer} onClose={close} />}
+          </>
+        )}
+      </div>
+    </div>
+  );
+}
+
+interface StageProps {
+  device: Device;
+  axis: Device["axes"][number];
+  onOpen: () => void;
+}
+
+function Stage({ device, axis, onOpen }: StageProps) {
+  const emulator = useEmulator(device);
+  const live = useLiveAxis(device.id, axis.index);
+  return (
+    <div className={classes.stageBox}>
+      {emulator.data && <StageDrawing device={device} axis={axis} live={live} emulator={emulator.data} />}
+      <Button
+        size="compact-xs"
+        variant="subtle"
+        className={classes.stageButton}
+        leftSection={<IconAdjustmentsAlt size={14} aria-hidden />}
+        onClick={onOpen}
+        data-testid="emulator-open"
+      >
+        Emulator
+      </Button>
+    </div>
+  );
+}

@@ -1,0 +1,93 @@
+import { ActionIcon, Button, Group, Text } from "@mantine/core";
+import { useLocalStorage } from "@mantine/hooks";
+import { IconPlayerPlayFilled, IconPlayerStop, IconX } from "@tabler/icons-react";
+import { useQueries, useQueryClient } from "@tanstack/react-query";
+import { Link } from "wouter";
+import { api, unwrap } from "../../api/client";
+import type { Device } from "../../api/queries";
+import { ProblemAlert } from "../../lib/ProblemAlert";
+import classes from "./bench.module.css";
+import { endDemo, startDemo } from "./demo";
+import { shuttleKey } from "./motion/ShuttleSection";
+import { useAction } from "./motion/useAction";
+
+const NEXT: readonly (readonly [href: string, name: string, what: string])[] = [
+  ["/ramps", "Ramps", "design a pmul/pdiv pair and send it"],
+  ["/registers", "Registers", "watch them live, change V_MAX"],
+  ["/microsteps", "Microsteps", "shape the current waves"],
+  ["/connections", "Connections", "add your own chip"],
+];
+
+/** For somebody who sees stepscope for the first time: one click to motion, then where to go. */
+export function DemoBanner({ devices }: { devices: readonly Device[] }) {
+  const demo = devices.filter((device) => device.demo && device.state === "connected");
+  const [hidden, setHidden] = useLocalStorage({ key: "stepscope.demo-hidden", defaultValue: false });
+  const queries = useQueryClient();
+  const action = useAction();
+  const axes = demo.flatMap((device) => device.axes.map((axis) => ({ device: device.id, axis: axis.index })));
+  const shuttles = useQueries({
+    queries: axes.map((at) => ({
+      queryKey: shuttleKey(at),
+      queryFn: async () =>
+        unwrap(await api.GET("/api/v1/devices/{device}/axes/{axis}/shuttle", { params: { path: at } })),
+      refetchInterval: 2000,
+      enabled: !hidden,
+    })),
+  });
+  if (hidden || demo.length === 0) return null;
+  const running = shuttles.some((shuttle) => shuttle.data?.running === true);
+  const refresh = () => void queries.invalidateQueries({ queryKey: ["shuttle"] });
+  return (
+    <section className={classes.demo} aria-label="Demo" data-running={running}>
+      <Button
+        size="sm"
+        variant={running ? "default" : "filled"}
+        leftSection={
+          running ? <IconPlayerStop size={16} aria-hidden /> : <IconPlayerPlayFilled size={16} aria-hidden />
+        }
+        loading={action.busy}
+        data-testid="demo-motion"
+        onClick={() =>
+          void action
+            .run(running ? "Ending the demo" : "Starting the demo", () => (running ? endDemo(demo) : startDemo(demo)))
+            .then(refresh)
+        }
+      >
+        {running ? "End demo motion" : "Start demo motion"}
+      </Button>
+      {running ? (
+        <Group gap="4px 14px" className={classes.next}>
+          <Text size="sm" c="dimmed">
+            Next:
+          </Text>
+          {NEXT.map(([href, name, what]) => (
+            <Text key={href} size="sm">
+              <Link href={href} className={classes.nextLink}>
+                {name}
+              </Link>{" "}
+              <Text span size="sm" c="dimmed" visibleFrom="lg">
+                {what}
+              </Text>
+            </Text>
+          ))}
+        </Group>
+      ) : (
+        <Text size="sm" className={classes.next}>
+          {axes.length} emulated axes are ready. They run the chips' own ramp law, and nothing can break.
+        </Text>
+      )}
+      <ActionIcon
+        variant="subtle"
+        color="gray"
+        aria-label="Hide the demo bar"
+        onClick={() => setHidden(true)}
+        className={classes.demoClose}
+      >
+        <IconX size={16} />
+      </ActionIcon>
+      {action.failure && (
+        <ProblemAlert error={action.failure.error} doing={action.failure.doing} onClose={action.dismiss} />
+      )}
+    </section>
+  );
+}

@@ -1,0 +1,59 @@
+import { describe, expect, it, vi } from "vitest";
+import { type Direction, Jog } from "./Jog";
+
+function bench() {
+  const log: string[] = [];
+  let answer: (value?: unknown) => void = () => undefined;
+  let refuse: (error: unknown) => void = () => undefined;
+  const rotate = vi.fn((direction: Direction) => {
+    log.push(`rotate ${direction}`);
+    return new Promise((resolve, reject) => {
+      answer = resolve;
+      refuse = reject;
+    });
+  });
+  const halt = vi.fn(() => {
+    log.push("stop");
+    return Promise.resolve();
+  });
+  const errors: unknown[] = [];
+  const jog = new Jog(rotate, halt, (error) => errors.push(error));
+  const settle = () => new Promise((resolve) => setTimeout(resolve));
+  return { jog, log, errors, settle, answer: () => answer(), refuse: (error: unknown) => refuse(error) };
+}
+
+describe("Jog", () => {
+  it("moves while held and stops once when let go", async () => {
+    const { jog, log, answer, settle } = bench();
+    jog.press(1);
+    jog.press(1);
+    jog.press(-1);
+    answer();
+    await settle();
+    jog.release();
+    jog.release();
+    await settle();
+    expect(log).toEqual(["rotate 1", "stop"]);
+  });
+
+  it("stops again behind a start that was still on its way", async () => {
+    const { jog, log, answer, settle } = bench();
+    jog.press(-1);
+    jog.release();
+    expect(log).toEqual(["rotate -1", "stop"]);
+    answer();
+    await settle();
+    expect(log).toEqual(["rotate -1", "stop", "stop"]);
+  });
+
+  it("reports a refused start and can be pressed again", async () => {
+    const { jog, log, errors, refuse, settle } = bench();
+    jog.press(1);
+    refuse("no");
+    await settle();
+    jog.release();
+    jog.press(-1);
+    expect(errors).toEqual(["no"]);
+    expect(log).toEqual(["rotate 1", "stop", "rotate -1"]);
+  });
+});

@@ -1,0 +1,143 @@
+import { Badge, Group, Select, Stack, Tabs, Text, Title } from "@mantine/core";
+import { useQuery } from "@tanstack/react-query";
+import { Link } from "wouter";
+import { api, unwrap } from "../../../api/client";
+import type { Device } from "../../../api/queries";
+import { fixed } from "../../../lib/format";
+import { ProblemAlert } from "../../../lib/ProblemAlert";
+import { fromSteps, ratesOf, scaleOf, symbolOf, unitsFor } from "../../../lib/units";
+import { LiveText } from "../../../live/LiveText";
+import classes from "../bench.module.css";
+import { Lamps } from "../Lamps";
+import { useLiveAxis } from "../live";
+import { JogSection } from "./JogSection";
+import { MoveSection } from "./MoveSection";
+import { ReferenceSection } from "./ReferenceSection";
+import { ShuttleSection } from "./ShuttleSection";
+import { TogetherSection } from "./TogetherSection";
+import { useAction } from "./useAction";
+import { useTopSpeed } from "./useMotionLimits";
+
+interface Props {
+  device: Device;
+  axis: Device["axes"][number];
+  unit: string;
+  onUnit: (unit: string) => void;
+}
+
+/** The selected axis: where it is, and everything that moves it. */
+export function MotionCard({ device, axis, unit, onUnit }: Props) {
+  const at = { device: device.id, axis: axis.index };
+  const connected = device.state === "connected";
+  const live = useLiveAxis(device.id, axis.index);
+  const scale = scaleOf(axis, device.clock_hz);
+  const units = unitsFor("position", scale);
+  const shown = units.includes(unit) ? unit : "microsteps";
+  const rate = ratesOf(shown).velocity;
+  const decimals = shown === "microsteps" ? 0 : 3;
+  const topSpeed = useTopSpeed(at, scale, connected);
+  const action = useAction();
+  const state = useQuery({
+    queryKey: ["axis", device.id, axis.index],
+    queryFn: async () => unwrap(await api.GET("/api/v1/devices/{device}/axes/{axis}", { params: { path: at } })),
+    enabled: connected,
+    refetchInterval: 1000,
+  });
+  const disabled = !connected;
+  const common = { at, scale, unit: shown, action, disabled };
+  return (
+    <section className={classes.card} aria-label={`Motion of ${axis.name}`} data-testid="motion-card">
+      <Group justify="space-between" wrap="nowrap">
+        <Title order={2} className={classes.cardTitle}>
+          {device.name} · {axis.name}
+        </Title>
+        <Badge variant="default" size="sm" title="Mode" data-testid="mode">
+          {connected ? (state.data?.mode ?? "…") : device.state}
+        </Badge>
+      </Group>
+      <div className={classes.readout} data-stale={!connected}>
+        <LiveText
+          className={classes.bigNumber}
+          read={() => fixed(fromSteps(live.read("position"), shown, scale, "position"), decimals)}
+          data-testid="position"
+        />
+        <Select
+          aria-label="Unit"
+          size="xs"
+          w={92}
+          data={units.map((each) => ({ value: each, label: symbolOf(each) }))}
+          value={shown}
+          allowDeselect={false}
+          onChange={(value) => value && onUnit(value)}
+        />
+      </div>
+      <Group justify="space-between" wrap="nowrap" className={classes.second}>
+        <span>
+          <LiveText
+            className={classes.speed}
+            read={() =>
+              fixed(fromSteps(live.read("velocity"), rate, scale, "velocity"), shown === "microsteps" ? 0 : 2)
+            }
+          />{" "}
+          <Text span size="xs" c="dimmed">
+            {symbolOf(rate)}
+          </Text>
+        </span>
+        <LiveText
+          className={classes.stateWord}
+          read={() => {
+            if (Number.isNaN(live.read("velocity"))) return "unknown";
+            if (live.moving()) return "moving";
+            return live.read("position_reached") > 0.5 ? "at target" : "at rest";
+          }}
+        />
+        <Lamps live={live} />
+      </Group>
+      {device.problem && <ProblemAlert error={device.problem} doing={device.name} />}
+      {!connected && (
+        <Text size="xs">
+          Not connected: see <Link href="/connections">Connections</Link>.
+        </Text>
+      )}
+      <Stack gap={8}>
+        <MoveSection key={`${device.id}/${axis.index}`} {...common} />
+        <JogSection key={`jog ${device.id}/${axis.index}`} {...common} topSpeedPps={topSpeed} />
+      </Stack>
+      {action.failure && (
+        <ProblemAlert error={action.failure.error} doing={action.failure.doing} onClose={action.dismiss} />
+      )}
+      {action.notes.map((note) => (
+        <Text key={note} size="xs" c="dimmed" role="status">
+          {note}
+        </Text>
+      ))}
+      <Tabs
+        defaultValue="shuttle"
+        keepMounted={false}
+        classNames={{ tab: classes.tab ?? "", panel: classes.tabPanel ?? "" }}
+      >
+        <Tabs.List grow>
+          <Tabs.Tab value="shuttle">Shuttle</Tabs.Tab>
+          <Tabs.Tab value="together">Together</Tabs.Tab>
+          <Tabs.Tab value="reference">Zero</Tabs.Tab>
+        </Tabs.List>
+        <Tabs.Panel value="shuttle">
+          <ShuttleSection key={`${device.id}/${axis.index}`} {...common} live={live} />
+        </Tabs.Panel>
+        <Tabs.Panel value="together">
+          <TogetherSection key={device.id} device={device} unit={shown} action={action} disabled={disabled} />
+        </Tabs.Panel>
+        <Tabs.Panel value="reference">
+          <ReferenceSection
+            key={`${device.id}/${axis.index}`}
+            at={at}
+            model={device.model}
+            live={live}
+            action={action}
+            disabled={disabled}
+          />
+        </Tabs.Panel>
+      </Tabs>
+    </section>
+  );
+}

@@ -1,0 +1,103 @@
+import { Button, Group, Progress, SegmentedControl, Text } from "@mantine/core";
+import { useQuery, useQueryClient } from "@tanstack/react-query";
+import { useState } from "react";
+import { api, type Schemas, unwrap } from "../../../api/client";
+import { type AxisAddress, motion } from "../../../api/motion";
+import type { Device } from "../../../api/queries";
+import { withUnit } from "../../../lib/format";
+import type { LiveAxis } from "../live";
+import { setZero } from "./setZero";
+import type { Action } from "./useAction";
+
+interface Props {
+  at: AxisAddress;
+  model: Device["model"];
+  live: LiveAxis;
+  action: Action;
+  disabled: boolean;
+}
+
+type SearchSwitch = NonNullable<Schemas["ReferenceSearchStart"]["switch"]>;
+
+function outcome(search: Schemas["ReferenceSearchState"] | undefined): string {
+  if (search === undefined) return "";
+  switch (search.state) {
+    case "idle":
+      return "Finds both edges of a switch and puts zero in their middle.";
+    case "running":
+      return search.phase;
+    case "done":
+      return `Zero is in the middle of the edges; the count moved by ${withUnit(search.offset, "microsteps")}.`;
+    default:
+      return search.message || `The search was ${search.state}.`;
+  }
+}
+
+/** Where zero is: found at a switch, or set here. */
+export function ReferenceSection({ at, model, live, action, disabled }: Props) {
+  const queries = useQueryClient();
+  const [target, setTarget] = useState<SearchSwitch>("reference");
+  const key = ["reference-search", at.device, at.axis];
+  const search = useQuery({
+    queryKey: key,
+    queryFn: async () =>
+      unwrap(await api.GET("/api/v1/devices/{device}/axes/{axis}/reference-search", { params: { path: at } })),
+    enabled: !disabled,
+    refetchInterval: (query) => (query.state.data?.state === "running" ? 250 : 2000),
+  });
+  const running = search.data?.state === "running";
+  const refresh = () => void queries.invalidateQueries({ queryKey: key });
+  return (
+    <>
+      <SegmentedControl
+        size="xs"
+        fullWidth
+        aria-label="Switch to search"
+        data={[
+          { value: "left", label: "Left" },
+          { value: "reference", label: "Reference" },
+          { value: "right", label: "Right" },
+        ]}
+        value={target}
+        disabled={disabled || running}
+        onChange={(value) => setTarget(value as SearchSwitch)}
+      />
+      <Progress
+        value={100 * (search.data?.progress ?? 0)}
+        size={6}
+        color={search.data?.state === "failed" ? "red" : "accent"}
+        aria-label="Reference search"
+      />
+      <Text size="xs" c={search.data?.state === "failed" ? "red" : "dimmed"} mih={36} role="status">
+        {outcome(search.data)}
+      </Text>
+      <Group gap={6} grow wrap="nowrap">
+        <Button
+          size="xs"
+          disabled={disabled}
+          variant={running ? "default" : "filled"}
+          data-testid="reference-search"
+          onClick={() =>
+            void action
+              .run(running ? "Ending the search" : "Starting the search", () =>
+                running ? motion.endSearch(at) : motion.search(at, { switch: target }),
+              )
+              .then(refresh)
+          }
+        >
+          {running ? "Abort" : "Search"}
+        </Button>
+        <Button
+          size="xs"
+          variant="default"
+          disabled={disabled || running}
+          title="Calls the present position 0; the motor does not move"
+          data-testid="set-zero"
+          onClick={() => void action.run("Setting zero", () => setZero(at, model, live.moving()))}
+        >
+          Set zero here
+        </Button>
+      </Group>
+    </>
+  );
+}

@@ -1,0 +1,75 @@
+import { Button, Checkbox, Group, Text } from "@mantine/core";
+import { useState } from "react";
+import { motion } from "../../../api/motion";
+import type { Device } from "../../../api/queries";
+import { NumberField } from "../../../lib/NumberField";
+import { fromSteps, scaleOf, toSteps } from "../../../lib/units";
+import type { Action } from "./useAction";
+
+interface Props {
+  device: Device;
+  unit: string;
+  action: Action;
+  disabled: boolean;
+}
+
+/** All axes of a device, started together: their targets go out in successive datagrams. */
+export function TogetherSection({ device, unit, action, disabled }: Props) {
+  const [targets, setTargets] = useState<Record<number, number>>({});
+  const [left, setLeft] = useState<readonly number[]>([]);
+  const taking = device.axes.filter((axis) => !left.includes(axis.index));
+  return (
+    <>
+      {device.axes.map((axis) => {
+        const scale = scaleOf(axis, device.clock_hz);
+        const own = Number.isNaN(fromSteps(1, unit, scale, "position")) ? "microsteps" : unit;
+        const out = left.includes(axis.index);
+        return (
+          <Group key={axis.index} gap={8} wrap="nowrap">
+            <Checkbox
+              size="xs"
+              w={52}
+              label={axis.name}
+              checked={!out}
+              disabled={disabled}
+              onChange={() => setLeft(out ? left.filter((index) => index !== axis.index) : [...left, axis.index])}
+            />
+            <NumberField
+              aria-label={`Target of ${axis.name}`}
+              value={Number(fromSteps(targets[axis.index] ?? 0, own, scale, "position").toPrecision(7))}
+              unit={own}
+              flex={1}
+              disabled={disabled || out}
+              onChange={(value) => setTargets({ ...targets, [axis.index]: toSteps(value, own, scale, "position") })}
+            />
+          </Group>
+        );
+      })}
+      <Group justify="space-between" wrap="nowrap">
+        <Text size="xs" c="dimmed">
+          Absolute targets
+        </Text>
+        <Button
+          size="xs"
+          disabled={disabled || taking.length === 0}
+          data-testid="move-together"
+          onClick={() =>
+            void action.run("Moving together", () =>
+              motion.moveTogether(
+                device.id,
+                taking.map((axis) => ({
+                  axis: axis.index,
+                  target: Math.round(targets[axis.index] ?? 0),
+                  relative: false,
+                  unit: "microsteps",
+                })),
+              ),
+            )
+          }
+        >
+          Start {taking.length} {taking.length === 1 ? "axis" : "together"}
+        </Button>
+      </Group>
+    </>
+  );
+}

@@ -1,0 +1,71 @@
+import { type KeyboardEvent, type PointerEvent, useEffect, useMemo, useRef, useState } from "react";
+import { type AxisAddress, motion } from "../../../api/motion";
+import { STOP_EVENT } from "../../../shell/stopEverything";
+import { type Direction, Jog } from "./Jog";
+
+function keyDirection(key: string, own: Direction): Direction | null {
+  if (key === "ArrowLeft") return -1;
+  if (key === "ArrowRight") return 1;
+  return key === " " || key === "Enter" ? own : null;
+}
+
+/** The handlers of a pair of jog buttons. Letting go stops, and so does all that may hide that somebody let go. */
+export function useJog(at: AxisAddress, velocityPps: number, onError: (error: unknown) => void) {
+  const [direction, setDirection] = useState<Direction | null>(null);
+  const speed = useRef(velocityPps);
+  speed.current = velocityPps;
+  const report = useRef(onError);
+  report.current = onError;
+  const { device, axis } = at;
+  const jog = useMemo(
+    () =>
+      new Jog(
+        (sign) => motion.rotate({ device, axis }, { velocity: sign * speed.current, unit: "pps" }),
+        () => motion.stop({ device, axis }, "ramp"),
+        (error) => report.current(error),
+        setDirection,
+      ),
+    [device, axis],
+  );
+
+  useEffect(() => {
+    const release = () => jog.release();
+    const onHidden = () => document.hidden && jog.release();
+    window.addEventListener("blur", release);
+    window.addEventListener("pagehide", release);
+    window.addEventListener(STOP_EVENT, release);
+    document.addEventListener("visibilitychange", onHidden);
+    return () => {
+      jog.release();
+      window.removeEventListener("blur", release);
+      window.removeEventListener("pagehide", release);
+      window.removeEventListener(STOP_EVENT, release);
+      document.removeEventListener("visibilitychange", onHidden);
+    };
+  }, [jog]);
+
+  const buttonProps = (own: Direction) => ({
+    onPointerDown: (event: PointerEvent<HTMLButtonElement>) => {
+      if (event.button !== 0) return;
+      event.currentTarget.setPointerCapture(event.pointerId);
+      event.currentTarget.focus();
+      jog.press(own);
+    },
+    onPointerUp: () => jog.release(),
+    onPointerCancel: () => jog.release(),
+    onLostPointerCapture: () => jog.release(),
+    onBlur: () => jog.release(),
+    onContextMenu: (event: { preventDefault: () => void }) => event.preventDefault(), // a long touch is a jog, no menu
+    onKeyDown: (event: KeyboardEvent) => {
+      const wanted = keyDirection(event.key, own);
+      if (wanted === null) return;
+      event.preventDefault();
+      if (!event.repeat) jog.press(wanted);
+    },
+    onKeyUp: (event: KeyboardEvent) => {
+      if (keyDirection(event.key, own) !== null) jog.release();
+    },
+  });
+
+  return { direction, buttonProps };
+}

@@ -1,0 +1,87 @@
+import { Text, UnstyledButton } from "@mantine/core";
+import { compact, fixed } from "../../../lib/format";
+import { symbolOf } from "../../../lib/units";
+import { LiveText } from "../../../live/LiveText";
+import { type ScopeRow, type ScopeTrace, valueText } from "./model";
+import classes from "./scope.module.css";
+import type { Scope } from "./useScope";
+
+interface Props {
+  scopeRow: ScopeRow;
+  scope: Scope;
+  cursors: boolean;
+  onToggle: (key: string) => void;
+}
+
+function swatchOf(trace: ScopeTrace) {
+  const { color, dash, width = 1 } = trace.series;
+  return { borderTop: `${width > 1 ? 5 : 2}px ${dash ? "dashed" : "solid"} ${color}` };
+}
+
+/** The channels of one plot: colour, name, and the value now, at the pointer, or between the cursors. */
+export function ChannelPanel({ scopeRow, scope, cursors, onToggle }: Props) {
+  const { row, unit, traces } = scopeRow;
+  const difference = (trace: ScopeTrace): string => {
+    const { a, b } = scope.view.cursors();
+    const delta = scope.valueAt(trace, b) - scope.valueAt(trace, a);
+    return trace.unit === "" ? "" : fixed(delta / trace.divisor, trace.decimals);
+  };
+  return (
+    <div className={classes.panel} data-row={row.id}>
+      <div className={classes.panelTitle}>
+        <Text component="h3" size="xs" fw={600}>
+          {row.title}
+        </Text>
+        <Text size="xs" c="dimmed">
+          {symbolOf(unit)}
+        </Text>
+      </div>
+      <ul className={classes.channels}>
+        {[...traces].reverse().map((trace) => (
+          <li key={trace.key}>
+            <UnstyledButton
+              className={classes.channel}
+              aria-pressed={trace.shown}
+              title={trace.shown ? `Hide ${trace.label}` : `Show ${trace.label}`}
+              onClick={() => onToggle(trace.key)}
+            >
+              <span className={classes.swatch} style={swatchOf(trace)} />
+              <span className={classes.channelName}>{trace.label}</span>
+              <LiveText
+                className={classes.channelValue}
+                data-channel={trace.channel}
+                read={() => valueText(trace, scope.valueAt(trace, scope.hover()))}
+              />
+            </UnstyledButton>
+            {cursors && trace.shown && trace.unit !== "" && (
+              <div className={classes.delta}>
+                <span>B − A</span>
+                <LiveText className={classes.channelValue} read={() => difference(trace)} />
+              </div>
+            )}
+          </li>
+        ))}
+      </ul>
+    </div>
+  );
+}
+
+/** The distance in time between the cursors, and what frequency that is. */
+export function CursorReadout({ scope }: { scope: Scope }) {
+  const distance = () => {
+    const { a, b } = scope.view.cursors();
+    return b - a;
+  };
+  return (
+    <div className={classes.cursorReadout} data-testid="cursor-readout">
+      <span style={{ color: scope.markColors.a, fontWeight: 700 }}>A</span>
+      <LiveText read={() => `${fixed(scope.view.cursors().a, 4)} s`} />
+      <span style={{ color: scope.markColors.b, fontWeight: 700 }}>B</span>
+      <LiveText read={() => `${fixed(scope.view.cursors().b, 4)} s`} />
+      <span>Δt</span>
+      <LiveText read={() => `${fixed(distance() * 1000, 2)} ms`} />
+      <span>1/Δt</span>
+      <LiveText read={() => `${compact(1 / Math.abs(distance()), 4)} Hz`} />
+    </div>
+  );
+}

@@ -1,0 +1,192 @@
+import {
+  ActionIcon,
+  Button,
+  Checkbox,
+  Group,
+  Menu,
+  Popover,
+  SegmentedControl,
+  Select,
+  Stack,
+  Text,
+} from "@mantine/core";
+import { IconAdjustmentsHorizontal, IconPlayerPause, IconPlayerPlay, IconRulerMeasure } from "@tabler/icons-react";
+import type { Device } from "../../../api/queries";
+import { scaleOf, symbolOf, unitsFor } from "../../../lib/units";
+import { LiveText } from "../../../live/LiveText";
+import type { AxisRef } from "./model";
+import { ROWS, type RowId } from "./rows";
+import classes from "./scope.module.css";
+import { keepS, RATES_HZ, type ScopeSettings, SPANS_S, type Trigger } from "./settings";
+import type { Scope } from "./useScope";
+
+interface Props {
+  scope: Scope;
+  devices: readonly Device[];
+  main: AxisRef;
+  settings: ScopeSettings;
+  change: (part: Partial<ScopeSettings>) => void;
+  cursors: boolean;
+  setCursors: (on: boolean) => void;
+}
+
+function spanLabel(seconds: number): string {
+  if (seconds < 1) return `${seconds * 1000} ms`;
+  return seconds < 60 ? `${seconds} s` : `${seconds / 60} min`;
+}
+
+/** Run and pause, trigger, time base, rate, units, cursors, channels. */
+export function ScopeToolbar({ scope, devices, main, settings, change, cursors, setCursors }: Props) {
+  const device = devices.find((candidate) => candidate.id === main.device);
+  const scale = scaleOf(
+    device?.axes.find((axis) => axis.index === main.axis),
+    device?.clock_hz,
+  );
+  const units = unitsFor("position", scale);
+  const others = devices.flatMap((candidate) =>
+    candidate.axes
+      .filter((axis) => candidate.id !== main.device || axis.index !== main.axis)
+      .map((axis) => ({ device: candidate.id, axis: axis.index, label: `${candidate.name} · ${axis.name}` })),
+  );
+  const isExtra = (ref: AxisRef) =>
+    settings.extras.some((extra) => extra.device === ref.device && extra.axis === ref.axis);
+  const toggleRow = (id: RowId) =>
+    change({
+      rows: settings.rows.includes(id) ? settings.rows.filter((row) => row !== id) : [...settings.rows, id],
+    });
+
+  return (
+    <Group gap={6} className={classes.toolbar} role="toolbar" aria-label="Scope">
+      <Button
+        size="xs"
+        w={92}
+        variant={scope.paused ? "filled" : "default"}
+        leftSection={
+          scope.paused ? <IconPlayerPlay size={15} aria-hidden /> : <IconPlayerPause size={15} aria-hidden />
+        }
+        onClick={() => (scope.paused ? scope.run() : scope.pause())}
+        aria-keyshortcuts="P"
+        title="P"
+      >
+        {scope.paused ? "Run" : "Pause"}
+      </Button>
+      <SegmentedControl
+        size="xs"
+        aria-label="Trigger"
+        data={[
+          { value: "roll", label: "Roll" },
+          { value: "auto", label: "Auto" },
+          { value: "single", label: "Single" },
+        ]}
+        value={settings.trigger}
+        onChange={(value) => {
+          change({ trigger: value as Trigger });
+          scope.run();
+        }}
+        title="Roll: follow the signal. Auto: a sweep from every start of a move. Single: catch the next move and hold (T)"
+      />
+      <Select
+        size="xs"
+        w={86}
+        aria-label="Time span"
+        data={SPANS_S.filter((span) => span <= keepS(settings.rateHz)).map((span) => ({
+          value: String(span),
+          label: spanLabel(span),
+        }))}
+        value={String(settings.spanS)}
+        allowDeselect={false}
+        onChange={(value) => value && change({ spanS: Number(value) })}
+      />
+      <Select
+        size="xs"
+        w={92}
+        aria-label="Sample rate"
+        data={RATES_HZ.filter((rate) => rate <= (device?.rate_max_hz ?? 1000)).map((rate) => ({
+          value: String(rate),
+          label: `${rate} Hz`,
+        }))}
+        value={String(settings.rateHz)}
+        allowDeselect={false}
+        onChange={(value) => {
+          if (!value) return;
+          const rateHz = Number(value);
+          change({ rateHz, spanS: Math.min(settings.spanS, keepS(rateHz)) });
+        }}
+      />
+      <Select
+        size="xs"
+        w={96}
+        aria-label="Unit of positions"
+        data={units.map((unit) => ({ value: unit, label: symbolOf(unit) }))}
+        value={units.includes(settings.unit) ? settings.unit : "microsteps"}
+        allowDeselect={false}
+        onChange={(value) => value && change({ unit: value })}
+      />
+      <ActionIcon
+        variant={cursors ? "filled" : "default"}
+        size={30}
+        aria-label="Measuring cursors"
+        aria-pressed={cursors}
+        aria-keyshortcuts="C"
+        title="Measuring cursors (C)"
+        onClick={() => {
+          if (!cursors) scope.view.fetchCursors();
+          setCursors(!cursors);
+        }}
+      >
+        <IconRulerMeasure size={17} />
+      </ActionIcon>
+      <Popover position="bottom-start" shadow="md">
+        <Popover.Target>
+          <ActionIcon variant="default" size={30} aria-label="Plots and further axes" title="Plots and further axes">
+            <IconAdjustmentsHorizontal size={17} />
+          </ActionIcon>
+        </Popover.Target>
+        <Popover.Dropdown>
+          <Stack gap={6}>
+            <Text size="xs" fw={600}>
+              Plots
+            </Text>
+            {ROWS.map((row) => (
+              <Checkbox
+                key={row.id}
+                size="xs"
+                label={row.title}
+                checked={settings.rows.includes(row.id)}
+                onChange={() => toggleRow(row.id)}
+              />
+            ))}
+            {others.length > 0 && (
+              <>
+                <Menu.Divider />
+                <Text size="xs" fw={600}>
+                  Also show
+                </Text>
+              </>
+            )}
+            {others.map((ref) => (
+              <Checkbox
+                key={`${ref.device}/${ref.axis}`}
+                size="xs"
+                label={ref.label}
+                checked={isExtra(ref)}
+                onChange={() =>
+                  change({
+                    extras: isExtra(ref)
+                      ? settings.extras.filter((extra) => extra.device !== ref.device || extra.axis !== ref.axis)
+                      : [...settings.extras, { device: ref.device, axis: ref.axis }],
+                  })
+                }
+              />
+            ))}
+          </Stack>
+        </Popover.Dropdown>
+      </Popover>
+      <LiveText
+        className={classes.triggerState}
+        read={() => (scope.view.waiting ? "waiting for a move" : "")}
+        aria-hidden
+      />
+    </Group>
+  );
+}

@@ -1,0 +1,86 @@
+import { describe, expect, it } from "vitest";
+import type { Device } from "../../../api/queries";
+import { buildRows, requestsFor, valueText } from "./model";
+import { ROWS } from "./rows";
+import type { ScopeSettings } from "./settings";
+
+function device(id: string, axes: number, rate: number): Device {
+  return {
+    id,
+    name: id.toUpperCase(),
+    model: "tmc428",
+    title: "",
+    link: {},
+    clock_hz: 16e6,
+    state: "connected",
+    problem: null,
+    emulated: true,
+    demo: true,
+    axes: Array.from({ length: axes }, (_, index) => ({
+      index,
+      name: "xyz"[index] ?? "",
+      full_steps_per_rev: 200,
+      driver_microsteps: 16,
+      gear_ratio: 1,
+      travel_mm_per_rev: 8,
+      microsteps_per_full_step: 64,
+      pulse_div: 5,
+      ramp_div: 7,
+    })),
+    channels: Array.from({ length: axes }, (_, axis) =>
+      ROWS.flatMap((row) => row.channels).map(({ quantity }) => ({
+        name: `${quantity}.${axis}`,
+        quantity,
+        axis,
+        unit: "",
+      })),
+    ).flat(),
+    rate_max_hz: rate,
+    chip_timed: true,
+  };
+}
+
+const DEVICES = [device("a", 3, 1000), device("b", 1, 200)];
+const SETTINGS: ScopeSettings = {
+  spanS: 10,
+  rateHz: 1000,
+  unit: "mm",
+  trigger: "roll",
+  rows: ROWS.map((row) => row.id),
+  hidden: ["target_position"],
+  extras: [{ device: "b", axis: 0 }],
+};
+
+describe("the scope's model", () => {
+  it("asks each device once, no faster than it can, for channels that it has", () => {
+    const [main, other, ...more] = requestsFor(DEVICES, { device: "a", axis: 1 }, SETTINGS);
+    expect(main).toMatchObject({ device: "a", rateHz: 1000 });
+    expect(main?.channels).toContain("residual.1");
+    expect(main?.channels).not.toContain("position.0");
+    expect(other).toMatchObject({ device: "b", rateHz: 200 });
+    expect(other?.channels).toEqual(["position.0", "velocity.0", "acceleration.0"]);
+    expect(more).toEqual([]);
+  });
+
+  it("shows the selected axis in its unit, and added axes as dashed lines of the same colour", () => {
+    const rows = buildRows(DEVICES, { device: "a", axis: 1 }, SETTINGS, "light");
+    const position = rows.find(({ row }) => row.id === "position");
+    expect(position?.unit).toBe("mm");
+    const own = position?.traces.find((trace) => trace.key === "position");
+    const added = position?.traces.find((trace) => trace.device === "b");
+    expect(own?.divisor).toBe(1600);
+    expect(added?.series.dash).toBeDefined();
+    expect(added?.series.color).toBe(own?.series.color);
+    expect(position?.traces.find((trace) => trace.quantity === "target_position")?.series.hidden).toBe(true);
+    expect(own && valueText(own, 800)).toBe("0.5000");
+  });
+
+  it("falls back to chip units where the axis knows no better, and says on and off", () => {
+    const bare = { ...device("a", 1, 1000) };
+    bare.axes = bare.axes.map((axis) => ({ ...axis, microsteps_per_full_step: null }));
+    const rows = buildRows([bare], { device: "a", axis: 0 }, SETTINGS, "dark");
+    expect(rows.map(({ unit }) => unit)).toEqual(["microsteps", "microsteps", "pps", "pps2", ""]);
+    const lamp = rows.at(-1)?.traces[0];
+    expect(lamp && [valueText(lamp, 1), valueText(lamp, 0), valueText(lamp, Number.NaN)]).toEqual(["on", "off", "–"]);
+  });
+});

@@ -1,0 +1,142 @@
+import type { Device } from "../../../api/queries";
+import { fixed } from "../../../lib/format";
+import { colorOf, type Quantity } from "../../../lib/palette";
+import { type AxisScale, factorOf, scaleOf } from "../../../lib/units";
+import type { TelemetryRequest } from "../../../live/TelemetrySource";
+import type { PlotSeries } from "../../../plots/types";
+import { lane, ROWS, type Row, type RowChannel, unitOf } from "./rows";
+import { type ExtraAxis, keepS, type ScopeSettings } from "./settings";
+
+/** One line of the scope: a channel of one axis of one device, in the unit of its row. */
+export interface ScopeTrace {
+  key: string;
+  device: string;
+  channel: string;
+  quantity: Quantity;
+  label: string;
+  unit: string;
+  divisor: number;
+  offset: number;
+  decimals: number;
+  shown: boolean;
+  series: PlotSeries;
+}
+
+export interface ScopeRow {
+  row: Row;
+  unit: string;
+  traces: ScopeTrace[];
+}
+
+/** Dashes tell further axes apart: a quantity keeps its colour on every page. */
+const DASHES: readonly number[][] = [
+  [6, 3],
+  [2, 2],
+  [9, 3, 2, 3],
+  [4, 6],
+];
+
+function decimalsFor(factor: number): number {
+  // one microstep should be seen to move
+  return Math.max(0, Math.min(4, Math.ceil(Math.log10(factor))));
+}
+
+export interface AxisRef extends ExtraAxis {
+  device: string;
+  axis: number;
+}
+
+function find(devices: readonly Device[], ref: AxisRef): { device: Device; scale: AxisScale; name: string } | null {
+  const device = devices.find((candidate) => candidate.id === ref.device);
+  const axis = device?.axes.find((candidate) => candidate.index === ref.axis);
+  return device && axis ? { device, scale: scaleOf(axis, device.clock_hz), name: `${device.name} ${axis.name}` } : null;
+}
+
+function seriesOf(channel: RowChannel, color: string, label: string, dash: number[] | undefined, stepped: boolean) {
+  const series: PlotSeries = { label, color: channel.band ? `${color}80` : color };
+  if (channel.band) series.width = 4;
+  if (stepped || channel.thin) series.stepped = true;
+  if (dash) series.dash = dash;
+  else if (channel.thin) series.dash = [4, 3];
+  return series;
+}
+
+/** The rows of the scope with their traces: those of the selected axis, then those of the added ones. */
+export function buildRows(
+  devices: readonly Device[],
+  main: AxisRef,
+  settings: ScopeSettings,
+  scheme: "light" | "dark",
+): ScopeRow[] {
+  const all = [main, ...settings.extras.filter((extra) => extra.device !== main.device || extra.axis !== main.axis)];
+  return ROWS.filter((row) => settings.rows.includes(row.id)).map((row) => {
+    const mainAxis = find(devices, main);
+    const wanted = unitOf(row, settings.unit);
+    const known = mainAxis && row.motion ? factorOf(wanted, mainAxis.scale, row.motion) !== null : true;
+    const unit = known ? wanted : unitOf(row, "microsteps");
+    const traces = all.flatMap((ref, index) => {
+      const found = find(devices, ref);
+      if (!found) return [];
+      const channels = index === 0 ? row.channels : row.channels.filter((channel) => channel.shared);
+      return channels.flatMap((channel): ScopeTrace[] => {
+        const name = `${channel.quantity}.${ref.axis}`;
+        if (!found.device.channels.some((offered) => offered.name === name)) return [];
+        const factor = row.motion ? (factorOf(unit, found.scale, row.motion) ?? Number.NaN) : 1;
+        const place = row.id === "switches" ? lane(row.channels.indexOf(channel), row.channels.length) : null;
+        const label = index === 0 ? channel.label : `${found.name}`;
+        const key = index === 0 ? channel.quantity : `${ref.device}/${name}`;
+        const shown = !settings.hidden.includes(key);
+        const dash = index === 0 ? undefined : DASHES[(index - 1) % DASHES.length];
+        const series = seriesOf(channel, colorOf(channel.quantity, scheme), label, dash, place !== null);
+        if (!shown) series.hidden = true;
+        if (place) series.fill = `${colorOf(channel.quantity, scheme)}28`;
+        return [
+          {
+            key,
+            device: ref.device,
+            channel: name,
+            quantity: channel.quantity,
+            label,
+            unit,
+            divisor: place ? 1 / place.height : factor,
+            offset: place?.low ?? 0,
+            decimals: row.motion ? decimalsFor(factor) : 0,
+            shown,
+            series,
+          },
+        ];
+      });
+    });
+    return { row, unit, traces };
+  });
+}
+
+/** What has to be asked of each device, the selected one first: its rate as wished, but no faster than it can. */
+export function requestsFor(devices: readonly Device[], main: AxisRef, settings: ScopeSettings): TelemetryRequest[] {
+  const order = [main.device, ...settings.extras.map((extra) => extra.device)];
+  return [...new Set(order)].flatMap((id) => {
+    const device = devices.find((candidate) => candidate.id === id);
+    if (!device) return [];
+    const wanted = ROWS.flatMap((row) =>
+      row.channels.flatMap((channel) => {
+        const axes = settings.extras
+          .filter((extra) => extra.device === id && channel.shared)
+          .map((extra) => extra.axis);
+        if (id === main.device) axes.unshift(main.axis);
+        return axes.map((axis) => `${channel.quantity}.${axis}`);
+      }),
+    );
+    const offered = new Set(device.channels.map((channel) => channel.name));
+    const channels = [...new Set(wanted)].filter((name) => offered.has(name));
+    if (channels.length === 0) return [];
+    const rateHz = Math.min(settings.rateHz, device.rate_max_hz);
+    return [{ device: id, channels, rateHz, keepS: keepS(rateHz) }];
+  });
+}
+
+/** A value of a trace as text, in the unit of its row. Switches say on and off. */
+export function valueText(trace: ScopeTrace, raw: number): string {
+  if (trace.unit === "" || trace.quantity.startsWith("switch") || trace.quantity === "position_reached")
+    return Number.isNaN(raw) ? "–" : raw > 0.5 ? "on" : "off";
+  return fixed(raw / trace.divisor, trace.decimals);
+}

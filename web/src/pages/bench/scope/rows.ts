@@ -1,0 +1,95 @@
+import type { Quantity } from "../../../lib/palette";
+import { ratesOf } from "../../../lib/units";
+
+export type RowId = "position" | "residual" | "velocity" | "acceleration" | "switches";
+export type Motion = "position" | "velocity" | "acceleration";
+
+export interface RowChannel {
+  quantity: Quantity;
+  label: string;
+  /** shown for axes that are only added to the plot */
+  shared?: boolean;
+  /** a broad pale band that the measured line lies on: both are seen where they agree */
+  band?: boolean;
+  thin?: boolean;
+}
+
+export interface Row {
+  id: RowId;
+  title: string;
+  motion: Motion | null;
+  /** the share of the height */
+  grow: number;
+  channels: readonly RowChannel[];
+}
+
+/** The plots of the scope from top to bottom. What is drawn first lies lowest. */
+export const ROWS: readonly Row[] = [
+  {
+    id: "position",
+    title: "Position",
+    motion: "position",
+    grow: 3,
+    channels: [
+      { quantity: "predicted_position", label: "predicted", band: true },
+      { quantity: "target_position", label: "target", thin: true },
+      { quantity: "position", label: "position", shared: true },
+    ],
+  },
+  {
+    id: "residual",
+    title: "Residual",
+    motion: null,
+    grow: 1.4,
+    channels: [{ quantity: "residual", label: "measured − predicted" }],
+  },
+  {
+    id: "velocity",
+    title: "Velocity",
+    motion: "velocity",
+    grow: 2.2,
+    channels: [
+      { quantity: "predicted_velocity", label: "predicted", band: true },
+      { quantity: "target_velocity", label: "target", thin: true },
+      { quantity: "velocity", label: "velocity", shared: true },
+    ],
+  },
+  {
+    id: "acceleration",
+    title: "Acceleration",
+    motion: "acceleration",
+    grow: 1.5,
+    channels: [{ quantity: "acceleration", label: "acceleration", shared: true }],
+  },
+  {
+    id: "switches",
+    title: "Switches",
+    motion: null,
+    grow: 0,
+    channels: [
+      { quantity: "switch_left", label: "left" },
+      { quantity: "switch_reference", label: "reference" },
+      { quantity: "switch_right", label: "right" },
+      { quantity: "position_reached", label: "at target" },
+    ],
+  },
+];
+
+/** The unit of a row, where positions are shown in `unit`. */
+export function unitOf(row: Row, unit: string): string {
+  switch (row.motion) {
+    case "position":
+      return unit;
+    case "velocity":
+      return ratesOf(unit).velocity;
+    case "acceleration":
+      return ratesOf(unit).acceleration;
+    default:
+      return row.id === "residual" ? "microsteps" : "";
+  }
+}
+
+/** Lanes of the switches: lane `index` of `count` from the top, its low and high level. */
+export function lane(index: number, count: number): { low: number; height: number } {
+  return { low: count - 1 - index + 0.18, height: 0.64 };
+}

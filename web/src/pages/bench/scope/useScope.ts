@@ -1,0 +1,206 @@
+import { useCallback, useEffect, useMemo, useRef, useState } from "react";
+import type { Device } from "../../../api/queries";
+import { useScheme } from "../../../lib/useScheme";
+import { useFrame } from "../../../live/useFrame";
+import { useLinks, useTelemetries } from "../../../live/useTelemetry";
+import { cut, type Trace } from "../../../live/window";
+import { type PlotData, resampled } from "../../../plots/series";
+import type { Mark, Overlay, PlotHandle, WindowChange } from "../../../plots/types";
+import { type AxisRef, buildRows, requestsFor, type ScopeRow, type ScopeTrace } from "./model";
+import { PredictionKeeper } from "./predictions";
+import type { RowId } from "./rows";
+import { ScopeView } from "./ScopeView";
+import type { ScopeSettings } from "./settings";
+
+const MARK_COLORS = { light: { a: "#b5179e", b: "#3a0ca3" }, dark: { a: "#f072c8", b: "#9d8cff" } };
+/** More rows than this many a pixel are drawn as the smallest and largest of each bucket. */
+const ROWS_PER_PIXEL = 3;
+
+/** Everything that moves on the scope: samples to plots in every frame, outside of React's rendering. */
+export function useScope(devices: readonly Device[], main: AxisRef, settings: ScopeSettings, cursors: boolean) {
+  const scheme = useScheme();
+  const requests = useMemo(() => requestsFor(devices, main, settings), [devices, main, settings]);
+  const sources = useTelemetries(requests);
+  const links = useLinks(sources);
+  // By content: the list of devices is new once a second, and the plots are to stay.
+  const built = buildRows(devices, main, settings, scheme);
+  const shape = JSON.stringify(built);
+  // biome-ignore lint/correctness/useExhaustiveDependencies: `shape` is `built`, compared by content
+  const rows = useMemo(() => built, [shape]);
+  const [view] = useState(() => new ScopeView(settings.spanS, settings.trigger));
+  const [paused, setPaused] = useState(false);
+  const plots = useRef(new Map<RowId, PlotHandle>());
+  const hover = useRef<number | null>(null);
+  const now = useRef<{ overlays: Map<RowId, Overlay[]> }>({ overlays: new Map() });
+  const keeper = useMemo(() => new PredictionKeeper(main.device, main.axis), [main.device, main.axis]);
+  const source = sources[0];
+
+  useEffect(() => view.set(settings.spanS, settings.trigger), [view, settings.spanS, settings.trigger]);
+
+  const run = useCallback(() => {
+    view.run();
+    setPaused(false);
+  }, [view]);
+  const pause = useCallback(
+    (window?: readonly [number, number]) => {
+      view.pause(sources, window);
+      setPaused(true);
+    },
+    [view, sources],
+  );
+
+  // Another axis is another time: what was paused or caught belongs to the one before.
+  // biome-ignore lint/correctness/useExhaustiveDependencies: the source is what the view looks at
+  useEffect(run, [run, source]);
+
+  useEffect(() => {
+    void keeper.fetch();
+    return source?.onMove((move) => {
+      if (move.axis !== main.axis) return;
+      void keeper.fetch();
+      view.onMove(move, source.buffer.lastTime);
+    });
+  }, [source, keeper, view, main.axis]);
+
+  const sourceOf = useCallback(
+    (trace: ScopeTrace) => sources.find((candidate) => candidate.request.device === trace.device),
+    [sources],
+  );
+
+  /** What to add to a device's time to get the main one's [s]. */
+  const shiftOf = useCallback(
+    (device: string): number => {
+      const other = sources.find((candidate) => candidate.request.device === device);
+      if (!other || !source || other === source) return 0;
+      return (other.link().timeOriginUnixS ?? 0) - (source.link().timeOriginUnixS ?? 0);
+    },
+    [sources, source],
+  );
+
+  /** The raw value of a trace at a time of the main device; the newest where none is given. */
+  const valueAt = useCallback(
+    (trace: ScopeTrace, time: number | null): number => {
+      const from = sourceOf(trace);
+      if (!from) return Number.NaN;
+      const buffer = view.bufferOf(from);
+      return time === null ? buffer.last(trace.channel) : buffer.at(trace.channel, time - shiftOf(trace.device));
+    },
+    [sourceOf, shiftOf, view],
+  );
+
+  const drawn = useRef("");
+  useFrame((nowMs) => {
+    if (!source) return;
+    const buffer = view.bufferOf(source);
+    const { window, complete } = view.next(source.buffer.lastTime, nowMs);
+    if (complete) {
+      pause();
+      return;
+    }
+    const predicted = predictedOverlays(rows, buffer.lastTime, buffer.last(`predicted_position.${main.axis}`), nowMs);
+    const revision = sources.map((each) => view.bufferOf(each).revision).join();
+    const state = `${window.join()} ${revision} ${view.revision} ${shape.length} ${predicted} ${cursors}`;
+    if (drawn.current === state && !fresh.current) return;
+    drawn.current = state;
+    fresh.current = false;
+    for (const { row, traces } of rows) {
+      const plot = plots.current.get(row.id);
+      const width = plot?.uplot?.over.clientWidth ?? 0;
+      if (!plot || width === 0) continue;
+      plot.setData(dataOf(traces, window, width * ROWS_PER_PIXEL), window);
+    }
+  });
+  // a new set of plots has drawn nothing yet
+  const fresh = useRef(true);
+  // biome-ignore lint/correctness/useExhaustiveDependencies: what makes the plots anew
+  useEffect(() => {
+    fresh.current = true;
+  }, [rows, cursors]);
+
+  function dataOf(traces: readonly ScopeTrace[], window: readonly [number, number], mostRows: number): PlotData {
+    if (!source) return [[], ...traces.map(() => [])];
+    const specs = traces.map(
+      (trace): Trace => ({ channel: trace.channel, divisor: trace.divisor, offset: trace.offset }),
+    );
+    const own = cut(view.bufferOf(source), specs, window[0], window[1], mostRows);
+    const columns = own.columns.map((column, index) => {
+      const trace = traces[index] as ScopeTrace;
+      const other = sourceOf(trace);
+      if (!other || other === source) return column;
+      const shift = shiftOf(trace.device);
+      const spec = specs[index] as Trace;
+      const theirs = cut(view.bufferOf(other), [spec], window[0] - shift, window[1] - shift, mostRows);
+      const spacing = own.x.length > 1 ? (window[1] - window[0]) / own.x.length : 0;
+      const reach = Math.max(2.5 / other.request.rateHz, 3 * spacing);
+      return resampled(own.x, theirs.x, theirs.columns[0] ?? [], shift, reach);
+    });
+    return [own.x, ...columns];
+  }
+
+  /** Puts what is still to come of the predicted ramp over the plots. Returns a number that changes with it. */
+  function predictedOverlays(shown: readonly ScopeRow[], newestS: number, predictedNow: number, nowMs: number): number {
+    const ramp = keeper.inForce(newestS, predictedNow, nowMs);
+    now.current.overlays.clear();
+    if (!ramp) return 0;
+    const from = Math.max(0, ramp.time.findIndex((time) => time + ramp.startedAtS >= newestS) - 1);
+    for (const { row, traces } of shown) {
+      const quantity = row.id === "position" ? "predicted_position" : row.id === "velocity" ? "predicted_velocity" : "";
+      const trace = traces.find((candidate) => candidate.quantity === quantity && candidate.shown);
+      if (!trace) continue;
+      const column = (row.id === "position" ? ramp.position : ramp.velocity).subarray(from);
+      now.current.overlays.set(row.id, [
+        {
+          x: ramp.time.subarray(from),
+          y: column.map((value) => value / trace.divisor),
+          shift: ramp.startedAtS,
+          color: trace.series.color,
+          width: 4,
+        },
+      ]);
+    }
+    return ramp.startedAtS + from;
+  }
+
+  const marks = (): readonly Mark[] => {
+    if (!cursors) return [];
+    const { a, b } = view.cursors();
+    const colors = MARK_COLORS[scheme];
+    return [
+      { id: "a", x: a, color: colors.a, label: "A" },
+      { id: "b", x: b, color: colors.b, label: "B" },
+    ];
+  };
+
+  return {
+    rows,
+    view,
+    links,
+    sources,
+    paused,
+    run,
+    pause,
+    valueAt,
+    marks,
+    markColors: MARK_COLORS[scheme],
+    overlays: (row: RowId): readonly Overlay[] => now.current.overlays.get(row) ?? [],
+    hover: () => hover.current,
+    setHover: (time: number | null) => {
+      hover.current = time;
+    },
+    moveMark: (id: string, time: number) => {
+      view.moveCursor(id === "a" ? "a" : "b", time);
+    },
+    /** A zoom or pan by hand holds the picture; "show all" goes back to following the signal. */
+    changeWindow: (change: WindowChange): boolean => {
+      if (change === "reset") run();
+      else pause([change.min, change.max]);
+      return true;
+    },
+    setPlot: (row: RowId, plot: PlotHandle | null) => {
+      if (plot) plots.current.set(row, plot);
+      else plots.current.delete(row);
+    },
+  };
+}
+
+export type Scope = ReturnType<typeof useScope>;
