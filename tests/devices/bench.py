@@ -9,6 +9,7 @@ from typing import cast
 
 from app.clock import Clock, VirtualClock
 from app.devices.config import DeviceConfig
+from app.devices.device import Device
 from app.devices.manager import DeviceManager
 from app.devices.ramp_stops import RampStops
 from app.devices.start_up import AxisStart, start_up
@@ -31,6 +32,11 @@ def emulator_port(model: str, link: Link, clock: Clock) -> FramePort:
 KINDS = {"emulator": emulator_port, "tcp": tcp_factory}
 
 
+def emulator_of(device: Device) -> EmulatedDevice:
+    """The chip behind an emulated device."""
+    return cast("EmulatedDevice", cast("EmulatorPort", device.port).wire)
+
+
 @dataclass
 class Bench:
     """One device, connected, and everything around it."""
@@ -41,7 +47,7 @@ class Bench:
 
     @property
     def wire(self) -> EmulatedDevice:
-        return cast("EmulatedDevice", cast("EmulatorPort", self.device.port).wire)
+        return emulator_of(self.device)
 
     def fault(self, *, silence: bool | None = None, unplugged: bool | None = None, errors: float | None = None) -> None:
         change = FaultsChange(silence=silence, unplugged=unplugged, bit_error_rate=errors)

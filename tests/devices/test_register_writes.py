@@ -294,9 +294,7 @@ async def test_a_batch_ends_at_the_first_failure_and_says_how_far_it_came() -> N
 async def test_read_all_is_every_readable_register(model: str) -> None:
     async with bench(model) as b:
         everything = await b.device.read_all()
-        assert [(r.name, r.axis) for r in everything] == [
-            (r.name, r.axis) for r in b.device.table if r.access.readable
-        ]
+        assert [(r.name, r.axis) for r in everything] == [(r.name, r.axis) for r in b.device.table if r.access.readable]
         for reading, register in zip(everything, (r for r in b.device.table if r.access.readable), strict=True):
             assert reading.raw == chip_word(b, register)
         of_axis = await b.device.read_all(0)
