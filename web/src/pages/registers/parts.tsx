@@ -79,7 +79,7 @@ export function PhysicalText({ row, raw, edit, scales }: PhysicalProps) {
       {value !== null &&
         scales.map((scale) => (
           <span key={scale.unit} className={css.physicalPart}>
-            {withUnit(value * scale.perChip, scale.unit)}
+            {withUnit(value * scale.perChip, scale.unit, 3)}
           </span>
         ))}
     </span>

@@ -1,0 +1,112 @@
+import { Button, Group, Skeleton, Text } from "@mantine/core";
+import { IconPlugConnected, IconPlus } from "@tabler/icons-react";
+import { useEffect, useRef, useState } from "react";
+import { type Device, useDevices } from "../../api/queries";
+import { EmptyState } from "../../lib/EmptyState";
+import { ProblemAlert } from "../../lib/ProblemAlert";
+import { useSelection } from "../../live/selection";
+import css from "./connections.module.css";
+import { DeviceEntry } from "./DeviceEntry";
+import { DeviceForm } from "./DeviceForm";
+import { type Draft, draftOf, newDraft } from "./draft";
+import { Found } from "./Found";
+
+/** What the form works on: a new device, or one that exists. `serial` tells one opening from the next. */
+interface Open {
+  serial: number;
+  device: Device | null;
+  draft: Draft;
+}
+
+/** All devices: what state their links are in, and how to get more of them. */
+export default function ConnectionsPage() {
+  const devices = useDevices();
+  const selection = useSelection();
+  const [open, setOpen] = useState<Open | null>(null);
+  const panel = useRef<HTMLElement>(null);
+  const serial = open?.serial ?? 0;
+
+  // On a narrow screen the form opens below the list, out of sight.
+  useEffect(() => {
+    if (serial > 0 && window.matchMedia("(max-width: 64em)").matches) panel.current?.scrollIntoView();
+  }, [serial]);
+
+  const show = (draft: Draft, device: Device | null = null) =>
+    setOpen((now) => ({ serial: (now?.serial ?? 0) + 1, draft, device }));
+  const names = (devices.data ?? []).filter((device) => device.id !== open?.device?.id).map((device) => device.name);
+
+  return (
+    <div className={css.page}>
+      <div className={css.head}>
+        <h1 className={css.title}>Connections</h1>
+        <Button size="xs" leftSection={<IconPlus size={14} aria-hidden />} onClick={() => show(newDraft())}>
+          Add a device
+        </Button>
+      </div>
+      <div className={css.columns}>
+        <div className={css.list}>
+          {devices.isError && (
+            <ProblemAlert error={devices.error} doing="Looking for devices" retry={() => void devices.refetch()} />
+          )}
+          {devices.isPending && <Loading />}
+          {devices.data?.length === 0 && (
+            <div className={css.box}>
+              <EmptyState title="No device yet" icon={<IconPlugConnected size={22} />}>
+                <Text size="sm" className={css.dim} maw={420}>
+                  An emulated chip needs no hardware and behaves like the real one, motor and switches included. A chip
+                  on the network speaks raw 4-byte datagrams over TCP.
+                </Text>
+                <Group justify="center">
+                  <Button size="sm" onClick={() => show({ ...newDraft("tmc428"), name: "bench" })}>
+                    Add an emulated TMC428
+                  </Button>
+                  <Button size="sm" variant="default" onClick={() => show(newDraft("tmc428", "tcp"))}>
+                    Connect over TCP
+                  </Button>
+                </Group>
+              </EmptyState>
+            </div>
+          )}
+          {devices.data?.map((device) => (
+            <DeviceEntry
+              key={device.id}
+              device={device}
+              selected={selection.device?.id === device.id}
+              edited={open?.device?.id === device.id}
+              onUse={() => selection.select(device.id, 0)}
+              onEdit={() => show(draftOf(device), device)}
+              onRemoved={() => setOpen((now) => (now?.device?.id === device.id ? null : now))}
+            />
+          ))}
+        </div>
+        <aside className={css.side} ref={panel} aria-label="Add or edit a device">
+          {open && (
+            <DeviceForm
+              key={open.serial}
+              device={open.device}
+              initial={open.draft}
+              names={names}
+              onClose={() => setOpen(null)}
+              onSaved={(saved) => {
+                // A new name gives a new id: whoever worked on the device goes on doing so.
+                if (open.device && selection.device?.id === open.device.id) selection.select(saved.id, selection.axis);
+                else if (!open.device && devices.data?.length === 0) selection.select(saved.id, 0);
+                setOpen(null);
+              }}
+            />
+          )}
+          <Found onAdd={show} names={names} />
+        </aside>
+      </div>
+    </div>
+  );
+}
+
+function Loading() {
+  return (
+    <div role="status" aria-busy="true" aria-label="Looking for devices">
+      <Skeleton height={92} mb="sm" radius="sm" />
+      <Skeleton height={92} radius="sm" />
+    </div>
+  );
+}

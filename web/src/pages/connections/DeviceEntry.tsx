@@ -1,0 +1,153 @@
+import { Badge, Button, Group, Popover, Text } from "@mantine/core";
+import { useState } from "react";
+import { Link } from "wouter";
+import type { Device } from "../../api/queries";
+import { compact, frequency } from "../../lib/format";
+import { ProblemAlert } from "../../lib/ProblemAlert";
+import { StateDot } from "../../lib/StateDot";
+import css from "./connections.module.css";
+import { linkText } from "./draft";
+import { useLinkSwitch, useRemoveDevice } from "./useConnections";
+
+interface Props {
+  device: Device;
+  selected: boolean;
+  edited: boolean;
+  onUse: () => void;
+  onEdit: () => void;
+  onRemoved: () => void;
+}
+
+export function DeviceEntry({ device, selected, edited, onUse, onEdit, onRemoved }: Props) {
+  const link = useLinkSwitch(device.id);
+  const up = device.state === "connected" || device.state === "connecting";
+  return (
+    <section className={css.device} data-state={device.state} data-edited={edited} aria-label={device.name}>
+      <div className={css.deviceHead}>
+        <StateDot state={device.state} />
+        <h2 className={css.deviceName}>{device.name}</h2>
+        <span className={css.model}>{device.title}</span>
+        {device.demo && (
+          <Badge size="xs" variant="default" title="Made for the demo; not kept. Editing keeps it.">
+            demo
+          </Badge>
+        )}
+        <span className={css.state}>{device.state}</span>
+        <span className={css.grow} />
+        <Group gap={6} wrap="nowrap" className={css.actions}>
+          <Button
+            size="compact-xs"
+            variant={up ? "default" : "filled"}
+            loading={link.isPending}
+            onClick={() => link.mutate(up ? "disconnect" : "connect")}
+          >
+            {up ? "Disconnect" : "Connect"}
+          </Button>
+          <Button size="compact-xs" variant="default" onClick={onEdit}>
+            Edit
+          </Button>
+          <Remove device={device} onRemoved={onRemoved} />
+        </Group>
+      </div>
+      <dl className={css.facts}>
+        <div>
+          <dt>Link</dt>
+          <dd>{linkText(device.link)}</dd>
+        </div>
+        <div>
+          <dt>Clock</dt>
+          <dd className="num">{frequency(device.clock_hz)}</dd>
+        </div>
+        <div>
+          <dt>Samples</dt>
+          <dd>
+            <span className="num">up to {compact(device.rate_max_hz)} /s</span>
+            {device.chip_timed ? ", the chip's own time" : ", the server's time"}
+          </dd>
+        </div>
+      </dl>
+      <ul className={css.axes}>
+        {device.axes.map((axis) => (
+          <li key={axis.index}>
+            <b>{axis.name}</b>
+            <span title="full steps a turn × microsteps a full step, as the chip is set">
+              <span className="num">
+                {axis.full_steps_per_rev} ×{" "}
+                {axis.microsteps_per_full_step === null ? "?" : compact(axis.microsteps_per_full_step)}
+              </span>{" "}
+              µsteps/rev
+            </span>
+            {axis.gear_ratio !== 1 && (
+              <span>
+                gear <span className="num">{compact(axis.gear_ratio)} : 1</span>
+              </span>
+            )}
+            <span>
+              {axis.travel_mm_per_rev === null ? (
+                "rotary"
+              ) : (
+                <>
+                  <span className="num">{compact(axis.travel_mm_per_rev)}</span> mm/rev
+                </>
+              )}
+            </span>
+          </li>
+        ))}
+      </ul>
+      {device.problem && <ProblemAlert error={device.problem} />}
+      {link.isError && <ProblemAlert error={link.error} onClose={() => link.reset()} />}
+      <Text size="xs" className={css.links}>
+        {selected ? (
+          <span className={css.dim}>the pages show this device</span>
+        ) : (
+          <button type="button" className={css.linkButton} onClick={onUse}>
+            Show it on every page
+          </button>
+        )}
+        <Link href="/" onClick={onUse}>
+          Bench
+        </Link>
+        <Link href="/registers" onClick={onUse}>
+          Registers
+        </Link>
+      </Text>
+    </section>
+  );
+}
+
+/** Removing asks first, and says what goes with it. Escape is STOP, so keeping has a button of its own. */
+function Remove({ device, onRemoved }: { device: Device; onRemoved: () => void }) {
+  const [asking, setAsking] = useState(false);
+  const remove = useRemoveDevice(device.id);
+  return (
+    <Popover opened={asking} onChange={setAsking} width={280} position="bottom-end" withArrow trapFocus shadow="md">
+      <Popover.Target>
+        <Button size="compact-xs" variant="default" onClick={() => setAsking(true)}>
+          Remove
+        </Button>
+      </Popover.Target>
+      <Popover.Dropdown aria-label={`Remove ${device.name}?`}>
+        <Text size="sm" fw={600}>
+          Remove {device.name}?
+        </Text>
+        <Text size="sm" my={6}>
+          Motion that was started here is stopped and the connection is forgotten
+          {device.emulated ? "; the emulated chip and what it holds go with it" : "; the chip keeps what it holds"}.
+        </Text>
+        {remove.isError && <ProblemAlert error={remove.error} doing="Removing" />}
+        <Group gap="xs" mt="xs">
+          <Button
+            size="compact-sm"
+            loading={remove.isPending}
+            onClick={() => remove.mutate(undefined, { onSuccess: onRemoved })}
+          >
+            Remove
+          </Button>
+          <Button size="compact-sm" variant="default" data-autofocus onClick={() => setAsking(false)}>
+            Keep
+          </Button>
+        </Group>
+      </Popover.Dropdown>
+    </Popover>
+  );
+}

@@ -1,0 +1,236 @@
+import { ActionIcon, Button, Group, SegmentedControl, Select, TextInput } from "@mantine/core";
+import { IconChevronRight, IconX } from "@tabler/icons-react";
+import { type FormEvent, useState } from "react";
+import type { Device } from "../../api/queries";
+import { ProblemAlert } from "../../lib/ProblemAlert";
+import { AxesFields, StageFields } from "./AxisFields";
+import css from "./connections.module.css";
+import {
+  clockLimits,
+  type Draft,
+  type Kind,
+  LIMITS,
+  linkOf,
+  type Model,
+  problemsOf,
+  WIRINGS,
+  withModel,
+} from "./draft";
+import { OptionalNumber } from "./fields";
+import { TestResult } from "./TestResult";
+import { useCatalog, useLinkTest, useSaveDevice } from "./useConnections";
+
+interface Props {
+  device: Device | null;
+  initial: Draft;
+  /** of the other devices */
+  names: readonly string[];
+  onClose: () => void;
+  onSaved: (device: Device) => void;
+}
+
+/** A connection being made or changed. Nothing reaches the server before Test or Save. */
+export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) {
+  const catalog = useCatalog();
+  const [draft, setDraft] = useState(initial);
+  const [tried, setTried] = useState(false);
+  const [more, setMore] = useState(false);
+  const save = useSaveDevice(device ? { device, before: initial } : null);
+  const test = useLinkTest();
+  const set = (change: Partial<Draft>) => setDraft((now) => ({ ...now, ...change }));
+
+  const all = problemsOf(draft, names);
+  // An empty field is no mistake before one has tried to save; a wrong one is at once.
+  const problem = (path: string, text: string) => (tried || text.trim() !== "" ? all[path] : undefined);
+  const link = JSON.stringify([draft.model, linkOf(draft)]);
+  const [testedLink, setTestedLink] = useState("");
+  const interrupts = device?.state === "connected" && JSON.stringify([initial.model, linkOf(initial)]) !== link;
+
+  function submit(event: FormEvent) {
+    event.preventDefault();
+    setTried(true);
+    const paths = Object.keys(all);
+    if (paths.length > 0) {
+      if (paths.some((path) => path.startsWith("stages") || path === "seed" || path === "timeScale")) setMore(true);
+      return;
+    }
+    save.mutate(draft, { onSuccess: onSaved });
+  }
+
+  function runTest() {
+    const blocking = Object.keys(all).filter((path) => path !== "name" && !path.startsWith("axes"));
+    if (blocking.length > 0) {
+      setTried(true);
+      return;
+    }
+    setTestedLink(link);
+    test.mutate(draft);
+  }
+
+  return (
+    <form className={css.box} onSubmit={submit} noValidate aria-label={device ? `Edit ${device.name}` : "Add a device"}>
+      <div className={css.formHead}>
+        <h2>{device ? `Edit ${device.name}` : "Add a device"}</h2>
+        <ActionIcon size={24} variant="subtle" color="gray" aria-label="Close without saving" onClick={onClose}>
+          <IconX size={16} />
+        </ActionIcon>
+      </div>
+      <div className={css.two}>
+        <TextInput
+          size="xs"
+          label="Name"
+          placeholder="for example bench"
+          ref={focusIfEmpty}
+          classNames={{ label: css.label }}
+          value={draft.name}
+          error={problem("name", draft.name)}
+          maxLength={80}
+          autoComplete="off"
+          onChange={(event) => set({ name: event.currentTarget.value })}
+        />
+        <Select
+          size="xs"
+          label="Chip"
+          classNames={{ label: css.label }}
+          data={(catalog.data ?? [{ name: draft.model, title: draft.model.toUpperCase(), summary: "" }]).map(
+            (entry) => ({
+              value: entry.name,
+              label: entry.summary ? `${entry.title}, ${entry.summary}` : entry.title,
+            }),
+          )}
+          value={draft.model}
+          allowDeselect={false}
+          disabled={device !== null}
+          onChange={(model) => model !== null && setDraft((now) => withModel(now, model as Model))}
+        />
+      </div>
+      <fieldset className={css.group}>
+        <legend>Link</legend>
+        <SegmentedControl
+          size="xs"
+          fullWidth
+          aria-label="Kind of link"
+          data={[
+            { value: "emulator", label: "Emulated here" },
+            { value: "tcp", label: "TCP" },
+          ]}
+          value={draft.kind}
+          onChange={(kind) =>
+            set({ kind: kind as Kind, ...(kind === "tcp" && draft.host === "" ? { host: "127.0.0.1" } : {}) })
+          }
+        />
+        {draft.kind === "tcp" ? (
+          <div className={css.tcp}>
+            <TextInput
+              size="xs"
+              label="Host"
+              placeholder="127.0.0.1"
+              classNames={{ input: "num", label: css.label }}
+              value={draft.host}
+              error={problem("host", draft.host)}
+              autoComplete="off"
+              spellCheck={false}
+              onChange={(event) => set({ host: event.currentTarget.value })}
+            />
+            <OptionalNumber
+              label="Port"
+              value={draft.port}
+              placeholder="4280"
+              limits={LIMITS.port}
+              problem={problem("port", draft.port)}
+              onChange={(port) => set({ port })}
+            />
+            <OptionalNumber
+              label="Answer within"
+              unit="s"
+              value={draft.timeoutS}
+              limits={LIMITS.timeoutS}
+              problem={problem("timeoutS", draft.timeoutS)}
+              onChange={(timeoutS) => set({ timeoutS })}
+            />
+          </div>
+        ) : (
+          <>
+            <button type="button" className={css.more} aria-expanded={more} onClick={() => setMore(!more)}>
+              <IconChevronRight size={13} className={css.chevron} data-open={more} aria-hidden />
+              Emulator: time, seed, {draft.model === "tmc428" && "wiring, "}stages
+            </button>
+            {more && (
+              <>
+                <div className={css.two}>
+                  <OptionalNumber
+                    label="Chip time runs at"
+                    unit="× real time"
+                    value={draft.timeScale}
+                    limits={LIMITS.timeScale}
+                    problem={problem("timeScale", draft.timeScale)}
+                    onChange={(timeScale) => set({ timeScale })}
+                  />
+                  <OptionalNumber
+                    label="Seed of RAM noise and bit errors"
+                    value={draft.seed}
+                    limits={LIMITS.seed}
+                    problem={problem("seed", draft.seed)}
+                    onChange={(seed) => set({ seed })}
+                  />
+                </div>
+                {draft.model === "tmc428" && (
+                  <Select
+                    size="xs"
+                    label="How the switches reach REF1 to REF3"
+                    classNames={{ label: css.label }}
+                    data={WIRINGS}
+                    value={draft.wiring || "multiplexed"}
+                    allowDeselect={false}
+                    onChange={(wiring) => set({ wiring: wiring ?? "" })}
+                  />
+                )}
+                <StageFields draft={draft} problems={all} onChange={(stages) => set({ stages })} />
+              </>
+            )}
+          </>
+        )}
+        <OptionalNumber
+          label="Clock of the chip"
+          unit="MHz"
+          value={draft.clockMhz}
+          limits={clockLimits(draft.model)}
+          problem={problem("clockMhz", draft.clockMhz)}
+          onChange={(clockMhz) => set({ clockMhz })}
+        />
+      </fieldset>
+      <AxesFields draft={draft} problems={all} strict={tried} onChange={(axes) => set({ axes })} />
+      <TestResult
+        test={test.data}
+        error={test.error}
+        pending={test.isPending}
+        current={testedLink === link}
+        emulated={draft.kind === "emulator"}
+      />
+      {save.isError && <ProblemAlert error={save.error} doing={device ? "Saving" : "Adding"} />}
+      {interrupts && <p className={css.note}>The link changes: {device?.name} is stopped and connected anew.</p>}
+      {tried && Object.keys(all).length > 0 && (
+        <p className={css.wrong} role="alert">
+          Not saved yet: {Object.keys(all).length === 1 ? "one field needs" : `${Object.keys(all).length} fields need`}{" "}
+          a look.
+        </p>
+      )}
+      <Group gap="xs" mt="sm">
+        <Button size="xs" type="submit" loading={save.isPending}>
+          {device ? "Save" : "Add and connect"}
+        </Button>
+        <Button size="xs" variant="default" loading={test.isPending} onClick={runTest}>
+          Test the link
+        </Button>
+        <Button size="xs" variant="subtle" color="gray" onClick={onClose}>
+          Cancel
+        </Button>
+      </Group>
+    </form>
+  );
+}
+
+/** A new form begins at the name, unless one is proposed. Stable, so that it runs once. */
+function focusIfEmpty(input: HTMLInputElement | null): void {
+  if (input?.value === "") input.focus({ preventScroll: true });
+}

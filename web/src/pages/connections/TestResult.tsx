@@ -1,0 +1,52 @@
+import { Alert } from "@mantine/core";
+import { IconCheck } from "@tabler/icons-react";
+import type { Schemas } from "../../api/client";
+import { duration } from "../../lib/format";
+import { ProblemAlert } from "../../lib/ProblemAlert";
+import css from "./connections.module.css";
+
+interface Props {
+  test: Schemas["LinkTest"] | undefined;
+  error: unknown;
+  pending: boolean;
+  /** what was tried is still what the form says */
+  current: boolean;
+  emulated: boolean;
+}
+
+/** What a trial of the link found: the round trip, or what went wrong and what to do. */
+export function TestResult({ test, error, pending, current, emulated }: Props) {
+  if (pending || !current) return null;
+  if (error !== null) return <ProblemAlert error={error} doing="Testing" />;
+  if (test === undefined) return null;
+  if (!test.ok)
+    return test.problem ? (
+      <ProblemAlert error={test.problem} doing="The link does not work" />
+    ) : (
+      <ProblemAlert error={new Error(test.detail)} doing="The link does not work" />
+    );
+  return (
+    <Alert
+      variant="light"
+      p="xs"
+      role="status"
+      icon={<IconCheck size={16} aria-hidden />}
+      title={
+        <>
+          It answers
+          {test.round_trip_ms !== null && (
+            <>
+              {" "}
+              in <span className="num">{duration(test.round_trip_ms / 1000)}</span>
+            </>
+          )}
+        </>
+      }
+    >
+      <span className={css.testDetail}>
+        {test.detail}
+        {emulated && " A trial emulator was made and thrown away."}
+      </span>
+    </Alert>
+  );
+}

@@ -1,0 +1,117 @@
+import { describe, expect, it } from "vitest";
+import type { Device } from "../../api/queries";
+import { changeBody, createBody, draftOf, freeName, linkOf, linkText, newDraft, problemsOf, withModel } from "./draft";
+
+const DEVICE = {
+  id: "bench",
+  name: "bench",
+  model: "tmc428",
+  link: { kind: "emulator", seed: 7, stages: [{ right_at_fullsteps: 5000 }] },
+  clock_hz: 8e6,
+  axes: ["X", "Y", "Z"].map((name, index) => ({
+    index,
+    name,
+    full_steps_per_rev: 400,
+    driver_microsteps: 16,
+    gear_ratio: 1,
+    travel_mm_per_rev: index === 2 ? null : 8,
+  })),
+} as unknown as Device;
+
+describe("a new connection", () => {
+  it("says only what was typed, so that the server's defaults hold", () => {
+    const draft = { ...newDraft(), name: " bench " };
+    expect(problemsOf(draft)).toEqual({});
+    const body = createBody(draft);
+    expect(body).toMatchObject({ name: "bench", model: "tmc428", link: { kind: "emulator" }, clock_hz: null });
+    expect(Object.keys(body.link)).toEqual(["kind"]);
+    expect(body.axes.map((axis) => axis.name)).toEqual(["X", "Y", "Z"]);
+    expect(body.axes[0]).toMatchObject({ full_steps_per_rev: 200, gear_ratio: 1, travel_mm_per_rev: null });
+  });
+
+  it("has as many axes as the chip, and keeps what was typed of them", () => {
+    const draft = newDraft("tmc428", "tcp");
+    draft.axes = draft.axes.map((axis) => ({ ...axis, gear: "3" }));
+    const one = withModel(draft, "tmc4210");
+    expect(one.axes).toHaveLength(1);
+    expect(withModel(one, "tmc428").axes.map((axis) => axis.gear)).toEqual(["3", "", ""]);
+  });
+
+  it("gives the emulated driver the microsteps that the axis is reckoned with", () => {
+    const draft = newDraft("tmc4210");
+    draft.axes = draft.axes.map((axis) => ({ ...axis, driverMicrosteps: "32" }));
+    expect(linkOf(draft)).toEqual({ kind: "emulator", driver_microsteps: 32 });
+  });
+});
+
+describe("what is refused before it is sent", () => {
+  const good = { ...newDraft("tmc428", "tcp"), name: "far", port: "4280" };
+  it("takes a complete tcp link", () => {
+    expect(problemsOf(good, ["bench"])).toEqual({});
+    expect(linkOf(good)).toEqual({ kind: "tcp", host: "127.0.0.1", port: 4280 });
+  });
+
+  it.each([
+    ["name", { name: " " }],
+    ["name", { name: "Bench" }],
+    ["name", { name: "x".repeat(61) }],
+    ["port", { port: "" }],
+    ["port", { port: "70000" }],
+    ["port", { port: "42.5" }],
+    ["host", { host: "" }],
+    ["timeoutS", { timeoutS: "0" }],
+    ["clockMhz", { clockMhz: "0" }],
+    ["clockMhz", { clockMhz: "20" }],
+    ["clockMhz", { clockMhz: "fast" }],
+    ["axes.1.gear", { axes: good.axes.map((axis, index) => (index === 1 ? { ...axis, gear: "0" } : axis)) }],
+    ["axes.2.name", { axes: good.axes.map((axis, index) => (index === 2 ? { ...axis, name: "" } : axis)) }],
+  ])("refuses %s of %j", (path, change) => {
+    expect(Object.keys(problemsOf({ ...good, ...change }, ["bench"]))).toEqual([path]);
+  });
+
+  it("lets a TMC4210 run at 32 MHz", () => {
+    expect(problemsOf({ ...withModel(good, "tmc4210"), clockMhz: "32" })).toEqual({});
+  });
+
+  it("checks a stage against the defaults of what was not said", () => {
+    const draft = { ...newDraft(), name: "bench" };
+    draft.stages = draft.stages.map((stage, index) =>
+      index === 0 ? { ...stage, left: "8000", refFrom: "400" } : stage,
+    );
+    expect(Object.keys(problemsOf(draft))).toEqual(["stages.0.right", "stages.0.refTo"]);
+  });
+});
+
+describe("editing", () => {
+  it("shows a device as it is and sends nothing when nothing changed", () => {
+    const draft = draftOf(DEVICE);
+    expect(draft).toMatchObject({ seed: "7", clockMhz: "8", wiring: "" });
+    expect(draft.stages[0]?.right).toBe("5000");
+    expect(draft.axes[2]?.travelMm).toBe("");
+    expect(changeBody(draft, { ...draft })).toEqual({});
+  });
+
+  it("does not touch the link for a new name or axis, and sends both for a new clock of an emulator", () => {
+    const draft = draftOf(DEVICE);
+    expect(changeBody(draft, { ...draft, name: "table" })).toEqual({ name: "table" });
+    const axes = draft.axes.map((axis) => ({ ...axis, travelMm: "5" }));
+    expect(Object.keys(changeBody(draft, { ...draft, axes }))).toEqual(["axes"]);
+    const faster = changeBody(draft, { ...draft, clockMhz: "16" });
+    expect(faster.clock_hz).toBe(16e6);
+    expect(faster.link).toMatchObject({ kind: "emulator", seed: 7, clock_hz: 16e6 });
+  });
+});
+
+describe("a link in one line", () => {
+  it("names what matters", () => {
+    expect(linkText({ kind: "tcp", host: "10.0.0.2", port: 4280 })).toBe("tcp 10.0.0.2:4280");
+    expect(linkText({ kind: "emulator", time_scale: 10 })).toBe("emulated in this server, time × 10");
+  });
+});
+
+describe("a name for a new device", () => {
+  it("is the one wanted, or the next that is free", () => {
+    expect(freeName("tmc428", [])).toBe("tmc428");
+    expect(freeName("tmc428", ["TMC428", "tmc428 2"])).toBe("tmc428 3");
+  });
+});

@@ -1,0 +1,318 @@
+import type { Schemas } from "../../api/client";
+import type { Device } from "../../api/queries";
+import { compact, parseNumber } from "../../lib/format";
+
+export type Model = Device["model"];
+export type Kind = "emulator" | "tcp";
+export type Link = Schemas["DeviceCreate"]["link"];
+export type AxisConfig = Schemas["AxisConfig"];
+
+/** What is typed into the form. Empty text stands for "not said": the server's default then holds. */
+export interface AxisDraft {
+  name: string;
+  fullSteps: string;
+  driverMicrosteps: string;
+  gear: string;
+  travelMm: string;
+}
+
+export interface StageDraft {
+  left: string;
+  right: string;
+  refFrom: string;
+  refTo: string;
+  start: string;
+}
+
+export interface Draft {
+  name: string;
+  model: Model;
+  kind: Kind;
+  clockMhz: string;
+  host: string;
+  port: string;
+  timeoutS: string;
+  seed: string;
+  timeScale: string;
+  wiring: string;
+  stages: StageDraft[];
+  axes: AxisDraft[];
+}
+
+/** A number that the form takes, and what holds when nothing is typed. */
+export interface Limits {
+  minimum: number;
+  maximum: number;
+  integer?: boolean;
+  /** more than, not at least, `minimum` */
+  above?: boolean;
+  fallback: number | null;
+}
+
+/** The ranges of the server's own models (AxisConfig, EmulatorOptions, TcpLink), so that a slip shows at once. */
+export const LIMITS = {
+  fullSteps: { minimum: 1, maximum: 100_000, integer: true, fallback: 200 },
+  driverMicrosteps: { minimum: 1, maximum: 256, integer: true, fallback: 16 },
+  gear: { minimum: 0, above: true, maximum: 1e6, fallback: 1 },
+  travelMm: { minimum: 0, above: true, maximum: 1e6, fallback: null },
+  port: { minimum: 1, maximum: 65_535, integer: true, fallback: null },
+  timeoutS: { minimum: 0.001, maximum: 60, fallback: 1 },
+  seed: { minimum: 0, maximum: 2 ** 32 - 1, integer: true, fallback: 428 },
+  timeScale: { minimum: 0, maximum: 1000, fallback: 1 },
+  left: { minimum: -1e6, maximum: 1e6, fallback: 0 },
+  right: { minimum: -1e6, maximum: 1e6, fallback: 7500 },
+  refFrom: { minimum: -1e6, maximum: 1e6, fallback: 250 },
+  refTo: { minimum: -1e6, maximum: 1e6, fallback: 350 },
+  start: { minimum: -1e6, maximum: 1e6, fallback: 3750 },
+} as const satisfies Record<string, Limits>;
+
+export const WIRINGS = [
+  { value: "multiplexed", label: "multiplexed: both switches of every axis" },
+  { value: "two-one-null", label: "two-one-null: both of motor 1, left of motor 2" },
+  { value: "left-only", label: "left only: one switch an axis" },
+];
+
+const CLOCK: Record<Model, Limits> = {
+  tmc428: { minimum: 0, above: true, maximum: 16, fallback: 16 },
+  tmc4210: { minimum: 0, above: true, maximum: 32, fallback: 16 },
+};
+
+export function clockLimits(model: Model): Limits {
+  return CLOCK[model];
+}
+
+const EMPTY_STAGE: StageDraft = { left: "", right: "", refFrom: "", refTo: "", start: "" };
+
+function emptyAxis(name: string): AxisDraft {
+  return { name, fullSteps: "", driverMicrosteps: "", gear: "", travelMm: "" };
+}
+
+const AXIS_NAMES = ["X", "Y", "Z"];
+
+export function axesOf(model: Model): number {
+  return model === "tmc428" ? 3 : 1;
+}
+
+export function newDraft(model: Model = "tmc428", kind: Kind = "emulator"): Draft {
+  return withModel(
+    {
+      name: "",
+      model,
+      kind,
+      clockMhz: "",
+      host: kind === "tcp" ? "127.0.0.1" : "",
+      port: "",
+      timeoutS: "",
+      seed: "",
+      timeScale: "",
+      wiring: "",
+      stages: [],
+      axes: [],
+    },
+    model,
+  );
+}
+
+/** The draft for another model: axes that are there stay, missing ones come, surplus ones go. */
+export function withModel(draft: Draft, model: Model): Draft {
+  const indices = Array.from({ length: axesOf(model) }, (_, index) => index);
+  return {
+    ...draft,
+    model,
+    axes: indices.map((index) => draft.axes[index] ?? emptyAxis(AXIS_NAMES[index] ?? `axis ${index}`)),
+    stages: indices.map((index) => draft.stages[index] ?? EMPTY_STAGE),
+  };
+}
+
+/** A device as a draft, for editing. */
+export function draftOf(device: Device): Draft {
+  const link = device.link as Record<string, unknown>;
+  const stages = Array.isArray(link.stages) ? (link.stages as Record<string, unknown>[]) : [];
+  return withModel(
+    {
+      name: device.name,
+      model: device.model,
+      kind: link.kind === "tcp" ? "tcp" : "emulator",
+      clockMhz: String(device.clock_hz / 1e6),
+      host: typeof link.host === "string" ? link.host : "",
+      port: said(link.port),
+      timeoutS: said(link.timeout_s),
+      seed: said(link.seed),
+      timeScale: said(link.time_scale),
+      wiring: typeof link.wiring === "string" ? link.wiring : "",
+      stages: stages.map((stage) => ({
+        left: said(stage.left_at_fullsteps),
+        right: said(stage.right_at_fullsteps),
+        refFrom: said(stage.ref_from_fullsteps),
+        refTo: said(stage.ref_to_fullsteps),
+        start: said(stage.start_fullsteps),
+      })),
+      axes: device.axes.map((axis) => ({
+        name: axis.name,
+        fullSteps: String(axis.full_steps_per_rev),
+        driverMicrosteps: String(axis.driver_microsteps),
+        gear: String(axis.gear_ratio),
+        travelMm: axis.travel_mm_per_rev === null ? "" : String(axis.travel_mm_per_rev),
+      })),
+    },
+    device.model,
+  );
+}
+
+function said(value: unknown): string {
+  return typeof value === "number" ? String(value) : "";
+}
+
+/** What a field may hold, in words. */
+export function limitsText(limits: Limits): string {
+  const least = limits.above ? `above ${compact(limits.minimum)}` : `${compact(limits.minimum)}`;
+  const range = limits.above
+    ? `${least}, at most ${compact(limits.maximum)}`
+    : `${least} to ${compact(limits.maximum)}`;
+  return limits.integer ? `a whole number, ${range}` : range;
+}
+
+/** Why the text cannot be, or null. */
+export function numberProblem(text: string, limits: Limits, required = false): string | null {
+  if (text.trim() === "") return required ? `Wanted: ${limitsText(limits)}` : null;
+  const value = parseNumber(text);
+  if (value === null) return `Not a number. Wanted: ${limitsText(limits)}`;
+  const low = limits.above ? value <= limits.minimum : value < limits.minimum;
+  if (low || value > limits.maximum || (limits.integer && !Number.isInteger(value)))
+    return `Wanted: ${limitsText(limits)}`;
+  return null;
+}
+
+/** Every problem of the form, by the path of its field: `name`, `axes.0.gear`, `stages.1.left`. */
+export function problemsOf(draft: Draft, others: readonly string[] = []): Record<string, string> {
+  const found: Record<string, string> = {};
+  const note = (path: string, problem: string | null) => {
+    if (problem !== null) found[path] = problem;
+  };
+  const name = draft.name.trim();
+  if (name === "") note("name", "A name is needed: the device goes by it everywhere");
+  else if (name.length > 60) note("name", "At most 60 characters");
+  else if (others.some((other) => other.toLowerCase() === name.toLowerCase()))
+    note("name", "Another device has that name");
+  note("clockMhz", numberProblem(draft.clockMhz, clockLimits(draft.model)));
+  if (draft.kind === "tcp") {
+    if (draft.host.trim() === "") note("host", "A host name or address is needed");
+    note("port", numberProblem(draft.port, LIMITS.port, true));
+    note("timeoutS", numberProblem(draft.timeoutS, LIMITS.timeoutS));
+  } else {
+    note("seed", numberProblem(draft.seed, LIMITS.seed));
+    note("timeScale", numberProblem(draft.timeScale, LIMITS.timeScale));
+    draft.stages.forEach((stage, index) => {
+      for (const part of ["left", "right", "refFrom", "refTo", "start"] as const)
+        note(`stages.${index}.${part}`, numberProblem(stage[part], LIMITS[part]));
+      const at = (part: keyof StageDraft) => parseNumber(stage[part]) ?? LIMITS[part].fallback;
+      if (at("left") >= at("right")) note(`stages.${index}.right`, "The right switch lies right of the left one");
+      if (at("refFrom") > at("refTo")) note(`stages.${index}.refTo`, "The end lies right of the beginning");
+    });
+  }
+  draft.axes.forEach((axis, index) => {
+    if (axis.name.trim() === "") note(`axes.${index}.name`, "A name is needed");
+    else if (axis.name.trim().length > 60) note(`axes.${index}.name`, "At most 60 characters");
+    for (const part of ["fullSteps", "driverMicrosteps", "gear", "travelMm"] as const)
+      note(`axes.${index}.${part}`, numberProblem(axis[part], LIMITS[part]));
+  });
+  return found;
+}
+
+function number(text: string): number | undefined {
+  return parseNumber(text) ?? undefined;
+}
+
+/** Only what was said: no key at all for an empty field. */
+function only<T extends Record<string, unknown>>(record: T): Partial<T> {
+  return Object.fromEntries(Object.entries(record).filter(([, value]) => value !== undefined)) as Partial<T>;
+}
+
+export function linkOf(draft: Draft): Link {
+  if (draft.kind === "tcp") {
+    const link = { kind: "tcp", host: draft.host.trim(), port: number(draft.port), timeout_s: number(draft.timeoutS) };
+    return only(link) as Link;
+  }
+  const stages = draft.stages.map((stage) =>
+    only({
+      left_at_fullsteps: number(stage.left),
+      right_at_fullsteps: number(stage.right),
+      ref_from_fullsteps: number(stage.refFrom),
+      ref_to_fullsteps: number(stage.refTo),
+      start_fullsteps: number(stage.start),
+    }),
+  );
+  const tmc428 = draft.model === "tmc428";
+  return only({
+    kind: "emulator",
+    seed: number(draft.seed),
+    time_scale: number(draft.timeScale),
+    clock_hz: clockOf(draft),
+    wiring: tmc428 && draft.wiring !== "" ? draft.wiring : undefined,
+    stages: stages.some((stage) => Object.keys(stage).length > 0) ? stages : undefined,
+    // One motor, one driver: what the emulated driver does is what the axis is reckoned with.
+    driver_microsteps: tmc428 ? undefined : number(draft.axes[0]?.driverMicrosteps ?? ""),
+  }) as Link;
+}
+
+export function clockOf(draft: Draft): number | undefined {
+  const mhz = number(draft.clockMhz);
+  return mhz === undefined ? undefined : Math.round(mhz * 1e6);
+}
+
+export function axisConfigs(draft: Draft): AxisConfig[] {
+  return draft.axes.map((axis) => ({
+    name: axis.name.trim(),
+    full_steps_per_rev: number(axis.fullSteps) ?? LIMITS.fullSteps.fallback,
+    driver_microsteps: number(axis.driverMicrosteps) ?? LIMITS.driverMicrosteps.fallback,
+    gear_ratio: number(axis.gear) ?? LIMITS.gear.fallback,
+    travel_mm_per_rev: number(axis.travelMm) ?? null,
+  }));
+}
+
+export interface DeviceBody {
+  name: string;
+  model: Model;
+  link: Link;
+  clock_hz: number | null;
+  axes: AxisConfig[];
+}
+
+export function createBody(draft: Draft): DeviceBody {
+  return {
+    name: draft.name.trim(),
+    model: draft.model,
+    link: linkOf(draft),
+    clock_hz: clockOf(draft) ?? null,
+    axes: axisConfigs(draft),
+  };
+}
+
+/** Only what differs: a link that is sent again would be interrupted. */
+export function changeBody(before: Draft, after: Draft): Partial<Omit<DeviceBody, "model">> {
+  const [old, now] = [createBody(before), createBody(after)];
+  const differs = (key: keyof DeviceBody) => JSON.stringify(old[key]) !== JSON.stringify(now[key]);
+  return {
+    ...(differs("name") ? { name: now.name } : {}),
+    ...(differs("link") ? { link: now.link } : {}),
+    ...(differs("clock_hz") && now.clock_hz !== null ? { clock_hz: now.clock_hz } : {}),
+    ...(differs("axes") ? { axes: now.axes } : {}),
+  };
+}
+
+/** A link in one line. */
+export function linkText(link: Record<string, unknown>): string {
+  if (link.kind === "tcp") return `tcp ${String(link.host)}:${String(link.port)}`;
+  const scale =
+    typeof link.time_scale === "number" && link.time_scale !== 1 ? `, time × ${compact(link.time_scale)}` : "";
+  return link.kind === "emulator" ? `emulated in this server${scale}` : String(link.kind);
+}
+
+/** `tmc428`, or `tmc428 2` where that is taken. */
+export function freeName(wanted: string, names: readonly string[]): string {
+  const taken = new Set(names.map((name) => name.toLowerCase()));
+  for (let count = 1; ; count += 1) {
+    const name = count === 1 ? wanted : `${wanted} ${count}`;
+    if (!taken.has(name)) return name;
+  }
+}

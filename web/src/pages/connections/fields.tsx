@@ -1,0 +1,37 @@
+import { TextInput } from "@mantine/core";
+import { compact } from "../../lib/format";
+import css from "./connections.module.css";
+import type { Limits } from "./draft";
+
+interface Props {
+  label: string;
+  value: string;
+  onChange: (text: string) => void;
+  limits: Limits;
+  unit?: string;
+  problem?: string | undefined;
+  /** in a grid whose columns have headings: the label is for screen readers, problems stand below the grid */
+  cell?: boolean;
+  placeholder?: string;
+}
+
+/** A number that may be left out: the placeholder shows what then holds. */
+export function OptionalNumber({ label, value, onChange, limits, unit, problem, cell = false, placeholder }: Props) {
+  const holds = placeholder ?? (limits.fallback === null ? "" : compact(limits.fallback));
+  return (
+    <TextInput
+      size="xs"
+      {...(cell
+        ? { "aria-label": unit ? `${label} [${unit}]` : label }
+        : { label: unit ? `${label} [${unit}]` : label })}
+      classNames={{ input: "num", label: css.label }}
+      placeholder={holds}
+      value={value}
+      error={problem === undefined ? false : cell ? true : problem}
+      inputMode={limits.integer ? "numeric" : "decimal"}
+      autoComplete="off"
+      spellCheck={false}
+      onChange={(event) => onChange(event.currentTarget.value)}
+    />
+  );
+}

@@ -1,0 +1,75 @@
+import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { api, type Schemas, unwrap } from "../../api/client";
+import type { Device } from "../../api/queries";
+import { changeBody, createBody, type Draft, linkOf } from "./draft";
+
+export function useCatalog() {
+  return useQuery({
+    queryKey: ["catalog"],
+    queryFn: async () => unwrap(await api.GET("/api/v1/catalog")),
+    staleTime: Number.POSITIVE_INFINITY,
+  });
+}
+
+/** Ports come and go with cables: looked at every few seconds while the page is open. */
+export function usePorts() {
+  return useQuery({
+    queryKey: ["ports"],
+    queryFn: async () => unwrap(await api.GET("/api/v1/ports")),
+    refetchInterval: 4000,
+  });
+}
+
+function useRefresh() {
+  const queries = useQueryClient();
+  return () => queries.invalidateQueries({ queryKey: ["devices"] });
+}
+
+export function useLinkSwitch(device: string) {
+  const refresh = useRefresh();
+  return useMutation({
+    mutationFn: async (to: "connect" | "disconnect") => {
+      const params = { params: { path: { device } } };
+      return to === "connect"
+        ? unwrap(await api.POST("/api/v1/devices/{device}/connect", params))
+        : unwrap(await api.POST("/api/v1/devices/{device}/disconnect", params));
+    },
+    onSettled: refresh,
+  });
+}
+
+export function useRemoveDevice(device: string) {
+  const refresh = useRefresh();
+  return useMutation({
+    mutationFn: async () => {
+      const answer = await api.DELETE("/api/v1/devices/{device}", { params: { path: { device } } });
+      // 204 has no body, which `unwrap` would take for a failure.
+      if (!answer.response.ok) unwrap(answer);
+    },
+    onSettled: refresh,
+  });
+}
+
+/** Adds a device, or (with `edited`) changes one. */
+export function useSaveDevice(edited: { device: Device; before: Draft } | null) {
+  const refresh = useRefresh();
+  return useMutation({
+    mutationFn: async (draft: Draft) => {
+      if (edited === null)
+        return unwrap(await api.POST("/api/v1/devices", { body: createBody(draft) as Schemas["DeviceCreate"] }));
+      const body = changeBody(edited.before, draft);
+      if (Object.keys(body).length === 0) return edited.device;
+      return unwrap(
+        await api.PATCH("/api/v1/devices/{device}", { params: { path: { device: edited.device.id } }, body }),
+      );
+    },
+    onSettled: refresh,
+  });
+}
+
+export function useLinkTest() {
+  return useMutation({
+    mutationFn: async (draft: Draft) =>
+      unwrap(await api.POST("/api/v1/devices/test", { body: { model: draft.model, link: linkOf(draft) } })),
+  });
+}
