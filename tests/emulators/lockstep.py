@@ -92,6 +92,7 @@ class Chaos:
     """Draws registers, modes, switches and moments; `seed` decides everything."""
 
     def __init__(self, seed: int, dividers: tuple[int, int], step_dir: bool = False) -> None:
+        self.a_max = 100
         self.random = random.Random(seed)
         self.dividers = dividers
         draw = self.random
@@ -204,9 +205,9 @@ class Chaos:
             }
             pair.write(address, word[address])
         else:
-            word = draw.getrandbits(7) & ~3 | draw.randint(0, 2) | draw.choice((0, 7, 9, 15, 255)) << 8
-            word |= draw.getrandbits(1) << 16 | draw.choice((0, 1, 1)) << 20 | draw.getrandbits(1) << 21
-            pair.write(0x3F, word)
+            parameters = draw.getrandbits(7) & ~3 | draw.randint(0, 2) | draw.choice((0, 7, 9, 15, 255)) << 8
+            parameters |= draw.getrandbits(1) << 16 | draw.choice((0, 1, 1)) << 20 | draw.getrandbits(1) << 21
+            pair.write(0x3F, parameters)
             if draw.random() < 0.3:
                 pair.write(0x40 | draw.randrange(64), draw.getrandbits(14))
 
@@ -239,7 +240,7 @@ class Trips(Chaos):
                 self.a_max = draw.choice((draw.randint(20, 400), 2047))
                 return self.a_max
             case 0x9:  # p = a_max / 128 at equal dividers, a little more or less
-                p = getattr(self, "a_max", 100) / 128 * draw.choice((0.8, 0.95, 0.99, 1.0, 1.02, 1.3))
+                p = self.a_max / 128 * draw.choice((0.8, 0.95, 0.99, 1.0, 1.02, 1.3))
                 pdiv = max(0, min(13, next((n for n in range(14) if p * 2 ** (3 + n) >= 128), 13)))
                 return pdiv | (max(0, min(127, round(p * 2 ** (3 + pdiv)) - 128)) << 8)
             case 0xA:

@@ -20,7 +20,7 @@ RUNS = [
 ]
 
 
-@pytest.mark.parametrize("kind, dividers, step_dir, seeds, ticks, rounds, floor", RUNS)
+@pytest.mark.parametrize(("kind", "dividers", "step_dir", "seeds", "ticks", "rounds", "floor"), RUNS)
 def test_jumps_equal_single_ticks(
     kind: type[Chaos],
     dividers: tuple[int, int],
