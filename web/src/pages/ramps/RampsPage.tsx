@@ -1,3 +1,4 @@
+import { VisuallyHidden } from "@mantine/core";
 import { useSessionStorage } from "@mantine/hooks";
 import { useQuery } from "@tanstack/react-query";
 import { useEffect, useMemo, useState } from "react";
@@ -187,6 +188,9 @@ function Designer({ device, axis }: Props) {
 
   return (
     <>
+      <VisuallyHidden>
+        <h1>Ramps</h1>
+      </VisuallyHidden>
       {readings.isError && connected && (
         <ProblemAlert error={readings.error} doing={`Reading ${device?.name}`} retry={() => void readings.refetch()} />
       )}
