@@ -26,6 +26,8 @@ ENDLESS_S = 20.0
 SAMPLE_EVERY_S = 0.5e-3
 SAMPLES = (200, 10_000)
 """Fewest and most points of a curve: 10,000 take 4 ms, and a cubic between them is true to a step."""
+STANDS_S = 0.02
+"""A motor that stands so long while it should turn was stopped by something that no command told of [s]."""
 KEPT = 8
 """Past predictions that telemetry still needs to decode samples taken before a change."""
 
@@ -163,12 +165,14 @@ class PredictionBook:
 
     def __init__(self) -> None:
         self._entries: deque[Prediction] = deque(maxlen=KEPT)
+        self._stands_since_s: float | None = None
 
     def begin(self, origin: Origin) -> Prediction:
         """A motion starts from `origin`; what was predicted before ends there."""
         self.end(origin.started_at_s, "another command")
         entry = Prediction(origin)
         self._entries.append(entry)
+        self._stands_since_s = None
         return entry
 
     def end(self, at_s: float, why: str) -> None:
@@ -194,3 +198,23 @@ class PredictionBook:
             known = ~np.isnan(expected[0])
             position[known], velocity[known] = expected[0][known], expected[1][known]
         return position, velocity
+
+    def observe(self, times_s: FloatArray, standing: NDArray[np.bool_]) -> None:
+        """Learn from samples: `standing` is where the motor was at rest although it was expected to turn [rows].
+
+        A stop by a switch is no command, so this is how it is noticed. Ends the present prediction
+        where the motor has stood for `STANDS_S`; shorter differences are those of a ramp's last tick.
+        """
+        if not standing.size:
+            return
+        if not standing[-1]:
+            self._stands_since_s = None
+            return
+        turning = np.flatnonzero(~standing)
+        if turning.size:
+            self._stands_since_s = float(times_s[turning[-1] + 1])
+        elif self._stands_since_s is None:
+            self._stands_since_s = float(times_s[0])
+        since_s = self._stands_since_s
+        if since_s is not None and times_s[-1] - since_s >= STANDS_S:
+            self.end(since_s, "the motor stands: a switch stopped it")

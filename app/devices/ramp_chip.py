@@ -137,6 +137,9 @@ class RampChip(RegisterChip):
         }
         flags[rows.latch_waiting.name] = bool(rows.latch_waiting.unpack(setting.reference))
         to_go = distance(x_target, x_actual)
+        moving = self._moving(rows, setting, v_actual, v_target, to_go, left, right)
+        if not moving and (to_go if setting.mode in POSITIONING_MODES else v_target):
+            self._books[axis].end(time_s, "the motor stands: a switch stopped it")
         home = right if rows.reference_right.unpack(setting.reference) else left
         return AxisState(
             position=x_actual,
@@ -145,7 +148,7 @@ class RampChip(RegisterChip):
             target_velocity_pps=pulse_rate_hz(v_target, setting.pulse_div, self.clock_hz),
             acceleration_pps2=self._acceleration(a_actual, setting),
             position_reached=reached,
-            moving=self._moving(rows, setting, v_actual, v_target, to_go, left, right),
+            moving=moving,
             mode=rows.mode.values[setting.mode],
             switches=Switches(left, right, home),
             flags=flags,

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.calc.units import acceleration_hz_s, pulse_rate_hz
-from app.devices.prediction import wrapped
+from app.devices.prediction import PredictionBook, wrapped
 from app.devices.ramp_stops import RampStops
 from app.devices.sample_plan import Channel, Decoder, FloatArray, SamplePlan
 from app.devices.words import READ_FRAMES
@@ -32,6 +32,9 @@ QUANTITIES = {
     "residual": "microsteps",
 }
 """Channel quantities and their units."""
+
+
+FROM_PREDICTION = ("predicted_position", "predicted_velocity", "residual")
 
 
 class Frames:
@@ -66,12 +69,16 @@ class RampSamples(RampStops):
             raise UnknownThing("channel", unknown, list(known))
         chosen = tuple(known[name] for name in channels)
         frames = Frames()
-        decoders = tuple(self._decoder(channel.quantity, channel.axis, frames) for channel in chosen)
+        expected = {
+            axis: _Expected(self._books[axis], self.rows[axis].v_actual, frames)
+            for axis in {channel.axis for channel in chosen if channel.quantity in FROM_PREDICTION}
+        }
+        decoders = tuple(self._decoder(channel.quantity, channel.axis, frames, expected) for channel in chosen)
         if not frames.addresses:  # status bits and predictions alone: any register brings the status
             frames.column(self.rows[chosen[0].axis].x_actual)
         return SamplePlan(tuple(READ_FRAMES[address] for address in frames.addresses), chosen, decoders)
 
-    def _decoder(self, quantity: str, axis: int, frames: Frames) -> Decoder:
+    def _decoder(self, quantity: str, axis: int, frames: Frames, expected: dict[int, _Expected]) -> Decoder:
         rows = self.rows[axis]
         registers = {
             "position": rows.x_actual,
@@ -85,16 +92,17 @@ class RampSamples(RampStops):
             return self._switch_decoder(quantity.removeprefix("switch_"), axis, frames)
         if quantity == "position_reached":
             return lambda _, __, status: self._reached_column(status, axis)
-        if quantity.startswith("predicted_"):
-            which = 0 if quantity == "predicted_position" else 1
-            return lambda times_s, _, __: self._books[axis].at(times_s)[which]
+        if quantity == "predicted_position":
+            return lambda times_s, words, _: expected[axis](times_s, words)[0]
+        if quantity == "predicted_velocity":
+            return lambda times_s, words, _: expected[axis](times_s, words)[1]
         register = registers[quantity]
         column = frames.column(register)
         number = _number(register)
         if quantity in ("position", "target_position"):
             return lambda _, words, __: number(words[:, column])
         if quantity == "residual":
-            return lambda times_s, words, _: wrapped(number(words[:, column]) - self._books[axis].at(times_s)[0])
+            return lambda times_s, words, _: wrapped(number(words[:, column]) - expected[axis](times_s, words)[0])
         if quantity == "acceleration":
             return lambda _, words, __: number(words[:, column]) * self._acceleration_unit(axis)
         return lambda _, words, __: number(words[:, column]) * self._velocity_unit(axis)
@@ -115,6 +123,29 @@ class RampSamples(RampStops):
 
     def _switch_decoder(self, side: str, axis: int, frames: Frames) -> Decoder:
         raise NotImplementedError
+
+
+class _Expected:
+    """What was expected of one axis at the times of a block of samples, computed once for all its channels."""
+
+    def __init__(self, book: PredictionBook, v_actual: Register, frames: Frames) -> None:
+        self._book = book
+        self._column = frames.column(v_actual)
+        self._block: IntArray | None = None
+        self._known: tuple[FloatArray, FloatArray] = (np.empty(0), np.empty(0))
+
+    def __call__(self, times_s: FloatArray, words: IntArray) -> tuple[FloatArray, FloatArray]:
+        """Position [microsteps] and velocity [pps], NaN where nothing was expected [rows]."""
+        if self._block is not words:
+            position, velocity = self._book.at(times_s)
+            present = self._book.present()
+            if present is not None:
+                # NaN, where nothing is expected, compares false, and so does an expected rest.
+                self._book.observe(times_s, (words[:, self._column] & 0xFFF == 0) & (np.abs(velocity) > 0))
+                if present.ended_at_s is not None:
+                    position, velocity = self._book.at(times_s)
+            self._block, self._known = words, (position, velocity)
+        return self._known
 
 
 def _number(register: Register) -> _Number:

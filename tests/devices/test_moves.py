@@ -228,8 +228,8 @@ async def test_an_old_v_target_does_not_run_off_when_hold_mode_ends() -> None:
 async def test_the_position_is_set_at_rest_without_motion(model: str) -> None:
     async with bench(model) as b:
         await b.device.move(0, 1000)
+        await b.clock.advance(0.05)
         with pytest.raises(WrongState, match="moves"):
-            await b.clock.advance(0.05)
             await b.device.set_position(0, 0)
         await b.at_rest()
         assert await b.device.set_position(0, -300) == 1300

@@ -132,17 +132,17 @@ async def test_an_unknown_host_is_a_link_that_is_down() -> None:
 
 
 async def test_a_cancelled_exchange_leaves_no_answer_behind() -> None:
-    release = asyncio.Event()
+    asked, release = asyncio.Event(), asyncio.Event()
 
     async def wait(frame: bytes, writer: asyncio.StreamWriter) -> None:
+        asked.set()
         await release.wait()
         writer.write(frame)
 
     async with serving(wait) as server:
         port = TcpPort("127.0.0.1", server.port, timeout_s=5.0)
         asking = asyncio.create_task(port.exchange(b"old!"))
-        while not server.connections:
-            await asyncio.sleep(0.001)
+        await asked.wait()
         asking.cancel()
         with pytest.raises(asyncio.CancelledError):
             await asking
