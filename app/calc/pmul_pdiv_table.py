@@ -59,7 +59,7 @@ class PmulPdivTable:
     def quality(self) -> FloatArray:
         """Q = p / p_ideal."""
         found = self.pdiv >= 0
-        return np.divide(self.p, self.p_ideal, out=np.full(found.shape, np.nan), where=found)
+        return np.asarray(np.divide(self.p, self.p_ideal, out=np.full(found.shape, np.nan), where=found))
 
 
 def default_reduction(chip: str) -> float:
