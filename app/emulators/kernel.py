@@ -91,7 +91,7 @@ LEFT_ONLY, TWO_ONE_NULL, MULTIPLEXED = range(3)
 _XEQ, _WRONG, _MISS, _COMP = 1, 2, 4, 8
 
 
-_OPTIONS = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
+_OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
 """Cached on disk, off the GIL, no checks for division by zero. Nothing here allocates, so reference counts
 are left alone: with them every row view costs two atomic operations, and all runs at a fifth of the speed."""
 

@@ -242,7 +242,7 @@ class Trips(Chaos):
             case 0x9:  # p = a_max / 128 at equal dividers, a little more or less
                 p = self.a_max / 128 * draw.choice((0.8, 0.95, 0.99, 1.0, 1.02, 1.3))
                 pdiv = max(0, min(13, next((n for n in range(14) if p * 2 ** (3 + n) >= 128), 13)))
-                return pdiv | (max(0, min(127, round(p * 2 ** (3 + pdiv)) - 128)) << 8)
+                return pdiv | (max(0, min(127, int(p * 2 ** (3 + pdiv) + 0.5) - 128)) << 8)
             case 0xA:
                 return draw.choice((0, 0, 0, 1, 2)) | draw.choice((0, 0, 4, 8)) << 8
             case 0xC:
