@@ -10,6 +10,7 @@ const api = process.env.STEPSCOPE_API ?? "http://127.0.0.1:8000";
 export default defineConfig({
   plugins: [react()],
   build: { outDir: "dist", emptyOutDir: true, sourcemap: false, chunkSizeWarningLimit: 900 },
-  server: { proxy: { "/api": { target: api, ws: true, changeOrigin: true } } },
+  // The server answers pages of its own host only: so Host stays what the page's Origin says.
+  server: { proxy: { "/api": { target: api, ws: true, changeOrigin: false } } },
   test: { environment: "jsdom", include: ["src/**/*.test.ts", "src/**/*.test.tsx"] },
 });
