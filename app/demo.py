@@ -9,13 +9,11 @@ from __future__ import annotations
 import logging
 from dataclasses import dataclass
 
-from app.calc.driver_chain import build_chain
-from app.calc.microstep_table import design_table
-from app.calc.pmul_pdiv import default_reduction, design_many
 from app.calc.units import acceleration_from_hz_s, velocity_from_rate
 from app.devices.config import AxisSettings, DeviceConfig
 from app.devices.device import Device
 from app.devices.manager import DeviceManager
+from app.devices.start_up import AxisStart, start_up
 from app.links.errors import BenchError
 
 log = logging.getLogger("stepscope.demo")
@@ -35,18 +33,18 @@ class Tuning:
     pulse_div: int
     ramp_div: int
 
-    @property
-    def microsteps_per_mm(self) -> float:
-        return FULL_STEPS_PER_REV * (1 << self.usrs) / TRAVEL_MM_PER_REV
-
-    def motion(self, chip: str) -> dict[str, int]:
-        """v_max, a_max, pmul (0..127) and pdiv for these dividers."""
-        rate_pps = self.speed_mm_s * self.microsteps_per_mm
-        change_pps2 = self.acceleration_mm_s2 * self.microsteps_per_mm
-        v_max = round(velocity_from_rate(rate_pps, self.pulse_div, CLOCK_HZ))
-        a_max = round(acceleration_from_hz_s(change_pps2, self.pulse_div, self.ramp_div, CLOCK_HZ))
-        pair = design_many(a_max, self.ramp_div, self.pulse_div, default_reduction(chip))
-        return {"v_min": 1, "v_max": v_max, "a_max": a_max, "pmul": int(pair.pmul), "pdiv": int(pair.pdiv)}
+    def start(self) -> AxisStart:
+        """The registers for it."""
+        microsteps_per_mm = FULL_STEPS_PER_REV * (1 << self.usrs) / TRAVEL_MM_PER_REV
+        rate_pps = self.speed_mm_s * microsteps_per_mm
+        change_pps2 = self.acceleration_mm_s2 * microsteps_per_mm
+        return AxisStart(
+            v_max=round(velocity_from_rate(rate_pps, self.pulse_div, CLOCK_HZ)),
+            a_max=round(acceleration_from_hz_s(change_pps2, self.pulse_div, self.ramp_div, CLOCK_HZ)),
+            pulse_div=self.pulse_div,
+            ramp_div=self.ramp_div,
+            usrs=self.usrs,
+        )
 
 
 # The whole stage takes 2 to 3 s; the three axes differ, so that their ramps do on one plot.
@@ -83,39 +81,20 @@ def _axes(*names: str) -> tuple[AxisSettings, ...]:
 
 
 async def set_up_bench(device: Device) -> None:
-    """Chain, table and switches of the TMC428, then its axes."""
-    chain = build_chain(["tmc236", "tmc236", "tmc236"])
-    # The chain first: a TMC428 without it sends noise to its drivers (001, 11).
-    await device.write_driver_chain(chain.ram_words, chain.lsmd)
-    await device.write_microstep_table(design_table().values)
-    # Multiplexed wiring brings both switches of all three axes (001, 9.8, Table 9-3).
-    await device.write("stepper_motor_global_parameter_register", fields={"refmux": 1, "clk2_div": 7})
-    for axis, tuning in enumerate(BENCH.values()):
-        motion = tuning.motion("tmc428")
-        await device.write(
-            "pulse_div_ramp_div_usrs",
-            axis,
-            fields={"pulse_div": tuning.pulse_div, "ramp_div": tuning.ramp_div, "usrs": tuning.usrs},
-        )
-        for name in ("v_min", "v_max", "a_max"):
-            await device.write(name, axis, motion[name])
-        await device.write("pmul_pdiv", axis, fields={"pmul": motion["pmul"], "pdiv": motion["pdiv"]})
+    """The TMC428, then what makes it pleasant: less current at rest, and switches that stop by the ramp."""
+    await start_up(device, [tuning.start() for tuning in BENCH.values()])
+    for axis in range(len(BENCH)):
         # Full current while accelerating, less at rest: what is_v0 is for (001, 8.9).
         await device.write(
             "is_agtat_is_aleat_is_v0_a_threshold",
             axis,
             fields={"is_agtat": 0, "is_aleat": 6, "is_v0": 3, "a_threshold": 1},
         )
-        await device.write("lp_ref_conf_rm", axis, fields={"rm": 0, "SOFT_STOP": 1})
+        await device.write("lp_ref_conf_rm", axis, fields={"SOFT_STOP": 1})
 
 
 async def set_up_slider(device: Device) -> None:
-    """Step/direction output and the axis of the TMC4210."""
-    motion = SLIDER.motion("tmc4210")
-    await device.write("STEPPER_MOTOR_GLOBAL_PARAMETER_REGISTER", fields={"mot1r": 1, "STPDIV_4210": 2})
-    await device.write("IF_CONFIGURATION_4210", fields={"en_sd": 1})
-    await device.write("PULSE_DIV_RAMP_DIV", 0, fields={"PULSE_DIV": SLIDER.pulse_div, "RAMP_DIV": SLIDER.ramp_div})
-    for name in ("v_min", "v_max", "a_max"):
-        await device.write(name, 0, motion[name])
-    await device.write("PMUL_PDIV", 0, fields={"PMUL": 128 + motion["pmul"], "PDIV": motion["pdiv"]})
-    await device.write("lp_REF_CONF_RAMP_MODE", 0, fields={"RAMP_MODE": 0, "soft_stop": 1})
+    """The TMC4210, with step pulses short enough for its speed."""
+    await start_up(device, [SLIDER.start()])
+    await device.write("STEPPER_MOTOR_GLOBAL_PARAMETER_REGISTER", fields={"STPDIV_4210": 2})
+    await device.write("lp_REF_CONF_RAMP_MODE", 0, fields={"soft_stop": 1})

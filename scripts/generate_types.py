@@ -33,7 +33,9 @@ def types_text(schema: str) -> str:
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder, "openapi.json"), Path(folder, "schema.d.ts")
         source.write_text(schema)
-        npm(node, ["exec", "--no", "--", "openapi-typescript", str(source), "-o", str(target)], quiet=True)
+        # What a request may leave out stays optional; what an answer always has, the schema itself calls required.
+        flags = ["--default-non-nullable=false", "-o", str(target)]
+        npm(node, ["exec", "--no", "--", "openapi-typescript", str(source), *flags], quiet=True)
         return target.read_text()
 
 

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-import numpy as np
-
 from app.api.convert import built_chain, calculating, chain_table
 from app.api.schemas import (
     ChainDesign,
@@ -120,7 +118,6 @@ def units(body: Units) -> UnitsResult:
 def ramp(body: Ramp) -> RampResult:
     with calculating():
         curve = _trapezoid(body) if body.model == "trapezoid" else _exact(body)
-    _check_finite(curve)
     return RampResult(
         duration_s=curve.duration_s,
         phases=[Phase.model_validate(phase) for phase in curve.phases],
@@ -202,13 +199,6 @@ def _trapezoid(body: Ramp) -> RampCurve:
     _check_names(given, names, names)
     vmax, amax, dmax = (_number(name, given[name]) for name in names)
     return trapezoid_ramp(vmax, amax, dmax, body.distance, body.samples)
-
-
-def _check_finite(curve: RampCurve) -> None:
-    """Numbers that no motor reaches must not become an answer that no JSON can bear."""
-    columns = (curve.time_s, curve.position, curve.velocity_pps, curve.acceleration_pps2)
-    if not all(np.isfinite(column).all() for column in columns):
-        raise UsageError("this motion is beyond what numbers can hold")
 
 
 def _exact(body: Ramp) -> RampCurve:

@@ -30,7 +30,8 @@ class Body(BaseModel):
 class Answer(BaseModel):
     """What goes out; also made from the drivers' own records, whose fields bear the same names."""
 
-    model_config = ConfigDict(from_attributes=True)
+    # Defaults are sent too: clients may rely on every field being there.
+    model_config = ConfigDict(from_attributes=True, json_schema_serialization_defaults_required=True)
 
 
 class Problem(Answer):
@@ -344,7 +345,7 @@ class ShuttleStart(Body):
 
     first: Int
     second: Int
-    dwell_s: Annotated[float, Field(ge=0, le=60, allow_inf_nan=False)] = 0.3
+    dwell_s: Annotated[float, Field(strict=True, ge=0, le=60, allow_inf_nan=False)] = 0.3
 
 
 class ShuttleState(Answer):

@@ -37,8 +37,8 @@ def test_the_header_leaves_the_numbers_aligned() -> None:
     dropped=st.integers(0, 2**64 - 1),
 )
 def test_a_frame_survives_the_wire(samples: FloatArray, sequence: int, dropped: int) -> None:
-    time_s = np.arange(len(samples)) * 1e-3
-    frame = decode(encode_header(sequence, dropped, *samples.shape) + encode_body(time_s, samples.astype(np.float64)))
+    time_s = np.linspace(0.0, 1.0, len(samples), dtype=np.float64)
+    frame = decode(encode_header(sequence, dropped, *samples.shape) + encode_body(time_s, samples))
     assert (frame.sequence, frame.dropped) == (sequence % 2**32, dropped)
     np.testing.assert_array_equal(frame.time_s, time_s)
     np.testing.assert_array_equal(frame.columns.T, samples)

@@ -1,0 +1,164 @@
+"""The calculators over REST give what app/calc gives, and refuse aloud."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import httpx
+import pytest
+
+from app.calc.pmul_pdiv import design
+from app.calc.ramp import RampParameters, exact_ramp
+
+RAMP: dict[str, Any] = {"v_min": 1, "v_max": 1000, "a_max": 172, "ramp_div": 7, "pulse_div": 2, "pmul": 35, "pdiv": 9}
+
+
+@pytest.mark.parametrize("chip", ["tmc428", "tmc4210"])
+async def test_a_pair_is_the_calculators_own(client: httpx.AsyncClient, chip: str) -> None:
+    body = {"chip": chip, "a_max": 172, "ramp_div": 7, "pulse_div": 2}
+    answer = (await client.post("calc/pmul-pdiv", json=body)).json()
+    wanted = design(chip, 172, 7, 2)
+    assert (answer["pmul"], answer["p_mul"], answer["pdiv"]) == (wanted.pmul, wanted.p_mul, wanted.pdiv)
+    assert len(answer["candidates"]) == len(wanted.candidates)
+    assert answer["candidates"][0]["overshoot_steps"] == wanted.candidates[0].overshoot_steps
+
+
+async def test_where_no_pair_fits_none_is_invented(client: httpx.AsyncClient) -> None:
+    answer = (await client.post("calc/pmul-pdiv", json={"a_max": 2047, "ramp_div": 0, "pulse_div": 13})).json()
+    assert answer["pmul"] is None
+    assert answer["warnings"]
+
+
+async def test_a_ramp_is_the_exact_one(client: httpx.AsyncClient) -> None:
+    body = {"model": "tmc428", "parameters": RAMP, "distance": 10_000, "samples": 100}
+    answer = (await client.post("calc/ramp", json=body)).json()
+    curve = exact_ramp(RampParameters(**RAMP, ramp_mode="ramp", clock_hz=16e6), 10_000, 100)
+    assert answer["duration_s"] == curve.duration_s
+    assert answer["position"] == curve.position.tolist()
+    assert answer["time_s"][-1] == answer["duration_s"]
+    assert answer["position"][-1] == 10_000
+    assert answer["overshoot_steps"] == 0
+
+
+async def test_a_trapezoid_takes_its_time(client: httpx.AsyncClient) -> None:
+    body = {"model": "trapezoid", "parameters": {"vmax": 1000, "amax": 1000, "dmax": 500}, "distance": 5000}
+    answer = (await client.post("calc/ramp", json=body)).json()
+    assert answer["duration_s"] == pytest.approx(1 + 2 + (5000 - 500 - 1000) / 1000)
+    assert [phase["name"] for phase in answer["phases"]] == ["acceleration", "constant velocity", "deceleration"]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"parameters": {**RAMP, "v_max": 0}}, "v_max"),
+        ({"parameters": {**RAMP, "speed": 1}}, "speed"),
+        ({"parameters": {k: v for k, v in RAMP.items() if k != "pdiv"}}, "pdiv"),
+        ({"parameters": {**RAMP, "v_max": 1.5}}, "whole number"),
+        ({"parameters": {**RAMP, "v_max": "fast"}}, "v_max"),
+        ({"parameters": {**RAMP, "ramp_mode": "warp"}}, "ramp_mode"),
+        ({"parameters": {**RAMP, "ramp_mode": "velocity"}}, "v_target"),
+        ({"parameters": {**RAMP, "clock_hz": 0}}, "clock_hz"),
+        ({"distance": 0.5}, "distance"),
+        ({"distance": 2**23}, "distance"),
+        ({"samples": 1}, "samples"),
+        ({"model": "trapezoid"}, "parameter"),
+        ({"model": "trapezoid", "parameters": {"vmax": 1e-300, "amax": 1e-300}, "distance": 1e300}, "longer"),
+    ],
+)
+async def test_a_ramp_that_cannot_be_is_422(client: httpx.AsyncClient, change: dict[str, object], words: str) -> None:
+    body = {"model": "tmc428", "parameters": RAMP, "distance": 10_000, "samples": 100, **change}
+    answer = await client.post("calc/ramp", json=body)
+    assert answer.status_code == 422, answer.text
+    assert words in answer.json()["detail"]
+
+
+async def test_every_unit_of_a_velocity(client: httpx.AsyncClient) -> None:
+    body = {
+        "pulse_div": 2,
+        "ramp_div": 7,
+        "mechanics": {"microsteps_per_full_step": 16, "travel_mm_per_rev": 8},
+        "velocity": {"value": 600, "unit": "rpm"},
+        "acceleration": {"value": 100, "unit": "mm_per_s2"},
+        "position": {"value": 1, "unit": "rev"},
+    }
+    answer = (await client.post("calc/units", json=body)).json()
+    assert answer["velocity"]["pps"] == pytest.approx(32_000)
+    assert answer["velocity"]["mm_per_s"] == pytest.approx(80)
+    assert answer["velocity"]["chip"] == pytest.approx(32_000 * 4 * 65536 / 16e6)
+    assert answer["position"] == {
+        "microsteps": 3200,
+        "fullsteps": 200,
+        "rev": 1,
+        "deg": pytest.approx(360),
+        "rad": pytest.approx(6.283185307),
+        "mm": 8,
+    }
+    assert answer["acceleration_time_s"] == pytest.approx(0.8)
+    assert answer["acceleration_steps"] == pytest.approx(0.5 * 80 * 0.8 / 8 * 3200)
+
+
+async def test_what_no_register_holds_is_null_and_a_rotary_axis_has_no_mm(client: httpx.AsyncClient) -> None:
+    body = {"pulse_div": 13, "ramp_div": 0, "velocity": {"value": 1e6, "unit": "pps"}}
+    velocity = (await client.post("calc/units", json=body)).json()["velocity"]
+    assert velocity["chip"] is None
+    assert velocity["mm_per_s"] is None
+
+
+@pytest.mark.parametrize(
+    ("path", "body", "words"),
+    [
+        ("units", {"pulse_div": 2, "ramp_div": 7, "velocity": {"value": 1, "unit": "mph"}}, "mph"),
+        ("units", {"pulse_div": 2, "ramp_div": 7, "velocity": {"value": 1, "unit": "mm_per_s"}}, "travel_mm_per_rev"),
+        ("units", {"pulse_div": 14, "ramp_div": 7}, "pulse_div"),
+        ("driver-chain", {"drivers": ["tmc5160"]}, "tmc5160"),
+        ("driver-chain", {"drivers": ["tmc236"], "clk2_div": 256}, "clk2_div"),
+        ("microstep-table", {"values": [1] * 63}, "64"),
+        ("microstep-table", {"offset": 50, "amplitude": 40}, "offset"),
+        ("microstep-table", {"sigma": 1.1}, "sigma"),
+        (
+            "ramp-inverse",
+            {"velocity": {"value": 1e12, "unit": "pps"}, "acceleration": {"value": 1, "unit": "pps2"}},
+            "",
+        ),
+    ],
+)
+async def test_what_cannot_be_calculated_is_422(
+    client: httpx.AsyncClient, path: str, body: dict[str, object], words: str
+) -> None:
+    answer = await client.post(f"calc/{path}", json=body)
+    assert answer.status_code == 422, answer.text
+    assert words in answer.json()["detail"]
+
+
+async def test_an_inverse_reaches_what_was_wanted(client: httpx.AsyncClient) -> None:
+    body = {
+        "velocity": {"value": 300, "unit": "rpm"},
+        "acceleration": {"value": 600, "unit": "rpm_per_s"},
+        "mechanics": {"full_steps_per_rev": 200},
+    }
+    found = (await client.post("calc/ramp-inverse", json=body)).json()
+    assert abs(found["velocity_error"]) < 0.01
+    assert abs(found["acceleration_error"]) < 0.03
+    assert found["mechanics"]["microsteps_per_full_step"] == 2 ** found["usrs"]
+    per_rev = 200 * 2 ** found["usrs"]
+    assert found["achieved_velocity_pps"] == pytest.approx(300 / 60 * per_rev, rel=0.01)
+
+
+async def test_a_microstep_table_with_its_figures(client: httpx.AsyncClient) -> None:
+    answer = (await client.post("calc/microstep-table", json={"usrs": 4})).json()
+    assert len(answer["values"]) == 64
+    assert len(answer["datagrams"]) == 32
+    assert len(answer["sequence"]) == 64
+    assert answer["metrics"]["angle_error_max_deg"] < 2
+    drawn = (await client.post("calc/microstep-table", json={"values": [0] * 64})).json()
+    assert drawn["metrics"]["thd"] is None
+    assert drawn["values"] == [0] * 64
+
+
+async def test_a_driver_chain_with_its_frequencies(client: httpx.AsyncClient) -> None:
+    answer = (await client.post("calc/driver-chain", json={"drivers": ["tmc236"] * 3, "ramp_divs": [7, 7, 7]})).json()
+    assert answer["spi_clock_hz"] == 1e6
+    assert answer["length_bits"] == 36
+    assert answer["full_step_hz_max"] == pytest.approx(1e6 / 36)
+    assert answer["continuous_update_hz"] == pytest.approx(16e6 * 3 / 128 / 32768)
+    assert len(answer["ram_words"]) == 64

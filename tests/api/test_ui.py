@@ -1,0 +1,76 @@
+"""The browser's page: every route of the client is the page, files are themselves, and it is served safely."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import httpx
+import pytest
+
+from app.main import create_app
+from app.settings import Settings
+
+
+@pytest.mark.parametrize("path", ["/", "/registers", "/devices/bench/ramps", "/index.html"])
+async def test_every_route_of_the_client_is_the_page_and_never_kept(pages: httpx.AsyncClient, path: str) -> None:
+    answer = await pages.get(path)
+    assert answer.status_code == 200
+    assert "the page" in answer.text
+    assert answer.headers["cache-control"] == "no-cache"
+    assert "script-src 'self'" in answer.headers["content-security-policy"]
+    assert "frame-ancestors 'none'" in answer.headers["content-security-policy"]
+    assert answer.headers["x-content-type-options"] == "nosniff"
+
+
+async def test_hashed_files_are_kept_for_ever(pages: httpx.AsyncClient) -> None:
+    answer = await pages.get("/assets/index-abc123.js")
+    assert answer.status_code == 200
+    assert "immutable" in answer.headers["cache-control"]
+    assert answer.headers["content-type"].startswith(("text/javascript", "application/javascript"))
+    assert (await pages.get("/favicon.svg")).headers["cache-control"] == "no-cache"
+
+
+async def test_what_has_not_changed_is_not_sent_again(pages: httpx.AsyncClient) -> None:
+    first = await pages.get("/")
+    again = await pages.get("/", headers={"if-none-match": first.headers["etag"]})
+    assert again.status_code == 304
+    assert again.content == b""
+
+
+@pytest.mark.parametrize("path", ["/missing.js", "/assets/old-123.css", "/favicon.ico"])
+async def test_a_missing_file_is_404_and_not_the_page(pages: httpx.AsyncClient, path: str) -> None:
+    answer = await pages.get(path)
+    assert answer.status_code == 404
+    assert answer.headers["content-type"] == "application/problem+json"
+
+
+@pytest.mark.parametrize(
+    "path",
+    ["/../secret.txt", "/..%2Fsecret.txt", "/assets/%2e%2e/%2e%2e/secret.txt", "/%2Fetc/passwd.txt", "/link.txt"],
+)
+async def test_no_path_leads_out_of_the_directory(pages: httpx.AsyncClient, settings: Settings, path: str) -> None:
+    (settings.web_dir.parent / "secret.txt").write_text("secret")
+    (settings.web_dir / "link.txt").symlink_to(settings.web_dir.parent / "secret.txt")
+    answer = await pages.get(path)
+    assert answer.status_code == 404
+    assert "secret" not in answer.text.replace("secret.txt", "")
+
+
+@pytest.mark.parametrize("path", ["/%00", "/a%00.js", "/" + "x" * 5000])
+async def test_strange_paths_are_answered(pages: httpx.AsyncClient, path: str) -> None:
+    assert (await pages.get(path)).status_code in (200, 404)
+
+
+async def test_posting_to_the_page_is_405(pages: httpx.AsyncClient) -> None:
+    answer = await pages.post("/registers")
+    assert answer.status_code == 405
+    assert answer.headers["allow"] == "GET, HEAD"
+
+
+async def test_without_a_built_page_it_says_how_to_build_it(tmp_path: Path) -> None:
+    app = create_app(Settings(data_dir=tmp_path, web_dir=tmp_path / "nothing", demo=False))
+    async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://localhost") as client:
+        answer = await client.get("/")
+        assert answer.status_code == 503
+        assert "make run" in answer.text
+        assert (await client.get("/api/v1/health")).json()["status"] == "ok"
