@@ -114,11 +114,10 @@ def test_v_min_is_the_speed_of_the_last_steps_and_shortens_the_way() -> None:
     def time_of(v_min: int) -> float:
         bench = moving(v_min=v_min, a_max=20, p=24 << 8 | 7)  # 0.95 * 20 / 128
         bench.write(X_TARGET, 2000)
-        while bench.x != 2000:
+        while bench.x != 2000 or bench.v:
             bench.ticks(20)
             if bench.x > 1990 and bench.x != 2000:
                 assert bench.signed(V_TARGET, 12) >= v_min
-        assert bench.v == 0
         return bench.clock.now()
 
     assert time_of(300) < time_of(1)
@@ -275,8 +274,8 @@ def test_a_max_lower_limit(share: int, pmul_pdiv: int, speed: int, fits: bool) -
     bench.ticks(64)
     assert bench.read(V_TARGET) == speed
     furthest = 0
-    for _ in range(300):
-        bench.seconds(0.02)
+    for _ in range(500):
+        bench.seconds(0.04)
         furthest = max(furthest, bench.x)
     assert (furthest <= 1_600_001) == fits
 
