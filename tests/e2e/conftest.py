@@ -88,6 +88,7 @@ def new_context(browser: Browser, server: ServerProcess, errors: Errors) -> Iter
 
     def make(**options: object) -> BrowserContext:
         context = browser.new_context(**{"base_url": server.url, "viewport": DESKTOP, **options})  # type: ignore[arg-type]
+        context.set_default_timeout(10_000)
         context.on("console", errors.on_console)
         context.on("weberror", errors.on_error)
         made.append(context)

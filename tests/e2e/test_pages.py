@@ -1,0 +1,49 @@
+"""Every page: it comes up, nobody is shut out, nothing is said on the console, at each size and in each scheme."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+from playwright.sync_api import Page, expect
+
+from tests.e2e.conftest import DESKTOP, PHONE
+
+PAGES = {
+    "/": "Bench",
+    "/registers": "Registers",
+    "/ramps": "Ramps",
+    "/microsteps": "Microsteps",
+    "/chain": "Driver chain",
+    "/connections": "Connections",
+}
+
+
+@pytest.mark.parametrize("path", PAGES)
+def test_a_page_is_open_to_everybody(page: Page, check_axe: Callable[[Page], None], path: str) -> None:
+    page.goto(path)
+    expect(page).to_have_title(f"{PAGES[path]} · stepscope")
+    expect(page.get_by_role("heading", level=1)).to_be_attached()
+    expect(page.get_by_label("Loading the page")).to_have_count(0)
+    for size, scheme in ((DESKTOP, "light"), (DESKTOP, "dark"), (PHONE, "light"), (PHONE, "dark")):
+        page.set_viewport_size(size)
+        page.emulate_media(color_scheme=scheme)
+        expect(page.get_by_test_id("stop-all")).to_be_in_viewport(ratio=1)
+        check_axe(page)
+        sideways = page.evaluate("document.scrollingElement.scrollWidth - document.documentElement.clientWidth")
+        assert sideways <= 0, f"{size} can be scrolled sideways by {sideways} px"
+
+
+def test_pages_are_reached_by_menu_and_by_keyboard(page: Page) -> None:
+    page.goto("/")
+    for path, name in PAGES.items():
+        page.get_by_role("navigation", name="Pages").get_by_role("link", name=name).click()
+        expect(page).to_have_title(f"{name} · stepscope")
+        assert page.url.endswith(path)
+    page.keyboard.press("Alt+2")
+    expect(page).to_have_title("Registers · stepscope")
+
+
+def test_an_unknown_address_leads_to_the_bench(page: Page) -> None:
+    page.goto("/no/such/page")
+    expect(page).to_have_title("Bench · stepscope")
