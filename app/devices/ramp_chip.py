@@ -76,6 +76,10 @@ class RampChip(RegisterChip):
         """Why switches cannot be trusted at rest, and the way out, by the registers last seen; None where they can."""
         return None
 
+    def switch_latency_s(self) -> float:
+        """How old the switch states of a chip at rest may be, device time [s]."""
+        return 0.0
+
     # --- what is remembered ---------------------------------------------------------------------
 
     async def refresh(self) -> None:

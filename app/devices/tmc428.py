@@ -109,6 +109,15 @@ class Tmc428(RampSamples):
             return "multiplexed switches are not sampled at rest", "set continuous_update (001, 9.7)"
         return None
 
+    def switch_latency_s(self) -> float:
+        """Multiplexed switches are sampled by datagrams, at rest by those of the continuous update (001, 9.7)."""
+        word = self._known.get(self._global.address, 0)
+        settings = [self.setting(axis.index) for axis in self.axes]
+        if not self._refmux.unpack(word) or any(setting is None for setting in settings):
+            return 0.0
+        updates_hz = sum(self.clock_hz / 32768 / 2**setting.ramp_div for setting in settings if setting is not None)
+        return float(1 / updates_hz)
+
     def _reached(self, status: int, axis: int) -> bool:
         return bool(status >> (2 * axis) & 1)
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import shutil
 import sys
 import tempfile
 import threading
@@ -85,15 +84,22 @@ class Document:
             _sync_directory(self.path.parent)
 
     def set_aside(self) -> Path:
-        """Copy the file to a name of its own and return that; the original stays until the next write."""
+        """Copy the file to a name of its own and return that; the original stays until the next write.
+
+        A copy that is there already is not made again: a broken file is met at every start.
+        """
         stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
         with self.locked():
+            content = self.path.read_bytes()
+            for earlier in sorted(self.path.parent.glob(f"{self.path.stem}.broken-*{self.path.suffix}")):
+                if earlier.read_bytes() == content:
+                    return earlier
             number = 0
             while True:
                 suffix = f"-{number}" if number else ""
                 aside = self.path.with_name(f"{self.path.stem}.broken-{stamp}{suffix}{self.path.suffix}")
                 if not aside.exists():
-                    shutil.copyfile(self.path, aside)
+                    aside.write_bytes(content)
                     return aside
                 number += 1
 

@@ -129,6 +129,12 @@ class EdgeFinder:
             if self.chip.device_time_s() > deadline_s:
                 raise Failed(f"{failure} within {timeout_s:.1f} s")
 
+    async def pass_time(self, seconds: float) -> None:
+        """Return when so much device time has passed."""
+        until_s = self._deadline(seconds)
+        while self.chip.device_time_s() < until_s:
+            await self._clock.sleep(POLL_S)
+
     async def call_here(self, position: int) -> None:
         """Call the place where the motor rests `position`."""
         self.shift -= await self.chip.set_position(self.axis, position)

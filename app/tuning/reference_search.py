@@ -109,6 +109,8 @@ class ReferenceSearch(Procedure):
         problem = finder.chip.switch_problem()
         if problem:
             raise WrongState(*problem)
+        # Twice, for two samples: the first may have begun before the switches were set up.
+        await finder.pass_time(2 * finder.chip.switch_latency_s())
         switches = (await finder.state()).switches
         if (switches.right if self.switch == "right" else switches.left) is None:
             side = "right" if self.switch == "right" else "left"

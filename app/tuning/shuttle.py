@@ -57,10 +57,14 @@ class Shuttle(Procedure):
     async def _go(self, target: int) -> None:
         started = await self.device.move(self.axis, target)
         there_s = started.started_at_s + (started.predicted_duration_s or 0.0)
+        pause_s = POLL_S
         while True:
+            device_s, server_s = self.device.device_time_s(), self.clock.now()
+            await self.clock.sleep(pause_s)
             # Early on the way nobody needs to look often. Device time may run faster or slower than ours.
-            left_s = there_s - self.device.device_time_s()
-            await self.clock.sleep(min(max(left_s / 2, POLL_S), LOOK_S))
+            rate = (self.device.device_time_s() - device_s) / (self.clock.now() - server_s)
+            left_s = (there_s - self.device.device_time_s()) / rate if rate > 0 else LOOK_S
+            pause_s = min(max(left_s / 2, POLL_S), LOOK_S)
             state = await self.device.axis_state(self.axis)
             if state.position_reached and not state.moving:
                 return

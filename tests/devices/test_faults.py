@@ -28,7 +28,6 @@ async def test_a_device_that_vanishes_during_a_move_comes_back_under_control(mod
         b.fault(unplugged=False)
         await b.clock.advance(5.0)
         assert state_of(b.device) == "connected"
-        assert b.device.problem is None
         assert (await b.device.axis_state(0)).moving
         assert (await b.device.stop(0)).ok
         rest = await b.at_rest()
