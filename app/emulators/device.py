@@ -97,6 +97,21 @@ class EmulatedDevice:
                 self.clock.scale = change.time_scale
             return self._describe()
 
+    def caught_up(self, lag_s: float = 1e-9) -> bool:
+        """Has the chip been brought to within `lag_s` [s] of its clock?"""
+        return self.clock.now() - self._latest_s <= lag_s
+
+    def catch_up(self, slice_s: float) -> bool:
+        """Bring the chip on by at most `slice_s` [s] of its time; True once it is up to date.
+
+        Never needed for correctness: who asks after hours without it just waits for all of them at once.
+        """
+        now_s = self.clock.now()
+        with self._lock:
+            until_s = min(now_s, self._latest_s + slice_s)
+            self._chip.advance(self._clocks(until_s))
+        return until_s == now_s
+
     def _clocks(self, at_s: float | None) -> int:
         """Clocks of the chip's oscillator by `at_s`, rounded so that exact instants stay exact."""
         self._latest_s = max(self._latest_s, self.clock.now() if at_s is None else at_s)

@@ -2,7 +2,8 @@
 
 A client sends four bytes and gets four back, or none while the device is silent; the device hears one
 frame at a time however many clients there are. A client that leaves half a frame lying loses it after
-`HALF_FRAME_S`, so that the next four bytes are a frame again.
+`HALF_FRAME_S`, so that the next four bytes are a frame again. While nobody asks, the server keeps the
+device up to date, so that the first question after hours is answered at once.
 """
 
 from __future__ import annotations
@@ -15,6 +16,11 @@ from app.emulators.device import EmulatedDevice
 from app.links.datagram32 import FRAME_BYTES
 
 HALF_FRAME_S = 0.5
+_KEEP_UP_EVERY_S = 0.5
+_KEEP_UP_SLICE_S = 1.0
+"""Chip time computed in one go: some 10 ms at worst."""
+_keepers: set[asyncio.Task[None]] = set()
+"""The event loop holds its tasks only weakly."""
 
 
 async def serve_tcp(device: EmulatedDevice, host: str, port: int, half_frame_s: float = HALF_FRAME_S) -> asyncio.Server:
@@ -35,7 +41,18 @@ async def serve_tcp(device: EmulatedDevice, host: str, port: int, half_frame_s: 
             with contextlib.suppress(ConnectionError):
                 await writer.wait_closed()
 
-    return await asyncio.start_server(client, host, port)
+    server = await asyncio.start_server(client, host, port)
+    keeper = asyncio.create_task(_keep_up(device, server))
+    _keepers.add(keeper)
+    keeper.add_done_callback(_keepers.discard)
+    return server
+
+
+async def _keep_up(device: EmulatedDevice, server: asyncio.Server) -> None:
+    """Until the server closes, let the device never fall far behind its clock."""
+    while server.is_serving():
+        up_to_date = device.catch_up(_KEEP_UP_SLICE_S)
+        await asyncio.sleep(_KEEP_UP_EVERY_S if up_to_date else 0)
 
 
 async def _answer(
