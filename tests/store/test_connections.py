@@ -173,9 +173,9 @@ def test_of_two_changes_to_one_connection_the_later_stays_and_an_unchanged_one_y
 
 def _write_many(directory: str, who: int) -> None:
     store = ConnectionStore(Path(directory))
-    store.load()
+    found = store.load().configs
     for number in range(10):
-        store.save([config(f"process {who} entry {entry}") for entry in range(number + 1)])
+        store.save([*found, *(config(f"process {who} entry {entry}") for entry in range(number + 1))])
 
 
 def test_many_processes_write_at_once(tmp_path: Path) -> None:
