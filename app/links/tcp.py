@@ -8,7 +8,7 @@ for) the connection is closed, and the next exchange starts a new one.
 from __future__ import annotations
 
 import asyncio
-import socket
+from typing import cast
 
 from app.clock import Clock, WallClock
 from app.links.datagram32 import FRAME_BYTES
@@ -95,6 +95,8 @@ class TcpPort:
             raise LinkDown(self.name, f"no connection in {self.connect_timeout_s:g} s") from error
         except OSError as error:  # refused, unreachable, unknown host
             raise LinkDown(self.name, error.strerror or str(error)) from error
+        except ValueError as error:  # a host that no name server could be asked for: too long a label, a NUL
+            raise LinkDown(self.name, f"no host can be called that: {error}") from error
         self._stream = stream
         self.connections += 1
         return stream
@@ -112,10 +114,9 @@ class _Stream(asyncio.Protocol):
         self._transport: asyncio.Transport | None = None
 
     def connection_made(self, transport: asyncio.BaseTransport) -> None:
-        assert isinstance(transport, asyncio.Transport)
-        self._transport = transport
-        peer: socket.socket = transport.get_extra_info("socket")
-        peer.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        # No isinstance: uvloop's transports, which uvicorn takes where it finds them, only look like asyncio's. Both
+        # loops send small packets at once (TCP_NODELAY) without being told.
+        self._transport = cast("asyncio.Transport", transport)
 
     def data_received(self, data: bytes) -> None:
         if self._answer is None:
