@@ -1,0 +1,101 @@
+"""Connections in a browser: chips come and go, here and at the far end of a socket, and so may the server."""
+
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import httpx
+import pytest
+from playwright.sync_api import Page, expect
+from server_process import ServerProcess, free_port
+
+from tests.e2e.conftest import Errors
+
+NAME = "second"
+
+
+@pytest.fixture(autouse=True)
+def without_the_second(api: httpx.Client) -> Iterator[None]:
+    yield
+    api.delete(f"/devices/{NAME}")
+
+
+@pytest.fixture
+def far_chip() -> Iterator[tuple[int, subprocess.Popen[bytes]]]:
+    """An emulated TMC428 in another process: its port, and the process."""
+    port = free_port()
+    command = [str(Path(sys.executable).with_name("stepscope")), "emulate", "tmc428", "--tcp", f"127.0.0.1:{port}"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE)
+    assert process.stdout is not None
+    assert str(port).encode() in process.stdout.readline(), "it says where it listens when it does"
+    yield port, process
+    process.send_signal(signal.SIGINT)
+    process.wait(10)
+    process.stdout.close()
+
+
+def open_form(page: Page) -> None:
+    page.goto("/connections")
+    expect(page.get_by_role("region", name="bench")).to_contain_text("connected")
+    page.get_by_role("button", name="Add a device").click()
+    page.get_by_label("Name", exact=True).fill(NAME)
+
+
+def remove(page: Page) -> None:
+    page.get_by_role("region", name=NAME).get_by_role("button", name="Remove").click()
+    page.get_by_role("dialog").get_by_role("button", name="Remove").click()
+    expect(page.get_by_role("region", name=NAME)).to_have_count(0)
+
+
+def test_an_emulated_chip_is_added_and_removed(page: Page, api: httpx.Client) -> None:
+    open_form(page)
+    page.get_by_role("button", name="Add and connect").click()
+    expect(page.get_by_role("region", name=NAME)).to_contain_text("connected")
+    assert api.get(f"/devices/{NAME}").raise_for_status().json()["state"] == "connected"
+    remove(page)
+    assert api.get(f"/devices/{NAME}").status_code == 404
+
+
+def test_a_name_is_needed_and_asked_for(page: Page) -> None:
+    open_form(page)
+    page.get_by_label("Name", exact=True).fill("")
+    page.get_by_role("button", name="Add and connect").click()
+    expect(page.get_by_role("alert").filter(has_text="Not saved yet")).to_be_visible()
+
+
+def test_a_chip_at_the_far_end_of_a_socket(
+    page: Page, api: httpx.Client, far_chip: tuple[int, subprocess.Popen[bytes]]
+) -> None:
+    port, process = far_chip
+    open_form(page)
+    page.get_by_text("TCP", exact=True).click()
+    page.get_by_label("Port").fill(str(port))
+    page.get_by_role("button", name="Test the link").click()
+    expect(page.get_by_role("form")).to_contain_text("It answers")
+    page.get_by_role("button", name="Add and connect").click()
+    entry = page.get_by_role("region", name=NAME)
+    expect(entry).to_contain_text("connected")
+    written = api.put(f"/devices/{NAME}/registers/V_MAX", params={"axis": 1}, json={"value": 1234})
+    assert written.raise_for_status().json()["value"] == 1234
+    process.send_signal(signal.SIGINT)
+    process.wait(10)
+    expect(entry).not_to_have_attribute("data-state", "connected", timeout=20_000)
+    expect(entry.get_by_role("alert")).to_be_visible(timeout=20_000)
+    remove(page)
+
+
+def test_a_server_that_goes_and_comes_back(page: Page, errors: Errors, tmp_path: Path) -> None:
+    errors.expect("ERR_CONNECTION_REFUSED|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET|WebSocket")
+    with ServerProcess(tmp_path, "--demo") as server:
+        page.goto(server.url)
+        expect(page.get_by_test_id("server-status")).to_have_text("2 of 2 connected")
+        port = int(server.url.rpartition(":")[2])
+        assert server.stop() == 0, server.log()
+        expect(page.get_by_test_id("disconnected")).to_be_visible(timeout=15_000)
+        server.start(port)
+        expect(page.get_by_test_id("disconnected")).to_have_count(0, timeout=15_000)
+        expect(page.get_by_test_id("link-readout").first).to_contain_text("live", timeout=15_000)

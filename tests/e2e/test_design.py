@@ -1,0 +1,104 @@
+"""From the page to the chip: registers, ramps and microstep tables that are designed in a browser arrive."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import httpx
+import pytest
+from playwright.sync_api import BrowserContext, Page, expect
+
+REGISTERS = "/devices/bench/registers"
+V_MAX, PAIR = f"{REGISTERS}/V_MAX", f"{REGISTERS}/PMUL_PDIV"
+TABLE = "/devices/bench/microstep-table"
+X = {"axis": 0}
+
+
+def value(api: httpx.Client, register: str) -> int:
+    answer: dict[str, Any] = api.get(register, params=X).raise_for_status().json()
+    return int(answer["value"])
+
+
+@pytest.fixture(autouse=True)
+def as_it_was(api: httpx.Client) -> Iterator[None]:
+    """Put back what the tests write."""
+    registers = ("V_MAX", "A_MAX", "PMUL_PDIV", "PULSE_DIV_RAMP_DIV_USRS")
+    before = {name: value(api, f"{REGISTERS}/{name}") for name in registers}
+    table = api.get(TABLE).raise_for_status().json()
+    yield
+    api.post("/stop").raise_for_status()
+    for name, old in before.items():
+        api.put(f"{REGISTERS}/{name}", params=X, json={"value": old}).raise_for_status()
+    api.put(TABLE, json={"values": table["values"]}).raise_for_status()
+
+
+def stage_v_max(page: Page, text: str) -> None:
+    page.goto("/registers")
+    page.get_by_label("Search registers").fill("v_max")
+    page.get_by_role("button", name=re.compile("^Edit v_max", re.IGNORECASE)).first.click()
+    entry = page.get_by_label(re.compile("^New value of v_max", re.IGNORECASE)).first
+    entry.fill(text)
+    entry.press("Enter")
+
+
+def test_a_register_edit_waits_until_it_is_applied(page: Page, api: httpx.Client) -> None:
+    before = value(api, V_MAX)
+    stage_v_max(page, "777")
+    expect(page.get_by_text("edit staged")).to_be_visible()
+    assert value(api, V_MAX) == before
+    page.get_by_role("button", name="Apply", exact=True).click()
+    expect(page.get_by_text("edit staged")).to_have_count(0)
+    assert value(api, V_MAX) == 777
+
+
+def test_a_value_out_of_range_is_refused_with_the_range(page: Page, api: httpx.Client) -> None:
+    before = value(api, V_MAX)
+    stage_v_max(page, "2048")
+    expect(page.get_by_role("alert").filter(has_text="2047")).to_be_visible()
+    expect(page.get_by_text("edit staged")).to_have_count(0)
+    assert value(api, V_MAX) == before
+
+
+def test_what_one_browser_writes_another_shows(
+    page: Page, new_context: Callable[..., BrowserContext], api: httpx.Client
+) -> None:
+    other = new_context().new_page()
+    other.goto("/registers")
+    other.get_by_label("Search registers").fill("v_max")
+    row = other.get_by_role("row").filter(has_text=re.compile("v_max", re.IGNORECASE)).first
+    expect(row).to_contain_text(str(value(api, V_MAX)))
+    stage_v_max(page, "888")
+    page.get_by_role("button", name="Apply", exact=True).click()
+    expect(row).to_contain_text("888")
+
+
+def test_a_designed_ramp_is_sent_with_its_pair(page: Page, api: httpx.Client) -> None:
+    pair = value(api, PAIR)
+    page.goto("/ramps")
+    field = page.get_by_label(re.compile("^a_max in chip units", re.IGNORECASE))
+    wanted = value(api, f"{REGISTERS}/A_MAX") * 2
+    expect(field).not_to_have_value("")
+    field.fill(str(wanted))
+    field.press("Enter")
+    send = page.get_by_role("button", name="Send", exact=True)
+    expect(send).to_be_enabled()
+    send.click()
+    expect(page.get_by_text("the chip holds this design")).to_be_visible()
+    assert value(api, f"{REGISTERS}/A_MAX") == wanted
+    assert value(api, PAIR) != pair, "twice the acceleration needs another pair"
+
+
+def test_a_microstep_table_goes_to_a_running_motor(page: Page, api: httpx.Client) -> None:
+    before = api.get(TABLE).raise_for_status().json()["values"]
+    api.post("/devices/bench/axes/0/rotate", json={"velocity": 2000}).raise_for_status()
+    page.goto("/microsteps")
+    page.get_by_role("button", name="Presets").click()
+    page.get_by_role("menuitem").last.click()
+    send = page.get_by_role("button", name="Send to chip")
+    expect(send).to_be_enabled()
+    send.click()
+    expect(page.get_by_text("the same as the design").or_(send.and_(page.locator(":disabled")))).to_be_visible()
+    assert api.get(TABLE).raise_for_status().json()["values"] != before
+    assert api.get("/devices/bench/axes/0").raise_for_status().json()["moving"]
