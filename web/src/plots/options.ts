@@ -2,7 +2,7 @@ import uPlot from "uplot";
 import { fixed } from "../lib/format";
 import { symbolOf } from "../lib/units";
 import { withOverlays } from "./drawing";
-import { CalmRange } from "./ranges";
+import { CalmRange, decimalsOf } from "./ranges";
 import type { Overlay, PlotScale, PlotSeries } from "./types";
 
 interface Look {
@@ -20,10 +20,6 @@ const FONT = '11px system-ui, -apple-system, "Segoe UI", Roboto, sans-serif';
 /** Fixed, so that plots above each other line up and nothing moves when a number gets longer. */
 const Y_AXIS_PX = 62;
 const X_AXIS_PX = 24;
-
-function decimalsOf(increment: number): number {
-  return Math.max(0, Math.min(12, -Math.floor(Math.log10(increment) + 1e-9)));
-}
 
 function tickLabels(scale: PlotScale): uPlot.Axis.Values {
   return (_plot, splits, _axis, _space, increment) =>
@@ -131,7 +127,7 @@ export function buildOptions(build: Build): uPlot.Options {
           width: entry.line === false ? 0 : (entry.width ?? 1) / ratio,
           points: { show: entry.dots !== undefined, size: entry.dots ?? 4, fill: entry.color, stroke: entry.color },
           ...(entry.dash ? { dash: entry.dash } : {}),
-          ...(entry.fill ? { fill: entry.fill } : {}),
+          ...(entry.fill ? { fill: entry.fill, fillTo: entry.fillTo ?? 0 } : {}),
           ...(entry.stepped && uPlot.paths.stepped ? { paths: uPlot.paths.stepped({ align: 1 }) } : {}),
           ...(entry.line === false ? { paths: () => null } : {}),
         }),

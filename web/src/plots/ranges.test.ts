@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { CalmRange, roundRange } from "./ranges";
+import { CalmRange, decimalsOf, roundRange } from "./ranges";
 
 describe("ranges", () => {
   it("holds the data on round numbers", () => {
@@ -19,6 +19,10 @@ describe("ranges", () => {
     expect(low).toBeLessThan(7);
     expect(high).toBeGreaterThan(7);
     expect(roundRange(Number.POSITIVE_INFINITY, Number.NEGATIVE_INFINITY)).toEqual([-1, 1]);
+  });
+
+  it("labels ticks with the decimals that tell them apart", () => {
+    expect([20, 2.5, 0.25, 1e-3, 0.1 + 0.2].map(decimalsOf)).toEqual([0, 1, 2, 3, 1]);
   });
 
   it("grows at once and shrinks late", () => {

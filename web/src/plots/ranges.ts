@@ -38,3 +38,12 @@ export class CalmRange {
     return [this.low, this.high];
   }
 }
+
+/** How many decimals tell ticks of this distance apart: 2.5 needs one, 20 none. */
+export function decimalsOf(increment: number): number {
+  for (let decimals = 0; decimals < 12; decimals++) {
+    const scaled = increment * 10 ** decimals;
+    if (Math.abs(scaled - Math.round(scaled)) < 1e-6 * scaled) return decimals;
+  }
+  return 12;
+}

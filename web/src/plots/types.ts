@@ -16,8 +16,9 @@ export interface PlotSeries {
   /** dots of this diameter [px]; with `line: false` dots alone */
   dots?: number;
   line?: boolean;
-  /** a CSS colour under the line */
+  /** a CSS colour between the line and `fillTo` (0 by default) */
   fill?: string;
+  fillTo?: number;
   hidden?: boolean;
 }
 

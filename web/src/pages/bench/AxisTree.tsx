@@ -94,15 +94,17 @@ function AxisRow({ device, axis, emulator, unit, active, onSelect }: RowProps) {
       </span>
       <Lamps live={live} />
       <LiveText
-        className={classes.axisState}
+        className={classes.axisWord}
         read={() => {
-          const velocity = live.read("velocity");
-          if (Number.isNaN(velocity)) return device.state === "connected" ? "waiting for samples" : device.state;
-          if (velocity !== 0)
-            return `${fixed(fromSteps(velocity, rate, scale, "velocity"), decimals)} ${symbolOf(rate)}`;
+          if (Number.isNaN(live.read("velocity"))) return device.state === "connected" ? "no samples" : device.state;
+          if (live.moving()) return "moving";
           return live.read("position_reached") > 0.5 ? "at target" : "at rest";
         }}
       />
+      <span className={classes.axisState}>
+        <LiveText read={() => fixed(fromSteps(live.read("velocity"), rate, scale, "velocity"), decimals)} />
+        <span className={classes.unit}>{symbolOf(rate)}</span>
+      </span>
       {emulator && <Rail axis={axis} live={live} emulator={emulator} />}
     </UnstyledButton>
   );

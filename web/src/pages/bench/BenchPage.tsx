@@ -9,7 +9,7 @@ import { useSelection } from "../../live/selection";
 import { AxisTree } from "./AxisTree";
 import classes from "./bench.module.css";
 import { DemoBanner } from "./DemoBanner";
-import { EmulatorDrawer } from "./EmulatorDrawer";
+import { EmulatorPanel } from "./EmulatorPanel";
 import { BenchLive, useLiveAxis } from "./live";
 import { MotionCard } from "./motion/MotionCard";
 import { StageDrawing } from "./StageDrawing";
@@ -45,12 +45,12 @@ export default function BenchPage() {
 function Bench({ devices }: { devices: readonly Device[] }) {
   const { device, axis, select } = useSelection();
   const [settings, change] = useScopeSettings();
-  const [drawer, { open, close }] = useDisclosure();
+  const [panel, { toggle, close }] = useDisclosure();
   const entry = device?.axes.find((candidate) => candidate.index === axis) ?? device?.axes[0];
   const deviceId = device?.id ?? "";
   const main = useMemo(() => ({ device: deviceId, axis }), [deviceId, axis]);
   return (
-    <div className={classes.bench}>
+    <div className={classes.bench} data-panel={device?.emulated === true && panel}>
       <VisuallyHidden>
         <h1>Bench</h1>
       </VisuallyHidden>
@@ -69,12 +69,12 @@ function Bench({ devices }: { devices: readonly Device[] }) {
         <DemoBanner devices={devices} />
         {device && entry && (
           <>
-            {device.emulated && <Stage device={device} axis={entry} onOpen={open} />}
+            {device.emulated && <Stage device={device} axis={entry} open={panel} onToggle={toggle} />}
             <ScopeCard devices={devices} main={main} axisName={`${device.name} ${entry.name}`} />
-            {device.emulated && <EmulatorDrawer device={device} opened={drawer} onClose={close} />}
           </>
         )}
       </div>
+      {device?.emulated && panel && <EmulatorPanel device={device} onClose={close} />}
     </div>
   );
 }
@@ -82,10 +82,11 @@ function Bench({ devices }: { devices: readonly Device[] }) {
 interface StageProps {
   device: Device;
   axis: Device["axes"][number];
-  onOpen: () => void;
+  open: boolean;
+  onToggle: () => void;
 }
 
-function Stage({ device, axis, onOpen }: StageProps) {
+function Stage({ device, axis, open, onToggle }: StageProps) {
   const emulator = useEmulator(device);
   const live = useLiveAxis(device.id, axis.index);
   return (
@@ -96,7 +97,8 @@ function Stage({ device, axis, onOpen }: StageProps) {
         variant="subtle"
         className={classes.stageButton}
         leftSection={<IconAdjustmentsAlt size={14} aria-hidden />}
-        onClick={onOpen}
+        aria-expanded={open}
+        onClick={onToggle}
         data-testid="emulator-open"
       >
         Emulator

@@ -12,10 +12,10 @@ import { shuttleKey } from "./motion/ShuttleSection";
 import { useAction } from "./motion/useAction";
 
 const NEXT: readonly (readonly [href: string, name: string, what: string])[] = [
-  ["/ramps", "Ramps", "design a pmul/pdiv pair and send it"],
-  ["/registers", "Registers", "watch them live, change V_MAX"],
-  ["/microsteps", "Microsteps", "shape the current waves"],
-  ["/connections", "Connections", "add your own chip"],
+  ["/ramps", "Ramps", "design one and send it"],
+  ["/registers", "Registers", "live, bit by bit"],
+  ["/microsteps", "Microsteps", ""],
+  ["/connections", "Connections", ""],
 ];
 
 /** For somebody who sees stepscope for the first time: one click to motion, then where to go. */
@@ -65,7 +65,7 @@ export function DemoBanner({ devices }: { devices: readonly Device[] }) {
               <Link href={href} className={classes.nextLink}>
                 {name}
               </Link>{" "}
-              <Text span size="sm" c="dimmed" visibleFrom="lg">
+              <Text span size="sm" c="dimmed" visibleFrom="xl">
                 {what}
               </Text>
             </Text>

@@ -27,9 +27,10 @@ export function JogSection({ at, scale, unit, topSpeedPps, action, disabled }: P
     void action.run("Rotating", () => motion.rotate(at, { velocity: sign * speed, unit: "pps" }));
   const stop = (mode: "ramp" | "immediate") => void action.run("Stopping", () => motion.stop(at, mode));
   return (
-    <>
+    <div className={classes.byHand}>
       <NumberField
-        label="Speed by hand"
+        classNames={{ root: classes.inline, input: "num" }}
+        label="Speed"
         value={Number(fromSteps(speed, rate, scale, "velocity").toPrecision(5))}
         unit={rate}
         min={0}
@@ -103,6 +104,6 @@ export function JogSection({ at, scale, unit, topSpeedPps, action, disabled }: P
           Rotate
         </Button>
       </Group>
-    </>
+    </div>
   );
 }

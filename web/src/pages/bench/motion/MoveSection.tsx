@@ -4,6 +4,7 @@ import { useState } from "react";
 import { type AxisAddress, motion } from "../../../api/motion";
 import { NumberField } from "../../../lib/NumberField";
 import { type AxisScale, fromSteps, type PositionUnit, toSteps } from "../../../lib/units";
+import classes from "../bench.module.css";
 import type { Action } from "./useAction";
 
 interface Props {
@@ -32,8 +33,9 @@ export function MoveSection({ at, scale, unit, action, disabled }: Props) {
   const step = unit === "microsteps" ? 100 : unit === "deg" ? 10 : 1;
   return (
     <>
-      <Group gap={6} wrap="nowrap" align="flex-end">
+      <Group gap={6} wrap="nowrap" align="flex-start">
         <NumberField
+          classNames={{ root: classes.inline, input: "num" }}
           label="Move to"
           value={shown(target)}
           unit={unit}
@@ -53,8 +55,9 @@ export function MoveSection({ at, scale, unit, action, disabled }: Props) {
           Go
         </Button>
       </Group>
-      <Group gap={6} wrap="nowrap" align="flex-end">
+      <Group gap={6} wrap="nowrap" align="flex-start">
         <NumberField
+          classNames={{ root: classes.inline, input: "num" }}
           label="Move by"
           value={shown(distance)}
           unit={unit}

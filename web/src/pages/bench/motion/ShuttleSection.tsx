@@ -5,6 +5,7 @@ import { api, unwrap } from "../../../api/client";
 import { type AxisAddress, motion } from "../../../api/motion";
 import { NumberField } from "../../../lib/NumberField";
 import { type AxisScale, fromSteps, toSteps } from "../../../lib/units";
+import classes from "../bench.module.css";
 import type { LiveAxis } from "../live";
 import type { Action } from "./useAction";
 
@@ -33,12 +34,15 @@ export function ShuttleSection({ at, scale, unit, live, action, disabled }: Prop
     refetchInterval: 1000,
   });
   const running = shuttle.data?.running === true;
+  // While one runs, the fields say what it does, whoever has started it.
+  const shown = running ? ([shuttle.data?.first ?? ends[0], shuttle.data?.second ?? ends[1]] as const) : ends;
   const refresh = () => void queries.invalidateQueries({ queryKey: shuttleKey(at) });
   const end = (index: 0 | 1, label: string) => (
-    <Group gap={6} wrap="nowrap" align="flex-end">
+    <Group gap={6} wrap="nowrap" align="flex-start">
       <NumberField
+        classNames={{ root: classes.inline, input: "num" }}
         label={label}
-        value={Number(fromSteps(ends[index], unit, scale, "position").toPrecision(7))}
+        value={fromSteps(shown[index], unit, scale, "position")}
         unit={unit}
         flex={1}
         disabled={disabled || running}
@@ -64,11 +68,12 @@ export function ShuttleSection({ at, scale, unit, live, action, disabled }: Prop
   return (
     <>
       {end(0, "From A")}
-      {end(1, "to B")}
-      <Group gap={6} wrap="nowrap" align="flex-end">
+      {end(1, "To B")}
+      <Group gap={6} wrap="nowrap" align="flex-start">
         <NumberField
-          label="Rest at each end"
-          value={dwellS}
+          classNames={{ root: classes.inline, input: "num" }}
+          label="Rest"
+          value={running ? (shuttle.data?.dwell_s ?? dwellS) : dwellS}
           unit="s"
           min={0}
           max={60}
@@ -97,7 +102,7 @@ export function ShuttleSection({ at, scale, unit, live, action, disabled }: Prop
         </Button>
       </Group>
       <Text size="xs" c="dimmed" mih={18}>
-        {running ? `Running, ${shuttle.data?.cycles ?? 0} times there and back` : (shuttle.data?.message ?? "")}
+        {running ? `Running: ${shuttle.data?.cycles ?? 0} × there and back` : (shuttle.data?.message ?? "")}
       </Text>
     </>
   );

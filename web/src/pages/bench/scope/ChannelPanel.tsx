@@ -26,6 +26,8 @@ export function ChannelPanel({ scopeRow, scope, cursors, onToggle }: Props) {
     const delta = scope.valueAt(trace, b) - scope.valueAt(trace, a);
     return trace.unit === "" ? "" : fixed(delta / trace.divisor, trace.decimals);
   };
+  // as they lie on each other: what is drawn last is on top, and first in the list; lanes are listed from the top
+  const listed = row.id === "switches" ? traces : [...traces].reverse();
   return (
     <div className={classes.panel} data-row={row.id}>
       <div className={classes.panelTitle}>
@@ -37,7 +39,7 @@ export function ChannelPanel({ scopeRow, scope, cursors, onToggle }: Props) {
         </Text>
       </div>
       <ul className={classes.channels}>
-        {[...traces].reverse().map((trace) => (
+        {listed.map((trace) => (
           <li key={trace.key}>
             <UnstyledButton
               className={classes.channel}
@@ -53,7 +55,7 @@ export function ChannelPanel({ scopeRow, scope, cursors, onToggle }: Props) {
                 read={() => valueText(trace, scope.valueAt(trace, scope.hover()))}
               />
             </UnstyledButton>
-            {cursors && trace.shown && trace.unit !== "" && (
+            {cursors && trace.shown && trace.measured && (
               <div className={classes.delta}>
                 <span>B − A</span>
                 <LiveText className={classes.channelValue} read={() => difference(trace)} />

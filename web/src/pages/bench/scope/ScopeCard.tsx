@@ -116,7 +116,11 @@ export function ScopeCard({ devices, main, axisName }: Props) {
               key={row.id}
               className={classes.row}
               style={
-                row.grow > 0 ? { flexGrow: row.grow, flexBasis: 0 } : { flex: `0 0 ${LANE_PX + (bottom ? 24 : 0)}px` }
+                phone
+                  ? undefined
+                  : row.grow > 0
+                    ? { flexGrow: row.grow, flexBasis: 0 }
+                    : { flex: `0 0 ${LANE_PX + (bottom ? 24 : 0)}px` }
               }
             >
               <Plot

@@ -100,6 +100,7 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
       <Select
         size="xs"
         w={92}
+        className={classes.roomy ?? ""}
         aria-label="Sample rate"
         data={RATES_HZ.filter((rate) => rate <= (device?.rate_max_hz ?? 1000)).map((rate) => ({
           value: String(rate),
@@ -116,6 +117,7 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
       <Select
         size="xs"
         w={96}
+        className={classes.roomy ?? ""}
         aria-label="Unit of positions"
         data={units.map((unit) => ({ value: unit, label: symbolOf(unit) }))}
         value={units.includes(settings.unit) ? settings.unit : "microsteps"}

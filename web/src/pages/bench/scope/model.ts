@@ -19,6 +19,7 @@ export interface ScopeTrace {
   offset: number;
   decimals: number;
   shown: boolean;
+  measured: boolean;
   series: PlotSeries;
 }
 
@@ -53,8 +54,8 @@ function find(devices: readonly Device[], ref: AxisRef): { device: Device; scale
 }
 
 function seriesOf(channel: RowChannel, color: string, label: string, dash: number[] | undefined, stepped: boolean) {
-  const series: PlotSeries = { label, color: channel.band ? `${color}80` : color };
-  if (channel.band) series.width = 4;
+  const series: PlotSeries = { label, color: channel.band ? `${color}66` : color };
+  if (channel.band) series.width = 5;
   if (stepped || channel.thin) series.stepped = true;
   if (dash) series.dash = dash;
   else if (channel.thin) series.dash = [4, 3];
@@ -89,7 +90,10 @@ export function buildRows(
         const dash = index === 0 ? undefined : DASHES[(index - 1) % DASHES.length];
         const series = seriesOf(channel, colorOf(channel.quantity, scheme), label, dash, place !== null);
         if (!shown) series.hidden = true;
-        if (place) series.fill = `${colorOf(channel.quantity, scheme)}28`;
+        if (place) {
+          series.fill = `${colorOf(channel.quantity, scheme)}50`;
+          series.fillTo = place.low;
+        }
         return [
           {
             key,
@@ -102,6 +106,7 @@ export function buildRows(
             offset: place?.low ?? 0,
             decimals: row.motion ? decimalsFor(factor) : 0,
             shown,
+            measured: channel.measured === true,
             series,
           },
         ];

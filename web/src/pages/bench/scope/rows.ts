@@ -7,8 +7,10 @@ export type Motion = "position" | "velocity" | "acceleration";
 export interface RowChannel {
   quantity: Quantity;
   label: string;
-  /** shown for axes that are only added to the plot */
+  /** shown for axes that are only added to the plot too */
   shared?: boolean;
+  /** the cursors give its difference */
+  measured?: boolean;
   /** a broad pale band that the measured line lies on: both are seen where they agree */
   band?: boolean;
   thin?: boolean;
@@ -33,7 +35,7 @@ export const ROWS: readonly Row[] = [
     channels: [
       { quantity: "predicted_position", label: "predicted", band: true },
       { quantity: "target_position", label: "target", thin: true },
-      { quantity: "position", label: "position", shared: true },
+      { quantity: "position", label: "position", shared: true, measured: true },
     ],
   },
   {
@@ -41,7 +43,7 @@ export const ROWS: readonly Row[] = [
     title: "Residual",
     motion: null,
     grow: 1.4,
-    channels: [{ quantity: "residual", label: "measured − predicted" }],
+    channels: [{ quantity: "residual", label: "residual", measured: true }],
   },
   {
     id: "velocity",
@@ -51,7 +53,7 @@ export const ROWS: readonly Row[] = [
     channels: [
       { quantity: "predicted_velocity", label: "predicted", band: true },
       { quantity: "target_velocity", label: "target", thin: true },
-      { quantity: "velocity", label: "velocity", shared: true },
+      { quantity: "velocity", label: "velocity", shared: true, measured: true },
     ],
   },
   {
@@ -59,7 +61,7 @@ export const ROWS: readonly Row[] = [
     title: "Acceleration",
     motion: "acceleration",
     grow: 1.5,
-    channels: [{ quantity: "acceleration", label: "acceleration", shared: true }],
+    channels: [{ quantity: "acceleration", label: "acceleration", shared: true, measured: true }],
   },
   {
     id: "switches",

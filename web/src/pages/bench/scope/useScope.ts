@@ -154,7 +154,7 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
           y: column.map((value) => value / trace.divisor),
           shift: ramp.startedAtS,
           color: trace.series.color,
-          width: 4,
+          width: 5,
         },
       ]);
     }

@@ -1,4 +1,15 @@
-import { Button, Divider, Drawer, Group, SegmentedControl, Slider, Stack, Switch, Text } from "@mantine/core";
+import {
+  Button,
+  CloseButton,
+  Divider,
+  Group,
+  SegmentedControl,
+  Slider,
+  Stack,
+  Switch,
+  Text,
+  Title,
+} from "@mantine/core";
 import { IconPower } from "@tabler/icons-react";
 import type { Device } from "../../api/queries";
 import { fixed } from "../../lib/format";
@@ -9,7 +20,6 @@ import { type EmulatorAxis, type EmulatorPatch, useChangeEmulator, useEmulator }
 
 interface Props {
   device: Device;
-  opened: boolean;
   onClose: () => void;
 }
 
@@ -22,26 +32,20 @@ const SWITCHES = [
 const SCALES = [0, 0.1, 0.25, 0.5, 1, 2, 5, 10] as const;
 
 /** The world behind an emulated chip's pins, to be played with: switches, faults, time, power. */
-export function EmulatorDrawer({ device, opened, onClose }: Props) {
+export function EmulatorPanel({ device, onClose }: Props) {
   const emulator = useEmulator(device);
   const change = useChangeEmulator(device.id);
   const state = emulator.data;
   const send = (patch: EmulatorPatch) => change.mutate(patch);
   const scaleIndex = SCALES.findIndex((scale) => scale >= (state?.time_scale ?? 1));
   return (
-    <Drawer
-      opened={opened}
-      onClose={onClose}
-      position="right"
-      size={360}
-      title={`Emulator of ${device.name}`}
-      closeButtonProps={{ "aria-label": "Close" }}
-      // the scope stays in sight: what a fault does is seen there
-      withOverlay={false}
-      lockScroll={false}
-      trapFocus={false}
-      closeOnEscape
-    >
+    <aside className={classes.emulator} aria-label={`Emulator of ${device.name}`} data-testid="emulator">
+      <Group justify="space-between" wrap="nowrap" mb={4}>
+        <Title order={2} className={classes.cardTitle}>
+          Emulator of {device.name}
+        </Title>
+        <CloseButton size="sm" aria-label="Close the emulator panel" onClick={onClose} />
+      </Group>
       <Stack gap="sm">
         {(change.error ?? emulator.error) && (
           <ProblemAlert error={change.error ?? emulator.error} doing="Changing the emulator" onClose={change.reset} />
@@ -59,7 +63,7 @@ export function EmulatorDrawer({ device, opened, onClose }: Props) {
             ))}
             <Divider label="Time" labelPosition="left" />
             <Slider
-              aria-label="Time scale"
+              thumbLabel="Time scale"
               min={0}
               max={SCALES.length - 1}
               step={1}
@@ -108,7 +112,7 @@ export function EmulatorDrawer({ device, opened, onClose }: Props) {
           </>
         )}
       </Stack>
-    </Drawer>
+    </aside>
   );
 }
 
