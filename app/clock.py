@@ -94,6 +94,7 @@ class ScaledClock:
     def __init__(self, base: Clock, scale: float = 1.0) -> None:
         self._base = base
         self._scale = scale
+        self._scale_before = scale
         self._anchor_base_s = base.now()
         self._anchor_s = 0.0
 
@@ -110,12 +111,22 @@ class ScaledClock:
     def scale(self, scale: float) -> None:
         if not 0 <= scale <= 1000:
             raise ValueError(f"time scale {scale} is outside 0..1000")
-        self._anchor_s = self.now()
-        self._anchor_base_s = self._base.now()
-        self._scale = scale
+        base_s = self._base.now()
+        self._anchor_s = self.at(base_s)
+        self._anchor_base_s = base_s
+        self._scale_before, self._scale = self._scale, scale
 
     def now(self) -> float:
-        return self._anchor_s + (self._base.now() - self._anchor_base_s) * self._scale
+        return self.at(self._base.now())
+
+    def at(self, base_s: float) -> float:
+        """Return this clock's time [s] when the base clock shows `base_s` [s].
+
+        A pure function of its argument: two clock reads, with whatever the system did between
+        them, never stand for one moment. Before the latest change of scale the scale before holds.
+        """
+        since_s = base_s - self._anchor_base_s
+        return self._anchor_s + since_s * (self._scale if since_s >= 0 else self._scale_before)
 
     async def sleep(self, seconds: float) -> None:
         if self._scale == 0 and seconds > 0:

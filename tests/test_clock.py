@@ -61,6 +61,19 @@ def test_a_time_scale_changes_the_pace_and_never_jumps() -> None:
         clock.scale = -1.0
 
 
+def test_a_moment_of_the_base_clock_is_one_moment_of_the_scaled_one() -> None:
+    """Also shortly before the latest change of scale: a sample that fell due then keeps its time."""
+    base = VirtualClock()
+    clock = ScaledClock(base, scale=2.0)
+    base.set(10.0)
+    clock.scale = 5.0
+    base.set(12.0)
+    assert clock.at(9.0) == pytest.approx(18.0)
+    assert clock.at(10.0) == pytest.approx(20.0)
+    assert clock.at(11.0) == pytest.approx(25.0)
+    assert clock.now() == clock.at(12.0)
+
+
 def test_the_wall_clock_runs() -> None:
     clock = WallClock()
     first = clock.now()

@@ -43,9 +43,6 @@ class EmulatorPort:
         self._name = name or f"emulated {wire.model}"
         self._server = wire.clock.base
         self._last_exchange_s = wire.clock.now()
-        # When samples were last taken, on both clocks: between there and now, time runs evenly.
-        self._seen_server_s = self._server.now()
-        self._seen_chip_s = self._last_exchange_s
         self._due: list[tuple[float, int, _Sampling]] = []
         self._order = 0
 
@@ -62,11 +59,10 @@ class EmulatorPort:
 
     async def exchange(self, frame: bytes, timeout_s: float | None = None) -> bytes:
         """Answer at once. `timeout_s` has no meaning here: a silent emulator is known to be silent."""
-        if self._due:
-            now_s = self._server.now()
-            if self._due[0][0] <= now_s:
-                self._take_due(now_s)
-        at_s = self.wire.clock.now()
+        now_s = self._server.now()
+        if self._due and self._due[0][0] <= now_s:
+            self._take_due(now_s)
+        at_s = self.wire.clock.at(now_s)
         try:
             reply = self.wire.exchange(frame, at_s)
         except TimeoutError as error:
@@ -107,10 +103,6 @@ class EmulatorPort:
 
     def _take_due(self, now_s: float) -> LinkError | None:
         """Take what is due by server time `now_s` [s], oldest first; the latest failure is returned, not raised."""
-        chip_now_s = self.wire.clock.now()
-        from_s, chip_from_s = self._seen_server_s, self._seen_chip_s
-        self._seen_server_s, self._seen_chip_s = now_s, chip_now_s
-        rate = (chip_now_s - chip_from_s) / (now_s - from_s) if now_s > from_s else 0.0
         failure: LinkError | None = None
         due = self._due
         while due and due[0][0] <= now_s:
@@ -123,7 +115,7 @@ class EmulatorPort:
                 sampling.taken += behind
                 self._push(sampling)
                 continue
-            failure = self._take(sampling, chip_now_s - (now_s - due_s) * rate)
+            failure = self._take(sampling, self.wire.clock.at(due_s))
             sampling.taken += 1
             self._push(sampling)
         return failure
