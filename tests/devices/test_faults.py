@@ -65,6 +65,23 @@ async def test_a_read_is_asked_twice_and_a_write_once() -> None:
         assert [frame for frame in sent if not frame[0] & 1] == [datagram32.write(0x00, 1000)]
 
 
+async def test_one_lost_answer_within_a_transaction_is_made_good() -> None:
+    async with bench() as b:
+        exchange = b.wire.exchange
+        lost: list[bytes] = []
+
+        def lose_one(frame: bytes, at_s: float | None = None) -> bytes:
+            if frame == datagram32.read(0x01) and not lost:
+                lost.append(frame)
+                raise TimeoutError
+            return exchange(frame, at_s)
+
+        b.wire.exchange = lose_one  # type: ignore[method-assign]
+        assert (await b.device.axis_state(0)).position == 0
+        assert len(lost) == 1
+        assert b.device.state == "connected"
+
+
 async def test_a_flipped_bit_in_a_read_back_is_asked_about_again() -> None:
     async with bench() as b:
         exchange, flips = b.wire.exchange, [1]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from app.devices.results import AxisMove
+from app.links import datagram32
 from app.links.errors import OutOfRange, UnknownThing, UsageError, WrongState
 from app.registers.catalog import MODELS
 from tests.devices.bench import bench
@@ -219,9 +220,17 @@ async def test_an_old_v_target_does_not_run_off_when_hold_mode_ends() -> None:
         await b.device.rotate(0, 1000, "chip")
         await b.clock.advance(0.2)
         await b.device.stop(0, "immediate")
+        exchange, seen = b.wire.exchange, []
+
+        def listen(frame: bytes, at_s: float | None = None) -> bytes:
+            reply = exchange(frame, at_s)
+            if frame[0] == 0x14:  # lp_ref_conf_rm of axis 0: from here on v_target counts
+                seen.append(exchange(datagram32.read(0x04))[1:])
+            return reply
+
+        b.wire.exchange = listen  # type: ignore[method-assign]
         await b.device.rotate(0, -100, "chip")
-        await b.clock.advance(0.001)
-        assert (await b.device.axis_state(0)).velocity_pps <= 0
+        assert seen == [(-100 & 0xFFF).to_bytes(3, "big")]
 
 
 @BOTH
