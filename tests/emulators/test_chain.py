@@ -111,6 +111,7 @@ def test_step_and_direction_bits() -> None:
     assert bench.chain().datagrams_sent == 3
 
 
+@pytest.mark.sheet("001", "2.4")
 @pytest.mark.sheet("001", "9.7")
 @pytest.mark.sheet("001", "12.1")
 @pytest.mark.parametrize(

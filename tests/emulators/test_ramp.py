@@ -426,6 +426,7 @@ def test_changing_pulse_div_may_force_an_internal_microstep(mode: int, odd: bool
     assert (bench.x, bench.place() - carriage) == (before, 1 / 64 if forced else 0)
 
 
+@pytest.mark.sheet("000", "6.1.11")
 @pytest.mark.sheet("001", "8.6")
 @pytest.mark.sheet("001", "8.13")
 @pytest.mark.sheet("000", "6.1.6")

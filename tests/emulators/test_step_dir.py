@@ -30,6 +30,7 @@ def stepping(interface: int = EN_SD, **options: object) -> Bench:
     return bench
 
 
+@pytest.mark.sheet("000", "6.2.1")
 @pytest.mark.sheet("000", "1.4")
 @pytest.mark.parametrize("enabled", [True, False])
 def test_without_en_sd_no_step_leaves_the_chip(enabled: bool) -> None:
@@ -53,6 +54,7 @@ def test_the_external_driver_decides_what_a_step_is(microsteps: int) -> None:
     assert bench.place() - start == -768 / microsteps
 
 
+@pytest.mark.sheet("000", "6.2.1")
 @pytest.mark.sheet("000", "1.2.2")
 @pytest.mark.sheet("000", "2.2")
 @pytest.mark.parametrize("inverted", [0, 1])
@@ -66,6 +68,8 @@ def test_direction_output_and_its_inversion(inverted: int) -> None:
     assert bench.place() - start == (-10 if inverted else 10)
 
 
+@pytest.mark.sheet("000", "6.2.2")
+@pytest.mark.sheet("000", "8.1")
 @pytest.mark.sheet("000", "5.3")
 @pytest.mark.sheet("000", "1.2.2")
 @pytest.mark.parametrize("stpdiv", [0, 1, 7, 15])
@@ -85,6 +89,7 @@ def test_step_pulse_length(stpdiv: int, inverted: int) -> None:
     assert high == bench.step_dir().pulse_clocks == 16 * (1 + stpdiv)
 
 
+@pytest.mark.sheet("000", "6.2.1")
 @pytest.mark.sheet("000", "5.3")
 def test_step_half_makes_every_edge_a_step() -> None:
     bench = stepping(EN_SD | STEP_HALF)
@@ -127,6 +132,8 @@ def test_the_step_pointer_counts_and_can_be_set() -> None:
     assert bench.x == 290
 
 
+@pytest.mark.sheet("000", "6.2.1.1")
+@pytest.mark.sheet("000", "6.2.1.2")
 @pytest.mark.sheet("000", "5.3")
 def test_position_compare_sets_its_flag_when_the_position_is_met() -> None:
     bench = stepping()
@@ -148,6 +155,7 @@ def test_position_compare_sets_its_flag_when_the_position_is_met() -> None:
     assert bench.read(POS_COMP_INT) == 0x101
 
 
+@pytest.mark.sheet("000", "6.2.1.2")
 @pytest.mark.sheet("000", "5.3")
 def test_position_compare_needs_its_mask_and_a_motor_that_exists() -> None:
     for interface, mask in ((EN_SD, 0), (EN_SD | 3 << 6, 0x100), (EN_SD | 1 << 6, 0x100)):
@@ -195,6 +203,7 @@ def test_signed_and_unsigned_parameters() -> None:
     assert bench.read(0x02) == 0x7FF
 
 
+@pytest.mark.sheet("000", "6.1.12")
 @pytest.mark.sheet("000", "6.1.7")
 @pytest.mark.sheet("000", "5.3")
 def test_pulse_div_changed_outside_ramp_mode_may_emit_a_step() -> None:

@@ -394,6 +394,7 @@ def test_hold_mode_obeys_stop_switches_too() -> None:
     assert bench.v == -1000
 
 
+@pytest.mark.sheet("000", "7.1")
 @pytest.mark.sheet("000", "1.5.4")
 @pytest.mark.parametrize("mot1r", [0, 1])
 def test_the_right_switch_of_the_tmc4210_has_to_be_initialised(mot1r: int) -> None:
@@ -406,6 +407,7 @@ def test_the_right_switch_of_the_tmc4210_has_to_be_initialised(mot1r: int) -> No
     assert (bench.place() > 60) == (not mot1r)
 
 
+@pytest.mark.sheet("000", "6.2.1")
 @pytest.mark.sheet("000", "1.5.4")
 @pytest.mark.sheet("000", "2.2")
 def test_inverted_switch_inputs_of_the_tmc4210() -> None:
@@ -416,3 +418,66 @@ def test_inverted_switch_inputs_of_the_tmc4210() -> None:
     assert bench.read(SWITCHES) == 0b11
     bench.switch(left=True)
     assert bench.read(SWITCHES) == 0b01
+
+
+def rig_4210(flags: int = 0) -> Bench:
+    """A TMC4210 on a short stage, both switches in use, driver at 16 microsteps."""
+    bench = Bench("tmc4210", stages=[SHORT])
+    bench.write(0x34, 0x20)
+    bench.write(GLOBAL, MOT1R | 0xF00)
+    bench.ramp(mode=VELOCITY, flags=flags, dividers=0x4400)
+    bench.write(INTERRUPT, 0xFF00)
+    return bench
+
+
+@pytest.mark.sheet("000", "6.1.10")
+@pytest.mark.parametrize(
+    ("flags", "velocity", "stops"), [(0, -900, True), (0, 900, True), (0x100, -900, False), (0x200, 900, False)]
+)
+def test_stop_switches_of_the_tmc4210(flags: int, velocity: int, stops: bool) -> None:
+    bench = rig_4210(flags)
+    run(bench, velocity, 0.5)
+    assert (bench.v == 0) == stops
+    assert bool(bench.read(INTERRUPT) & STOP) == stops
+
+
+@pytest.mark.sheet("000", "6.1.10")
+def test_soft_stop_of_the_tmc4210() -> None:
+    bench = rig_4210(SOFT_STOP)
+    bench.write(0x06, 300)
+    run(bench, 900, 0.5)
+    assert bench.v == 0
+    assert bench.place() > 50.5
+
+
+@pytest.mark.sheet("000", "6.1.13")
+@pytest.mark.sheet("000", "6.1.14")
+@pytest.mark.sheet("000", "7.2")
+@pytest.mark.sheet("000", "7.3")
+def test_homing_with_three_switches_on_the_tmc4210() -> None:
+    """Stop at one edge of the reference switch, pass it within the tolerance, latch the other, centre."""
+    bench = rig_4210()
+    bench.write(MODE, RAMP)
+    bench.write(X_LATCHED, 0)
+    bench.write(X_TARGET, -20_000)
+    bench.seconds(0.5)
+    assert (bench.v, bench.read(MODE) >> 16) == (0, 0)
+    assert bench.x == bench.signed(X_LATCHED)
+    assert bench.place() == -10
+    bench.write(MODE, VELOCITY)
+    bench.write(V_TARGET, 0)
+    bench.write(X_ACTUAL, 0)
+    bench.write(X_TARGET, 0)
+    bench.write(DX_REF, 400)
+    bench.write(X_LATCHED, 0)
+    bench.write(MODE, RAMP)
+    bench.write(X_TARGET, -300)
+    bench.seconds(0.5)
+    assert bench.signed(X_LATCHED) == pytest.approx(-160, abs=1)
+    bench.write(X_TARGET, -80)
+    bench.seconds(0.5)
+    assert bench.place() == pytest.approx(-15, abs=0.1)
+    bench.write(X_TARGET, -9000)
+    bench.seconds(1.0)
+    assert bench.v == 0
+    assert bench.place() == pytest.approx(-50, abs=0.1)  # outside the tolerance the left switch does stop

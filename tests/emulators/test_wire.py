@@ -13,6 +13,10 @@ from tests.emulators.bench import GLOBAL, POWER_DOWN, Bench
 MODEL_NAMES = ("tmc428", "tmc4210")
 
 
+@pytest.mark.sheet("000", "5")
+@pytest.mark.sheet("001", "9")
+@pytest.mark.sheet("001", "8")
+@pytest.mark.sheet("000", "6.2")
 @pytest.mark.sheet("001", "6.1")
 @pytest.mark.sheet("001", "7.2")
 @pytest.mark.sheet("000", "5.3")
@@ -65,6 +69,7 @@ def test_datagram_examples_of_the_tmc4210() -> None:
     assert bench.read(0b1111111) == 0b100011_00_100001
 
 
+@pytest.mark.sheet("000", "5.2.2")
 @pytest.mark.sheet("001", "6.4")
 def test_reply_status_is_that_before_the_write() -> None:
     bench = Bench()
@@ -99,6 +104,8 @@ def test_status_bits_of_the_tmc4210() -> None:
     assert [*seen, bench.status] == [0x01, 0x03, 0x21, 0x01, 0x09]
 
 
+@pytest.mark.sheet("000", "6.2.1.5")
+@pytest.mark.sheet("000", "6.2.2")
 @pytest.mark.sheet("000", "5.2.2.2")
 def test_right_switch_leaves_the_status_once_mot1r_is_set() -> None:
     bench = Bench("tmc4210")
@@ -165,6 +172,7 @@ def test_read_only_registers_ignore_writes(address: int) -> None:
     assert bench.read(address) == 0
 
 
+@pytest.mark.sheet("000", "6.2.1.4")
 @pytest.mark.sheet("000", "5.3")
 def test_type_version_is_read_only() -> None:
     bench = Bench("tmc4210")
@@ -173,8 +181,11 @@ def test_type_version_is_read_only() -> None:
 
 
 @pytest.mark.sheet("001", "9.5")
-def test_power_down_stops_the_clocks_until_the_next_datagram() -> None:
-    bench = Bench()
+@pytest.mark.sheet("000", "6.2.1.3")
+@pytest.mark.parametrize("model", MODEL_NAMES)
+def test_power_down_stops_the_clocks_until_the_next_datagram(model: str) -> None:
+    bench = Bench(model)
+    bench.write(0x34, 0x20)
     bench.ramp(mode=2)
     bench.write(0x04, 500)
     bench.seconds(0.01)
