@@ -14,12 +14,21 @@ import httpx
 import pytest
 from axe_playwright_python.sync_playwright import Axe
 from chromium import chromium_flags, find_chromium
-from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, WebError, expect, sync_playwright
+from playwright.sync_api import (
+    Browser,
+    BrowserContext,
+    ConsoleMessage,
+    Page,
+    ViewportSize,
+    WebError,
+    expect,
+    sync_playwright,
+)
 from server_process import ServerProcess
 
 RESULTS = Path(__file__).parents[2] / "test-results"
-DESKTOP = {"width": 1440, "height": 900}
-PHONE = {"width": 390, "height": 844}
+DESKTOP: ViewportSize = {"width": 1440, "height": 900}
+PHONE: ViewportSize = {"width": 390, "height": 844}
 
 expect.set_options(timeout=10_000)  # the machine may be busy; passing tests do not wait for it
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Literal
 
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, ViewportSize, expect
 
 from tests.e2e.conftest import DESKTOP, PHONE
 
@@ -18,6 +19,13 @@ PAGES = {
     "/connections": "Connections",
 }
 
+LOOKS: tuple[tuple[ViewportSize, Literal["light", "dark"]], ...] = (
+    (DESKTOP, "light"),
+    (DESKTOP, "dark"),
+    (PHONE, "light"),
+    (PHONE, "dark"),
+)
+
 
 @pytest.mark.parametrize("path", PAGES)
 def test_a_page_is_open_to_everybody(page: Page, check_axe: Callable[[Page], None], path: str) -> None:
@@ -25,7 +33,7 @@ def test_a_page_is_open_to_everybody(page: Page, check_axe: Callable[[Page], Non
     expect(page).to_have_title(f"{PAGES[path]} · stepscope")
     expect(page.get_by_role("heading", level=1)).to_be_attached()
     expect(page.get_by_label("Loading the page")).to_have_count(0)
-    for size, scheme in ((DESKTOP, "light"), (DESKTOP, "dark"), (PHONE, "light"), (PHONE, "dark")):
+    for size, scheme in LOOKS:
         page.set_viewport_size(size)
         page.emulate_media(color_scheme=scheme)
         expect(page.get_by_test_id("stop-all")).to_be_in_viewport(ratio=1)
