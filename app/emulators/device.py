@@ -54,14 +54,17 @@ class EmulatedDevice:
             raise TimeoutError(f"emulated {self.model} is silent")
         return reply.to_bytes(FRAME_BYTES, "big")
 
-    def state(self) -> EmulatorState:
-        """Everything that GET /emulator answers, as of now."""
+    def state(self, at_s: float | None = None) -> EmulatorState:
+        """Everything that GET /emulator answers, at chip time `at_s` [s], by default now."""
         with self._lock:
-            self._chip.advance(self._clocks(None))
+            self._chip.advance(self._clocks(at_s))
             return self._describe()
 
-    def patch(self, change: EmulatorPatch) -> EmulatorState:
-        """Change the world around the chip, now. Raises OutOfRange for an axis that the chip does not have."""
+    def patch(self, change: EmulatorPatch, at_s: float | None = None) -> EmulatorState:
+        """Change the world around the chip at chip time `at_s` [s], by default now.
+
+        Raises OutOfRange for an axis that the chip does not have.
+        """
         chip = self._chip
         axes = chip.model.axes
         named = [
@@ -74,7 +77,7 @@ class EmulatedDevice:
         if change.drivers and not isinstance(chip, Tmc428):
             raise OutOfRange("drivers", len(change.drivers), 0, 0, f"a {self.model} has no driver chain")
         with self._lock:
-            clocks = self._clocks(None)
+            clocks = self._clocks(at_s)
             chip.advance(clocks)
             if change.power_cycle:
                 chip.power_cycle(clocks)

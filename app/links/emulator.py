@@ -59,10 +59,7 @@ class EmulatorPort:
 
     async def exchange(self, frame: bytes, timeout_s: float | None = None) -> bytes:
         """Answer at once. `timeout_s` has no meaning here: a silent emulator is known to be silent."""
-        now_s = self._server.now()
-        if self._due and self._due[0][0] <= now_s:
-            self._take_due(now_s)
-        at_s = self.wire.clock.at(now_s)
+        at_s = self.take_turn()
         try:
             reply = self.wire.exchange(frame, at_s)
         except TimeoutError as error:
@@ -71,6 +68,13 @@ class EmulatorPort:
             raise LinkDown(self._name, str(error) or "unplugged") from error
         self._last_exchange_s = at_s
         return reply
+
+    def take_turn(self) -> float:
+        """Take all samples that are due and return the chip's time [s] at which the caller may now act."""
+        now_s = self._server.now()
+        if self._due and self._due[0][0] <= now_s:
+            self._take_due(now_s)
+        return self.wire.clock.at(now_s)
 
     async def aclose(self) -> None:
         """End all samplings. The chip lives on: closing a port does not cut a chip's power."""

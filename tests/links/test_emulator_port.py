@@ -83,6 +83,17 @@ async def test_two_samplings_interleave_in_time() -> None:
     assert len(times) == 5 + 7
 
 
+async def test_looking_at_the_emulator_takes_what_is_due_first() -> None:
+    """Else the chip would be ahead of its own samples, and they would bear a time before their position."""
+    rig = Rig()
+    rig.port.start_sampling([X_ACTUAL], 0.001, rig.sink)
+    rig.clock.set(0.0105)
+    state = rig.wire.state(rig.port.take_turn())
+    assert state.chip_time_s == pytest.approx(0.0105)
+    rig.port.run_due_samples()
+    assert rig.samples == [(pytest.approx(n / 1000), position(n / 1000)) for n in range(11)]
+
+
 async def test_an_ended_sampling_takes_nothing_more() -> None:
     rig = Rig()
     end = rig.port.start_sampling([X_ACTUAL], 0.001, rig.sink)
