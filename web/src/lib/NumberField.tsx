@@ -18,7 +18,7 @@ export interface NumberFieldProps extends Omit<TextInputProps, "value" | "onChan
 }
 
 function plain(value: number): string {
-  return compact(value, 6).replace(/\s/g, "").replace("−", "-");
+  return String(Number(value.toPrecision(7)));
 }
 
 /**
@@ -67,7 +67,7 @@ export function NumberField(props: NumberFieldProps) {
       autoComplete="off"
       spellCheck={false}
       {...input}
-      classNames={{ input: "num" }}
+      classNames={input.classNames ?? { input: "num" }}
       value={draft ?? (value === null ? "" : show(value))}
       error={wrong ?? error}
       rightSectionPointerEvents="none"

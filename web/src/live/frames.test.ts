@@ -1,4 +1,6 @@
 import { describe, expect, it } from "vitest";
+import goldenUrl from "../../../tests/telemetry/golden.bin?url&inline";
+import goldenText from "../../../tests/telemetry/golden.json?raw";
 import { decodeFrame, FrameError } from "./frames";
 
 /** The frame of the layout in the comment of `decodeFrame`, written by hand. */
@@ -21,7 +23,29 @@ function build(sequence: number, dropped: bigint, columns: number[][]): ArrayBuf
   return message;
 }
 
+/** The frame that the server's tests encode and decode too. */
+function golden(): ArrayBuffer {
+  const base64 = goldenUrl.slice(goldenUrl.indexOf(",") + 1);
+  return Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0)).buffer;
+}
+
 describe("decodeFrame", () => {
+  it("reads the frame that both sides test", () => {
+    const expected = JSON.parse(goldenText) as {
+      sequence: number;
+      dropped: number;
+      time_s: number[];
+      columns: (number | null)[][];
+    };
+    const frame = decodeFrame(golden());
+    expect(frame.sequence).toBe(expected.sequence);
+    expect(frame.dropped).toBe(expected.dropped);
+    expect([...frame.time]).toEqual(expected.time_s);
+    expect(frame.columns.map((column) => [...column])).toEqual(
+      expected.columns.map((column) => column.map((value) => value ?? Number.NaN)),
+    );
+  });
+
   it("views time and columns in place", () => {
     const message = build(7, 12n, [
       [0.001, 0.002],

@@ -96,7 +96,8 @@ export function Plot(props: PlotProps) {
       setData(next, window) {
         held.current = aligned(next);
         const current = plot.current;
-        if (!current) return;
+        // Series have come or gone and the instance has not been rebuilt yet: it will start with what is held.
+        if (!current || current.series.length !== next.length) return;
         const first = current.data[0]?.length === 0;
         current.setData(held.current as unknown as uPlot.AlignedData, !window && first);
         if (window) current.setScale("x", { min: window[0], max: window[1] });
@@ -165,7 +166,9 @@ export function Plot(props: PlotProps) {
           ],
         },
       },
-      (held.current ?? [[], ...latest.current.series.map(() => [])]) as unknown as uPlot.AlignedData,
+      (held.current?.length === latest.current.series.length + 1
+        ? held.current
+        : [[], ...latest.current.series.map(() => [])]) as unknown as uPlot.AlignedData,
       box,
     );
     plot.current = instance;
@@ -189,7 +192,8 @@ export function Plot(props: PlotProps) {
   useEffect(() => {
     if (!data) return;
     held.current = aligned(data);
-    plot.current?.setData(held.current as unknown as uPlot.AlignedData, true);
+    if (plot.current?.series.length !== data.length) return;
+    plot.current.setData(held.current as unknown as uPlot.AlignedData, true);
   }, [data]);
 
   const { overlays, marks } = props;

@@ -24,7 +24,7 @@ export function roundRange(min: number, max: number): [number, number] {
 export class CalmRange {
   private low = Number.NaN;
   private high = Number.NaN;
-  constructor(private readonly fill = 0.45) {}
+  constructor(private readonly fill = 0.6) {}
 
   next(min: number, max: number): [number, number] {
     if (!(Number.isFinite(min) && Number.isFinite(max)))

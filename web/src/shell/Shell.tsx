@@ -5,6 +5,7 @@ import { Link, useLocation } from "wouter";
 import { ColorSchemeToggle } from "./ColorSchemeToggle";
 import { ConnectionBanner } from "./ConnectionBanner";
 import { DevicePicker } from "./DevicePicker";
+import { PageBoundary } from "./PageBoundary";
 import { PAGES } from "./pages";
 import { ServerStatus } from "./ServerStatus";
 import { Shortcuts } from "./Shortcuts";
@@ -67,7 +68,7 @@ export function Shell({ children }: PropsWithChildren) {
         </AppShell.Navbar>
         <AppShell.Main id="main" tabIndex={-1} className={classes.main}>
           <ConnectionBanner />
-          {children}
+          <PageBoundary key={location}>{children}</PageBoundary>
         </AppShell.Main>
         <AppShell.Footer hiddenFrom="sm">
           <nav className={classes.bar} aria-label="Pages">

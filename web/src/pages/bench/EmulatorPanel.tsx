@@ -33,7 +33,7 @@ const SCALES = [0, 0.1, 0.25, 0.5, 1, 2, 5, 10] as const;
 
 /** The world behind an emulated chip's pins, to be played with: switches, faults, time, power. */
 export function EmulatorPanel({ device, onClose }: Props) {
-  const emulator = useEmulator(device);
+  const emulator = useEmulator(device, true);
   const change = useChangeEmulator(device.id);
   const state = emulator.data;
   const send = (patch: EmulatorPatch) => change.mutate(patch);

@@ -8,14 +8,17 @@ export type EmulatorPatch = Schemas["EmulatorPatch"];
 
 const key = (device: string) => ["emulator", device];
 
-/** The world behind an emulated device's pins, asked for twice a second; undefined for real devices. */
-export function useEmulator(device: Device | undefined) {
+/**
+ * The world behind an emulated device's pins; undefined for real devices. What moves comes by telemetry: this is asked
+ * for now and then, and closely only while its controls are open.
+ */
+export function useEmulator(device: Device | undefined, closely = false) {
   return useQuery({
     queryKey: key(device?.id ?? ""),
     queryFn: async () =>
       unwrap(await api.GET("/api/v1/devices/{device}/emulator", { params: { path: { device: device?.id ?? "" } } })),
     enabled: device?.emulated === true,
-    refetchInterval: 500,
+    refetchInterval: closely ? 500 : 3000,
   });
 }
 

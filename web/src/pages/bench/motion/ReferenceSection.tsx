@@ -46,6 +46,8 @@ export function ReferenceSection({ at, model, live, action, disabled }: Props) {
     refetchInterval: (query) => (query.state.data?.state === "running" ? 250 : 2000),
   });
   const running = search.data?.state === "running";
+  // the stage's drawing has to learn of the new zero
+  const moved = () => void queries.invalidateQueries({ queryKey: ["emulator", at.device] });
   const refresh = () => void queries.invalidateQueries({ queryKey: key });
   return (
     <>
@@ -93,7 +95,7 @@ export function ReferenceSection({ at, model, live, action, disabled }: Props) {
           disabled={disabled || running}
           title="Calls the present position 0; the motor does not move"
           data-testid="set-zero"
-          onClick={() => void action.run("Setting zero", () => setZero(at, model, live.moving()))}
+          onClick={() => void action.run("Setting zero", () => setZero(at, model, live.moving())).then(moved)}
         >
           Set zero here
         </Button>

@@ -2,8 +2,8 @@ import {
   ActionIcon,
   Button,
   Checkbox,
+  Divider,
   Group,
-  Menu,
   Popover,
   SegmentedControl,
   Select,
@@ -160,7 +160,7 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
             ))}
             {others.length > 0 && (
               <>
-                <Menu.Divider />
+                <Divider />
                 <Text size="xs" fw={600}>
                   Also show
                 </Text>

@@ -1,0 +1,34 @@
+import { Alert, Button, Code, Stack, Text } from "@mantine/core";
+import { IconAlertTriangle } from "@tabler/icons-react";
+import { Component, type PropsWithChildren } from "react";
+
+interface State {
+  error: Error | null;
+}
+
+/** A page that fails fails alone: the shell around it, with the stop button, stays. Give it a key per page. */
+export class PageBoundary extends Component<PropsWithChildren, State> {
+  override state: State = { error: null };
+
+  static getDerivedStateFromError(error: Error): State {
+    return { error };
+  }
+
+  override render() {
+    const { error } = this.state;
+    if (error === null) return this.props.children;
+    return (
+      <Alert color="red" role="alert" icon={<IconAlertTriangle size={18} aria-hidden />} title="This page has failed">
+        <Stack gap="xs" align="flex-start">
+          <Text size="sm">
+            Motors go on as they were: stop them with the button above or Escape. Other pages still work.
+          </Text>
+          <Code block>{error.message}</Code>
+          <Button size="xs" variant="default" onClick={() => this.setState({ error: null })}>
+            Try again
+          </Button>
+        </Stack>
+      </Alert>
+    );
+  }
+}
