@@ -138,7 +138,7 @@ function Editor({ device }: { device: Device | undefined }) {
         <Select
           aria-label={`Driver ${motor + 1}`}
           size="xs"
-          w={104}
+          w={98}
           data={[
             ...KNOWN.map((name) => ({ value: name, label: name.toUpperCase() })),
             { value: CUSTOM, label: "custom" },

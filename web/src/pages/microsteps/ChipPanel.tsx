@@ -141,7 +141,7 @@ export function ChipPanel({ device, axis, held, values, stale, onRead }: Props) 
           title={`${TURNS} turns there and back, until stopped`}
           onClick={() => run.mutate()}
         >
-          Run to and fro
+          Shuttle
         </Button>
         <Button
           size="xs"
@@ -150,10 +150,10 @@ export function ChipPanel({ device, axis, held, values, stale, onRead }: Props) 
           disabled={!connected}
           onClick={() => stop.mutate()}
         >
-          Stop axis
+          Stop
         </Button>
       </div>
-      <p className={classes.hint} aria-live="polite">
+      <p className={`${classes.hint} ${classes.outcome}`} aria-live="polite">
         {sent ?? "A table goes to the chip in 32 datagrams, also while the motor runs."}
       </p>
       {error !== null && (

@@ -50,13 +50,12 @@ function Editor({ device, axis }: { device: Device | undefined; axis: number }) 
   );
   useEffect(() => void kept.set(id, history), [id, history]);
   const [tool, setTool] = useState<Tool>("drag");
-  const [formula, setFormula] = useState<Formula>(history.present.kind === "formula" ? history.present.formula : SINE);
+  const [last, setLast] = useState<Formula>(SINE);
   const [view, setView] = useState<number | null>(null);
 
   const draft = history.present;
-  useEffect(() => {
-    if (draft.kind === "formula") setFormula(draft.formula);
-  }, [draft]);
+  // a table drawn by hand has no formula: the panel then shows the one that was last
+  const formula = draft.kind === "formula" ? draft.formula : last;
 
   const chip = useQuery({
     queryKey: ["microstep-table", id],
@@ -195,7 +194,10 @@ function Editor({ device, axis }: { device: Device | undefined; axis: number }) 
             <FormulaPanel
               formula={formula}
               active={draft.kind === "formula"}
-              onChange={(next, tag) => change({ kind: "formula", formula: next }, tag)}
+              onChange={(next, tag) => {
+                setLast(next);
+                change({ kind: "formula", formula: next }, tag);
+              }}
               onSettle={rest}
             />
           </Section>

@@ -161,7 +161,7 @@ export function CandidateChart({ model, candidates, chosen, recommended, onChoos
                 width={bar}
                 height={over}
               />
-              {pitch >= 16 && row.overshoot_steps !== null && row.overshoot_steps > 0 && (
+              {pitch >= 22 && row.overshoot_steps !== null && row.overshoot_steps > 0 && (
                 <text className={classes.barValue} x={x(index)} y={overTop + LANE - 5 - over} textAnchor="middle">
                   {row.overshoot_steps}
                 </text>

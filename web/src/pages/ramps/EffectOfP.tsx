@@ -100,8 +100,12 @@ export function EffectOfP({ variants, distance, scale, unit }: Props) {
   const landing = useRef<PlotHandle>(null);
   useEffect(() => {
     if (!drawn) return;
-    braking.current?.setWindow(drawn.from, drawn.to);
-    landing.current?.setWindow(drawn.late, drawn.to);
+    // in the next frame: by then the plots have taken their new data, which shows all of it
+    const request = requestAnimationFrame(() => {
+      braking.current?.setWindow(drawn.from, drawn.to);
+      landing.current?.setWindow(drawn.late, drawn.to);
+    });
+    return () => cancelAnimationFrame(request);
   }, [drawn]);
 
   return (

@@ -185,7 +185,7 @@ export function Parameters(props: Props) {
             value={design.usrs}
             max={6}
             onChange={(usrs) => onChange({ usrs })}
-            meaning={design.usrs === 0 ? "full steps" : `${2 ** design.usrs} µsteps / full step`}
+            meaning={design.usrs === 0 ? "full steps" : `${2 ** design.usrs} per full step`}
           />
         ) : (
           <p className={classes.hint}>
