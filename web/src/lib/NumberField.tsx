@@ -79,7 +79,7 @@ export function NumberField(props: NumberFieldProps) {
                 {symbol}
               </Text>
             ),
-            rightSectionWidth: 14 + symbol.length * 7,
+            rightSectionWidth: 18 + symbol.length * 7.5,
           })}
       aria-label={
         input["aria-label"] ?? (typeof input.label === "string" ? `${input.label} ${symbol}`.trim() : undefined)

@@ -7,7 +7,10 @@ import { useSelection } from "../live/selection";
 export function DevicePicker() {
   const devices = useDevices();
   const { device, axis, select } = useSelection();
-  const list = devices.data ?? [];
+  // without a server nobody knows how the devices are
+  const list = (devices.data ?? []).map((each) =>
+    devices.isError ? { ...each, state: "disconnected" as const } : each,
+  );
   const stateOf = (value: string): Device["state"] =>
     list.find((candidate) => candidate.id === value.split("/")[0])?.state ?? "disconnected";
   return (
@@ -25,7 +28,7 @@ export function DevicePicker() {
       allowDeselect={false}
       size="xs"
       w={{ base: 150, xs: 200, sm: 240 }}
-      leftSection={device && <StateDot state={device.state} />}
+      leftSection={device && <StateDot state={devices.isError ? "disconnected" : device.state} />}
       comboboxProps={{ width: "max-content", position: "bottom-start" }}
       renderOption={({ option }) => (
         <Group gap={8} wrap="nowrap">

@@ -67,7 +67,7 @@ export function Shortcuts() {
       </ActionIcon>
       <Modal opened={opened} onClose={close} title="Keyboard" size="md" closeButtonProps={{ "aria-label": "Close" }}>
         {KEYS.map(([group, keys]) => (
-          <section key={group} aria-label={group}>
+          <div key={group}>
             <Text size="xs" fw={600} c="dimmed" mt="sm" mb={2}>
               {group}
             </Text>
@@ -83,7 +83,7 @@ export function Shortcuts() {
                 ))}
               </Table.Tbody>
             </Table>
-          </section>
+          </div>
         ))}
       </Modal>
     </>

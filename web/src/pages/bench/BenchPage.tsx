@@ -37,15 +37,22 @@ export default function BenchPage() {
     );
   return (
     <BenchLive>
-      <Bench devices={devices.data} />
+      <Bench devices={devices.data} lost={devices.isError} />
     </BenchLive>
   );
 }
 
-function Bench({ devices }: { devices: readonly Device[] }) {
+interface BenchProps {
+  devices: readonly Device[];
+  /** the server does not answer: nobody knows how the devices are */
+  lost: boolean;
+}
+
+function Bench({ devices, lost }: BenchProps) {
   const { device, axis, select } = useSelection();
   const [settings, change] = useScopeSettings();
   const [panel, { toggle, close }] = useDisclosure();
+  const asKnown = (each: Device): Device => (lost ? { ...each, state: "disconnected" } : each);
   const entry = device?.axes.find((candidate) => candidate.index === axis) ?? device?.axes[0];
   const deviceId = device?.id ?? "";
   const main = useMemo(() => ({ device: deviceId, axis }), [deviceId, axis]);
@@ -56,13 +63,13 @@ function Bench({ devices }: { devices: readonly Device[] }) {
       </VisuallyHidden>
       <div className={classes.side}>
         <AxisTree
-          devices={devices}
+          devices={devices.map(asKnown)}
           selected={device ? { device: device.id, axis } : null}
           unit={settings.unit}
           onSelect={select}
         />
         {device && entry && (
-          <MotionCard device={device} axis={entry} unit={settings.unit} onUnit={(unit) => change({ unit })} />
+          <MotionCard device={asKnown(device)} axis={entry} unit={settings.unit} onUnit={(unit) => change({ unit })} />
         )}
       </div>
       <div className={classes.stageAndScope}>

@@ -27,7 +27,10 @@ export function ChannelPanel({ scopeRow, scope, cursors, onToggle }: Props) {
     return trace.unit === "" ? "" : fixed(delta / trace.divisor, trace.decimals);
   };
   // as they lie on each other: what is drawn last is on top, and first in the list; lanes are listed from the top
-  const listed = row.id === "switches" ? traces : [...traces].reverse();
+  const listed =
+    row.id === "switches"
+      ? traces
+      : [...traces.filter((trace) => trace.main).reverse(), ...traces.filter((trace) => !trace.main)];
   return (
     <div className={classes.panel} data-row={row.id}>
       <div className={classes.panelTitle}>

@@ -13,15 +13,22 @@ const PHASES: Record<LinkState["phase"], string> = {
 
 interface Props {
   name: string;
+  /** other devices are on the scope too: say which this is */
+  several: boolean;
   link: LinkState;
 }
 
 /** How the samples come: the rate asked for and the one achieved, what was lost, how evenly, how late. */
-export function LinkReadout({ name, link }: Props) {
+export function LinkReadout({ name, several, link }: Props) {
   const bad = link.phase !== "live" && link.phase !== "connecting";
   const slow = link.achievedRateHz !== null && link.rateHz !== null && link.achievedRateHz < 0.97 * link.rateHz;
   return (
     <section className={classes.link} aria-label={`Samples of ${name}`} data-testid="link-readout">
+      {several && (
+        <Text component="span" size="xs" className={classes.linkName}>
+          {name}
+        </Text>
+      )}
       <Text component="span" size="xs" fw={600} c={bad ? "red" : "dimmed"} className={classes.phase}>
         {PHASES[link.phase]}
       </Text>

@@ -84,7 +84,16 @@ export function ScopeCard({ devices, main, axisName }: Props) {
         <div className={classes.links}>
           {scope.sources.map((source, index) => {
             const link = scope.links[index];
-            return link && <LinkReadout key={source.request.device} name={source.request.device} link={link} />;
+            return (
+              link && (
+                <LinkReadout
+                  key={source.request.device}
+                  name={devices.find((device) => device.id === source.request.device)?.name ?? source.request.device}
+                  several={scope.sources.length > 1}
+                  link={link}
+                />
+              )
+            );
           })}
         </div>
       </div>

@@ -19,6 +19,8 @@ export interface ScopeTrace {
   offset: number;
   decimals: number;
   shown: boolean;
+  /** of the selected axis, not of an added one */
+  main: boolean;
   measured: boolean;
   series: PlotSeries;
 }
@@ -53,8 +55,15 @@ function find(devices: readonly Device[], ref: AxisRef): { device: Device; scale
   return device && axis ? { device, scale: scaleOf(axis, device.clock_hz), name: `${device.name} ${axis.name}` } : null;
 }
 
-function seriesOf(channel: RowChannel, color: string, label: string, dash: number[] | undefined, stepped: boolean) {
-  const series: PlotSeries = { label, color: channel.band ? `${color}66` : color };
+interface SeriesLook {
+  color: string;
+  scheme: "light" | "dark";
+  dash: number[] | undefined;
+  stepped: boolean;
+}
+
+function seriesOf(channel: RowChannel, label: string, { color, scheme, dash, stepped }: SeriesLook) {
+  const series: PlotSeries = { label, color: channel.band ? `${color}${scheme === "dark" ? "8c" : "66"}` : color };
   if (channel.band) series.width = 5;
   if (stepped || channel.thin) series.stepped = true;
   if (dash) series.dash = dash;
@@ -88,7 +97,12 @@ export function buildRows(
         const key = index === 0 ? channel.quantity : `${ref.device}/${name}`;
         const shown = !settings.hidden.includes(key);
         const dash = index === 0 ? undefined : DASHES[(index - 1) % DASHES.length];
-        const series = seriesOf(channel, colorOf(channel.quantity, scheme), label, dash, place !== null);
+        const series = seriesOf(channel, label, {
+          color: colorOf(channel.quantity, scheme),
+          scheme,
+          dash,
+          stepped: place !== null,
+        });
         if (!shown) series.hidden = true;
         if (place) {
           series.fill = `${colorOf(channel.quantity, scheme)}50`;
@@ -106,7 +120,8 @@ export function buildRows(
             offset: place?.low ?? 0,
             decimals: row.motion ? decimalsFor(factor) : 0,
             shown,
-            measured: channel.measured === true,
+            main: index === 0,
+            measured: index === 0 && channel.measured === true,
             series,
           },
         ];
