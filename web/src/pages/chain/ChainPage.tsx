@@ -26,6 +26,7 @@ import {
   KNOWN,
   known,
   moveBit,
+  named,
   removeBit,
   request,
   setSignal,
@@ -108,9 +109,10 @@ function Editor({ device }: { device: Device | undefined }) {
 
   const different = useMemo(() => (result && held ? differing(result, held) : NONE), [result, held]);
   const sentMatches = send.data && result ? differing(send.data, result).size === 0 : null;
-  const motors = useMemo(() => byMotor(result?.bits ?? []), [result]);
+  const bits = useMemo(() => named(result?.bits ?? [], drivers), [result, drivers]);
+  const motors = useMemo(() => byMotor(bits), [bits]);
   const shown = hovered ?? selected;
-  const bit = shown === null ? null : (result?.bits[shown] ?? null);
+  const bit = shown === null ? null : (bits[shown] ?? null);
   const place = bit ? bit.position - (motors[bit.motor]?.[0]?.position ?? 0) : 0;
   const owner = bit ? drivers[bit.motor] : undefined;
 
@@ -233,7 +235,7 @@ function Editor({ device }: { device: Device | undefined }) {
             {result && (
               <ChainStrip
                 label="Chain as designed"
-                bits={result.bits}
+                bits={bits}
                 heading={heading}
                 selected={selected}
                 onSelect={setSelected}
@@ -257,7 +259,7 @@ function Editor({ device }: { device: Device | undefined }) {
                 ? {
                     first: place === 0,
                     last: place === owner.signals.length - 1,
-                    full: (result?.bits.length ?? 0) >= BITS_MAX,
+                    full: bits.length >= BITS_MAX,
                     only: owner.signals.length === 1,
                     onSignal: (signal) => edit(bit.motor, (driver) => setSignal(driver, place, signal)),
                     onMove: (by) => {

@@ -11,6 +11,7 @@ import {
   insertBit,
   known,
   moveBit,
+  named,
   pulseLength,
   removeBit,
   request,
@@ -94,6 +95,11 @@ describe("a custom driver", () => {
       names: ["x", "", "y", "z"],
     });
     expect(setSignal(driver, 2, "Step").signals[2]).toBe("Step");
+  });
+
+  it("shows the names of its bits, which the RAM does not hold", () => {
+    const bits = named(bitsOf([0x10, 6, 0x0e], [5]), [driver, known("tmc236")]);
+    expect(bits.map((bit) => bit.bit_name)).toEqual(["x", "y", "z", ""]);
   });
 
   it("goes to the API with its signals, a known one with its name alone", () => {

@@ -97,6 +97,17 @@ export function customOf(bits: readonly Bit[]): Driver {
   };
 }
 
+/** The bits with the names that custom drivers bear: the RAM, from which the answer is read, does not hold them. */
+export function named(bits: readonly Bit[], drivers: readonly Driver[]): Bit[] {
+  return byMotor(bits).flatMap((own, motor) =>
+    own.map((bit, index) => {
+      const driver = drivers[motor];
+      const name = driver?.driver === CUSTOM ? driver.names[index] : undefined;
+      return name ? { ...bit, bit_name: name } : bit;
+    }),
+  );
+}
+
 /** The design that a chip's table makes; null where its chain never ends and so has no drivers. */
 export function driversOf(table: ChainTable): Driver[] | null {
   const motors = byMotor(table.bits);

@@ -341,7 +341,14 @@ export default function MicrostepsPage() {
   if (devices.isPending) return null;
   if (device?.model === "tmc4210") {
     const other = devices.data?.find((candidate) => candidate.model === "tmc428");
-    return <NoTable device={device} onOther={other ? () => select(other.id, 0) : null} />;
+    return (
+      <>
+        <VisuallyHidden>
+          <h1>Microsteps</h1>
+        </VisuallyHidden>
+        <NoTable device={device} onOther={other ? () => select(other.id, 0) : null} />
+      </>
+    );
   }
   return <Editor key={device?.id ?? "-"} device={device} axis={axis} />;
 }

@@ -86,7 +86,9 @@ export function Parameters(props: Props) {
     limits && design.a_max > 0 && design.a_max < limits.lower
       ? `below ${limits.lower}: braking would need more than 2¹⁹ steps, the motor may oscillate around the target`
       : limits && design.a_max > limits.upper
-        ? `above ${limits.upper}: its p does not fit the register, the motor may oscillate around the target`
+        ? limits.upper < 1
+          ? "no acceleration has a p that fits the register at these dividers"
+          : `above ${limits.upper}: its p does not fit the register, the motor may oscillate around the target`
         : null;
   const limited = limits !== null && (limits.lower > 1 || limits.upper < MAX);
 

@@ -94,7 +94,7 @@ export function RampPlots(props: Props) {
   }, [result, unit, known, acceleration, scale]);
 
   const peak = result ? result.velocity_pps.reduce((most, value) => Math.max(most, Math.abs(value)), 0) : null;
-  const shown = result && columns;
+  const shown = impossible === null && result && columns;
 
   return (
     <Section

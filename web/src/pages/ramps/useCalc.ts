@@ -35,9 +35,10 @@ export function useCalc<Body, Result>(
     if (query.data !== undefined) setLatest(query.data);
   }, [query.data]);
   const current = question === asked && question !== null;
+  const result = query.data ?? latest;
   return {
-    result: query.data ?? latest,
-    stale: !current || query.data === undefined,
+    result,
+    stale: result !== undefined && (!current || query.data === undefined),
     error: current && query.isError ? query.error : null,
     retry: () => void query.refetch(),
   };
