@@ -90,6 +90,11 @@ export class ScopeView {
     return !this.paused && this.trigger !== "roll" && this.triggeredAt === null;
   }
 
+  /** When the move began that the sweep on show was triggered by; null while rolling or waiting. */
+  get triggerTime(): number | null {
+    return this.triggeredAt;
+  }
+
   /** The window for this frame. `true` as third: a single sweep is complete and the scope should pause now. */
   next(newestS: number, nowMs: number): { window: [number, number]; complete: boolean } {
     if (this.paused) return { window: this.window, complete: false };

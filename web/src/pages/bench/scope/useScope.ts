@@ -162,13 +162,12 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
   }
 
   const marks = (): readonly Mark[] => {
-    if (!cursors) return [];
-    const { a, b } = view.cursors();
     const colors = MARK_COLORS[scheme];
-    return [
-      { id: "a", x: a, color: colors.a, label: "A" },
-      { id: "b", x: b, color: colors.b, label: "B" },
-    ];
+    const at = view.triggerTime;
+    const trigger: Mark[] = at === null ? [] : [{ id: "t", x: at, color: "#7a828c", label: "T", fixed: true }];
+    if (!cursors) return trigger;
+    const { a, b } = view.cursors();
+    return [...trigger, { id: "a", x: a, color: colors.a, label: "A" }, { id: "b", x: b, color: colors.b, label: "B" }];
   };
 
   return {
