@@ -92,6 +92,9 @@ $(STAMPS)/venv:
 $(STAMPS)/app: $(STAMPS)/venv pyproject.toml hatch_build.py $(CONSTRAINTS) | web
 	@echo "installing stepscope into .venv (the first time takes a minute or two)"
 	@$(PIP) install --quiet $(addprefix --constraint ,$(CONSTRAINTS)) --editable .
+	@# Part of the install, so that the first start takes seconds like every other (numba keeps the result on disk).
+	@echo "compiling the emulators and calculators, once"
+	@$(PY) -c "from app.main import compile_kernels; compile_kernels()"
 	@touch $@
 
 $(STAMPS)/tools: $(STAMPS)/venv pyproject.toml $(CONSTRAINTS)
