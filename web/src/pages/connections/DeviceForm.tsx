@@ -6,6 +6,7 @@ import { ProblemAlert } from "../../lib/ProblemAlert";
 import { AxesFields, StageFields } from "./AxisFields";
 import css from "./connections.module.css";
 import {
+  axesOf,
   clockLimits,
   type Draft,
   type Kind,
@@ -92,12 +93,12 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
           size="xs"
           label="Chip"
           classNames={{ label: css.label }}
-          data={(catalog.data ?? [{ name: draft.model, title: draft.model.toUpperCase(), summary: "" }]).map(
-            (entry) => ({
-              value: entry.name,
-              label: entry.summary ? `${entry.title}, ${entry.summary}` : entry.title,
-            }),
-          )}
+          data={(
+            catalog.data ?? [{ name: draft.model, title: draft.model.toUpperCase(), axes: axesOf(draft.model) }]
+          ).map(({ name, title, axes }) => ({
+            value: name,
+            label: `${title} · ${axes === 1 ? "1 axis" : `${axes} axes`}`,
+          }))}
           value={draft.model}
           allowDeselect={false}
           disabled={device !== null}
@@ -200,14 +201,17 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
         />
       </fieldset>
       <AxesFields draft={draft} problems={all} strict={tried} onChange={(axes) => set({ axes })} />
-      <TestResult
-        test={test.data}
-        error={test.error}
-        pending={test.isPending}
-        current={testedLink === link}
-        emulated={draft.kind === "emulator"}
-      />
-      {save.isError && <ProblemAlert error={save.error} doing={device ? "Saving" : "Adding"} />}
+      <div className={css.results}>
+        <TestResult
+          test={test.data}
+          error={test.error}
+          pending={test.isPending}
+          current={testedLink === link}
+          emulated={draft.kind === "emulator"}
+          address={draft.kind === "tcp" ? `${draft.model} --tcp ${draft.host.trim()}:${draft.port.trim()}` : null}
+        />
+        {save.isError && <ProblemAlert error={save.error} doing={device ? "Saving" : "Adding"} />}
+      </div>
       {interrupts && <p className={css.note}>The link changes: {device?.name} is stopped and connected anew.</p>}
       {tried && Object.keys(all).length > 0 && (
         <p className={css.wrong} role="alert">

@@ -49,8 +49,9 @@ export function Found({ onAdd, names }: Props) {
               <span>
                 <b className="num">{port.name}</b>
                 <span className={css.portNote}>
-                  {port.description}
-                  {usbText(port)}
+                  {[port.description === port.name ? "serial port" : port.description, usbText(port)]
+                    .filter(Boolean)
+                    .join(" · ")}
                 </span>
               </span>
             </li>
@@ -101,5 +102,5 @@ function usbText(port: Port): string {
   if (port.usb_vid === null || port.usb_vid === undefined || port.usb_pid === null || port.usb_pid === undefined)
     return "";
   const id = [port.usb_vid, port.usb_pid].map((part) => part.toString(16).padStart(4, "0")).join(":");
-  return ` · USB ${id}${port.usb_serial ? ` · ${port.usb_serial}` : ""}`;
+  return `USB ${id}${port.usb_serial ? ` · ${port.usb_serial}` : ""}`;
 }

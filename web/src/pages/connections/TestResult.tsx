@@ -12,18 +12,25 @@ interface Props {
   /** what was tried is still what the form says */
   current: boolean;
   emulated: boolean;
+  /** of a tcp link: model and address, as `stepscope emulate` takes them */
+  address: string | null;
 }
 
 /** What a trial of the link found: the round trip, or what went wrong and what to do. */
-export function TestResult({ test, error, pending, current, emulated }: Props) {
+export function TestResult({ test, error, pending, current, emulated, address }: Props) {
   if (pending || !current) return null;
   if (error !== null) return <ProblemAlert error={error} doing="Testing" />;
   if (test === undefined) return null;
   if (!test.ok)
-    return test.problem ? (
-      <ProblemAlert error={test.problem} doing="The link does not work" />
-    ) : (
-      <ProblemAlert error={new Error(test.detail)} doing="The link does not work" />
+    return (
+      <>
+        <ProblemAlert error={test.problem ?? new Error(test.detail)} doing="The link does not work" />
+        {address !== null && (
+          <p className={css.note}>
+            To see it work without hardware, serve an emulated chip there: <code>{`stepscope emulate ${address}`}</code>
+          </p>
+        )}
+      </>
     );
   return (
     <Alert

@@ -1,4 +1,4 @@
-import { useState } from "react";
+import { type CSSProperties, useState } from "react";
 import { bitOf, enumName, type RegisterRow, segments, unpackField, WORD_BITS, writable } from "./bits";
 import css from "./registers.module.css";
 
@@ -16,17 +16,24 @@ export function BitStrip({ row, raw, staged, onPick }: Props) {
   const [under, setUnder] = useState<string | null>(null);
   const total = Math.max(WORD_BITS, row.width);
   const shown = staged ?? raw;
+  const parts = segments(row);
+  // As in the data sheets: a name that is longer than its bits are wide stands upright.
+  const upright = (name: string, width: number) => name.length > 3.4 * width;
+  const longest = parts.reduce((most, { field, msb, lsb }) => {
+    const fits = field === null || !upright(field.name, msb - lsb + 1);
+    return fits ? most : Math.max(most, field.name.length);
+  }, 0);
   return (
     <div className={css.stripScroll}>
       <div
         className={css.strip}
-        style={{ "--bits": total } as React.CSSProperties}
+        style={{ "--bits": total, "--name": longest === 0 ? "17px" : `${longest + 1}ch` } as CSSProperties}
         role="img"
         aria-label={`${row.name}, ${row.width} bits, ${
           raw === null ? "not known" : raw.toString(2).padStart(row.width, "0")
         }`}
       >
-        {segments(row).map((part) => {
+        {parts.map((part) => {
           const width = part.msb - part.lsb + 1;
           const name = part.field?.name ?? (part.whole ? row.name : "");
           const meaningful = part.field !== null || part.whole;
@@ -50,7 +57,9 @@ export function BitStrip({ row, raw, staged, onPick }: Props) {
               onMouseLeave={() => setUnder(null)}
               onClick={() => part.field && onPick?.(part.field.name)}
             >
-              <div className={css.segmentName}>{width >= 3 ? name : ""}</div>
+              <div className={css.segmentName} data-upright={upright(name, width)}>
+                {name}
+              </div>
               <div className={css.segmentBits}>
                 {Array.from({ length: width }, (_, index) => {
                   const bit = part.msb - index;

@@ -152,7 +152,7 @@ function FateText({ edit, row }: { edit: Edit; row: RegisterRow }) {
   return (
     <Text size="xs" className={css.wrong} component="div">
       <b>Refused.</b> {fate.problem.detail}
-      {fate.problem.way_out && <div>{fate.problem.way_out}</div>}
+      {fate.problem.way_out && !fate.problem.detail.includes(fate.problem.way_out) && <div>{fate.problem.way_out}</div>}
     </Text>
   );
 }

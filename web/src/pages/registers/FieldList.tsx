@@ -15,14 +15,13 @@ interface Props {
   edit: Edit | null;
   scalesOf: (unit: string) => readonly Scale[];
   clockHz: number;
-  disabled: boolean;
   stage: (field: FieldRow, value: number) => void;
   unstage: (field: string) => void;
 }
 
 /** Every field of a packed register, highest bits first as on the strip, each with the editor that suits it. */
 export function FieldList(props: Props) {
-  const { row, raw, edit, stage, unstage, scalesOf, clockHz, disabled } = props;
+  const { row, raw, edit, stage, unstage, scalesOf, clockHz } = props;
   const ordered = [...row.fields].sort((a, b) => b.lsb - a.lsb);
   return (
     <ul className={css.fields}>
@@ -44,7 +43,6 @@ export function FieldList(props: Props) {
                 chip={chip}
                 staged={staged}
                 scales={scales}
-                disabled={disabled}
                 stage={(value) => stage(field, value)}
                 unstage={() => unstage(field.name)}
               />
@@ -53,7 +51,8 @@ export function FieldList(props: Props) {
               {shown !== null && (physicalText(shown, scales) || derived(field, shown, clockHz))}
               {staged !== undefined && (
                 <span className={css.was}>
-                  was {chip === null ? "unknown" : (enumName(field, chip) ?? fixed(chip))}
+                  {field.access !== "R+WC" &&
+                    `was ${chip === null ? "unknown" : (enumName(field, chip) ?? fixed(chip))}`}
                   <Tooltip label="Discard this edit">
                     <ActionIcon
                       size={20}
@@ -81,12 +80,11 @@ interface ControlProps {
   chip: number | null;
   staged: number | undefined;
   scales: readonly Scale[];
-  disabled: boolean;
   stage: (value: number) => void;
   unstage: () => void;
 }
 
-function FieldControl({ row, field, chip, staged, scales, disabled, stage, unstage }: ControlProps) {
+function FieldControl({ row, field, chip, staged, scales, stage, unstage }: ControlProps) {
   const label = `${field.name} of ${row.name}`;
   const shown = staged ?? chip;
   const text = shown === null ? "–" : (enumName(field, shown) ?? fixed(shown));
@@ -97,7 +95,6 @@ function FieldControl({ row, field, chip, staged, scales, disabled, stage, unsta
         <Button
           size="compact-xs"
           variant={staged === 1 ? "filled" : "default"}
-          disabled={disabled}
           aria-pressed={staged === 1}
           aria-label={`Clear ${label}`}
           onClick={() => (staged === 1 ? unstage() : stage(1))}
@@ -124,7 +121,6 @@ function FieldControl({ row, field, chip, staged, scales, disabled, stage, unsta
         aria-label={label}
         checked={shown === 1}
         indeterminate={shown === null}
-        disabled={disabled}
         onChange={(event) => stage(event.currentTarget.checked ? 1 : 0)}
       />
     );
@@ -138,13 +134,12 @@ function FieldControl({ row, field, chip, staged, scales, disabled, stage, unsta
     return (
       <Select
         size="xs"
-        w={176}
+        w={198}
         aria-label={label}
         data={options}
         value={shown === null ? null : String(shown)}
         placeholder="not known"
         allowDeselect={false}
-        disabled={disabled}
         onChange={(value) => value !== null && stage(Number(value))}
       />
     );

@@ -34,7 +34,6 @@ export interface RowProps {
   selected: boolean;
   expanded: boolean;
   editing: boolean;
-  /** false: no chip to write to; edits may be staged all the same */
   actions: RowActions;
 }
 
@@ -177,7 +176,6 @@ export function RegisterBits({ row, raw, edit, scale, clockHz, actions }: BitsPr
           edit={edit}
           scalesOf={(unit) => scalesOf(unit, scale)}
           clockHz={clockHz}
-          disabled={false}
           stage={(field, value) => actions.stage(row, field, value, raw)}
           unstage={(field) => actions.unstage(key, field)}
         />

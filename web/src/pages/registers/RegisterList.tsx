@@ -48,10 +48,12 @@ export function RegisterList(props: Props) {
       </EmptyState>
     );
 
-  const titleOf = (group: Group) =>
-    props.showAxis && group.axis !== null
-      ? `${axisNames[group.axis] ?? `axis ${group.axis}`} · ${group.title}`
-      : group.title;
+  const titleOf = (group: Group) => {
+    if (group.axis !== null && props.showAxis)
+      return `${axisNames[group.axis] ?? `axis ${group.axis}`} · ${group.title}`;
+    const twice = groups.some((other) => other !== group && other.title === group.title);
+    return group.axis === null && twice ? `${group.title} of the whole chip` : group.title;
+  };
   const entry = (row: RegisterRow) => {
     const key = keyOf(row);
     const tabStop = props.selected ?? keyOf(groups[0]?.rows[0] ?? row);

@@ -3,6 +3,7 @@ import { useHotkeys, useLocalStorage, useMediaQuery } from "@mantine/hooks";
 import { IconTableColumn } from "@tabler/icons-react";
 import { type RefObject, useMemo, useRef, useState } from "react";
 import { Link } from "wouter";
+import { problemOf } from "../../api/client";
 import { useDevices } from "../../api/queries";
 import { EmptyState } from "../../lib/EmptyState";
 import { ProblemAlert } from "../../lib/ProblemAlert";
@@ -144,7 +145,7 @@ export default function RegistersPage() {
           retry={() => void live.catalog.refetch()}
         />
       )}
-      {live.connected && live.readings.isError && (
+      {live.connected && live.readings.isError && !isLost(live.readings.error) && (
         <ProblemAlert
           error={live.readings.error}
           doing="Reading registers"
@@ -195,6 +196,11 @@ export default function RegistersPage() {
       />
     </div>
   );
+}
+
+/** Of a server that is gone the shell tells, on every page. */
+function isLost(error: unknown): boolean {
+  return problemOf(error).status === 0;
 }
 
 function Shortcut({ keys }: { keys: string }) {

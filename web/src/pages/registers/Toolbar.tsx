@@ -64,12 +64,11 @@ export function Toolbar(props: Props) {
       <span className={css.grow} />
       <span className={css.liveState} data-state={state}>
         <i className={css.dot} aria-hidden />
-        {state}
-        {ageMs > 0 && known && <span className="num">{` ${Math.round(ageMs / 1000)} s old`}</span>}
+        <span className="num">{ageMs > 0 && known ? `${state}, ${Math.round(ageMs / 1000)} s old` : state}</span>
       </span>
       <Button
         size="xs"
-        w={86}
+        w={98}
         variant="default"
         disabled={!connected}
         leftSection={paused ? <IconPlayerPlay size={13} aria-hidden /> : <IconPlayerPause size={13} aria-hidden />}

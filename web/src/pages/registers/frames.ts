@@ -1,3 +1,4 @@
+import { hex } from "../../lib/format";
 import type { RegisterRow } from "./bits";
 
 /** Bytes of one datagram of TMC428 and TMC4210. */
@@ -45,21 +46,23 @@ export function decodeRequest(bytes: readonly number[], rows: readonly RegisterR
   };
 }
 
-/** What the server decoded, as lines of name and text; set flags by their names. */
+/** What the request already says. */
+const ECHOED = new Set(["address", "register", "axis", "rw"]);
+
+/** What the server decoded, as lines of name and text: words in hex, set flags by their names. */
 export function decodedLines(decoded: Record<string, unknown>): [name: string, text: string][] {
   return Object.entries(decoded).flatMap(([name, value]): [string, string][] => {
-    if (value === null || value === undefined) return [];
-    if (typeof value !== "object") return [[name, String(value)]];
+    if (value === null || value === undefined || ECHOED.has(name)) return [];
+    if (typeof value !== "object") {
+      const bits = name === "data" ? 24 : name === "status" ? 8 : null;
+      return [[name, bits !== null && typeof value === "number" ? hex(value, bits) : String(value)]];
+    }
     const inner = Object.entries(value);
-    if (inner.length > 0 && inner.every(([, flag]) => typeof flag === "boolean")) {
+    if (inner.length === 0) return [];
+    if (inner.every(([, flag]) => typeof flag === "boolean")) {
       const set = inner.filter(([, flag]) => flag).map(([flag]) => flag);
       return [[name, set.join(" ") || "none set"]];
     }
-    return [
-      [
-        name,
-        inner.map(([key, item]) => `${key} ${typeof item === "object" ? JSON.stringify(item) : item}`).join(" · "),
-      ],
-    ];
+    return [[name, inner.map(([key, item]) => `${key} ${String(item)}`).join(" · ")]];
   });
 }

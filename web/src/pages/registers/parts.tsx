@@ -1,7 +1,7 @@
 import { IconLock } from "@tabler/icons-react";
 import { Fragment } from "react";
 import { fixed, hex, withUnit } from "../../lib/format";
-import { accessText, enumName, type RegisterRow, summary, toSigned } from "./bits";
+import { accessText, enumName, type FieldRow, type RegisterRow, summary, toSigned } from "./bits";
 import type { Scale } from "./input";
 import { LiveText } from "./LiveText";
 import { chipUnit, pairText } from "./physical";
@@ -100,9 +100,15 @@ export function PackedText({ row, raw, edit }: { row: RegisterRow; raw: number |
     <span className={css.packed}>
       {staged.map((change) => (
         <span key={change.field?.name} className={css.stagedField}>
-          {change.field?.name} {change.from === null ? "?" : fixed(change.from)}
-          <span className={css.arrow}>→</span>
-          <b>{change.field ? (enumName(change.field, change.to) ?? fixed(change.to)) : fixed(change.to)}</b>
+          {change.field?.access === "R+WC" ? (
+            <b>clear {change.field.name}</b>
+          ) : (
+            <>
+              {change.field?.name} {change.from === null ? "?" : nameOf(change.field, change.from)}
+              <span className={css.arrow}>→</span>
+              <b>{nameOf(change.field, change.to)}</b>
+            </>
+          )}
         </span>
       ))}
       {raw === null ? (
@@ -115,4 +121,8 @@ export function PackedText({ row, raw, edit }: { row: RegisterRow; raw: number |
       )}
     </span>
   );
+}
+
+function nameOf(field: FieldRow | null, value: number): string {
+  return (field ? enumName(field, value) : undefined) ?? fixed(value);
 }
