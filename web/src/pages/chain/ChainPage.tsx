@@ -1,4 +1,4 @@
-import { Button, CopyButton, Select, Switch, VisuallyHidden } from "@mantine/core";
+import { Button, CopyButton, Select, Switch } from "@mantine/core";
 import { useSessionStorage } from "@mantine/hooks";
 import { IconCopy, IconDownload, IconPlus, IconTrash, IconUpload } from "@tabler/icons-react";
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
@@ -7,7 +7,7 @@ import { api, type Schemas, unwrap } from "../../api/client";
 import { type Device, useDevices } from "../../api/queries";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useSelection } from "../../live/selection";
-import { Section } from "../ramps/Section";
+import { Page, Section } from "../ramps/Section";
 import { useCalc } from "../ramps/useCalc";
 import { BitDetail } from "./BitDetail";
 import classes from "./Chain.module.css";
@@ -181,10 +181,7 @@ function Editor({ device }: { device: Device | undefined }) {
         : `${device.name} is not connected: the design stays, connect it under Connections to send it.`;
 
   return (
-    <>
-      <VisuallyHidden>
-        <h1>Driver chain</h1>
-      </VisuallyHidden>
+    <Page name="Driver chain">
       <div className={classes.page}>
         <Section
           title="Chain"
@@ -330,7 +327,7 @@ function Editor({ device }: { device: Device | undefined }) {
               <Findings findings={held.findings} />
             </>
           ) : (
-            <p className={classes.hint}>{why ?? " "}</p>
+            <div className={classes.absent} />
           )}
         </Section>
 
@@ -374,7 +371,7 @@ function Editor({ device }: { device: Device | undefined }) {
           </Section>
         </div>
       </div>
-    </>
+    </Page>
   );
 }
 
@@ -398,12 +395,9 @@ export default function ChainPage() {
   if (devices.isPending) return null;
   if (device?.model === "tmc4210") {
     return (
-      <>
-        <VisuallyHidden>
-          <h1>Driver chain</h1>
-        </VisuallyHidden>
+      <Page name="Driver chain">
         <StepDir key={device.id} device={device} />
-      </>
+      </Page>
     );
   }
   return <Editor key={device?.id ?? "-"} device={device} />;

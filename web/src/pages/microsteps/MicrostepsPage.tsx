@@ -1,4 +1,4 @@
-import { ActionIcon, Button, SegmentedControl, Select, Text, VisuallyHidden } from "@mantine/core";
+import { ActionIcon, Button, SegmentedControl, Select, Text } from "@mantine/core";
 import { useHotkeys } from "@mantine/hooks";
 import { IconArrowBackUp, IconArrowForwardUp, IconWaveSine } from "@tabler/icons-react";
 import { useQuery } from "@tanstack/react-query";
@@ -9,7 +9,7 @@ import { EmptyState } from "../../lib/EmptyState";
 import { fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useSelection } from "../../live/selection";
-import { Section } from "../ramps/Section";
+import { Page, Section } from "../ramps/Section";
 import { useCalc } from "../ramps/useCalc";
 import { type Bar, Bars } from "./Bars";
 import { ChipPanel } from "./ChipPanel";
@@ -127,10 +127,7 @@ function Editor({ device, axis }: { device: Device | undefined; axis: number }) 
   const stale = design.stale ? "stale" : "";
 
   return (
-    <>
-      <VisuallyHidden>
-        <h1>Microsteps</h1>
-      </VisuallyHidden>
+    <Page name="Microsteps">
       {chip.isError && connected && (
         <ProblemAlert
           error={chip.error}
@@ -310,7 +307,7 @@ function Editor({ device, axis }: { device: Device | undefined; axis: number }) 
           </Section>
         </div>
       </div>
-    </>
+    </Page>
   );
 }
 
@@ -342,12 +339,9 @@ export default function MicrostepsPage() {
   if (device?.model === "tmc4210") {
     const other = devices.data?.find((candidate) => candidate.model === "tmc428");
     return (
-      <>
-        <VisuallyHidden>
-          <h1>Microsteps</h1>
-        </VisuallyHidden>
+      <Page name="Microsteps">
         <NoTable device={device} onOther={other ? () => select(other.id, 0) : null} />
-      </>
+      </Page>
     );
   }
   return <Editor key={device?.id ?? "-"} device={device} axis={axis} />;

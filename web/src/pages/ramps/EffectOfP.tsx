@@ -23,6 +23,8 @@ export interface Variant {
 
 interface Props {
   variants: readonly Variant[];
+  /** no pair represents the p of this design */
+  noPair: boolean;
   distance: number;
   scale: AxisScale;
   unit: string;
@@ -82,7 +84,7 @@ function draw(ramps: Ramps, distance: number, unit: string, scale: AxisScale, sc
 }
 
 /** What each p does on the last stretch: the chosen pair, one that is too large, one that is too small. */
-export function EffectOfP({ variants, distance, scale, unit }: Props) {
+export function EffectOfP({ variants, noPair, distance, scale, unit }: Props) {
   const scheme = useScheme();
   const shade = shadesOf(scheme);
   const chosen = rampOf(variants, "chosen");
@@ -129,7 +131,9 @@ export function EffectOfP({ variants, distance, scale, unit }: Props) {
               <span>{variant.label}</span>
               <span className={`num ${classes.dim}`}>
                 {variant.pair === null
-                  ? "no pair represents it"
+                  ? noPair || variants[0]?.pair
+                    ? "no pair represents it"
+                    : ""
                   : error !== null
                     ? problemOf(error).detail
                     : result

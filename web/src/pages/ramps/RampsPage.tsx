@@ -1,4 +1,3 @@
-import { VisuallyHidden } from "@mantine/core";
 import { useSessionStorage } from "@mantine/hooks";
 import { useQuery } from "@tanstack/react-query";
 import { useEffect, useMemo, useState } from "react";
@@ -26,6 +25,7 @@ import { PairSection } from "./PairSection";
 import { Parameters } from "./Parameters";
 import { RampPlots } from "./RampPlots";
 import classes from "./Ramps.module.css";
+import { Page } from "./Section";
 import { SendSection } from "./SendSection";
 import { useCalc } from "./useCalc";
 
@@ -187,10 +187,7 @@ function Designer({ device, axis }: Props) {
   }, [pairs.result]);
 
   return (
-    <>
-      <VisuallyHidden>
-        <h1>Ramps</h1>
-      </VisuallyHidden>
+    <Page name="Ramps">
       {readings.isError && connected && (
         <ProblemAlert error={readings.error} doing={`Reading ${device?.name}`} retry={() => void readings.refetch()} />
       )}
@@ -222,6 +219,7 @@ function Designer({ device, axis }: Props) {
             connected={connected}
             chip={chip}
             differences={differences}
+            noPair={noPair}
             mode={mode}
             vMax={design.v_max}
             distance={distance}
@@ -233,7 +231,9 @@ function Designer({ device, axis }: Props) {
             impossible={
               noPair && mode !== "velocity"
                 ? "No pair of pmul and pdiv represents p, so the chip would not find its target. Change a_max or the dividers."
-                : null
+                : pair === null && mode !== "velocity" && pairs.error !== null
+                  ? "The pair of pmul and pdiv could not be calculated, see below."
+                  : null
             }
             mode={mode}
             onMode={(next) => change({ mode: next })}
@@ -252,10 +252,10 @@ function Designer({ device, axis }: Props) {
             reduction={sketch.reduction}
             onReduction={(reduction) => change({ reduction, own: null })}
           />
-          <EffectOfP variants={variants} distance={approach} scale={scale} unit={units.velocity} />
+          <EffectOfP variants={variants} noPair={noPair} distance={approach} scale={scale} unit={units.velocity} />
         </div>
       </div>
-    </>
+    </Page>
   );
 }
 

@@ -1,4 +1,4 @@
-import { Paper, Text } from "@mantine/core";
+import { Paper, Text, VisuallyHidden } from "@mantine/core";
 import { type PropsWithChildren, type ReactNode, useId } from "react";
 import classes from "./Section.module.css";
 
@@ -25,5 +25,17 @@ export function Section({ title, note, actions, className, children }: PropsWith
       </header>
       {children}
     </Paper>
+  );
+}
+
+/** A page of sections, with its name for those who do not see the navigation. */
+export function Page({ name, children }: PropsWithChildren<{ name: string }>) {
+  return (
+    <div className={classes.page}>
+      <VisuallyHidden>
+        <h1>{name}</h1>
+      </VisuallyHidden>
+      {children}
+    </div>
   );
 }

@@ -16,6 +16,7 @@ interface Props {
   chip: ChipRamp | null;
   /** null while there is no pair, so nothing complete to send */
   differences: Difference[] | null;
+  noPair: boolean;
   mode: RampMode;
   vMax: number;
   distance: number;
@@ -29,7 +30,7 @@ function shown(row: Difference, value: number | null): string {
 
 /** Chip against design, one click to the chip, and a move with it. */
 export function SendSection(props: Props) {
-  const { device, axis, connected, chip, differences, mode, vMax, distance } = props;
+  const { device, axis, connected, chip, differences, noPair, mode, vMax, distance } = props;
   const queries = useQueryClient();
   const [result, setResult] = useState<{ sent: string[]; answer: Schemas["RegisterBatchResult"] } | null>(null);
   const id = device?.id ?? "";
@@ -88,7 +89,9 @@ export function SendSection(props: Props) {
       : !connected
         ? `${device.name} is not connected: the design stays, connect it under Connections to send.`
         : differences === null
-          ? "No pair represents p, so there is nothing complete to send."
+          ? noPair
+            ? "No pair represents p, so there is nothing complete to send."
+            : "The pair is not known yet, so there is nothing complete to send."
           : null;
   const starts =
     chip !== null &&
