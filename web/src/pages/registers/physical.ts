@@ -38,6 +38,7 @@ export function chipUnit(unit: string): string {
   const motion = motionOf(unit);
   if (motion === "position") return symbolOf("microsteps");
   if (motion !== null) return symbolOf("chip");
+  if (unit === "sequencer steps") return "steps";
   return unit.startsWith("fCLK/32") ? "" : unit; // an exponent has none; `derived` tells what it comes to
 }
 
