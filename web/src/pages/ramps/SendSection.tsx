@@ -142,6 +142,12 @@ export function SendSection(props: Props) {
           motor starts as soon as v_max is written.
         </p>
       )}
+      {mode === "soft" && chip !== null && chip.mode > 1 && (
+        <p className={classes.caution}>
+          The chip is in {MODES[chip.mode]} mode and is not switched at rest: a move puts it in ramp mode, after which
+          soft mode can be sent.
+        </p>
+      )}
       {differences && (
         <table className={classes.diff}>
           <thead>
