@@ -156,24 +156,27 @@ def test_a_reloaded_page_has_the_past(bench: Page, api: httpx.Client) -> None:
     bench.on("websocket", on_socket)
     bench.reload()
     expect(bench.get_by_test_id("link-readout").first).to_contain_text("live")
-    # Not `wait_for`: Playwright tells of frames only while it is being asked something.
-    for _ in range(200):
-        if any(frames for _, frames in received):
-            break
-        bench.wait_for_timeout(50)
     positions: list[float] = []
+    for _ in range(200):
+        positions = list(positions_before(reloaded_at_s, received))
+        if positions:
+            break
+        bench.wait_for_timeout(50)  # not `wait_for`: Playwright tells of frames only while it is being asked something
+    assert positions, "nothing from before the reload was sent"
+    assert min(positions) < 100
+    assert max(positions) > 2900
+
+
+def positions_before(time_s: float, received: list[tuple[dict[str, Any], list[bytes]]]) -> Iterator[float]:
+    """Positions of the bench's first axis, from telemetry frames, sampled before `time_s`."""
     for hello, frames in received:
-        names = [channel["name"] for channel in hello["channels"]]
+        names = [channel["name"] for channel in hello.get("channels", [])]
         if "position.0" not in names:
             continue
         for frame in frames:
             rows, columns = struct.unpack_from("<8xII", frame)
             samples = np.frombuffer(frame, "<f8", offset=24).reshape(columns + 1, rows)
-            past = samples[0] < reloaded_at_s
-            positions += samples[1 + names.index("position.0")][past].tolist()
-    assert positions, "nothing from before the reload was sent"
-    assert min(positions) < 100
-    assert max(positions) > 2900
+            yield from samples[1 + names.index("position.0")][samples[0] < time_s].tolist()
 
 
 def test_a_chip_that_vanishes_is_said_and_found_again(bench: Page, api: httpx.Client) -> None:
