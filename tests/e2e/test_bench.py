@@ -159,12 +159,11 @@ def test_a_reloaded_page_has_the_past(bench: Page, api: httpx.Client) -> None:
     positions: list[float] = []
     for _ in range(200):
         positions = list(positions_before(reloaded_at_s, received))
-        if positions:
+        if max(positions, default=0.0) > 2900:
             break
         bench.wait_for_timeout(50)  # not `wait_for`: Playwright tells of frames only while it is being asked something
     assert positions, "nothing from before the reload was sent"
-    assert min(positions) < 100
-    assert max(positions) > 2900
+    assert (min(positions) < 100, max(positions) > 2900) == (True, True)
 
 
 def positions_before(time_s: float, received: list[tuple[dict[str, Any], list[bytes]]]) -> Iterator[float]:
