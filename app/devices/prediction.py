@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from app.calc.ramp import RampParameters, RampStart, exact_ramp
 from app.calc.ramp_curve import RampCurve
+from app.devices.tick_phase import TickPhase
 
 FloatArray = NDArray[np.float64]
 
@@ -60,12 +61,19 @@ class Origin:
     """As v_actual reads."""
     parameters: RampParameters
 
+    @property
+    def tick_period_s(self) -> float:
+        """Of the ramp ticks [s]."""
+        return self.parameters.ramp_period_clocks / self.parameters.clock_hz
+
 
 class Prediction:
     """`time_s` counts from `started_at_s` (device time); positions are absolute microsteps."""
 
-    def __init__(self, origin: Origin) -> None:
+    def __init__(self, origin: Origin, until_tick_s: float | None = None) -> None:
         self.origin = origin
+        self.until_tick_s = origin.tick_period_s if until_tick_s is None else until_tick_s
+        """From the start to the first ramp tick [s]; a whole period where nothing is known."""
         self.ended_at_s: float | None = None
         """When something changed the motion (a stop, a write, a switch): from then on the ramp says nothing."""
         self.ended_by = ""
@@ -113,9 +121,19 @@ class Prediction:
         samples = int(np.clip(self._outline.duration_s / SAMPLE_EVERY_S, *SAMPLES))
         return self._outline if samples == SAMPLES[0] else self._ramp(samples)
 
+    def align(self, until_tick_s: float) -> None:
+        """Begin with a ramp tick `until_tick_s` [s] after the start; the curve is computed anew at the next look."""
+        self.until_tick_s = until_tick_s
+        for computed in ("_outline", "_curve"):
+            self.__dict__.pop(computed, None)
+
     def _ramp(self, samples: int) -> RampCurve:
         origin = self.origin
-        start = RampStart(velocity=origin.velocity)
+        parameters = origin.parameters
+        ramp_tick = int(np.clip(round(self.until_tick_s * parameters.clock_hz), 1, parameters.ramp_period_clocks))
+        # Both dividers count the same clocks (a reading, like the law): pulse ticks fall on ramp ticks.
+        pulse_tick = (ramp_tick - 1) % parameters.pulse_period_clocks + 1
+        start = RampStart(velocity=origin.velocity, clocks_to_ramp_tick=ramp_tick, clocks_to_pulse_tick=pulse_tick)
         try:
             return exact_ramp(origin.parameters, origin.distance, samples, start)
         except ValueError:  # it never ends; what happens until then is worth seeing all the more
@@ -166,11 +184,13 @@ class PredictionBook:
     def __init__(self) -> None:
         self._entries: deque[Prediction] = deque(maxlen=KEPT)
         self._stands_since_s: float | None = None
+        self._ticks = TickPhase()
 
     def begin(self, origin: Origin) -> Prediction:
         """A motion starts from `origin`; what was predicted before ends there."""
         self.end(origin.started_at_s, "another command")
-        entry = Prediction(origin)
+        entry = Prediction(origin, self._ticks.until_tick_s(origin.started_at_s, origin.tick_period_s))
+        self._ticks.forget_samples()
         self._entries.append(entry)
         self._stands_since_s = None
         return entry
@@ -198,6 +218,20 @@ class PredictionBook:
             known = ~np.isnan(expected[0])
             position[known], velocity[known] = expected[0][known], expected[1][known]
         return position, velocity
+
+    def learn(self, times_s: FloatArray, residual: FloatArray, velocity_pps: FloatArray) -> None:
+        """Learn from measured less predicted positions [microsteps] when the chip's ramp ticks fall; same lengths.
+
+        Only from a motion that began at rest: v_actual hides a fraction of any other beginning.
+        """
+        present = self.present()
+        if present is None or present.origin.velocity != 0:
+            return
+        origin = present.origin
+        first_tick_s = origin.started_at_s + present.until_tick_s
+        own = times_s >= origin.started_at_s
+        if self._ticks.learn(residual[own], velocity_pps[own], first_tick_s, origin.tick_period_s):
+            present.align(self._ticks.until_tick_s(origin.started_at_s, origin.tick_period_s) or present.until_tick_s)
 
     def observe(self, times_s: FloatArray, standing: NDArray[np.bool_]) -> None:
         """Learn from samples: `standing` is where the motor was at rest although it was expected to turn [rows].

@@ -102,7 +102,7 @@ class RampSamples(RampStops):
         if quantity in ("position", "target_position"):
             return lambda _, words, __: number(words[:, column])
         if quantity == "residual":
-            return lambda times_s, words, _: wrapped(number(words[:, column]) - expected[axis](times_s, words)[0])
+            return lambda times_s, words, _: expected[axis].residual(times_s, words, number(words[:, column]))
         if quantity == "acceleration":
             return lambda _, words, __: number(words[:, column]) * self._acceleration_unit(axis)
         return lambda _, words, __: number(words[:, column]) * self._velocity_unit(axis)
@@ -146,6 +146,13 @@ class _Expected:
                     position, velocity = self._book.at(times_s)
             self._block, self._known = words, (position, velocity)
         return self._known
+
+    def residual(self, times_s: FloatArray, words: IntArray, position: FloatArray) -> FloatArray:
+        """Measured less expected position [microsteps, rows], from which later predictions learn."""
+        expected, velocity = self(times_s, words)
+        difference = wrapped(position - expected)
+        self._book.learn(times_s, difference, velocity)
+        return difference
 
 
 def _number(register: Register) -> _Number:

@@ -256,3 +256,24 @@ async def test_a_trigger_hears_every_start_once() -> None:
             (0, 1.0),
             (1, 2.0),
         ]
+
+
+@BOTH
+@pytest.mark.parametrize("start_s", [0.0, 0.00021, 0.00077])
+async def test_the_first_move_watched_tells_when_ramp_ticks_fall(model: str, start_s: float) -> None:
+    """At ramp_div 9 ticks come every 1.024 ms: at 22.9 kpps a start between two is worth up to 23 microsteps."""
+    async with bench(model) as b:
+        for name, value in {"ramp_div": 9, "a_max": 800, "pdiv": 7}.items():
+            await b.device.write(name, 0, value)
+        await b.device.write("pmul", 0, 62 + (128 if model == "tmc4210" else 0))
+        await b.clock.advance(start_s)
+        recorder = Recorder(b, "residual.0", "position.0")
+        await b.device.move(0, 20_000)
+        _, first = await recorder.run(3.0)
+        assert first[-1, 1] == 20_000
+        again = Recorder(b, "residual.0", "position.0")
+        await b.clock.advance(0.000433)
+        await b.device.move(0, 0)
+        _, second = await again.run(3.0)
+        assert second[-1, 1] == 0
+        assert np.nanmax(np.abs(second[:, 0])) <= 2.5
