@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from app import __version__
+from app.links.errors import BenchError
 from app.settings import LogLevel, Settings
 
 # The server's own imports (FastAPI, numpy, numba) cost half a second: each command brings only what it needs.
@@ -22,6 +25,16 @@ cli = typer.Typer(
 def main() -> None:
     """Console script."""
     cli()
+
+
+@contextmanager
+def _told() -> Iterator[None]:
+    """What somebody can put right is a line on the terminal and exit code 1, not a traceback."""
+    try:
+        yield
+    except (OSError, BenchError, ValueError) as error:  # ValueError: pydantic's too, of options and variables
+        typer.secho(f"stepscope: {error}", fg="red", err=True)
+        raise typer.Exit(1) from error
 
 
 def _version(wanted: bool) -> None:
@@ -59,17 +72,14 @@ def serve(
     Every option is also a variable, e.g. STEPSCOPE_PORT=8001; options win.
     """
     said = {"host": host, "port": port, "data_dir": data_dir, "demo": demo, "log_level": log_level}
-    settings = Settings(**{name: value for name, value in said.items() if value is not None})  # type: ignore[arg-type]  # checked by pydantic
-    from app import serving
+    with _told():
+        settings = Settings(**{name: value for name, value in said.items() if value is not None})  # type: ignore[arg-type]  # checked by pydantic
+        from app import serving
 
-    try:
         if reload:
             serving.serve_with_reload(settings, os.environ)
         else:
             serving.serve(settings, announce=typer.echo)
-    except serving.CannotListen as error:
-        typer.secho(f"stepscope: {error}", fg="red", err=True)
-        raise typer.Exit(1) from error
 
 
 @cli.command()
@@ -82,16 +92,13 @@ def emulate(
     wiring: Annotated[str | None, typer.Option(help="How the reference switches are wired.")] = None,
 ) -> None:
     """Serve one emulated chip to any client: raw 4-byte frames, both ways (docs/tcp-link.md)."""
-    from app import serving
-
     options = {"seed": seed, "clock_hz": clock_hz, "wiring": wiring}
-    try:
+    with _told():
+        from app import serving
+
         serving.emulate(
             model, tcp, {name: value for name, value in options.items() if value is not None}, time_scale, typer.echo
         )
-    except (serving.CannotListen, ValueError) as error:
-        typer.secho(f"stepscope: {error}", fg="red", err=True)
-        raise typer.Exit(1) from error
 
 
 @cli.command()

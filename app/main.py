@@ -15,12 +15,14 @@ from app.api.app import make_app
 from app.api.bench import Bench
 from app.api.routes.ports import serial_ports
 from app.api.schemas import Port
+from app.calc.ramp import RampParameters, exact_ramp
 from app.clock import Clock, WallClock
+from app.devices.device import Device
 from app.devices.manager import DeviceManager
 from app.emulators.build import build_emulator, warm_up
 from app.emulators.options import EmulatorOptions
 from app.links.emulator import EmulatorPort
-from app.links.errors import UsageError
+from app.links.errors import BenchError, UsageError
 from app.links.port import FramePort
 from app.links.registry import Link, tcp_factory
 from app.settings import Settings
@@ -30,6 +32,9 @@ from app.telemetry.hub import TelemetryHub
 from app.tuning.procedures import Procedures
 
 log = logging.getLogger("stepscope")
+
+STOP_WITHIN_S = 0.5
+"""How long stopping the motors may hold up the end of the program [s]."""
 
 
 def create_app(
@@ -62,7 +67,7 @@ def create_app(
         for warning in saved.warnings:
             log.warning("%s", warning)
         # In a thread, because it takes seconds on the first start of an installation (milliseconds later).
-        await asyncio.to_thread(warm_up)
+        await asyncio.to_thread(compile_kernels)
         for config in saved.configs:
             # Not waited for: hardware that is off must not keep the page from coming up.
             await manager.add(config, wait=False)
@@ -97,9 +102,31 @@ def bench_of(app: FastAPI) -> Bench:
     return bench
 
 
+def compile_kernels() -> None:
+    """Compile what numba has to compile, or load it from its cache: else the first move would wait for it."""
+    warm_up()
+    exact_ramp(RampParameters(v_min=1, v_max=1000, a_max=100, ramp_div=5, pulse_div=5, pmul=100, pdiv=4), 1000, 10)
+
+
 async def stop_motors(bench: Bench) -> None:
-    """Slow every moving motor down to a stop: before the server goes. What fails is told, and holds nothing up."""
-    await bench.procedures.close()
-    for outcome in await bench.manager.stop_all():
-        if not outcome.ok:
-            log.warning("%s axis %d was not stopped: %s", outcome.device, outcome.axis, outcome.problem)
+    """Slow down every motor of a connected device that moves: before the server goes.
+
+    A device that does not answer within `STOP_WITHIN_S` is given up; a message tells of it.
+    """
+    try:
+        async with asyncio.timeout(STOP_WITHIN_S):
+            await bench.procedures.close()
+            connected = [device for device in bench.manager.devices if device.state == "connected"]
+            await asyncio.gather(*(_stop_moving(device) for device in connected))
+    except TimeoutError:
+        log.warning("not every motor was stopped: a device did not answer in %g s", STOP_WITHIN_S)
+
+
+async def _stop_moving(device: Device) -> None:
+    try:
+        moving = [axis.index for axis in device.axes if (await device.axis_state(axis.index)).moving]
+        for outcome in await device.stop_axes(moving) if moving else ():
+            if outcome.problem is not None:
+                raise outcome.problem
+    except BenchError as error:
+        log.warning("the motors of %s were not stopped: %s", device.name, error)

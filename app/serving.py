@@ -15,20 +15,20 @@ from fastapi import FastAPI
 from app.main import bench_of, create_app, stop_motors
 from app.settings import Settings
 
-GRACE_S = 1
+GRACE_S = 0.3
 """How long open requests may take to end after Ctrl-C [s]; sockets are closed at once."""
 
 
-class CannotListen(Exception):
+class CannotListen(OSError):
     """The address cannot be had; the text says why and what to do."""
 
 
 def serve(settings: Settings, announce: Callable[[str], None]) -> None:
     """Serve until Ctrl-C. Raises CannotListen before anything has started."""
-    listener = _listen(settings.host, settings.port)
+    listener = listen(settings.host, settings.port)
     port = listener.getsockname()[1]
     ready = f"stepscope is at {_url(settings.host, port)}  (Ctrl-C stops the motors and ends it)"
-    server = BenchServer(create_app(settings), settings, lambda: announce(ready))
+    server = BenchServer(create_app(settings), settings, on_ready=lambda: announce(ready))
     with contextlib.suppress(KeyboardInterrupt):  # uvicorn ends properly, then raises the signal once more
         server.run(sockets=[listener])
 
@@ -56,7 +56,7 @@ def serve_with_reload(settings: Settings, environment: MutableMapping[str, str])
         environment[f"STEPSCOPE_{name.upper()}"] = str(value)
     # The UI comes from Vite on another port of this machine, whose pages are ours here.
     environment["STEPSCOPE_ALLOWED_HOSTS"] = ",".join({*settings.allowed_hosts, "localhost", "127.0.0.1", "::1"})
-    _listen(settings.host, settings.port).close()
+    listen(settings.host, settings.port).close()
     uvicorn.run("app.main:create_app", factory=True, reload=True, reload_dirs=["app"], **_options(settings))  # type: ignore[arg-type]
 
 
@@ -74,7 +74,8 @@ def _options(settings: Settings) -> dict[str, object]:
     }
 
 
-def _listen(host: str, port: int) -> socket.socket:
+def listen(host: str, port: int) -> socket.socket:
+    """A bound socket; port 0 picks a free one. Raises CannotListen."""
     try:
         family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
         listener = socket.socket(family, kind, protocol)

@@ -225,7 +225,9 @@ class RegisterBatchResult(Answer):
 
 
 class Exchange(Body):
-    frame: Annotated[str, StringConstraints(strict=True, max_length=64)] = Field(description="hex, spaces allowed")
+    frame: Annotated[str, StringConstraints(strict=True, max_length=64, pattern=r"^ *([0-9A-Fa-f]{2} *)+$")] = Field(
+        description="hex digits in pairs, spaces between them allowed; as long as the device's frames are"
+    )
 
 
 class ExchangeReply(Answer):
@@ -283,9 +285,20 @@ class MoveStarted(Answer):
     warnings: list[str]
 
 
+HoldSeconds = Annotated[float, Field(strict=True, ge=0.1, le=10, allow_inf_nan=False)]
+
+
 class Rotate(Body):
     velocity: Number
     unit: VelocityUnit = "pps"
+    hold_s: HoldSeconds | None = Field(
+        default=None,
+        description="stop by itself after so long unless kept up (PATCH), as a jog button needs; null: on and on",
+    )
+
+
+class KeepRotating(Body):
+    hold_s: HoldSeconds = 1.0
 
 
 class Rotating(Answer):
@@ -326,8 +339,12 @@ class Prediction(Answer):
 
 class ReferenceSearchStart(Body):
     switch: Literal["left", "right", "reference"] = "reference"
-    velocity: Number | None = Field(default=None, description="search speed [pps]; default a quarter of v_max")
-    max_travel: Int | None = Field(default=None, description="give up after that many microsteps")
+    velocity: Annotated[float, Field(strict=True, gt=0, allow_inf_nan=False)] | None = Field(
+        default=None, description="search speed [pps]; default a quarter of v_max"
+    )
+    max_travel: Annotated[int, Field(strict=True, ge=1, lt=1 << 23)] | None = Field(
+        default=None, description="give up a part of the search after that many microsteps"
+    )
 
 
 class ReferenceSearchState(Answer):
@@ -432,7 +449,7 @@ class ProfileRegister(Answer):
 
 Divider = Annotated[int, Field(strict=True, ge=0, le=13)]
 ChipValue = Annotated[int, Field(strict=True, ge=0, le=2047)]
-ClockHz = Annotated[float, Field(strict=True, gt=0, le=32e6, allow_inf_nan=False)]
+ClockHz = Annotated[float, Field(strict=True, ge=1, le=32e6, allow_inf_nan=False)]
 
 
 class PmulPdiv(Body):

@@ -11,9 +11,12 @@ from app.api.schemas import DeviceInfo, LinkTest
 from app.api.schemas_devices import DeviceChange, DeviceCreate, DeviceTrial
 from app.devices import manager
 from app.devices.config import DeviceConfig
-from app.links.errors import OutOfRange, UnknownThing
+from app.links.errors import OutOfRange, UnknownThing, WrongState
 
 router = APIRouter(prefix="/devices", tags=["devices"])
+
+DEVICES_MAX = 64
+"""Each device is watched and remembered all the time; a script that adds in a loop must not drown the others."""
 
 
 @router.get("")
@@ -22,9 +25,11 @@ async def list_devices(bench: CurrentBench) -> list[DeviceInfo]:
     return [device_info(device) for device in bench.manager.devices]
 
 
-@router.post("", status_code=201, responses=problems(OutOfRange))
+@router.post("", status_code=201, responses=problems(WrongState, OutOfRange))
 async def add_device(body: DeviceCreate, bench: CurrentBench) -> DeviceInfo:
     """Add a connection and try it. One that does not answer is added all the same; `state` and `problem` tell why."""
+    if len(bench.manager.devices) >= DEVICES_MAX:
+        raise WrongState(f"there are {DEVICES_MAX} devices already", "remove one first")
     config = DeviceConfig(
         name=body.name,
         model=body.model,

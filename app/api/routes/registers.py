@@ -16,7 +16,7 @@ from app.api.schemas import (
     RegisterWritten,
 )
 from app.devices.results import WriteItem
-from app.links.errors import UsageError, WriteRefused
+from app.links.errors import WriteRefused
 
 router = APIRouter(prefix="/devices/{device}", tags=["registers"])
 
@@ -56,9 +56,5 @@ async def write_register(
 @router.post("/exchange", responses=problems(*DEVICE_PROBLEMS))
 async def exchange_frame(device: CurrentDevice, body: Exchange) -> ExchangeReply:
     """Send one raw datagram as it is, past every check but its length."""
-    try:
-        frame = bytes.fromhex(body.frame)
-    except ValueError as error:
-        raise UsageError(f"a frame is hex digits in pairs, not {body.frame!r}") from error
-    raw = await device.exchange(frame)
+    raw = await device.exchange(bytes.fromhex(body.frame))
     return ExchangeReply(reply=raw.reply.hex(), decoded=raw.decoded)

@@ -1,0 +1,100 @@
+"""schemathesis over the whole schema, against a real server: no crash, nothing undocumented, nothing wrong accepted."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import socket
+import sys
+from pathlib import Path
+from typing import Any
+
+import httpx
+import pytest
+
+from tests.api.live import live_server
+
+SEED = 428
+EXAMPLES = 4
+RUNS = {
+    "new": ("add_device", "test_link"),
+    "destructive": ("edit_device", "remove_device", "disconnect_device", "change_emulator"),
+}
+"""Calls that get a server of their own: they add devices of any name, or leave the others nothing to talk to."""
+ALL_RUNS = tuple(name for names in RUNS.values() for name in names)
+
+CONFIG = """
+# Valid by its schema is not valid for the chip (v_max 5000, a chain of 65 bits): 422 is right there.
+[checks]
+positive_data_acceptance.expected-statuses = ["2xx", 404, 409, 422, 502, 504]
+"""
+
+
+def with_real_names(schema: dict[str, Any]) -> dict[str, Any]:
+    """The schema with what there is on the demo bench: random names would be 404 before anything is reached."""
+    names = {
+        "device": {"type": "string", "enum": ["bench", "slider"]},
+        "axis": {"type": "integer", "enum": [0, 1, 2]},
+        "name": {"type": "string", "enum": ["v_max", "pmul_pdiv", "rm", "x_target", "LSMD", "USTEP_COUNT_4210"]},
+        "model": {"type": "string", "enum": ["tmc428", "tmc4210"]},
+    }
+    for operations in schema["paths"].values():
+        for operation in operations.values():
+            for parameter in operation.get("parameters", ()):
+                if parameter["in"] == "path":
+                    parameter["schema"] = names[parameter["name"]]
+    # The devices have to stay under the names that the paths use.
+    del schema["components"]["schemas"]["DeviceChange"]["properties"]["name"]
+    return schema
+
+
+@pytest.fixture(autouse=True)
+def _no_network(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Invented hosts end at this machine."""
+    real = socket.getaddrinfo
+
+    def here_only(host: Any, *rest: Any, **more: Any) -> Any:
+        if host not in ("127.0.0.1", "localhost", "::1"):
+            raise socket.gaierror(socket.EAI_NONAME, "the test has no network")
+        return real(host, *rest, **more)
+
+    monkeypatch.setattr(socket, "getaddrinfo", here_only)
+
+
+async def _sweep(client: httpx.AsyncClient) -> None:
+    """Remove what was added, while the run goes on: hundreds of devices would only make it slow."""
+    while True:
+        await asyncio.sleep(0.2)
+        for device in (await client.get("/api/v1/devices")).json():
+            if not device["demo"]:
+                await client.delete(f"/api/v1/devices/{device['id']}")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("which", ["rest", *RUNS])
+async def test_the_server_keeps_its_contract(tmp_path: Path, which: str) -> None:
+    how, calls = ("--include-operation-id", RUNS[which]) if which in RUNS else ("--exclude-operation-id", ALL_RUNS)
+    chosen = [flag for name in calls for flag in (how, name)]
+    config = tmp_path / "schemathesis.toml"
+    config.write_text(CONFIG)
+    async with live_server(tmp_path / "data") as url, httpx.AsyncClient(base_url=url) as client:
+        schema = tmp_path / "openapi.json"
+        schema.write_text(json.dumps(with_real_names((await client.get("/openapi.json")).json())))
+        command = [sys.executable, "-m", "schemathesis.cli", "--config-file", str(config), "run", str(schema)]
+        command += ["--url", url, "--phases", "examples,coverage,fuzzing", "--max-examples", str(EXAMPLES)]
+        command += ["--seed", str(SEED), "--generation-database", "none", "--checks", "all", "--continue-on-failure"]
+        command += ["--request-timeout", "20", "--no-shrink", "--no-color", "--warnings", "off", *chosen]
+        process = await asyncio.create_subprocess_exec(
+            *command,
+            cwd=tmp_path,
+            env={**os.environ, "PYTHONWARNINGS": "default"},
+            stdout=asyncio.subprocess.PIPE,
+            stderr=asyncio.subprocess.STDOUT,
+        )
+        sweeping = asyncio.create_task(_sweep(client) if which == "new" else asyncio.sleep(0))
+        report, _ = await process.communicate()
+        sweeping.cancel()
+        assert process.returncode == 0, report.decode()[-8000:]
+        assert (await client.get("/api/v1/health")).status_code == 200
+        assert (await client.post("/api/v1/stop")).status_code == 200

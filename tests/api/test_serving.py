@@ -1,0 +1,149 @@
+"""`stepscope serve` and `stepscope emulate` as a user starts them: their own processes."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import httpx
+import pytest
+
+from app.links import datagram32
+
+STEPSCOPE = [sys.executable, "-c", "from app.cli import main; main()"]
+
+
+@contextmanager
+def running(*arguments: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
+    """A process that has said its first line, and that line."""
+    process = subprocess.Popen(
+        [*STEPSCOPE, *arguments], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment()
+    )
+    assert process.stdout is not None
+    try:
+        yield process, process.stdout.readline()
+    finally:
+        if process.poll() is None:
+            process.kill()
+        process.wait()
+        process.stdout.close()
+
+
+def environment() -> dict[str, str]:
+    return {name: value for name, value in os.environ.items() if not name.startswith("STEPSCOPE_")}
+
+
+def address(line: str) -> str:
+    found = re.search(r"http://\S+", line)
+    assert found is not None, line
+    return found.group()
+
+
+def test_it_prints_the_url_when_it_is_ready_and_ends_soon_after_ctrl_c(tmp_path: Path) -> None:
+    with (
+        running("emulate", "tmc428", "--tcp", "127.0.0.1:0") as (_, listening),
+        running("serve", "--port", "0", "--data-dir", str(tmp_path)) as (server, line),
+        httpx.Client(base_url=f"{address(line)}/api/v1/") as api,
+    ):
+        # A chip that outlives the server: what it does after Ctrl-C is what a real one would do.
+        port = int(listening.rpartition(":")[2].split()[0])
+        link = {"kind": "tcp", "host": "127.0.0.1", "port": port}
+        assert api.post("devices", json={"name": "far", "model": "tmc428", "link": link}).json()["state"] == "connected"
+        for name, value in (("v_max", 100), ("a_max", 10)):
+            api.put(f"devices/far/registers/{name}?axis=1", json={"value": value}).raise_for_status()
+        fields = {"pulse_div": 5, "ramp_div": 5}
+        api.put("devices/far/registers/pulse_div_ramp_div_usrs?axis=1", json={"fields": fields}).raise_for_status()
+        api.post("devices/far/axes/1/rotate", json={"velocity": 50, "unit": "chip"}).raise_for_status()
+        with socket.create_connection(("127.0.0.1", port), timeout=5) as chip:
+
+            def v_actual() -> int:
+                chip.sendall(datagram32.read(0x15))
+                return int.from_bytes(chip.recv(4)[1:], "big")
+
+            until_s = time.monotonic() + 5
+            while v_actual() != 50 and time.monotonic() < until_s:
+                time.sleep(0.01)
+            assert v_actual() == 50
+            asked_s = time.monotonic()
+            server.send_signal(signal.SIGINT)
+            assert server.wait(5) == 0
+            assert time.monotonic() - asked_s < 1.0
+            until_s = time.monotonic() + 2
+            while v_actual() and time.monotonic() < until_s:
+                time.sleep(0.01)
+            assert v_actual() == 0, "the motor was stopped before the server went"
+        assert json.loads((tmp_path / "connections.json").read_text())["connections"][0]["name"] == "far"
+
+
+def test_open_sockets_do_not_hold_up_the_end(tmp_path: Path) -> None:
+    from websockets.sync.client import connect
+
+    with running("serve", "--port", "0", "--data-dir", str(tmp_path)) as (server, line):
+        url = address(line).replace("http", "ws", 1)
+        with connect(f"{url}/api/v1/devices/bench/telemetry?channels=position.0&rate_hz=1000") as reader:
+            assert json.loads(reader.recv())["type"] == "start"
+            asked_s = time.monotonic()
+            server.send_signal(signal.SIGTERM)
+            assert server.wait(5) in (0, -signal.SIGTERM)
+            assert time.monotonic() - asked_s < 1.0
+
+
+def test_a_taken_port_is_told_and_what_to_do(tmp_path: Path) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        ended = subprocess.run(
+            [*STEPSCOPE, "serve", "--port", str(port), "--data-dir", str(tmp_path)],
+            capture_output=True,
+            text=True,
+            timeout=30,
+            env=environment(),
+            check=False,
+        )
+    assert ended.returncode == 1
+    assert f"port {port}" in ended.stderr
+    assert "--port" in ended.stderr
+    assert "Traceback" not in ended.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["emulate", "tmc5160", "--tcp", "127.0.0.1:0"], "tmc5160"),
+        (["emulate", "tmc428", "--tcp", "nowhere"], "HOST:PORT"),
+        (["emulate", "tmc428", "--tcp", "127.0.0.1:0", "--clock-hz", "1e12"], "clock_hz"),
+        (["serve", "--port", "99999"], "port"),
+        (["serve"], "history_minutes"),
+    ],
+)
+def test_what_cannot_be_served_is_told(arguments: list[str], words: str) -> None:
+    variables = {**environment(), "STEPSCOPE_HISTORY_MINUTES": "-1"}
+    ended = subprocess.run(
+        [*STEPSCOPE, *arguments], capture_output=True, text=True, timeout=30, env=variables, check=False
+    )
+    assert ended.returncode != 0
+    assert words in ended.stderr
+    assert "Traceback" not in ended.stderr
+
+
+async def test_an_emulated_chip_answers_any_client() -> None:
+    with running("emulate", "tmc4210", "--tcp", "127.0.0.1:0", "--seed", "7", "--clock-hz", "32e6") as (process, line):
+        port = int(line.rpartition(":")[2].split()[0])
+        reader, writer = await asyncio.open_connection("127.0.0.1", port)
+        writer.write(datagram32.read(0x39))
+        assert (await reader.readexactly(4))[1:] == bytes.fromhex("429101")
+        writer.close()
+        await writer.wait_closed()
+        process.send_signal(signal.SIGINT)
+        assert process.wait(5) == 0
