@@ -9,9 +9,11 @@ from weakref import WeakKeyDictionary
 from app.clock import Clock
 from app.devices.device import Device
 from app.devices.ramp_stops import RampStops
+from app.devices.results import Rotating
 from app.links.errors import WrongState
 from app.tuning import reference_search, shuttle
 from app.tuning.edges import Switch
+from app.tuning.hold import Hold, check_hold
 from app.tuning.procedure import Procedure
 from app.tuning.reference_search import ReferenceSearch, ReferenceSearchState
 from app.tuning.shuttle import Shuttle, ShuttleState
@@ -86,6 +88,24 @@ class Procedures:
         if latest is not None:
             await latest.abort("stopped on request")
         return self.shuttle_state(device, axis)
+
+    # --- held rotation --------------------------------------------------------------------------
+
+    async def rotate_held(self, device: Device, axis: int, velocity: float, unit: str, hold_s: float) -> Rotating:
+        """Rotate, and stop by itself in `hold_s` [s] unless `keep_rotating` is called. Raises what `rotate` does."""
+        check_hold(hold_s)
+        rotating = await device.rotate(axis, velocity, unit)
+        for ended in self.running(device, axis):  # by this very rotation; their last words must not stop it
+            await ended.wait()
+        self._start(Hold(device, axis, self._clock, rotating, hold_s))
+        return rotating
+
+    def keep_rotating(self, device: Device, axis: int, hold_s: float) -> Rotating:
+        """Let a held rotation go on; never begins one, so that it cannot overtake a stop. Raises WrongState."""
+        held = self._find(device, axis, Hold)
+        if held is None or not held.running:
+            raise WrongState(f"nothing is held on axis {axis} of {device.name}", "begin with rotate and hold_s")
+        return held.keep(hold_s)
 
     # --- inside ---------------------------------------------------------------------------------
 

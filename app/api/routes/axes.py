@@ -5,11 +5,11 @@ from __future__ import annotations
 from fastapi import APIRouter
 
 from app.api.convert import prediction_out
-from app.api.deps import CurrentAxis, CurrentDevice
+from app.api.deps import CurrentAxis, CurrentBench, CurrentDevice
 from app.api.problems import DEVICE_PROBLEMS, problems
-from app.api.schemas import AxisStateOut, Move, Moves, MoveStarted, Prediction, Rotate, Rotating
+from app.api.schemas import AxisStateOut, KeepRotating, Move, Moves, MoveStarted, Prediction, Rotate, Rotating
 from app.devices.results import AxisMove
-from app.links.errors import UnknownThing
+from app.links.errors import OutOfRange, UnknownThing, WrongState
 
 router = APIRouter(prefix="/devices/{device}", tags=["axes"])
 
@@ -34,9 +34,18 @@ async def move_axes(device: CurrentDevice, body: Moves) -> list[MoveStarted]:
 
 
 @router.post("/axes/{axis}/rotate", responses=problems(*DEVICE_PROBLEMS))
-async def rotate_axis(device: CurrentDevice, axis: CurrentAxis, body: Rotate) -> Rotating:
-    """Turn on and on at a velocity, until told otherwise."""
-    return Rotating.model_validate(await device.rotate(axis.index, body.velocity, body.unit))
+async def rotate_axis(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis, body: Rotate) -> Rotating:
+    """Turn on and on at a velocity, until told otherwise; with `hold_s` only for as long as it is kept up."""
+    if body.hold_s is None:
+        return Rotating.model_validate(await device.rotate(axis.index, body.velocity, body.unit))
+    held = await bench.procedures.rotate_held(device, axis.index, body.velocity, body.unit, body.hold_s)
+    return Rotating.model_validate(held)
+
+
+@router.patch("/axes/{axis}/rotate", responses=problems(UnknownThing, WrongState, OutOfRange))
+async def keep_rotating(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis, body: KeepRotating) -> Rotating:
+    """Keep a rotation with `hold_s` up. It never begins one: coming late, behind a stop, it moves nothing."""
+    return Rotating.model_validate(bench.procedures.keep_rotating(device, axis.index, body.hold_s))
 
 
 @router.get("/axes/{axis}/prediction", responses=problems(UnknownThing))

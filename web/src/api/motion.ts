@@ -15,6 +15,8 @@ export const motion = {
     unwrap(await api.POST("/api/v1/devices/{device}/move", { params: { path: { device } }, body: { moves } })),
   rotate: async (at: AxisAddress, body: Schemas["Rotate"]) =>
     unwrap(await api.POST("/api/v1/devices/{device}/axes/{axis}/rotate", { ...path(at), body })),
+  keepRotating: async (at: AxisAddress, body: Schemas["KeepRotating"]) =>
+    unwrap(await api.PATCH("/api/v1/devices/{device}/axes/{axis}/rotate", { ...path(at), body })),
   stop: async (at: AxisAddress, mode: "ramp" | "immediate") =>
     unwrap(await api.POST("/api/v1/devices/{device}/axes/{axis}/stop", { ...path(at), body: { mode } })),
   shuttle: async (at: AxisAddress, body: Schemas["ShuttleStart"]) =>

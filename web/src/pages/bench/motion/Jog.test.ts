@@ -16,8 +16,12 @@ function bench() {
     log.push("stop");
     return Promise.resolve();
   });
+  const keep = vi.fn(() => {
+    log.push("keep");
+    return Promise.resolve();
+  });
   const errors: unknown[] = [];
-  const jog = new Jog(rotate, halt, (error) => errors.push(error));
+  const jog = new Jog(rotate, keep, halt, (error) => errors.push(error));
   const settle = () => new Promise((resolve) => setTimeout(resolve));
   return { jog, log, errors, settle, answer: () => answer(), refuse: (error: unknown) => refuse(error) };
 }
@@ -44,6 +48,24 @@ describe("Jog", () => {
     answer();
     await settle();
     expect(log).toEqual(["rotate -1", "stop", "stop"]);
+  });
+
+  it("says that it is held for as long as it is, and not before the start is answered", async () => {
+    vi.useFakeTimers();
+    try {
+      const { jog, log, answer } = bench();
+      jog.press(1);
+      await vi.advanceTimersByTimeAsync(1000);
+      expect(log).toEqual(["rotate 1"]);
+      answer();
+      await vi.advanceTimersByTimeAsync(600);
+      expect(log).toEqual(["rotate 1", "keep", "keep", "keep"]);
+      jog.release();
+      await vi.advanceTimersByTimeAsync(1000);
+      expect(log).toEqual(["rotate 1", "keep", "keep", "keep", "stop"]);
+    } finally {
+      vi.useRealTimers();
+    }
   });
 
   it("reports a refused start and can be pressed again", async () => {

@@ -1,7 +1,7 @@
 import { type KeyboardEvent, type PointerEvent, useEffect, useMemo, useRef, useState } from "react";
 import { type AxisAddress, motion } from "../../../api/motion";
 import { STOP_EVENT } from "../../../shell/stopEverything";
-import { type Direction, Jog } from "./Jog";
+import { type Direction, HOLD_S, Jog } from "./Jog";
 
 function keyDirection(key: string, own: Direction): Direction | null {
   if (key === "ArrowLeft") return -1;
@@ -20,7 +20,8 @@ export function useJog(at: AxisAddress, velocityPps: number, onError: (error: un
   const jog = useMemo(
     () =>
       new Jog(
-        (sign) => motion.rotate({ device, axis }, { velocity: sign * speed.current, unit: "pps" }),
+        (sign) => motion.rotate({ device, axis }, { velocity: sign * speed.current, unit: "pps", hold_s: HOLD_S }),
+        () => motion.keepRotating({ device, axis }, { hold_s: HOLD_S }),
         () => motion.stop({ device, axis }, "ramp"),
         (error) => report.current(error),
         setDirection,
