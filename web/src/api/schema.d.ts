@@ -163,13 +163,17 @@ export interface paths {
         put?: never;
         /**
          * Rotate Axis
-         * @description Turn on and on at a velocity, until told otherwise.
+         * @description Turn on and on at a velocity, until told otherwise; with `hold_s` only for as long as it is kept up.
          */
         post: operations["rotate_axis"];
         delete?: never;
         options?: never;
         head?: never;
-        patch?: never;
+        /**
+         * Keep Rotating
+         * @description Keep a rotation with `hold_s` up. It never begins one: coming late, behind a stop, it moves nothing.
+         */
+        patch: operations["keep_rotating"];
         trace?: never;
     };
     "/api/v1/devices/{device}/axes/{axis}/prediction": {
@@ -1298,6 +1302,14 @@ export interface components {
              */
             gp_in?: boolean | null;
         };
+        /** KeepRotating */
+        KeepRotating: {
+            /**
+             * Hold S
+             * @default 1
+             */
+            hold_s?: number;
+        };
         /**
          * LinkTest
          * @description What a trial of a link found, without keeping anything.
@@ -2000,6 +2012,11 @@ export interface components {
              * @enum {string}
              */
             unit?: "pps" | "chip" | "fullsteps_per_s" | "rpm" | "rad_per_s" | "mm_per_s";
+            /**
+             * Hold S
+             * @description stop by itself after so long unless kept up (PATCH), as a jog button needs; null: on and on
+             */
+            hold_s?: number | null;
         };
         /** Rotating */
         Rotating: {
@@ -3326,6 +3343,89 @@ export interface operations {
             };
             /** @description The device did not answer (/problems/no-reply) */
             504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    keep_rotating: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["KeepRotating"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Rotating"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
                 headers: {
                     [name: string]: unknown;
                 };
