@@ -189,8 +189,8 @@ class PredictionBook:
     def begin(self, origin: Origin) -> Prediction:
         """A motion starts from `origin`; what was predicted before ends there."""
         self.end(origin.started_at_s, "another command")
+        self._ticks.next_motion()
         entry = Prediction(origin, self._ticks.until_tick_s(origin.started_at_s, origin.tick_period_s))
-        self._ticks.forget_samples()
         self._entries.append(entry)
         self._stands_since_s = None
         return entry

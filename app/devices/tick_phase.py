@@ -32,9 +32,20 @@ class TickPhase:
         self.forget_samples()
 
     def forget_samples(self) -> None:
-        """Begin to collect anew: for the next motion."""
+        """Begin to collect anew."""
         self._count = 0
         self._vv = self._rv = self._rr = 0.0
+        self._first_tick_s = 0.0
+
+    def next_motion(self) -> None:
+        """A motion is over: all of its samples together tell the ticks best.
+
+        A start close to a tick needs that: a little off, and the prediction would begin a whole tick early or late.
+        """
+        lead_s = self._lead_s(self._period_s) if self._tick_s is not None else None
+        if lead_s is not None and abs(lead_s) <= self._period_s / SHARPNESS:
+            self._tick_s = self._first_tick_s - lead_s
+        self.forget_samples()
 
     def until_tick_s(self, now_s: float, period_s: float) -> float | None:
         """Time from `now_s` to the next ramp tick [s], above 0 up to a period; None while unknown."""
@@ -58,14 +69,20 @@ class TickPhase:
         self._vv += float(v @ v)
         self._rv += float(r @ v)
         self._rr += float(r @ r)
-        if self._count < LEAST_SAMPLES or STEP_NOISE / math.sqrt(self._vv) > period_s / SHARPNESS:
-            return False
-        lead_s = self._rv / self._vv
-        misfit = math.sqrt(max(0.0, self._rr - lead_s * self._rv) / self._count)
-        if misfit > MISFIT or abs(lead_s) > 1.1 * period_s:
+        self._first_tick_s = first_tick_s
+        lead_s = self._lead_s(period_s)
+        if lead_s is None:
             return False
         if abs(lead_s) <= period_s / SHARPNESS and self.until_tick_s(first_tick_s, period_s) is not None:
             return False  # as known before
         self._tick_s, self._period_s = first_tick_s - lead_s, period_s
         self.forget_samples()
         return True
+
+    def _lead_s(self, period_s: float) -> float | None:
+        """How much earlier the samples so far came than predicted [s]; None where they cannot tell."""
+        if self._count < LEAST_SAMPLES or STEP_NOISE / math.sqrt(self._vv) > period_s / SHARPNESS:
+            return None
+        lead_s = self._rv / self._vv
+        misfit = math.sqrt(max(0.0, self._rr - lead_s * self._rv) / self._count)
+        return lead_s if misfit <= MISFIT and abs(lead_s) <= 1.1 * period_s else None

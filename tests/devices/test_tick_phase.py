@@ -34,6 +34,20 @@ def test_what_is_known_already_moves_nothing() -> None:
     assert not ticks.learn(np.zeros(200), VELOCITY, 1.0 + 3 * PERIOD_S, PERIOD_S)
 
 
+def test_a_whole_motion_tells_more_than_its_beginning() -> None:
+    """Learned from the first samples to some microseconds, then from all of them to a fraction of one."""
+    ticks = TickPhase()
+    noise = np.random.default_rng(7).uniform(-0.5, 0.5, VELOCITY.size)
+    few = slice(140, 150)
+    assert ticks.learn(VELOCITY[few] * 0.5 * PERIOD_S + 1.2, VELOCITY[few], PERIOD_S, PERIOD_S)
+    assert ticks.until_tick_s(0.0, PERIOD_S) != pytest.approx(0.5 * PERIOD_S, abs=5e-6)
+    # The next motion begins with a tick that was taken for later than it was; all of its samples say so.
+    assert ticks.learn(VELOCITY * 0.25 * PERIOD_S + noise, VELOCITY, 8.75 * PERIOD_S, PERIOD_S)
+    assert not ticks.learn(VELOCITY * 0.01 * PERIOD_S + noise, VELOCITY, 8.51 * PERIOD_S, PERIOD_S)
+    ticks.next_motion()
+    assert ticks.until_tick_s(20.4 * PERIOD_S, PERIOD_S) == pytest.approx(0.1 * PERIOD_S, abs=0.5e-6)
+
+
 def test_another_ramp_div_has_other_ticks() -> None:
     ticks = TickPhase()
     assert ticks.learn(VELOCITY * 0.5 * PERIOD_S, VELOCITY, 1.0, PERIOD_S)
