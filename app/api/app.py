@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from contextlib import AbstractAsyncContextManager
 
-from fastapi import APIRouter, FastAPI
+from fastapi import FastAPI
 
 from app import __version__
 from app.api import openapi, problems
@@ -61,10 +61,8 @@ def make_app(bench: Bench, lifespan: Lifespan) -> FastAPI:
     )
     app.state.bench = bench
     app.state.allowed_methods = openapi.allowed_methods(app)
-    api = APIRouter(prefix=BASE)
     for subject in SUBJECTS:
-        api.include_router(subject.router)
-    app.include_router(api)
+        app.include_router(subject.router, prefix=BASE)
     # The UI answers what no route knows. As a route it would hide the 405 of the API's own addresses.
     app.router.default = WebUi(bench.settings.web_dir)
     problems.install(app)

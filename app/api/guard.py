@@ -9,6 +9,7 @@ so Host must be an address, a name that public DNS cannot give, or one that the 
 from __future__ import annotations
 
 import ipaddress
+from functools import lru_cache
 
 from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
@@ -25,6 +26,7 @@ def host_name(authority: str) -> str:
     return authority.partition(":")[0].casefold().rstrip(".")
 
 
+@lru_cache(maxsize=256)  # asked for every request, and nearly always the same
 def host_is_ours(authority: str, allowed: frozenset[str]) -> bool:
     """Whether a browser under that Host can only mean this machine."""
     name = host_name(authority)

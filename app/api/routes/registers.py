@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter
+from fastapi import APIRouter, Request
 
-from app.api.deps import AxisQuery, CurrentDevice, RegisterName
+from app.api.deps import AxisQuery, CurrentDevice, DeviceId, RegisterName, device_of
 from app.api.problems import DEVICE_PROBLEMS, problem_of, problems
 from app.api.schemas import (
     Exchange,
@@ -40,9 +40,12 @@ async def write_registers(device: CurrentDevice, body: RegisterBatch) -> Registe
 
 
 @router.get("/registers/{name}", responses=problems(*DEVICE_PROBLEMS))
-async def read_register(device: CurrentDevice, name: RegisterName, axis: AxisQuery = None) -> RegisterReading:
+async def read_register(
+    request: Request, device: DeviceId, name: RegisterName, axis: AxisQuery = None
+) -> RegisterReading:
     """Read one register, or a field by its own name, past any cache."""
-    return RegisterReading.model_validate(await device.read(name, axis))
+    # The call that scripts poll with: without the dependency it is a quarter faster.
+    return RegisterReading.model_validate(await device_of(request, device).read(name, axis))
 
 
 @router.put("/registers/{name}", responses=problems(*DEVICE_PROBLEMS, WriteRefused))

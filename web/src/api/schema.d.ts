@@ -2695,10 +2695,10 @@ export interface operations {
             };
             header?: never;
             path: {
-                /** @description register or field, as in the data sheet, without regard to case */
-                name: string;
                 /** @description the device's id: a slug of its name */
                 device: string;
+                /** @description register or field, as in the data sheet, without regard to case */
+                name: string;
             };
             cookie?: never;
         };
