@@ -33,6 +33,8 @@ from app.tuning.procedures import Procedures
 
 log = logging.getLogger("stepscope")
 
+PATIENCE_S = 1.5
+"""A start that takes longer than this says why [s]."""
 STOP_WITHIN_S = 0.5
 """How long stopping the motors may hold up the end of the program [s]."""
 
@@ -66,8 +68,10 @@ def create_app(
         saved = store.load()
         for warning in saved.warnings:
             log.warning("%s", warning)
-        # In a thread, because it takes seconds on the first start of an installation (milliseconds later).
-        await asyncio.to_thread(compile_kernels)
+        compiling = asyncio.create_task(asyncio.to_thread(compile_kernels))
+        if not (await asyncio.wait({compiling}, timeout=PATIENCE_S))[0]:
+            log.warning("the first start compiles the emulators, which takes some 15 s; later ones find it done")
+        await compiling
         for config in saved.configs:
             # Not waited for: hardware that is off must not keep the page from coming up.
             await manager.add(config, wait=False)

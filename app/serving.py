@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import errno
+import logging
 import os
 import socket
 from collections.abc import Callable, Mapping, MutableMapping
@@ -25,6 +26,7 @@ class CannotListen(OSError):
 
 def serve(settings: Settings, announce: Callable[[str], None]) -> None:
     """Serve until Ctrl-C. Raises CannotListen before anything has started."""
+    logging.basicConfig(format="%(levelname)s %(name)s: %(message)s", level=settings.log_level.upper())
     listener = listen(settings.host, settings.port)
     port = listener.getsockname()[1]
     ready = f"stepscope is at {_url(settings.host, port)}  (Ctrl-C stops the motors and ends it)"

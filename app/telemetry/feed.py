@@ -141,11 +141,11 @@ class Feed:
                 reader.close(reason)
 
     async def wait_closed(self) -> None:
-        """After `close`: return when nothing of this feed runs any more."""
+        """After `close`: cut off what is still on the link; nothing of this feed runs any more on return."""
         if self._task is not None:
             await asyncio.gather(self._task, return_exceptions=True)
         for sampling in self._ended:
-            await sampling.wait_ended()
+            await sampling.cut_off()
 
     # --- inside ---------------------------------------------------------------------------------
 

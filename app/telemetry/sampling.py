@@ -87,9 +87,10 @@ class Sampling:
         if self._task is not None and self._asleep:
             self._task.cancel()
 
-    async def wait_ended(self) -> None:
-        """After `end`: return when nothing of this sampling is on the link any more."""
+    async def cut_off(self) -> None:
+        """After `end`: do not even wait for a sample on its way. For the end of the program."""
         if self._task is not None:
+            self._task.cancel()
             with contextlib.suppress(asyncio.CancelledError):
                 await self._task
 

@@ -46,7 +46,7 @@ async def telemetry(socket: WebSocket, device: str) -> None:
         return
     await socket.accept(SUBPROTOCOL if offered else None)
     bench: Bench = socket.app.state.bench
-    with contextlib.suppress(WebSocketDisconnect, RuntimeError):  # a socket that closed under a send
+    with contextlib.suppress(WebSocketDisconnect):  # it closed under a send
         try:
             channels, rate_hz, batch_hz, history_s = _asked(socket.query_params)
             joined = bench.hub.join(device, channels, rate_hz, batch_hz, history_s)
@@ -104,7 +104,10 @@ async def _stream(socket: WebSocket, start: TelemetryStart, joined: Joined, cloc
     finally:
         for task in tasks:
             task.cancel()
-        await asyncio.gather(*tasks, return_exceptions=True)
+        ends = await asyncio.gather(*tasks, return_exceptions=True)
+    for end in ends:
+        if isinstance(end, Exception) and not isinstance(end, WebSocketDisconnect):
+            raise end
 
 
 async def _hear(socket: WebSocket) -> None:
