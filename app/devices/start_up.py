@@ -63,7 +63,7 @@ async def _driver_chain(device: Device, drivers: Sequence[str]) -> None:
 
 
 async def _axis(device: Device, axis: int, start: AxisStart) -> None:
-    pair = design(device.model, start.a_max, start.ramp_div, start.pulse_div)
+    pair = design(device.model, start.a_max, start.ramp_div, start.pulse_div, evaluate=False)
     if pair.pmul is None or pair.p_mul is None or pair.pdiv is None:
         raise UsageError(f"no pmul and pdiv fit a_max {start.a_max} with these dividers: {'; '.join(pair.warnings)}")
     dividers: dict[str, int | str] = {"pulse_div": start.pulse_div, "ramp_div": start.ramp_div}

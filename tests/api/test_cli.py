@@ -1,7 +1,12 @@
+"""The command line, as far as nothing has to run for it; `test_serving` starts processes."""
+
 from __future__ import annotations
 
 import json
+import socket
+from pathlib import Path
 
+import pytest
 from typer.testing import CliRunner
 
 from app import __version__
@@ -24,3 +29,32 @@ def test_every_command_explains_itself() -> None:
         result = CliRunner().invoke(cli, [command, "--help"])
         assert result.exit_code == 0
         assert "Usage" in result.output
+
+
+def test_a_taken_port_is_told_and_what_to_do(tmp_path: Path) -> None:
+    with socket.socket() as taken:
+        taken.bind(("127.0.0.1", 0))
+        taken.listen()
+        port = taken.getsockname()[1]
+        result = CliRunner().invoke(cli, ["serve", "--port", str(port), "--data-dir", str(tmp_path)])
+    assert result.exit_code == 1
+    assert f"port {port}" in result.output
+    assert "--port" in result.output
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["emulate", "tmc5160", "--tcp", "127.0.0.1:0"], "tmc5160"),
+        (["emulate", "tmc428", "--tcp", "nowhere"], "HOST:PORT"),
+        (["emulate", "tmc428", "--tcp", "127.0.0.1:0", "--clock-hz", "1e12"], "clock_hz"),
+        (["serve", "--port", "99999"], "port"),
+        (["serve"], "history_minutes"),
+    ],
+)
+def test_what_cannot_be_served_is_told(monkeypatch: pytest.MonkeyPatch, arguments: list[str], words: str) -> None:
+    monkeypatch.setenv("STEPSCOPE_HISTORY_MINUTES", "-1")
+    result = CliRunner().invoke(cli, arguments)
+    assert result.exit_code in (1, 2)
+    assert words in result.output
+    assert isinstance(result.exception, SystemExit), "told, not thrown"

@@ -16,7 +16,6 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import httpx
-import pytest
 
 from app.clock import WallClock
 from app.emulators.build import build_emulator
@@ -119,45 +118,6 @@ async def test_a_silent_device_does_not_hold_up_the_end(tmp_path: Path) -> None:
     assert time.monotonic() - asked_s < SOON_S
     server.close()
     await server.wait_closed()
-
-
-def test_a_taken_port_is_told_and_what_to_do(tmp_path: Path) -> None:
-    with socket.socket() as taken:
-        taken.bind(("127.0.0.1", 0))
-        taken.listen()
-        port = taken.getsockname()[1]
-        ended = subprocess.run(
-            [*STEPSCOPE, "serve", "--port", str(port), "--data-dir", str(tmp_path)],
-            capture_output=True,
-            text=True,
-            timeout=30,
-            env=environment(),
-            check=False,
-        )
-    assert ended.returncode == 1
-    assert f"port {port}" in ended.stderr
-    assert "--port" in ended.stderr
-    assert "Traceback" not in ended.stderr
-
-
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (["emulate", "tmc5160", "--tcp", "127.0.0.1:0"], "tmc5160"),
-        (["emulate", "tmc428", "--tcp", "nowhere"], "HOST:PORT"),
-        (["emulate", "tmc428", "--tcp", "127.0.0.1:0", "--clock-hz", "1e12"], "clock_hz"),
-        (["serve", "--port", "99999"], "port"),
-        (["serve"], "history_minutes"),
-    ],
-)
-def test_what_cannot_be_served_is_told(arguments: list[str], words: str) -> None:
-    variables = {**environment(), "STEPSCOPE_HISTORY_MINUTES": "-1"}
-    ended = subprocess.run(
-        [*STEPSCOPE, *arguments], capture_output=True, text=True, timeout=30, env=variables, check=False
-    )
-    assert ended.returncode != 0
-    assert words in ended.stderr
-    assert "Traceback" not in ended.stderr
 
 
 async def test_an_emulated_chip_answers_any_client() -> None:
