@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 
 from app.api.convert import built_chain, calculating, chain_table
 from app.api.schemas import (
+    ChainBit,
     ChainDesign,
     ChainRequest,
     Mechanics,
@@ -176,7 +177,9 @@ def driver_chain(body: ChainRequest) -> ChainDesign:
     findings = [*dict.fromkeys((*table.findings, *chain.warnings, *frequencies.warnings))]
     return ChainDesign(
         **table.model_dump(exclude={"findings", "bits"}),
-        bits=table.bits,
+        bits=[
+            ChainBit.model_validate(bit) for bit in chain.bits
+        ],  # with the names of custom drivers, which no RAM keeps
         findings=findings,
         datagrams=[f"{datagram:08x}" for datagram in chain.datagrams],
         spi_clock_hz=frequencies.spi_clock_hz,
@@ -211,8 +214,15 @@ def _exact(body: Ramp) -> RampCurve:
     numbers = {name: _whole(name, value) for name, value in given.items()}
     if mode in ("ramp", "soft") and not {"pmul", "pdiv"} <= numbers.keys():
         raise UsageError(f"pmul and pdiv decide when {mode} mode brakes, and are missing")
+    distance = _whole("distance", body.distance)
+    # Where nobody says how fast it is to turn: at v_max, the way that the distance says.
+    full_speed = numbers["v_max"] if distance >= 0 else -numbers["v_max"]
+    if mode == "velocity":
+        numbers.setdefault("v_target", full_speed)
+    if mode == "hold":
+        numbers.setdefault("v_actual", full_speed)
     parameters = RampParameters(**{"v_min": 1, **numbers}, ramp_mode=mode, clock_hz=clock_hz)
-    return exact_ramp(parameters, _whole("distance", body.distance), body.samples)
+    return exact_ramp(parameters, distance, body.samples)
 
 
 def _check_names(

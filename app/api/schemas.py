@@ -564,7 +564,10 @@ class UnitsResult(Answer):
 
 
 class Ramp(Body):
-    """`parameters` bear the chip's register names; for "trapezoid" vmax, amax, dmax in pps and pps^2."""
+    """`parameters` bear the chip's register names; for "trapezoid" vmax, amax, dmax in pps and pps^2.
+
+    `ramp_mode` "velocity" turns at `v_target`, "hold" at `v_actual`; without them at v_max, the way of `distance`.
+    """
 
     model: Literal["tmc428", "tmc4210", "trapezoid"]
     parameters: dict[str, Number | str]

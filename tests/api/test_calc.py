@@ -56,7 +56,7 @@ async def test_a_trapezoid_takes_its_time(client: httpx.AsyncClient) -> None:
         ({"parameters": {**RAMP, "v_max": 1.5}}, "whole number"),
         ({"parameters": {**RAMP, "v_max": "fast"}}, "v_max"),
         ({"parameters": {**RAMP, "ramp_mode": "warp"}}, "ramp_mode"),
-        ({"parameters": {**RAMP, "ramp_mode": "velocity"}}, "v_target"),
+        ({"parameters": {**RAMP, "ramp_mode": "velocity", "v_target": 3000}}, "v_target"),
         ({"parameters": {**RAMP, "clock_hz": 0}}, "clock_hz"),
         ({"distance": 0.5}, "distance"),
         ({"distance": 2**23}, "distance"),
@@ -162,3 +162,22 @@ async def test_a_driver_chain_with_its_frequencies(client: httpx.AsyncClient) ->
     assert answer["full_step_hz_max"] == pytest.approx(1e6 / 36)
     assert answer["continuous_update_hz"] == pytest.approx(16e6 * 3 / 128 / 32768)
     assert len(answer["ram_words"]) == 64
+
+
+@pytest.mark.parametrize("mode", ["velocity", "hold"])
+@pytest.mark.parametrize("distance", [20_000, -20_000])
+async def test_without_a_wanted_velocity_it_turns_at_v_max_that_way(
+    client: httpx.AsyncClient, mode: str, distance: int
+) -> None:
+    body = {"model": "tmc428", "parameters": {**RAMP, "ramp_mode": mode}, "distance": distance, "samples": 50}
+    answer = (await client.post("calc/ramp", json=body)).json()
+    full_speed = 16e6 * RAMP["v_max"] / (2 ** RAMP["pulse_div"] * 65536) * (1 if distance > 0 else -1)
+    assert answer["velocity_pps"][-1] == pytest.approx(full_speed)
+    assert answer["position"][-1] == distance
+    assert answer["velocity_pps"][1] == pytest.approx(full_speed) or mode == "velocity"
+
+
+async def test_names_of_a_custom_drivers_bits_come_back(client: httpx.AsyncClient) -> None:
+    custom = {"driver": "custom", "signals": ["Step", "Direction"], "bit_names": ["STP", "DIR"]}
+    answer = (await client.post("calc/driver-chain", json={"drivers": ["tmc236", custom]})).json()
+    assert [bit["bit_name"] for bit in answer["bits"]][-3:] == ["PHB", "STP", "DIR"]

@@ -1717,6 +1717,8 @@ export interface components {
         /**
          * Ramp
          * @description `parameters` bear the chip's register names; for "trapezoid" vmax, amax, dmax in pps and pps^2.
+         *
+         *     `ramp_mode` "velocity" turns at `v_target`, "hold" at `v_actual`; without them at v_max, the way of `distance`.
          */
         Ramp: {
             /**
