@@ -1,15 +1,23 @@
 import { Center, Loader } from "@mantine/core";
-import { lazy, Suspense } from "react";
+import { type ComponentType, lazy, Suspense } from "react";
 import { Redirect, Route, Switch } from "wouter";
+import { OtherFamily } from "./lib/OtherFamily";
+import { PAGES, type PageEntry, pageAt } from "./shell/pages";
 import { Shell } from "./shell/Shell";
 
-const Bench = lazy(() => import("./pages/bench/BenchPage"));
-const Registers = lazy(() => import("./pages/registers/RegistersPage"));
-const Ramps = lazy(() => import("./pages/ramps/RampsPage"));
-const Microsteps = lazy(() => import("./pages/microsteps/MicrostepsPage"));
-const Chain = lazy(() => import("./pages/chain/ChainPage"));
+const COMPONENTS: Record<string, ComponentType> = {
+  "/": lazy(() => import("./pages/bench/BenchPage")),
+  "/registers": lazy(() => import("./pages/registers/RegistersPage")),
+  "/ramps": lazy(() => import("./pages/ramps/RampsPage")),
+  "/microsteps": lazy(() => import("./pages/microsteps/MicrostepsPage")),
+  "/chain": lazy(() => import("./pages/chain/ChainPage")),
+  "/parameters": lazy(() => import("./pages/parameters/ParametersPage")),
+  "/encoder": lazy(() => import("./pages/encoder/EncoderPage")),
+  "/stallguard": lazy(() => import("./pages/stallguard/StallGuardPage")),
+  "/console": lazy(() => import("./pages/console/ConsolePage")),
+  "/connections": lazy(() => import("./pages/connections/ConnectionsPage")),
+};
 const PlotSpeed = lazy(() => import("./pages/speed/PlotSpeedPage"));
-const Connections = lazy(() => import("./pages/connections/ConnectionsPage"));
 
 export function App() {
   return (
@@ -22,12 +30,11 @@ export function App() {
         }
       >
         <Switch>
-          <Route path="/" component={Bench} />
-          <Route path="/registers" component={Registers} />
-          <Route path="/ramps" component={Ramps} />
-          <Route path="/microsteps" component={Microsteps} />
-          <Route path="/chain" component={Chain} />
-          <Route path="/connections" component={Connections} />
+          {PAGES.map((entry) => (
+            <Route key={entry.path} path={entry.path}>
+              <Entry entry={entry} />
+            </Route>
+          ))}
           <Route path="/bench/plots" component={PlotSpeed} />
           <Route>
             <Redirect to="/" replace />
@@ -35,5 +42,20 @@ export function App() {
         </Switch>
       </Suspense>
     </Shell>
+  );
+}
+
+function Entry({ entry }: { entry: PageEntry }) {
+  const Page = COMPONENTS[entry.path];
+  if (Page === undefined) return null;
+  if (entry.family === null) return <Page />;
+  return (
+    <OtherFamily
+      page={entry.label}
+      family={entry.family}
+      instead={{ href: entry.instead, label: pageAt(entry.instead)?.label ?? "Bench" }}
+    >
+      <Page />
+    </OtherFamily>
   );
 }

@@ -11,9 +11,17 @@ export type Quantity =
   | "predicted_velocity"
   | "acceleration"
   | "residual"
+  | "encoder_position"
+  | "deviation"
+  | "external_encoder_position"
+  | "external_deviation"
+  | "load_value"
+  | "actual_current_scale"
+  | "measured_speed"
   | "switch_left"
   | "switch_right"
   | "switch_reference"
+  | "switch_home"
   | "position_reached"
   | "phase_a"
   | "phase_b";
@@ -27,9 +35,18 @@ const SHADES: Record<Quantity, readonly [light: string, dark: string]> = {
   predicted_velocity: ["#b87400", "#e69f00"],
   acceleration: ["#a8548a", "#d98cba"],
   residual: ["#6b4fbb", "#a08bf0"],
+  // an encoder and what it deviates by are one colour, the inner one's and the outer one's
+  encoder_position: ["#b4408a", "#ee8fc6"],
+  deviation: ["#b4408a", "#ee8fc6"],
+  external_encoder_position: ["#6f6a00", "#d6cf3f"],
+  external_deviation: ["#6f6a00", "#d6cf3f"],
+  load_value: ["#6b4fbb", "#a08bf0"],
+  actual_current_scale: ["#b87400", "#e69f00"],
+  measured_speed: ["#4a7d00", "#9bd14f"],
   switch_left: ["#0072b2", "#56b4e9"],
   switch_right: ["#00795a", "#1fc497"],
   switch_reference: ["#b87400", "#e69f00"],
+  switch_home: ["#b87400", "#e69f00"],
   position_reached: ["#8a8f98", "#8a8f98"],
   phase_a: ["#0072b2", "#56b4e9"],
   phase_b: ["#b87400", "#e69f00"],

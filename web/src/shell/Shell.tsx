@@ -6,16 +6,18 @@ import { ColorSchemeToggle } from "./ColorSchemeToggle";
 import { ConnectionBanner } from "./ConnectionBanner";
 import { DevicePicker } from "./DevicePicker";
 import { PageBoundary } from "./PageBoundary";
-import { PAGES } from "./pages";
+import { PAGES, pagesFor } from "./pages";
 import { ServerStatus } from "./ServerStatus";
 import { Shortcuts } from "./Shortcuts";
 import { StopAll } from "./StopAll";
 import classes from "./shell.module.css";
+import { useFamily } from "./useFamily";
 
 /** The frame of every page: pages on the left (on a phone below), the selected axis above, stop always in reach. */
 export function Shell({ children }: PropsWithChildren) {
   const [location, go] = useLocation();
-  useHotkeys(PAGES.map(({ path }, index) => [`alt+${index + 1}`, () => go(path)]));
+  const pages = pagesFor(useFamily());
+  useHotkeys(pages.map(({ path }, index) => [`alt+${index + 1}`, () => go(path)]));
   useEffect(() => {
     const page = PAGES.find((candidate) => candidate.path === location);
     document.title = page ? `${page.label} · stepscope` : "stepscope";
@@ -53,7 +55,7 @@ export function Shell({ children }: PropsWithChildren) {
         </AppShell.Header>
         <AppShell.Navbar p="xs" aria-label="Pages" visibleFrom="sm">
           <ScrollArea>
-            {PAGES.map(({ path, label, Icon }) => (
+            {pages.map(({ path, label, Icon }) => (
               <NavLink
                 key={path}
                 component={Link}
@@ -72,7 +74,7 @@ export function Shell({ children }: PropsWithChildren) {
         </AppShell.Main>
         <AppShell.Footer hiddenFrom="sm">
           <nav className={classes.bar} aria-label="Pages">
-            {PAGES.map(({ path, short, label, Icon }) => (
+            {pages.map(({ path, short, label, Icon }) => (
               <Link
                 key={path}
                 href={path}
