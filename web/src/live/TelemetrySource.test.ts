@@ -1,5 +1,5 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import { type MoveEvent, TelemetrySource, telemetryUrl } from "./TelemetrySource";
+import { type MoveEvent, type StopEvent, TelemetrySource, telemetryUrl } from "./TelemetrySource";
 
 /** The far end of a socket, in the test's hands. */
 class FakeSocket {
@@ -103,6 +103,18 @@ describe("TelemetrySource", () => {
   it("says why the server refused", () => {
     sockets.at(-1)?.onclose?.({ code: 4404, reason: "no channel position.7" });
     expect(source.link()).toMatchObject({ phase: "refused", reason: "no channel position.7" });
+  });
+
+  it("tells why a motor stopped, and what the wire carries", () => {
+    const stops: StopEvent[] = [];
+    source.onStop((stop) => stops.push(stop));
+    tell(START);
+    tell({ type: "stopped", axis: 0, reason: "stall", time_s: 3.5, position: -120, detail: "load value 0" });
+    expect(stops).toEqual([
+      { device: "tmc428 demo", axis: 0, reason: "stall", timeS: 3.5, position: -120, detail: "load value 0" },
+    ]);
+    tell({ type: "status", achieved_rate_hz: 50, jitter_ms: 0, latency_ms: 1, dropped: 0, calls_per_s: 512 });
+    expect(source.link()).toMatchObject({ callsPerS: 512, callsPerSPossible: null, rowSpreadMs: null });
   });
 
   it("tells of moves", () => {

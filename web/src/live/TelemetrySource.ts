@@ -20,6 +20,11 @@ export interface LinkState {
   achievedRateHz: number | null;
   jitterMs: number | null;
   latencyMs: number | null;
+  /** questions on the wire a second, and how many it carries; null where there is no such limit */
+  callsPerS: number | null;
+  callsPerSPossible: number | null;
+  /** how far apart the first and the last question of a row are: its columns are not quite of one moment */
+  rowSpreadMs: number | null;
   dropped: number;
   /** samples bear the device's own time */
   chipTimed: boolean;
@@ -36,6 +41,17 @@ export interface MoveEvent {
   device: string;
   axis: number;
   startedAtS: number;
+}
+
+/** Why a motor came to rest, told at the moment it was noticed. */
+export interface StopEvent {
+  device: string;
+  axis: number;
+  reason: string;
+  /** device time, that of the samples */
+  timeS: number;
+  position: number | null;
+  detail: string;
 }
 
 /** How a socket is made; tests bring their own. */
@@ -55,6 +71,9 @@ function initialState(request: TelemetryRequest): LinkState {
     achievedRateHz: null,
     jitterMs: null,
     latencyMs: null,
+    callsPerS: null,
+    callsPerSPossible: null,
+    rowSpreadMs: null,
     dropped: 0,
     chipTimed: false,
     timeOriginUnixS: null,
@@ -62,6 +81,10 @@ function initialState(request: TelemetryRequest): LinkState {
     reason: null,
     retryInS: null,
   };
+}
+
+function numberOrNull(value: unknown): number | null {
+  return typeof value === "number" && Number.isFinite(value) ? value : null;
 }
 
 export function telemetryUrl(request: TelemetryRequest, origin: string): string {
@@ -87,6 +110,7 @@ export class TelemetrySource {
   private closed = true;
   private readonly listeners = new Set<() => void>();
   private readonly moveListeners = new Set<(move: MoveEvent) => void>();
+  private readonly stopListeners = new Set<(stop: StopEvent) => void>();
   private readonly open: OpenSocket;
 
   constructor(request: TelemetryRequest, open: OpenSocket = (url, protocol) => new WebSocket(url, protocol)) {
@@ -125,6 +149,11 @@ export class TelemetrySource {
   onMove(listener: (move: MoveEvent) => void): () => void {
     this.moveListeners.add(listener);
     return () => this.moveListeners.delete(listener);
+  }
+
+  onStop(listener: (stop: StopEvent) => void): () => void {
+    this.stopListeners.add(listener);
+    return () => this.stopListeners.delete(listener);
   }
 
   private update(change: Partial<LinkState>): void {
@@ -180,6 +209,9 @@ export class TelemetrySource {
           achievedRateHz: message.achieved_rate_hz as number,
           jitterMs: message.jitter_ms as number,
           latencyMs: message.latency_ms as number,
+          callsPerS: numberOrNull(message.calls_per_s),
+          callsPerSPossible: numberOrNull(message.calls_per_s_possible),
+          rowSpreadMs: numberOrNull(message.row_spread_ms),
         });
         break;
       case "gap":
@@ -192,6 +224,17 @@ export class TelemetrySource {
             device: this.request.device,
             axis: message.axis as number,
             startedAtS: message.started_at_s as number,
+          });
+        break;
+      case "stopped":
+        for (const listener of this.stopListeners)
+          listener({
+            device: this.request.device,
+            axis: message.axis as number,
+            reason: message.reason as string,
+            timeS: message.time_s as number,
+            position: numberOrNull(message.position),
+            detail: typeof message.detail === "string" ? message.detail : "",
           });
         break;
     }
@@ -207,6 +250,7 @@ export class TelemetrySource {
       reason: event.reason || (refused ? "The server refused the channels" : "The connection to the server is lost"),
       retryInS: wait,
       achievedRateHz: null,
+      callsPerS: null,
     });
     this.retryS = Math.min(LAST_RETRY_S, this.retryS * 2);
     this.timer = setTimeout(() => this.connect(), wait * 1000);
