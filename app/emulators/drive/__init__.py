@@ -1,0 +1,37 @@
+"""What a TMC5160 and the motor behind it do: ramp generator, driver, two-phase stepper, load, stage, encoders.
+
+The seam is the chip's: register names and units of the TMC5160, time in its clocks. The PD42-1241 module's firmware
+sits on it, and so may emulated TMC5xxx chips. `Drive` is the front door; nothing below it knows a bus or a wall clock.
+"""
+
+from __future__ import annotations
+
+from app.emulators.drive.drive import Drive, warm_up
+from app.emulators.drive.encoder import EncoderChannel
+from app.emulators.drive.events import Event, EventKind
+from app.emulators.drive.kernel import TICK_CLOCKS
+from app.emulators.drive.options import (
+    DriveOptions,
+    EncoderOptions,
+    LoadOptions,
+    MotorOptions,
+    StageSwitches,
+)
+from app.emulators.drive.world import Switches, Truth, World
+
+__all__ = [
+    "TICK_CLOCKS",
+    "Drive",
+    "DriveOptions",
+    "EncoderChannel",
+    "EncoderOptions",
+    "Event",
+    "EventKind",
+    "LoadOptions",
+    "MotorOptions",
+    "StageSwitches",
+    "Switches",
+    "Truth",
+    "World",
+    "warm_up",
+]
