@@ -1,16 +1,17 @@
-"""Every chip that stepscope knows, by model name."""
+"""Every chip and module that stepscope knows, by model name."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
-from app.registers import tmc428, tmc4210
+from app.registers import pd42, tmc428, tmc4210
 from app.registers.model import RegisterTable
 
 
 @dataclass(frozen=True, slots=True)
 class Model:
-    """A chip: its name on the API, what it is, and its registers."""
+    """A chip or module: its name on the API, what it is, and its registers or parameters."""
 
     name: str
     title: str
@@ -19,6 +20,8 @@ class Model:
     table: RegisterTable
     clock_hz_default: float
     clock_hz_max: float
+    kind: Literal["chip", "module"] = "chip"
+    """A chip has registers; a module speaks TMCL and has parameters."""
 
 
 MODELS = {
@@ -26,5 +29,16 @@ MODELS = {
     for model in (
         Model("tmc428", "TMC428", "three axes, SPI driver chain", tmc428.AXES, tmc428.TMC428, 16e6, 16e6),
         Model("tmc4210", "TMC4210", "one axis, step/direction", tmc4210.AXES, tmc4210.TMC4210, 16e6, 32e6),
+        Model(
+            "pd42-1241",
+            "PD42-1241",
+            "motor, driver and encoder in one; TMCL over USB, RS485, CAN",
+            pd42.AXES,
+            pd42.PD42,
+            pd42.CLOCK_HZ,
+            pd42.CLOCK_HZ,
+            "module",
+        ),
     )
 }
+CHIPS = {name: model for name, model in MODELS.items() if model.kind == "chip"}

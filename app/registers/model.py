@@ -11,9 +11,39 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 from types import MappingProxyType
+from typing import Literal
 
+Stored = Literal["", "auto", "on request"]
 GLOBAL_AXIS = None
 """The `axis` of a register that belongs to the whole chip."""
+
+
+class Space(StrEnum):
+    """Where an address counts: a chip has one space, a TMCL module one for each kind of thing."""
+
+    REGISTER = "register"
+    AXIS = "ap"
+    """Axis parameters (SAP, GAP)."""
+    GLOBAL_0 = "gp0"
+    """Global parameters of bank 0: interface and application (SGP, GGP)."""
+    GLOBAL_2 = "gp2"
+    """Bank 2: user variables."""
+    GLOBAL_3 = "gp3"
+    """Bank 3: interrupts."""
+    DIGITAL_IN = "in"
+    """Bank 0 of GIO; of SIO the pull-ups."""
+    ANALOG_IN = "ain"
+    """Bank 1 of GIO."""
+    OUTPUT = "out"
+    """Bank 2 of SIO and GIO."""
+    COORDINATE = "coord"
+    """SCO, GCO."""
+
+    def alias(self, address: int) -> str:
+        """The short name that needs no table: `ap4`, `gp0_66`, `coord3`; empty for a chip's registers."""
+        if self is Space.REGISTER:
+            return ""
+        return f"{self.value}_{address}" if self.value[-1].isdigit() else f"{self.value}{address}"
 
 
 class Access(StrEnum):
@@ -126,8 +156,8 @@ class Field(Bits):
 class Register(Bits):
     """One addressable word of a chip.
 
-    `address` is the chip's own (TMC428: 7 bits with RRS as bit 6), `axis` the motor it belongs to
-    or None. `source` names document and section, `write_note` says when a conditional write works
+    `address` is the chip's own (TMC428: 7 bits with RRS as bit 6), counted in `space`; `axis` the
+    motor it belongs to or None. `source` names document and section, `write_note` says when a conditional write works
     and what it does.
     """
 
@@ -140,6 +170,13 @@ class Register(Bits):
     write_note: str = ""
     volatile: bool = False
     """The chip changes it by itself, so a read-back may differ from what was written."""
+    space: Space = Space.REGISTER
+    stored: Stored = ""
+    """Whether EEPROM keeps it: "auto" as it is written, "on request" by a command of its own."""
+    read_clears: bool = False
+    """Reading it changes it, so only somebody who asks for it by name may."""
+    internal_range: tuple[int, int] | None = None
+    """Of a TMCL parameter in pps or pps^2: what is allowed while unit mode is 0 (the driver chip's own units)."""
     fields: tuple[Field, ...] = ()
 
     def __post_init__(self) -> None:
@@ -155,6 +192,11 @@ class Register(Bits):
             taken |= part.mask
         if self.reset is not None and not 0 <= self.reset < 1 << self.width:
             raise ValueError(f"{self.name}: reset {self.reset:#x} does not fit {self.width} bits")
+
+    @property
+    def alias(self) -> str:
+        """The short name by space and number, e.g. `ap4`; empty for a chip's registers."""
+        return self.space.alias(self.address)
 
     @property
     def mask(self) -> int:
@@ -189,16 +231,19 @@ class RegisterTable:
         self.chip = chip
         self.registers = registers
         self._by_name: dict[tuple[str, int | None], Register] = {}
-        self._by_address: dict[int, Register] = {}
+        self._by_address: dict[tuple[Space, int], Register] = {}
         self._by_field: dict[tuple[str, int | None], tuple[Register, Field]] = {}
         for register in registers:
             key = (register.name.casefold(), register.axis)
             if key in self._by_name:
                 raise ValueError(f"{chip}: two rows are called {register.name} on axis {register.axis}")
-            if register.address in self._by_address:
+            place = (register.space, register.address)
+            if place in self._by_address:
                 raise ValueError(f"{chip}: two rows stand on address {register.address:#04x}")
             self._by_name[key] = register
-            self._by_address[register.address] = register
+            self._by_address[place] = register
+            if register.alias:
+                self._by_name[(register.alias, register.axis)] = register
         ambiguous: set[tuple[str, int | None]] = set()
         for register in registers:
             for part in register.fields:
@@ -215,9 +260,9 @@ class RegisterTable:
     def __len__(self) -> int:
         return len(self.registers)
 
-    def at(self, address: int) -> Register | None:
+    def at(self, address: int, space: Space = Space.REGISTER) -> Register | None:
         """The register at that address, or None where the chip has none."""
-        return self._by_address.get(address)
+        return self._by_address.get((space, address))
 
     def find(self, name: str, axis: int | None = None) -> tuple[Register, Field | None] | None:
         """A register, or a field by its own name, on `axis`; global ones answer on every axis.

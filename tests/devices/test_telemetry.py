@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from app.devices.device import DeviceEvent, MotionStarted
 from app.devices.sample_plan import SamplePlan
 from app.links.errors import UnknownThing, UsageError
-from app.registers.catalog import MODELS
+from app.registers.catalog import CHIPS
 from tests.devices.bench import Bench, bench
 
-BOTH = pytest.mark.parametrize("model", list(MODELS))
+BOTH = pytest.mark.parametrize("model", list(CHIPS))
 
 
 class Recorder:

@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 from app.links.errors import OutOfRange, WrongState
-from app.registers.catalog import MODELS
+from app.registers.catalog import CHIPS
 from app.tuning.procedures import Procedures
 from tests.devices.bench import bench
 
-BOTH = pytest.mark.parametrize("model", list(MODELS))
+BOTH = pytest.mark.parametrize("model", list(CHIPS))
 
 
 @BOTH
