@@ -1,0 +1,242 @@
+"""One serial line with modules on it, as bytes and times: no file descriptor, no thread, no waiting.
+
+Time here is the server's (`Clock`), not the modules': a wire does not get faster because a module's time is scaled.
+"""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+import random
+from collections.abc import Hashable, Sequence
+from typing import NamedTuple
+
+from app.clock import Clock
+from app.emulators.line.faults import LineFaults, LinePatch, LineState, cut, flip
+from app.emulators.line.module import LineModule
+from app.links.tmcl import FRAME_BYTES
+from app.registers.tmcl import Opcode, Status
+
+BITS_A_BYTE = 10
+"""8N1: start bit, eight data bits, stop bit."""
+GAP_S = 0.010
+"""A pause inside a frame after which the module forgets what it has of it [s].
+
+The manual names no time, only published firmware shows that there is one. Ten milliseconds are longer than what an
+operating system puts between two bytes of one write, and shorter than what a client waits before it asks again.
+"""
+EVENT_POLL_S = 0.002
+"""How often modules are asked for events while somebody has asked for one [s]."""
+
+
+class Delivery(NamedTuple):
+    """Bytes for one client; the last of them has arrived at `due_s` [s]."""
+
+    due_s: float
+    client: Hashable
+    data: bytes
+
+
+class Line:
+    """Modules by address on one line, and the clients who talk to them.
+
+    A frame is on the wire for 90 bits at `baud`, a reply as long again, after the module's telegram
+    pause; None takes no time. Transactions come one after the other, whoever asks: bytes that come in
+    meanwhile wait for the end of the reply. A reply goes to the client that asked, an event to the
+    client that asked for events last; with `shared_bus` everybody hears all of it, and the questions
+    of the others too, and bytes of several clients get mixed up, as on RS485.
+    """
+
+    def __init__(
+        self,
+        modules: Sequence[LineModule],
+        clock: Clock,
+        *,
+        baud: int | None = None,
+        shared_bus: bool = False,
+        faults: LineFaults | None = None,
+        addresses: Sequence[int] = (),
+        seed: int = 1241,
+        gap_s: float = GAP_S,
+    ) -> None:
+        self.modules = tuple(modules)
+        self.clock = clock
+        self.baud = baud
+        self.faults = faults or LineFaults()
+        self._shared_bus = shared_bus
+        self._addresses = list(addresses)
+        self._gap_s = gap_s
+        self._noise = random.Random(seed)
+        self._clients: dict[Hashable, _Assembly] = {}
+        self._common = _Assembly()
+        self._waiting: list[tuple[float, int, Hashable, bytes]] = []
+        self._order = itertools.count()
+        self._wire_free_s = 0.0
+        self._listeners: dict[int, tuple[Hashable, bool]] = {}
+        self._polled_s = 0.0
+
+    # --- clients ------------------------------------------------------------------------------------
+
+    def join(self, client: Hashable) -> None:
+        """`client` is on the line from now on."""
+        self._clients[client] = self._common if self._shared_bus else _Assembly()
+
+    def leave(self, client: Hashable) -> None:
+        """`client` is gone, with what it had begun to say and what was on its way to it."""
+        self._clients.pop(client, None)
+        self._waiting = [entry for entry in self._waiting if entry[2] != client]
+        heapq.heapify(self._waiting)
+        self._listeners = {index: entry for index, entry in self._listeners.items() if entry[0] != client}
+
+    # --- bytes --------------------------------------------------------------------------------------
+
+    def feed(self, client: Hashable, data: bytes, at_s: float) -> None:
+        """`client` puts `data` on the wire at `at_s` [s]; what comes of it is for `collect`.
+
+        Bytes of a client that has not joined, and bytes on a line that is not plugged, are lost.
+        """
+        assembly = self._clients.get(client)
+        if assembly is None or not self.plugged:
+            return
+        if self.faults.bit_error_rate:
+            data = flip(data, self.faults.bit_error_rate, self._noise)
+        byte_s = BITS_A_BYTE / self.baud if self.baud else 0.0
+        position = 0
+        while position < len(data):
+            start_s = max(at_s, self._wire_free_s)
+            if assembly.held and start_s - assembly.heard_s > self._gap_s:
+                assembly.held = b""
+            piece = data[position : position + FRAME_BYTES - len(assembly.held)]
+            position += len(piece)
+            assembly.held += piece
+            assembly.heard_s = self._wire_free_s = start_s + len(piece) * byte_s
+            if self._shared_bus:
+                self._tell_others(client, piece, assembly.heard_s)
+            if len(assembly.held) == FRAME_BYTES:
+                frame, assembly.held = assembly.held, b""
+                self._transact(client, frame, assembly.heard_s, byte_s)
+
+    def collect(self, at_s: float) -> list[Delivery]:
+        """Everything that has arrived by `at_s` [s], in order of time."""
+        if self._listeners and at_s >= self._polled_s + EVENT_POLL_S:
+            self._polled_s = at_s
+            self._fetch_events(at_s)
+        waiting = self._waiting
+        arrived = []
+        while waiting and waiting[0][0] <= at_s:
+            due_s, _, client, data = heapq.heappop(waiting)
+            arrived.append(Delivery(due_s, client, data))
+        return arrived
+
+    def next_due_s(self) -> float | None:
+        """When `collect` has something to do next [s]; None while there is nothing to wait for."""
+        due_s = self._waiting[0][0] if self._waiting else None
+        if self._listeners:
+            poll_s = self._polled_s + EVENT_POLL_S
+            return poll_s if due_s is None else min(poll_s, due_s)
+        return due_s
+
+    def keep_up(self, slice_s: float) -> bool:
+        """Let every module live on by at most `slice_s` [s] of its time; True once all are up to date."""
+        up_to_date = [module.catch_up(slice_s) for module in self.modules]  # every one of them, also after a False
+        return all(up_to_date)
+
+    # --- the world around ---------------------------------------------------------------------------
+
+    @property
+    def plugged(self) -> bool:
+        """Whether there is a port at all. One module that is unplugged leaves a line with others on it alive."""
+        return not (self.faults.unplugged or all(module.faults.unplugged for module in self.modules))
+
+    def unplug(self) -> None:
+        """Forget what was on the wire: the cable is out."""
+        self._waiting.clear()
+        self._wire_free_s = 0.0
+        for assembly in (self._common, *self._clients.values()):
+            assembly.held = b""
+
+    def state(self) -> LineState:
+        """What GET /line answers."""
+        return LineState(
+            baud=self.baud,
+            shared_bus=self._shared_bus,
+            addresses=self._addresses,
+            plugged=self.plugged,
+            faults=self.faults,
+        )
+
+    def patch(self, change: LinePatch) -> LineState:
+        """Change the line as PATCH /line does."""
+        if change.baud is not None:
+            self.baud = change.baud
+        self.faults = self.faults.model_copy(update=change.faults.model_dump(exclude_none=True))
+        return self.state()
+
+    # --- inside -------------------------------------------------------------------------------------
+
+    def _transact(self, client: Hashable, frame: bytes, heard_s: float, byte_s: float) -> None:
+        """Let every module hear `frame` at `heard_s` [s], and put what they say on the wire."""
+        answer: bytes | None = None
+        due_s = late_s = 0.0
+        for index, module in enumerate(self.modules):
+            faults = module.faults
+            if faults.unplugged:
+                continue
+            said = module.receive(frame, module.clock.at(heard_s))
+            if said is None or faults.silence or self.faults.silence:
+                continue
+            if frame[1] == Opcode.REQUEST_EVENT and said[2] == Status.OK:
+                self._listen(index, client, again=frame[2] != 0, at_s=heard_s)
+            due_s = max(due_s, heard_s + module.reply_pause_s + len(said) * byte_s)
+            late_s = max(late_s, faults.late_reply_s)
+            said = cut(flip(said, faults.bit_error_rate, self._noise), faults.half_frame_rate, self._noise)
+            # Two modules of one address talk at once: where they differ, the wire shows neither.
+            answer = said if answer is None else bytes(a & b for a, b in zip(answer, said, strict=False))
+        if answer is None:
+            return
+        # A late answer leaves the wire free meanwhile: that is how it comes to meet the next question.
+        self._wire_free_s = max(self._wire_free_s, due_s)
+        self._send(client, answer, due_s + late_s)
+
+    def _send(self, client: Hashable, data: bytes, due_s: float) -> None:
+        faults = self.faults
+        data = cut(flip(data, faults.bit_error_rate, self._noise), faults.half_frame_rate, self._noise)
+        due_s += faults.late_reply_s
+        for hearer in self._clients if self._shared_bus else (client,):
+            heapq.heappush(self._waiting, (due_s, next(self._order), hearer, data))
+
+    def _tell_others(self, client: Hashable, data: bytes, heard_s: float) -> None:
+        for hearer in self._clients:
+            if hearer != client:
+                heapq.heappush(self._waiting, (heard_s, next(self._order), hearer, data))
+
+    def _listen(self, index: int, client: Hashable, *, again: bool, at_s: float) -> None:
+        if index not in self._listeners:  # what came up while nobody listened is nobody's
+            self.modules[index].unsolicited(self.modules[index].clock.at(at_s))
+        self._listeners[index] = (client, again)
+
+    def _fetch_events(self, at_s: float) -> None:
+        byte_s = BITS_A_BYTE / self.baud if self.baud else 0.0
+        for index, (client, again) in list(self._listeners.items()):
+            module = self.modules[index]
+            now_s = module.clock.at(at_s)
+            for chip_s, frame in module.unsolicited(now_s):
+                if not again:
+                    self._listeners.pop(index, None)
+                if module.faults.unplugged or module.faults.silence or self.faults.silence or not self.plugged:
+                    continue
+                # By the module's clock the event is some time old: so it also is by ours.
+                ago_s = (now_s - chip_s) / module.clock.scale if module.clock.scale else 0.0
+                due_s = max(at_s - ago_s, self._wire_free_s) + len(frame) * byte_s
+                self._wire_free_s = max(self._wire_free_s, due_s)
+                self._send(client, frame, due_s)
+
+
+class _Assembly:
+    """The bytes of a frame so far, and when the last of them was heard [s]."""
+
+    __slots__ = ("heard_s", "held")
+
+    def __init__(self) -> None:
+        self.held = b""
+        self.heard_s = 0.0
