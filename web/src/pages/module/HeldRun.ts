@@ -1,0 +1,102 @@
+/** A stretch of one run: how fast, and for how long. */
+export interface Leg {
+  velocityPps: number;
+  forS: number;
+}
+
+export type RunState =
+  | { phase: "idle" }
+  | { phase: "running"; leg: number; legs: number; velocityPps: number }
+  | { phase: "done" | "stopped" }
+  | { phase: "ended"; error: unknown };
+
+export interface RunPorts {
+  rotate: (velocityPps: number, holdS: number) => Promise<unknown>;
+  keep: (holdS: number) => Promise<unknown>;
+  halt: () => Promise<unknown>;
+}
+
+/** How long the server lets a leg go on by itself [s], and how often it hears from us [ms]. */
+export const HOLD_S = 1.5;
+const BEAT_MS = 400;
+
+/**
+ * Turns a motor through several speeds, one after the other, for as long as this page is there: every rotation is
+ * held, so that the server stops the motor by itself when nothing is heard of us any more. It ends by itself after the
+ * last leg, at `abort`, and when something else has stopped the motor: then a beat is refused, and nothing is sent
+ * after it, which could only disturb what has come in between.
+ */
+export class HeldRun {
+  state: RunState = { phase: "idle" };
+  private run = 0;
+  private beat: ReturnType<typeof setInterval> | undefined;
+  private next: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(
+    private readonly ports: RunPorts,
+    private readonly onChange: (state: RunState) => void = () => undefined,
+  ) {}
+
+  get running(): boolean {
+    return this.state.phase === "running";
+  }
+
+  /** Does nothing while one runs, or without a leg. */
+  start(legs: readonly Leg[]): void {
+    if (this.running || legs.length === 0) return;
+    this.run += 1;
+    this.leg(legs, 0, this.run);
+  }
+
+  abort(): void {
+    if (!this.running) return;
+    this.finish({ phase: "stopped" });
+    this.ports.halt().catch((error: unknown) => this.tell({ phase: "ended", error }));
+  }
+
+  private leg(legs: readonly Leg[], index: number, run: number): void {
+    const leg = legs[index];
+    if (leg === undefined) {
+      this.finish({ phase: "done" });
+      this.ports.halt().catch((error: unknown) => this.tell({ phase: "ended", error }));
+      return;
+    }
+    this.tell({ phase: "running", leg: index, legs: legs.length, velocityPps: leg.velocityPps });
+    this.ports.rotate(leg.velocityPps, HOLD_S).then(
+      () => {
+        // Aborted before the answer: the stop may have overtaken the start, and has to come last.
+        if (this.run !== run || !this.running) return void this.ports.halt().catch(() => undefined);
+        clearInterval(this.beat);
+        this.beat = setInterval(() => this.keep(run), BEAT_MS);
+        this.next = setTimeout(() => this.leg(legs, index + 1, run), leg.forS * 1000);
+      },
+      (error: unknown) => this.run === run && this.running && this.finish({ phase: "ended", error }),
+    );
+  }
+
+  private keep(run: number): void {
+    this.ports.keep(HOLD_S).catch((error: unknown) => {
+      if (this.run === run && this.running) this.finish({ phase: "ended", error });
+    });
+  }
+
+  private finish(state: RunState): void {
+    clearInterval(this.beat);
+    clearTimeout(this.next);
+    this.tell(state);
+  }
+
+  private tell(state: RunState): void {
+    this.state = state;
+    this.onChange(state);
+  }
+}
+
+/** Speeds from `from` to `to` in `steps` equal steps and back again, each for so long. */
+export function sweep(from: number, to: number, steps: number, forS: number): Leg[] {
+  const up = Array.from({ length: steps }, (_, index) => ({
+    velocityPps: steps === 1 ? to : from + ((to - from) * index) / (steps - 1),
+    forS,
+  }));
+  return [...up, ...up.slice(0, -1).reverse()];
+}
