@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.registers.catalog import MODELS
-from app.registers.model import Access, Field, Register, RegisterTable
+from app.registers.model import Access, Field, Register, RegisterTable, Space
 
 EVERY_REGISTER = [
     pytest.param(model.table, register, id=f"{model.title}.{register.name}.{register.axis}")
@@ -20,15 +20,20 @@ EVERY_REGISTER = [
 
 @pytest.mark.parametrize(("table", "register"), EVERY_REGISTER)
 def test_every_row_is_complete_and_consistent(table: RegisterTable, register: Register) -> None:
-    assert 0 <= register.address <= 0x7F
-    assert 1 <= register.width <= 24, "a datagram carries 24 data bits"
+    if register.space is Space.REGISTER:
+        assert 0 <= register.address <= 0x7F
+        assert 1 <= register.width <= 24, "a datagram carries 24 data bits"
+    else:
+        assert 0 <= register.address <= 0xFF, "the type byte of TMCL"
+        assert register.width == 32
+        assert table.find(register.alias.upper(), register.axis) == (register, None)
     assert register.help
     assert not register.help.endswith(".")
-    assert register.source.split(",")[0] in {"000", "001"}
+    assert register.source.split(",")[0] in {"000", "001", "004"}
     assert register.mask < 1 << register.width
     assert register.write_mask & ~register.mask == 0
     assert register.minimum <= register.maximum
-    assert table.at(register.address) is register
+    assert table.at(register.address, register.space) is register
     assert table.find(register.name.upper(), register.axis) == (register, None)
     if register.reset is not None:
         assert register.reset & ~register.mask == 0, "the reset sets a bit that means nothing"
@@ -59,7 +64,9 @@ def test_values_outside_the_range_are_refused_by_name(table: RegisterTable, regi
                 part.encode(value)
 
 
-@given(st.sampled_from([register for model in MODELS.values() for register in model.table]), st.integers(0, 0xFF_FFFF))
+@given(
+    st.sampled_from([register for model in MODELS.values() for register in model.table]), st.integers(0, 0xFFFF_FFFF)
+)
 def test_decode_and_encode_are_inverse(register: Register, raw: int) -> None:
     value = register.decode(raw)
     if register.minimum <= value <= register.maximum:
@@ -146,3 +153,32 @@ def test_a_table_refuses_two_rows_on_one_address_or_of_one_name() -> None:
         RegisterTable("chip", (one, Register("two", 8, "h", address=1, source="s")))
     with pytest.raises(ValueError, match="called"):
         RegisterTable("chip", (one, Register("ONE", 8, "h", address=2, source="s")))
+
+
+@pytest.mark.sheet("004", "4")
+@pytest.mark.sheet("004", "5.1")
+@pytest.mark.sheet("004", "5.2")
+@pytest.mark.sheet("004", "5.3")
+@pytest.mark.sheet("004", "5.4")
+def test_the_parameters_of_the_pd42() -> None:
+    """Numbers as PyTrinamic's TMCM1241.py lists them; bank 1 belongs to customers' own firmware."""
+    table = MODELS["pd42-1241"].table
+    numbers = {space: {row.address for row in table if row.space is space} for space in Space}
+    axis = {*range(30), 31, 32, 33, 127, 140, *range(160, 175), 178, *range(180, 183), *range(184, 198), 202, 204}
+    assert numbers[Space.AXIS] == axis | {206, 207, 208, 209, 210, 212, 214, 215, 216, 217, 218, 251, 254, 255}
+    interface = {65, 66, 68, 69, 70, 71, 75, 76, 77, 81, 82, 83, 84, 85, 87}
+    assert numbers[Space.GLOBAL_0] == interface | {128, 129, 130, 131, 132, 133, 255}
+    assert all((row.stored == "auto") == (row.address < 128) for row in table if row.space is Space.GLOBAL_0)
+    assert numbers[Space.GLOBAL_2] == set(range(256))
+    assert [row.address for row in table if row.stored == "on request" and row.space is Space.GLOBAL_2] == [*range(56)]
+    assert numbers[Space.GLOBAL_3] == {0, 1, 2, 27, 28, 39, 40, 41, 42}
+    assert [row.name for row in table if row.read_clears] == ["extended_error_flags"]
+
+
+@pytest.mark.sheet("004", "6.1")
+@pytest.mark.sheet("004", "7.4")
+def test_defaults_that_the_manual_tells() -> None:
+    table = MODELS["pd42-1241"].table
+    assert table.get("microstep_resolution", 0).reset == 8
+    assert table.get("microstep_resolution", 0).values[8] == "256"
+    assert table.get("unit_mode", 0).values[table.get("unit_mode", 0).reset or 0] == "pps"
