@@ -8,7 +8,7 @@ import { handleKey, type InteractionHost, pointerPlugin } from "./interaction";
 import { buildOptions } from "./options";
 import classes from "./Plot.module.css";
 import { aligned, type PlotData } from "./series";
-import type { Mark, Overlay, PlotHandle, PlotScale, PlotSeries, WindowChange } from "./types";
+import type { Level, Mark, Overlay, PlotHandle, PlotScale, PlotSeries, WindowChange } from "./types";
 
 export interface PlotProps {
   /** what the plot shows, for people who do not see it; its values at the cursor are read out with the keys */
@@ -30,6 +30,8 @@ export interface PlotProps {
   overlays?: readonly Overlay[] | (() => readonly Overlay[]);
   marks?: readonly Mark[] | (() => readonly Mark[]);
   onMark?: (id: string, x: number) => void;
+  levels?: readonly Level[] | (() => readonly Level[]);
+  onLevel?: (id: string, y: number) => void;
   /** told of every zoom and pan; returning true says that the parent sets the window itself */
   onWindow?: (change: WindowChange) => boolean | undefined;
   /** the x under the cursor and its row; null where the cursor is off the plot */
@@ -88,6 +90,8 @@ export function Plot(props: PlotProps) {
     },
     marks: () => list(latest.current.marks),
     moveMark: (id, at) => latest.current.onMark?.(id, at),
+    levels: () => list(latest.current.levels),
+    moveLevel: (id, at) => latest.current.onLevel?.(id, at),
   });
 
   useImperativeHandle(
@@ -148,6 +152,7 @@ export function Plot(props: PlotProps) {
             drawingPlugin(
               () => list(latest.current.overlays),
               () => list(latest.current.marks),
+              () => list(latest.current.levels),
             ),
             pointerPlugin(interaction.current),
           ],
@@ -196,14 +201,14 @@ export function Plot(props: PlotProps) {
     plot.current.setData(held.current as unknown as uPlot.AlignedData, true);
   }, [data]);
 
-  const { overlays, marks } = props;
+  const { overlays, marks, levels } = props;
   // biome-ignore lint/correctness/useExhaustiveDependencies: the instance reads them from `latest` when it draws
   useEffect(() => {
     // with the scales: overlays count for the y range
     plot.current?.redraw(false, true);
     const { min, max } = plot.current?.scales.x ?? {};
     if (min != null && max != null) plot.current?.setScale("x", { min, max });
-  }, [overlays, marks]);
+  }, [overlays, marks, levels]);
 
   function speak() {
     const current = plot.current;

@@ -1,9 +1,13 @@
 import type uPlot from "uplot";
 import { lowerBound } from "./series";
-import type { Mark, Overlay } from "./types";
+import type { Level, Mark, Overlay } from "./types";
 
-/** Lines with their own x columns, and marks, on top of the series, clipped to the plot. */
-export function drawingPlugin(overlays: () => readonly Overlay[], marks: () => readonly Mark[]): uPlot.Plugin {
+/** Lines and dots with their own x columns, levels and marks, on top of the series, clipped to the plot. */
+export function drawingPlugin(
+  overlays: () => readonly Overlay[],
+  marks: () => readonly Mark[],
+  levels: () => readonly Level[],
+): uPlot.Plugin {
   function draw(plot: uPlot) {
     const { ctx, bbox } = plot;
     const ratio = window.devicePixelRatio || 1;
@@ -11,7 +15,10 @@ export function drawingPlugin(overlays: () => readonly Overlay[], marks: () => r
     ctx.beginPath();
     ctx.rect(bbox.left, bbox.top, bbox.width, bbox.height);
     ctx.clip();
-    for (const overlay of overlays()) drawOverlay(plot, overlay, ratio);
+    for (const overlay of overlays())
+      if (overlay.dots === undefined) drawOverlay(plot, overlay, ratio);
+      else drawDots(plot, overlay, overlay.dots * ratio);
+    for (const level of levels()) drawLevel(plot, level, ratio);
     for (const mark of marks()) drawMark(plot, mark, ratio);
     ctx.restore();
   }
@@ -25,7 +32,7 @@ function drawOverlay(plot: uPlot, overlay: Overlay, ratio: number) {
   const scale = overlay.scale ?? "y";
   if (plot.scales[scale]?.min == null) return;
   const first = Math.max(0, lowerBound(overlay.x, min - shift) - 1);
-  const last = Math.min(overlay.x.length - 1, lowerBound(overlay.x, max - shift));
+  const last = Math.min((overlay.length ?? overlay.x.length) - 1, lowerBound(overlay.x, max - shift));
   ctx.beginPath();
   let pen = false;
   for (let row = first; row <= last; row++) {
@@ -44,6 +51,61 @@ function drawOverlay(plot: uPlot, overlay: Overlay, ratio: number) {
   ctx.lineWidth = overlay.width ?? 1;
   ctx.setLineDash((overlay.dash ?? []).map((length) => length * ratio));
   ctx.stroke();
+}
+
+function drawDots(plot: uPlot, overlay: Overlay, size: number) {
+  const { ctx } = plot;
+  const scale = overlay.scale ?? "y";
+  const { min: left, max: right } = plot.scales.x ?? {};
+  const { min: low, max: high } = plot.scales[scale] ?? {};
+  if (left == null || right == null || low == null || high == null) return;
+  const { bbox } = plot;
+  const perX = bbox.width / (right - left);
+  const perY = bbox.height / (high - low);
+  const shift = overlay.shift ?? 0;
+  ctx.fillStyle = overlay.color;
+  // squares: thousands of arcs would cost a frame
+  for (let row = 0; row < (overlay.length ?? overlay.x.length); row++) {
+    const px = bbox.left + ((overlay.x[row] as number) + shift - left) * perX;
+    const py = bbox.top + (high - (overlay.y[row] as number)) * perY;
+    ctx.fillRect(Math.round(px - size / 2), Math.round(py - size / 2), size, size);
+  }
+}
+
+/** Where a level is drawn [canvas px], and on which side of the plot it lies if it is not on it. */
+export function placeOfLevel(py: number, top: number, height: number): { at: number; beyond: "" | "↑" | "↓" } {
+  if (py < top) return { at: top, beyond: "↑" };
+  return py > top + height ? { at: top + height, beyond: "↓" } : { at: py, beyond: "" };
+}
+
+function drawLevel(plot: uPlot, level: Level, ratio: number) {
+  const { ctx, bbox } = plot;
+  const scale = level.scale ?? "y";
+  if (plot.scales[scale]?.min == null) return;
+  const { at, beyond } = placeOfLevel(plot.valToPos(level.y, scale, true), bbox.top, bbox.height);
+  if (beyond === "") {
+    const py = Math.round(at) + 0.5;
+    ctx.beginPath();
+    ctx.moveTo(bbox.left, py);
+    ctx.lineTo(bbox.left + bbox.width, py);
+    ctx.strokeStyle = level.color;
+    ctx.lineWidth = 1;
+    ctx.setLineDash(level.fixed ? [5 * ratio, 4 * ratio] : []);
+    ctx.stroke();
+  }
+  if (!level.label) return;
+  const text = beyond === "" ? level.label : `${level.label} ${beyond}`;
+  ctx.font = `600 ${10 * ratio}px system-ui, sans-serif`;
+  const wide = ctx.measureText(text).width + 6 * ratio;
+  const high = 14 * ratio;
+  // above its line, but for the top of the plot
+  const top = Math.max(bbox.top, Math.min(bbox.top + bbox.height - high, at - high));
+  ctx.fillStyle = level.color;
+  ctx.fillRect(bbox.left + bbox.width - wide, top, wide, high);
+  ctx.fillStyle = "#fff";
+  ctx.textAlign = "left";
+  ctx.textBaseline = "middle";
+  ctx.fillText(text, bbox.left + bbox.width - wide + 3 * ratio, top + 7.5 * ratio);
 }
 
 function drawMark(plot: uPlot, mark: Mark, ratio: number) {
@@ -80,7 +142,7 @@ export function withOverlays(
   let low = yMin;
   let high = yMax;
   for (const overlay of overlays) {
-    if ((overlay.scale ?? "y") !== scale) continue;
+    if ((overlay.scale ?? "y") !== scale || overlay.aside) continue;
     const shift = overlay.shift ?? 0;
     const last = Math.min(overlay.x.length, lowerBound(overlay.x, xMax - shift) + 1);
     for (let row = Math.max(0, lowerBound(overlay.x, xMin - shift) - 1); row < last; row++) {

@@ -1,5 +1,5 @@
 import type uPlot from "uplot";
-import type { Mark, WindowChange } from "./types";
+import type { Level, Mark, WindowChange } from "./types";
 
 /** What the gestures need of the plot around them. */
 export interface InteractionHost {
@@ -10,6 +10,8 @@ export interface InteractionHost {
   changeWindow: (change: WindowChange) => void;
   marks: () => readonly Mark[];
   moveMark: (id: string, x: number) => void;
+  levels: () => readonly Level[];
+  moveLevel: (id: string, y: number) => void;
 }
 
 const GRAB_PX = 7;
@@ -54,6 +56,7 @@ export function pointerPlugin(host: InteractionHost): uPlot.Plugin {
     const fingers = new Map<number, number>();
     let pan: { x: number; window: [number, number] } | null = null;
     let mark: string | null = null;
+    let level: Level | null = null;
     let pinch: { size: number; centre: number; window: [number, number] } | null = null;
 
     const left = (event: { clientX: number }) => event.clientX - over.getBoundingClientRect().left;
@@ -63,6 +66,12 @@ export function pointerPlugin(host: InteractionHost): uPlot.Plugin {
     };
     const markAt = (px: number) =>
       host.marks().find((entry) => !entry.fixed && Math.abs(plot.valToPos(entry.x, "x") - px) <= GRAB_PX);
+
+    const top = (event: { clientY: number }) => event.clientY - over.getBoundingClientRect().top;
+    const levelAt = (py: number) =>
+      host
+        .levels()
+        .find((entry) => !entry.fixed && Math.abs(plot.valToPos(entry.y, entry.scale ?? "y") - py) <= GRAB_PX);
 
     function onWheel(event: WheelEvent) {
       event.preventDefault();
@@ -91,10 +100,12 @@ export function pointerPlugin(host: InteractionHost): uPlot.Plugin {
     function onDown(event: PointerEvent) {
       const px = left(event);
       const grabbed = event.button === 0 ? markAt(px) : undefined;
+      const held = event.button === 0 && !grabbed ? levelAt(top(event)) : undefined;
       const touch = event.pointerType === "touch";
-      if (!grabbed && !touch && event.button !== 1 && !(event.button === 0 && event.shiftKey)) return;
+      if (!grabbed && !held && !touch && event.button !== 1 && !(event.button === 0 && event.shiftKey)) return;
       over.setPointerCapture(event.pointerId);
       if (grabbed) mark = grabbed.id;
+      else if (held) level = held;
       else if (touch) {
         fingers.set(event.pointerId, px);
         if (fingers.size === 2) startPinch();
@@ -107,7 +118,10 @@ export function pointerPlugin(host: InteractionHost): uPlot.Plugin {
       const px = left(event);
       if (fingers.has(event.pointerId)) fingers.set(event.pointerId, px);
       if (mark !== null) host.moveMark(mark, plot.posToVal(Math.max(0, Math.min(over.clientWidth, px)), "x"));
-      else if (pinch !== null && fingers.size === 2) {
+      else if (level !== null) {
+        const py = Math.max(0, Math.min(over.clientHeight, top(event)));
+        host.moveLevel(level.id, plot.posToVal(py, level.scale ?? "y"));
+      } else if (pinch !== null && fingers.size === 2) {
         const [first = 0, second = 0] = [...fingers.values()];
         const factor = pinch.size / Math.max(8, Math.abs(first - second));
         host.changeWindow(zoomed(pinch.window, pinch.centre, factor, host.limit()));
@@ -115,12 +129,13 @@ export function pointerPlugin(host: InteractionHost): uPlot.Plugin {
         const size = pan.window[1] - pan.window[0];
         const delta = ((px - pan.x) / Math.max(1, over.clientWidth)) * size;
         host.changeWindow(kept({ min: pan.window[0] - delta, max: pan.window[1] - delta }, host.limit()));
-      } else over.style.cursor = markAt(px) ? "ew-resize" : "";
+      } else over.style.cursor = markAt(px) ? "ew-resize" : levelAt(top(event)) ? "ns-resize" : "";
     }
 
     function onUp(event: PointerEvent) {
       fingers.delete(event.pointerId);
       mark = null;
+      level = null;
       pinch = null;
       pan = null;
     }

@@ -48,6 +48,23 @@ export interface Overlay {
   color: string;
   dash?: number[];
   width?: number;
+  /** dots of this diameter [px] instead of a line; their x need not rise */
+  dots?: number;
+  /** how many of the columns count; all by default */
+  length?: number;
+  /** it does not count for the y range */
+  aside?: boolean;
+}
+
+/** A horizontal line: a limit, a threshold. It does not count for the y range: beyond it, its name stands at the edge. */
+export interface Level {
+  id: string;
+  y: number;
+  color: string;
+  scale?: string;
+  label?: string;
+  /** it cannot be dragged */
+  fixed?: boolean;
 }
 
 /** A vertical line that can be dragged: a measuring cursor, a limit, the trigger. */
