@@ -18,12 +18,14 @@ from app.api.routes import (
     devices,
     emulator,
     health,
+    links,
     ports,
     procedures,
     registers,
     stop,
     tables,
     telemetry,
+    tmcl,
 )
 from app.api.ui import WebUi
 
@@ -37,6 +39,8 @@ SUBJECTS = (
     stop,
     devices,
     procedures,
+    links,
+    tmcl,
     tables,
     emulator,
     calc,

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
+from app.api.probing import Probing
 from app.api.schemas import Port
 from app.clock import Clock
 from app.devices.manager import DeviceManager
@@ -23,3 +24,12 @@ class Bench:
     hub: TelemetryHub
     procedures: Procedures
     list_serial_ports: Callable[[], list[Port]]
+    probing: Probing = field(default_factory=Probing)
+
+    def users_of(self, port: str) -> list[str]:
+        """Ids of the devices that are connected, or try to be, through the serial port of that name."""
+        return [
+            device.id
+            for device in self.manager.devices
+            if device.link.get("port") == port and device.state != "disconnected"
+        ]

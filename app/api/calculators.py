@@ -5,9 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from app.api.convert import built_chain, calculating, chain_table
-from app.api.schemas import (
-    ChainBit,
-    ChainDesign,
+from app.api.schemas_calc import (
     ChainRequest,
     Mechanics,
     MicrostepDesign,
@@ -26,6 +24,7 @@ from app.api.schemas import (
     Units,
     UnitsResult,
 )
+from app.api.schemas_tables import ChainBit, ChainDesign
 from app.calc import mechanics, pmul_pdiv_inverse
 from app.calc import microstep_table as tables
 from app.calc import pmul_pdiv as pairs

@@ -5,28 +5,23 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 
+from pydantic import TypeAdapter, ValidationError
+
 from app.api.problems import problem_of
-from app.api.schemas import (
-    AxisConfig,
-    AxisInfo,
-    ChainBit,
-    ChainTable,
-    ChannelInfo,
-    DeviceInfo,
-    DriverSpecIn,
-    Phase,
-    Prediction,
-    StopResult,
-)
-from app.api.schemas_devices import EmulatorLink, TcpLink
+from app.api.schemas import AxisConfig, AxisInfo, ChannelInfo, DeviceInfo
+from app.api.schemas_axes import MotionEnd, Prediction, StopResult
+from app.api.schemas_calc import Phase
+from app.api.schemas_devices import AnyLink, ChipLink, EmulatorLink, ModuleLink
+from app.api.schemas_tables import ChainBit, ChainTable, DriverSpecIn
 from app.calc.driver_chain import Chain, build_chain, decode_chain
 from app.calc.ram_words import unpack_words
-from app.devices import prediction
+from app.devices import prediction, results
 from app.devices.config import AxisSettings
 from app.devices.device import Axis, Device
 from app.devices.results import StopOutcome
 from app.links.errors import UsageError
 from app.links.registry import Link
+from app.registers.catalog import MODELS
 
 
 @contextmanager
@@ -38,7 +33,23 @@ def calculating() -> Iterator[None]:
         raise UsageError(str(error)) from error
 
 
-def link_of(link: EmulatorLink | TcpLink, clock_hz: float | None) -> Link:
+_LINKS: dict[str, TypeAdapter[AnyLink]] = {"chip": TypeAdapter(ChipLink), "module": TypeAdapter(ModuleLink)}
+
+
+def suited(link: AnyLink, model: str) -> AnyLink:
+    """The link as that model understands it. Raises UsageError where it has no such link or option."""
+    family = MODELS[model]
+    try:
+        return _LINKS[family.kind].validate_python(link.model_dump(exclude_unset=True) | {"kind": link.kind})
+    except ValidationError as error:
+        reasons = "; ".join(
+            f"{'.'.join(str(part) for part in finding['loc'][1:]) or 'link'}: {finding['msg']}"
+            for finding in error.errors()
+        )
+        raise UsageError(f"this link does not suit a {family.title}: {reasons}") from error
+
+
+def link_of(link: AnyLink, clock_hz: float | None) -> Link:
     """A link as it is kept: only what was said, so that defaults may become better.
 
     An emulated chip runs at the device's clock, unless it was told another one.
@@ -50,7 +61,7 @@ def link_of(link: EmulatorLink | TcpLink, clock_hz: float | None) -> Link:
     return said
 
 
-def clock_of(link: EmulatorLink | TcpLink, clock_hz: float | None) -> float:
+def clock_of(link: AnyLink, clock_hz: float | None) -> float:
     """The clock that the driver reckons with [Hz]: as said, else the emulator's own; 0 for the model's default."""
     if clock_hz is None and isinstance(link, EmulatorLink) and "clock_hz" in link.model_fields_set:
         return link.clock_hz
@@ -103,6 +114,11 @@ def _axis_info(axis: Axis) -> AxisInfo:
 def stop_result(outcome: StopOutcome) -> StopResult:
     problem = None if outcome.problem is None else problem_of(outcome.problem)
     return StopResult(device=outcome.device, axis=outcome.axis, ok=outcome.ok, took_ms=outcome.took_ms, problem=problem)
+
+
+def stops_out(ends: Sequence[results.MotionEnd]) -> list[MotionEnd]:
+    """The latest first."""
+    return [MotionEnd.model_validate(end) for end in reversed(ends)]
 
 
 def prediction_out(expected: prediction.Prediction | None) -> Prediction | None:

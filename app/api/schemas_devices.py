@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, StringConstraints
+from pydantic import Discriminator, Field, RootModel, StringConstraints, Tag
 
-from app.api.schemas import AxisConfig, Body, ClockHz, ModelName, Name
+from app.api.schemas import AxisConfig, Body, ChipName, ModuleName, Name
+from app.api.schemas_calc import ClockHz
+from app.api.schemas_links import Address, Baud
 from app.emulators.options import EmulatorOptions
 
 HOST = (
     r"^[A-Za-z0-9_]([A-Za-z0-9_-]{0,62})(\.[A-Za-z0-9_-]{1,63})*\.?$|^[0-9A-Fa-f:.]*:[0-9A-Fa-f:.]*(%[A-Za-z0-9_-]+)?$"
 )
 """A name of labels of up to 63 characters, an IPv4 address (which looks like one), or an IPv6 address."""
+
+Host = Annotated[str, StringConstraints(strict=True, max_length=253, pattern=HOST)]
+TcpPortNumber = Annotated[int, Field(strict=True, ge=1, le=65_535)]
+Seconds = Annotated[float, Field(strict=True, ge=0.001, le=60, allow_inf_nan=False)]
+CanId = Annotated[int, Field(strict=True, ge=1, le=0x7FF)]
+Text = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=200)]
 
 
 class EmulatorLink(EmulatorOptions):
@@ -25,40 +33,134 @@ class TcpLink(Body):
     """A chip behind a TCP socket: raw 4-byte frames both ways, as `stepscope emulate` serves them."""
 
     kind: Literal["tcp"]
-    host: Annotated[str, StringConstraints(strict=True, max_length=253, pattern=HOST)] = Field(
-        description="name or address of the machine"
-    )
-    port: Annotated[int, Field(strict=True, ge=1, le=65_535)]
-    timeout_s: Annotated[float, Field(strict=True, ge=0.001, le=60, allow_inf_nan=False)] = Field(
-        default=1.0, description="how long to wait for an answer [s]"
-    )
+    host: Host = Field(description="name or address of the machine")
+    port: TcpPortNumber
+    timeout_s: Seconds = Field(default=1.0, description="how long to wait for an answer [s]")
 
 
-LinkIn = Annotated[EmulatorLink | TcpLink, Field(discriminator="kind")]
+class ModuleEmulatorLink(Body):
+    """A module emulated in this server, with a motor, a stage and encoders. What it stores outlives the server."""
+
+    kind: Literal["emulator"]
+
+
+class ModuleTcpLink(Body):
+    """A module behind a TCP socket: 9-byte TMCL frames both ways. Several modules may share the socket."""
+
+    kind: Literal["tcp"]
+    host: Host = Field(description="name or address of the machine")
+    port: TcpPortNumber
+    address: Address = Field(default=1, description="the module's address on the line")
+    timeout_s: Seconds = Field(default=1.0, description="how long to wait for an answer [s]")
+
+
+class ModuleSerialLink(Body):
+    """A module on USB, RS485 or RS232. Several modules may share the line, each by its address."""
+
+    kind: Literal["serial"]
+    port: Text = Field(description="device name, or an address of pyserial: socket://, rfc2217://, spy://")
+    baud: Baud = Field(default=9600, description="without meaning on USB")
+    address: Address = Field(default=1, description="the module's address on the line")
+    timeout_s: Seconds = Field(default=0.25, description="how long to wait for an answer, beyond its own time [s]")
+
+
+class ModuleCanLink(Body):
+    """A module on CAN, through python-can (the extra "can")."""
+
+    kind: Literal["can"]
+    interface: Text = Field(description="of python-can: socketcan, pcan, virtual, ...")
+    channel: Text = Field(description="as the interface calls it: can0, ...")
+    bitrate: Annotated[int, Field(strict=True, ge=10_000, le=1_000_000)] = Field(default=1_000_000, description="bit/s")
+    send_id: CanId = Field(default=1, description="what the module listens to (global parameter 71)")
+    receive_id: CanId = Field(default=2, description="what the module answers under (global parameter 70)")
+    timeout_s: Seconds = Field(default=0.25, description="how long to wait for an answer [s]")
+
+
+ChipLink = Annotated[EmulatorLink | TcpLink, Field(discriminator="kind")]
+ModuleLink = Annotated[
+    ModuleEmulatorLink | ModuleTcpLink | ModuleSerialLink | ModuleCanLink, Field(discriminator="kind")
+]
+AnyLink = EmulatorLink | TcpLink | ModuleEmulatorLink | ModuleTcpLink | ModuleSerialLink | ModuleCanLink
 Axes = Annotated[list[AxisConfig], Field(max_length=8)]
 
 
-class DeviceCreate(Body):
-    """A connection. Axes that are not given get defaults."""
+class _Create(Body):
+    """Axes that are not given get defaults."""
 
     name: Name
-    model: ModelName
-    link: LinkIn
     clock_hz: ClockHz | None = Field(default=None, description="the chip's clock [Hz]; null: 16 MHz")
     axes: Axes | None = None
 
 
-class DeviceChange(Body):
-    """What to change; what is left out stays."""
+class ChipCreate(_Create):
+    """A connection to a chip. Axes that are not given get defaults."""
 
-    name: Name | None = None
-    link: LinkIn | None = None
-    clock_hz: ClockHz | None = None
-    axes: Axes | None = None
+    model: ChipName
+    link: ChipLink
 
 
-class DeviceTrial(Body):
+class ModuleCreate(_Create):
+    """A connection to a module. Axes that are not given get defaults."""
+
+    model: ModuleName
+    link: ModuleLink
+
+
+class DeviceCreate(RootModel[Annotated[ChipCreate | ModuleCreate, Field(discriminator="model")]]):
+    """A connection: the model, and a link that suits it."""
+
+
+class ChipTrial(Body):
+    """A link to a chip, to be tried."""
+
+    model: ChipName
+    link: ChipLink
+
+
+class ModuleTrial(Body):
+    """A link to a module, to be tried."""
+
+    model: ModuleName
+    link: ModuleLink
+
+
+class DeviceTrial(RootModel[Annotated[ChipTrial | ModuleTrial, Field(discriminator="model")]]):
     """A link to be tried."""
 
-    model: ModelName
-    link: LinkIn
+
+def _which(link: object) -> str:
+    """Which of the links is meant, where the model is not there to tell: by its kind, then by its options."""
+    if not isinstance(link, dict):
+        return ""
+    kind = link.get("kind")
+    if kind == "emulator":
+        return "emulator" if set(link) - {"kind"} <= EmulatorOptions.model_fields.keys() else "module-emulator"
+    if kind == "tcp":
+        return "module-tcp" if "address" in link else "tcp"
+    return str(kind)
+
+
+def _any_of(schema: dict[str, Any]) -> None:
+    # A link may fit a chip and a module as well, and "one of" would then say that it fits neither.
+    schema["anyOf"] = schema.pop("oneOf", schema.get("anyOf"))
+
+
+class DeviceChange(Body):
+    """What to change; what is left out stays. The link has to suit the model, which stays too."""
+
+    name: Name | None = None
+    link: (
+        Annotated[
+            Annotated[EmulatorLink, Tag("emulator")]
+            | Annotated[TcpLink, Tag("tcp")]
+            | Annotated[ModuleEmulatorLink, Tag("module-emulator")]
+            | Annotated[ModuleTcpLink, Tag("module-tcp")]
+            | Annotated[ModuleSerialLink, Tag("serial")]
+            | Annotated[ModuleCanLink, Tag("can")],
+            Discriminator(_which),
+            Field(json_schema_extra=_any_of),
+        ]
+        | None
+    ) = None
+    clock_hz: ClockHz | None = None
+    axes: Axes | None = None

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import Field, RootModel
 
 from app.api.schemas import Answer, Problem
+from app.api.schemas_axes import StopReason
 
 SUBPROTOCOL = "stepscope.telemetry.v1"
 
@@ -37,6 +38,9 @@ class TelemetryStatus(Answer):
     jitter_ms: float = Field(description="standard deviation of the time between samples [ms]")
     dropped: int = Field(description="rows this reader lost so far, because it was too slow")
     latency_ms: float = Field(description="longest time from a sample to its socket in the last second [ms]")
+    calls_per_s: float = Field(default=0.0, description="frames and their replies that all of this wire's users sent")
+    calls_per_s_possible: float | None = Field(default=None, description="null where the wire sets no limit")
+    row_spread_ms: float = Field(default=0.0, description="from the first to the last question of a row [ms]")
 
 
 class TelemetryGap(Answer):
@@ -54,6 +58,17 @@ class TelemetryMove(Answer):
     started_at_s: float
 
 
+class TelemetryStopped(Answer):
+    """An axis came to rest, and why."""
+
+    type: Literal["stopped"] = "stopped"
+    axis: int
+    reason: StopReason
+    time_s: float = Field(description="device time [s]")
+    position: int | None
+    detail: str
+
+
 class TelemetryProblem(Answer):
     """Why there is no stream, or no more of it; the socket closes with 4000 + the problem's status."""
 
@@ -61,7 +76,7 @@ class TelemetryProblem(Answer):
     problem: Problem
 
 
-TelemetryText = TelemetryStart | TelemetryStatus | TelemetryGap | TelemetryMove | TelemetryProblem
+TelemetryText = TelemetryStart | TelemetryStatus | TelemetryGap | TelemetryMove | TelemetryStopped | TelemetryProblem
 
 
 class TelemetryMessage(RootModel[TelemetryText]):

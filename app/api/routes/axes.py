@@ -4,10 +4,21 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from app.api.convert import prediction_out
+from app.api.abilities import MotionLog
+from app.api.convert import prediction_out, stops_out
 from app.api.deps import CurrentAxis, CurrentBench, CurrentDevice
 from app.api.problems import DEVICE_PROBLEMS, problems
-from app.api.schemas import AxisStateOut, KeepRotating, Move, Moves, MoveStarted, Prediction, Rotate, Rotating
+from app.api.schemas_axes import (
+    AxisStateOut,
+    KeepRotating,
+    MotionEnd,
+    Move,
+    Moves,
+    MoveStarted,
+    Prediction,
+    Rotate,
+    Rotating,
+)
 from app.devices.results import AxisMove
 from app.links.errors import OutOfRange, UnknownThing, WrongState
 
@@ -46,6 +57,12 @@ async def rotate_axis(bench: CurrentBench, device: CurrentDevice, axis: CurrentA
 async def keep_rotating(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis, body: KeepRotating) -> Rotating:
     """Keep a rotation with `hold_s` up. It never begins one: coming late, behind a stop, it moves nothing."""
     return Rotating.model_validate(bench.procedures.keep_rotating(device, axis.index, body.hold_s))
+
+
+@router.get("/axes/{axis}/stops", responses=problems(UnknownThing, WrongState))
+async def list_stops(log: MotionLog, axis: CurrentAxis) -> list[MotionEnd]:
+    """When, where and why this motor came to rest, the latest first; up to 200 since the server began."""
+    return stops_out(log.motion_ends(axis.index))
 
 
 @router.get("/axes/{axis}/prediction", responses=problems(UnknownThing))

@@ -6,8 +6,7 @@ from fastapi import APIRouter
 
 from app.api import calculators
 from app.api.problems import problems
-from app.api.schemas import (
-    ChainDesign,
+from app.api.schemas_calc import (
     ChainRequest,
     MicrostepDesign,
     MicrostepResult,
@@ -20,6 +19,7 @@ from app.api.schemas import (
     Units,
     UnitsResult,
 )
+from app.api.schemas_tables import ChainDesign
 from app.links.errors import UsageError
 
 router = APIRouter(prefix="/calc", tags=["calculators"], responses=problems(UsageError))

@@ -1,16 +1,18 @@
-"""The chips that stepscope knows, with every register and field as a row."""
+"""The chips and modules that stepscope knows, with every register, parameter and command as a row."""
 
 from __future__ import annotations
 
 from functools import cache
+from typing import Any
 
 from fastapi import APIRouter
 
 from app.api.problems import problems
-from app.api.schemas import CatalogEntry, CatalogModel, FieldRow, RegisterRow
+from app.api.schemas_catalog import CatalogEntry, CatalogModel, CommandRow, FieldRow, RegisterRow
 from app.links.errors import UnknownThing
 from app.registers.catalog import MODELS, Model
-from app.registers.model import Bits, Field, Register
+from app.registers.model import Field, Register, Space
+from app.registers.tmcl import COMMANDS
 
 router = APIRouter(prefix="/catalog", tags=["catalog"])
 
@@ -33,12 +35,17 @@ async def get_model(model: str) -> CatalogModel:
 @cache  # the tables never change, and 100 rows with fields are the longest answer of the API
 def _model(name: str) -> CatalogModel:
     model = MODELS[name]
-    return CatalogModel(**_entry(model).model_dump(), rows=[_register(row) for row in model.table])
+    return CatalogModel(
+        **_entry(model).model_dump(),
+        rows=[_register(row) for row in model.table],
+        commands=[CommandRow.model_validate(row) for row in COMMANDS] if model.kind == "module" else [],
+    )
 
 
 def _entry(model: Model) -> CatalogEntry:
     return CatalogEntry(
         name=model.name,
+        kind=model.kind,
         title=model.title,
         summary=model.summary,
         axes=model.axes,
@@ -50,41 +57,38 @@ def _entry(model: Model) -> CatalogEntry:
 
 def _register(row: Register) -> RegisterRow:
     return RegisterRow(
-        name=row.name,
+        **_bits(row),
         address=row.address,
+        space=row.space.value,
+        alias=_alias(row),
         axis=row.axis,
         group=row.group,
-        access=row.access,
-        width=row.width,
-        signed=row.signed,
-        minimum=row.minimum,
-        maximum=row.maximum,
-        reset=row.reset,
-        unit=row.unit,
-        help=row.help,
         write_note=row.write_note,
         volatile=row.volatile,
+        stored=row.stored,
+        read_clears=row.read_clears,
+        internal_range=None if row.internal_range is None else list(row.internal_range),
         source=row.source,
-        values=_names(row),
-        fields=[_field(part) for part in row.fields],
+        fields=[FieldRow(**_bits(part), lsb=part.lsb) for part in row.fields],
     )
 
 
-def _field(part: Field) -> FieldRow:
-    return FieldRow(
-        name=part.name,
-        lsb=part.lsb,
-        width=part.width,
-        access=part.access,
-        signed=part.signed,
-        minimum=part.minimum,
-        maximum=part.maximum,
-        reset=part.reset,
-        unit=part.unit,
-        help=part.help,
-        values=_names(part),
-    )
+def _alias(row: Register) -> str:
+    """As people write it: "AP 4", "GP0 66"."""
+    return "" if row.space is Space.REGISTER else f"{row.space.value.upper()} {row.address}"
 
 
-def _names(bits: Bits) -> dict[str, str]:
-    return {str(value): name for value, name in bits.values.items()}
+def _bits(bits: Register | Field) -> dict[str, Any]:
+    """What the rows of registers and of fields tell alike."""
+    return {
+        "name": bits.name,
+        "access": bits.access,
+        "width": bits.width,
+        "signed": bits.signed,
+        "minimum": bits.minimum,
+        "maximum": bits.maximum,
+        "reset": bits.reset,
+        "unit": bits.unit,
+        "help": bits.help,
+        "values": {str(value): name for value, name in bits.values.items()},
+    }

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from fastapi import APIRouter, HTTPException
 
-from app.api.convert import axis_settings, clock_of, device_info, link_of
+from app.api.convert import axis_settings, clock_of, device_info, link_of, suited
 from app.api.deps import CurrentBench, CurrentDevice, DeviceId
 from app.api.problems import problem_of, problems
 from app.api.schemas import DeviceInfo, LinkTest
 from app.api.schemas_devices import DeviceChange, DeviceCreate, DeviceTrial
 from app.devices import manager
 from app.devices.config import DeviceConfig
-from app.links.errors import OutOfRange, UnknownThing, WrongState
+from app.links.errors import OutOfRange, UnknownThing, UsageError, WrongState
 
 router = APIRouter(prefix="/devices", tags=["devices"])
 
@@ -30,12 +30,13 @@ async def add_device(body: DeviceCreate, bench: CurrentBench) -> DeviceInfo:
     """Add a connection and try it. One that does not answer is added all the same; `state` and `problem` tell why."""
     if len(bench.manager.devices) >= DEVICES_MAX:
         raise WrongState(f"there are {DEVICES_MAX} devices already", "remove one first")
+    wanted = body.root
     config = DeviceConfig(
-        name=body.name,
-        model=body.model,
-        link=link_of(body.link, body.clock_hz),
-        clock_hz=clock_of(body.link, body.clock_hz),
-        axes=axis_settings(body.axes),
+        name=wanted.name,
+        model=wanted.model,
+        link=link_of(wanted.link, wanted.clock_hz),
+        clock_hz=clock_of(wanted.link, wanted.clock_hz),
+        axes=axis_settings(wanted.axes),
     )
     return device_info(await bench.manager.add(config))
 
@@ -43,7 +44,7 @@ async def add_device(body: DeviceCreate, bench: CurrentBench) -> DeviceInfo:
 @router.post("/test", responses=problems(OutOfRange))
 async def test_link(body: DeviceTrial, bench: CurrentBench) -> LinkTest:
     """Try a link without keeping it."""
-    trial = await bench.manager.test(body.model, link_of(body.link, None))
+    trial = await bench.manager.test(body.root.model, link_of(body.root.link, None))
     problem = None if trial.problem is None else problem_of(trial.problem)
     return LinkTest(ok=trial.ok, detail=trial.detail, round_trip_ms=trial.round_trip_ms, problem=problem)
 
@@ -60,12 +61,13 @@ async def get_device(device: CurrentDevice) -> DeviceInfo:
     return device_info(device)
 
 
-@router.patch("/{device}", responses=problems(UnknownThing, OutOfRange))
+@router.patch("/{device}", responses=problems(UnknownThing, UsageError))
 async def edit_device(device: DeviceId, body: DeviceChange, bench: CurrentBench) -> DeviceInfo:
     """Change a connection. A new name gives a new id; only a new link interrupts the device."""
+    model = bench.manager.get(device).model
     change = manager.DeviceChange(
         name=body.name,
-        link=None if body.link is None else link_of(body.link, body.clock_hz),
+        link=None if body.link is None else link_of(suited(body.link, model), body.clock_hz),
         clock_hz=body.clock_hz,
         axes=None if body.axes is None else axis_settings(body.axes),
     )

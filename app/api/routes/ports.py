@@ -1,4 +1,4 @@
-"""Where a device could be: the machine's serial ports, and the emulators."""
+"""Where a device could be: the machine's serial ports, the modules that answer on them, and the emulators."""
 
 from __future__ import annotations
 
@@ -8,7 +8,10 @@ from fastapi import APIRouter
 from serial.tools import list_ports
 
 from app.api.deps import CurrentBench
+from app.api.problems import problems
 from app.api.schemas import Port
+from app.api.schemas_links import ProbeStart, ProbeState
+from app.links.errors import UsageError, WrongState
 from app.registers.catalog import MODELS
 
 router = APIRouter(tags=["server"])
@@ -31,9 +34,31 @@ def serial_ports() -> list[Port]:
 
 @router.get("/ports")
 async def get_ports(bench: CurrentBench) -> list[Port]:
-    """Serial ports found right now, and the chips that can be emulated."""
+    """Serial ports found right now, who uses them, and the chips and modules that can be emulated."""
     emulated = [
         Port(kind="emulator", name=f"emulator:{model.name}", description=f"emulated {model.title}", model=model.name)
         for model in MODELS.values()
     ]
-    return await asyncio.to_thread(bench.list_serial_ports) + emulated
+    found = await asyncio.to_thread(bench.list_serial_ports)
+    return [port.model_copy(update={"in_use_by": bench.users_of(port.name)}) for port in found] + emulated
+
+
+@router.get("/ports/probe")
+async def get_probe(bench: CurrentBench) -> ProbeState:
+    """How far the search for modules is, or what the latest one found."""
+    return bench.probing.state()
+
+
+@router.post("/ports/probe", status_code=202, responses=problems(UsageError, WrongState))
+async def start_probe(bench: CurrentBench, body: ProbeStart) -> ProbeState:
+    """Look for modules on a port, rate by rate and address by address. One search at a time; answers at its start."""
+    users = bench.users_of(body.port)
+    if users:
+        raise WrongState(f"{body.port} is in use by {', '.join(users)}", "disconnect it first")
+    return bench.probing.start(body.port, body.bauds, body.addresses)
+
+
+@router.delete("/ports/probe")
+async def abort_probe(bench: CurrentBench) -> ProbeState:
+    """End the search; what it has found so far stays."""
+    return await bench.probing.abort()

@@ -6,7 +6,7 @@ from fastapi import APIRouter
 
 from app.api.deps import CurrentAxis, CurrentBench, CurrentDevice
 from app.api.problems import problems
-from app.api.schemas import ReferenceSearchStart, ReferenceSearchState, ShuttleStart, ShuttleState
+from app.api.schemas_axes import ReferenceSearchStart, ReferenceSearchState, ShuttleStart, ShuttleState
 from app.links.errors import OutOfRange, UnknownThing, WrongState
 
 router = APIRouter(prefix="/devices/{device}/axes/{axis}", tags=["procedures"])

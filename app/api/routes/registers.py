@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from fastapi import APIRouter, Request
 
+from app.api.abilities import CurrentStoringDevice
 from app.api.deps import AxisQuery, CurrentDevice, DeviceId, RegisterName, device_of
 from app.api.problems import DEVICE_PROBLEMS, problem_of, problems
 from app.api.schemas import (
@@ -54,6 +55,18 @@ async def write_register(
 ) -> RegisterWritten:
     """Write one register, whole or some of its fields; answers with the read-back."""
     return RegisterWritten.model_validate(await device.write(name, axis, body.value, body.fields))
+
+
+@router.post("/registers/{name}/store", responses=problems(*DEVICE_PROBLEMS))
+async def store_register(device: CurrentStoringDevice, name: RegisterName, axis: AxisQuery = None) -> RegisterReading:
+    """Copy what a parameter is now to the EEPROM, from where it comes back after power-on."""
+    return RegisterReading.model_validate(await device.store(name, axis))
+
+
+@router.post("/registers/{name}/restore", responses=problems(*DEVICE_PROBLEMS))
+async def restore_register(device: CurrentStoringDevice, name: RegisterName, axis: AxisQuery = None) -> RegisterReading:
+    """Make a parameter what the EEPROM holds; answers with what it is now."""
+    return RegisterReading.model_validate(await device.restore(name, axis))
 
 
 @router.post("/exchange", responses=problems(*DEVICE_PROBLEMS))

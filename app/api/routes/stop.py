@@ -7,7 +7,7 @@ from fastapi import APIRouter
 from app.api.convert import stop_result
 from app.api.deps import CurrentAxis, CurrentBench, CurrentDevice
 from app.api.problems import DEVICE_PROBLEMS, problems
-from app.api.schemas import Stop, StopReport, StopResult
+from app.api.schemas_axes import Stop, StopReport, StopResult
 
 router = APIRouter(tags=["stop"])
 

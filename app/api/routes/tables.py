@@ -7,7 +7,7 @@ from fastapi import APIRouter
 from app.api.convert import axis_config, built_chain, chain_table
 from app.api.deps import CurrentDevice
 from app.api.problems import DEVICE_PROBLEMS, problems
-from app.api.schemas import ChainTable, DriverChain, MicrostepTable, Profile, ProfileRegister
+from app.api.schemas_tables import ChainTable, DriverChain, MicrostepTable, Profile, ProfileRegister
 from app.links.errors import WriteRefused
 
 router = APIRouter(prefix="/devices/{device}", tags=["tables"])

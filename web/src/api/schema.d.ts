@@ -72,6 +72,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/devices/{device}/registers/{name}/store": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Store Register
+         * @description Copy what a parameter is now to the EEPROM, from where it comes back after power-on.
+         */
+        post: operations["store_register"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/registers/{name}/restore": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Restore Register
+         * @description Make a parameter what the EEPROM holds; answers with what it is now.
+         */
+        post: operations["restore_register"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/devices/{device}/exchange": {
         parameters: {
             query?: never;
@@ -174,6 +214,26 @@ export interface paths {
          * @description Keep a rotation with `hold_s` up. It never begins one: coming late, behind a stop, it moves nothing.
          */
         patch: operations["keep_rotating"];
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/axes/{axis}/stops": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Stops
+         * @description When, where and why this motor came to rest, the latest first; up to 200 since the server began.
+         */
+        get: operations["list_stops"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
         trace?: never;
     };
     "/api/v1/devices/{device}/axes/{axis}/prediction": {
@@ -399,6 +459,66 @@ export interface paths {
          * @description End the shuttle and stop the motor.
          */
         delete: operations["stop_shuttle"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/frames": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Frames
+         * @description The latest transactions, decoded: of telemetry, of commands and of stops.
+         */
+        get: operations["get_frames"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/link": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Link
+         * @description What this device's wire can carry and carries, its counts and its latest incidents.
+         */
+        get: operations["get_link"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/tmcl": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Send Tmcl
+         * @description Send one command once, as it is. An error status of the module is an answer, not an error of this call.
+         */
+        post: operations["send_tmcl"];
+        delete?: never;
         options?: never;
         head?: never;
         patch?: never;
@@ -665,12 +785,40 @@ export interface paths {
         };
         /**
          * Get Ports
-         * @description Serial ports found right now, and the chips that can be emulated.
+         * @description Serial ports found right now, who uses them, and the chips and modules that can be emulated.
          */
         get: operations["get_ports"];
         put?: never;
         post?: never;
         delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/ports/probe": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Probe
+         * @description How far the search for modules is, or what the latest one found.
+         */
+        get: operations["get_probe"];
+        put?: never;
+        /**
+         * Start Probe
+         * @description Look for modules on a port, rate by rate and address by address. One search at a time; answers at its start.
+         */
+        post: operations["start_probe"];
+        /**
+         * Abort Probe
+         * @description End the search; what it has found so far stays.
+         */
+        delete: operations["abort_probe"];
         options?: never;
         head?: never;
         patch?: never;
@@ -781,15 +929,22 @@ export interface components {
             acceleration_pps2: number | null;
             /** Encoder Position */
             encoder_position: number | null;
-            /** Deviation */
+            /**
+             * Deviation
+             * @description encoder minus position, both of one moment [microsteps]
+             */
             deviation: number | null;
+            /** External Encoder Position */
+            external_encoder_position: number | null;
+            /** External Deviation */
+            external_deviation: number | null;
             /** Position Reached */
             position_reached: boolean;
             /** Moving */
             moving: boolean;
             /** Mode */
             mode: string;
-            switches: components["schemas"]["app__api__schemas__Switches"];
+            switches: components["schemas"]["app__api__schemas_axes__Switches"];
             /** Flags */
             flags: {
                 [key: string]: boolean;
@@ -804,6 +959,13 @@ export interface components {
         CatalogEntry: {
             /** Name */
             name: string;
+            /**
+             * Kind
+             * @description a module speaks TMCL and has parameters
+             * @default chip
+             * @enum {string}
+             */
+            kind: "chip" | "module";
             /** Title */
             title: string;
             /** Summary */
@@ -821,6 +983,13 @@ export interface components {
         CatalogModel: {
             /** Name */
             name: string;
+            /**
+             * Kind
+             * @description a module speaks TMCL and has parameters
+             * @default chip
+             * @enum {string}
+             */
+            kind: "chip" | "module";
             /** Title */
             title: string;
             /** Summary */
@@ -835,11 +1004,16 @@ export interface components {
             clock_hz_max: number;
             /** Rows */
             rows: components["schemas"]["RegisterRow"][];
+            /**
+             * Commands
+             * @description TMCL commands; none for chips
+             */
+            commands: components["schemas"]["CommandRow"][];
         };
         /** ChainDesign */
         ChainDesign: {
             /** Bits */
-            bits: components["schemas"]["app__api__schemas__ChainBit"][];
+            bits: components["schemas"]["app__api__schemas_tables__ChainBit"][];
             /**
              * Ram Words
              * @description 64 cells of 6 bits
@@ -920,7 +1094,7 @@ export interface components {
          */
         ChainTable: {
             /** Bits */
-            bits: components["schemas"]["app__api__schemas__ChainBit"][];
+            bits: components["schemas"]["app__api__schemas_tables__ChainBit"][];
             /**
              * Ram Words
              * @description 64 cells of 6 bits
@@ -951,33 +1125,12 @@ export interface components {
             unit: string;
         };
         /**
-         * DeviceChange
-         * @description What to change; what is left out stays.
+         * ChipCreate
+         * @description A connection to a chip. Axes that are not given get defaults.
          */
-        DeviceChange: {
-            /** Name */
-            name?: string | null;
-            /** Link */
-            link?: (components["schemas"]["EmulatorLink"] | components["schemas"]["TcpLink"]) | null;
-            /** Clock Hz */
-            clock_hz?: number | null;
-            /** Axes */
-            axes?: components["schemas"]["AxisConfig"][] | null;
-        };
-        /**
-         * DeviceCreate
-         * @description A connection. Axes that are not given get defaults.
-         */
-        DeviceCreate: {
+        ChipCreate: {
             /** Name */
             name: string;
-            /**
-             * Model
-             * @enum {string}
-             */
-            model: "tmc428" | "tmc4210";
-            /** Link */
-            link: components["schemas"]["EmulatorLink"] | components["schemas"]["TcpLink"];
             /**
              * Clock Hz
              * @description the chip's clock [Hz]; null: 16 MHz
@@ -985,7 +1138,107 @@ export interface components {
             clock_hz?: number | null;
             /** Axes */
             axes?: components["schemas"]["AxisConfig"][] | null;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            model: "tmc4210" | "tmc428";
+            /** Link */
+            link: components["schemas"]["EmulatorLink"] | components["schemas"]["TcpLink"];
         };
+        /**
+         * ChipTrial
+         * @description A link to a chip, to be tried.
+         */
+        ChipTrial: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            model: "tmc4210" | "tmc428";
+            /** Link */
+            link: components["schemas"]["EmulatorLink"] | components["schemas"]["TcpLink"];
+        };
+        /**
+         * CommandRow
+         * @description One TMCL command.
+         */
+        CommandRow: {
+            /** Opcode */
+            opcode: number;
+            /**
+             * Mnemonic
+             * @description empty for control commands, which have only numbers
+             */
+            mnemonic: string;
+            /** Name */
+            name: string;
+            /**
+             * Types
+             * @description names of the values of the type byte, where they have names
+             */
+            types: {
+                [key: string]: number;
+            };
+            /**
+             * Type
+             * @description what the type byte means; empty where it has to be 0
+             */
+            type: string;
+            /**
+             * Motor
+             * @description what the field motor/bank means
+             */
+            motor: string;
+            /**
+             * Value
+             * @description what the field value means
+             */
+            value: string;
+            /**
+             * Reply
+             * @description what the value of the reply means
+             */
+            reply: string;
+            /**
+             * Direct
+             * @description works when sent by a host; others only inside of a program
+             */
+            direct: boolean;
+            /**
+             * Moves
+             * @description may set a motor in motion or stop one
+             */
+            moves: boolean;
+            /**
+             * Reads
+             * @description only reads: asking twice does no harm
+             */
+            reads: boolean;
+            /** Help */
+            help: string;
+            /** Source */
+            source: string;
+        };
+        /**
+         * DeviceChange
+         * @description What to change; what is left out stays. The link has to suit the model, which stays too.
+         */
+        DeviceChange: {
+            /** Name */
+            name?: string | null;
+            /** Link */
+            link?: components["schemas"]["EmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["ModuleEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"] | null;
+            /** Clock Hz */
+            clock_hz?: number | null;
+            /** Axes */
+            axes?: components["schemas"]["AxisConfig"][] | null;
+        };
+        /**
+         * DeviceCreate
+         * @description A connection: the model, and a link that suits it.
+         */
+        DeviceCreate: components["schemas"]["ChipCreate"] | components["schemas"]["ModuleCreate"];
         /** DeviceInfo */
         DeviceInfo: {
             /** Id */
@@ -996,10 +1249,13 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc428" | "tmc4210";
+            model: "tmc428" | "tmc4210" | "pd42-1241";
             /** Title */
             title: string;
-            /** Link */
+            /**
+             * Link
+             * @description `kind` and its options: emulator, tcp; for a PD42-1241 also serial and can. As in DeviceCreate
+             */
             link: {
                 [key: string]: unknown;
             };
@@ -1034,15 +1290,7 @@ export interface components {
          * DeviceTrial
          * @description A link to be tried.
          */
-        DeviceTrial: {
-            /**
-             * Model
-             * @enum {string}
-             */
-            model: "tmc428" | "tmc4210";
-            /** Link */
-            link: components["schemas"]["EmulatorLink"] | components["schemas"]["TcpLink"];
-        };
+        DeviceTrial: components["schemas"]["ChipTrial"] | components["schemas"]["ModuleTrial"];
         /** DriverChain */
         DriverChain: {
             /** Drivers */
@@ -1275,6 +1523,61 @@ export interface components {
                 [key: string]: string;
             };
         };
+        /**
+         * FrameEntry
+         * @description One transaction of the log.
+         */
+        FrameEntry: {
+            /** Seq */
+            seq: number;
+            /** Time Unix S */
+            time_unix_s: number;
+            /**
+             * Priority
+             * @enum {string}
+             */
+            priority: "stop" | "command" | "sample";
+            /**
+             * Tx
+             * @description hex
+             */
+            tx: string;
+            /**
+             * Rx
+             * @description hex; null where nothing came
+             */
+            rx: string | null;
+            /** Took Ms */
+            took_ms: number;
+            /**
+             * Text
+             * @description decoded: what was asked, and what came back
+             */
+            text: string;
+            /**
+             * Error
+             * @description why there is no good answer
+             */
+            error: string | null;
+        };
+        /**
+         * FrameLog
+         * @description A stretch of the log, oldest first.
+         */
+        FrameLog: {
+            /** Frames */
+            frames: components["schemas"]["FrameEntry"][];
+            /**
+             * Next
+             * @description `after` for what comes next
+             */
+            next: number;
+            /**
+             * Lost
+             * @description entries behind `after` that are not here: overwritten, or more than `limit`
+             */
+            lost: number;
+        };
         /** Health */
         Health: {
             /**
@@ -1309,6 +1612,107 @@ export interface components {
              * @default 1
              */
             hold_s?: number;
+        };
+        /**
+         * LinkCounts
+         * @description What has happened on this link since it was made.
+         */
+        LinkCounts: {
+            /**
+             * Stops
+             * @description frames of stops
+             */
+            stops: number;
+            /**
+             * Commands
+             * @description frames of commands
+             */
+            commands: number;
+            /**
+             * Samples
+             * @description frames of telemetry
+             */
+            samples: number;
+            /**
+             * Waited
+             * @description turns that found the link busy
+             */
+            waited: number;
+            /**
+             * Overtaken
+             * @description times that a turn gave way to a more urgent one between two frames
+             */
+            overtaken: number;
+            /**
+             * Samples Dropped
+             * @description samples that found the link too busy
+             */
+            samples_dropped: number;
+            /** Timeouts */
+            timeouts: number;
+            /**
+             * Failures
+             * @description failed exchanges of any kind, timeouts included
+             */
+            failures: number;
+            /**
+             * Incidents
+             * @description incidents so far, also those that the list no longer holds
+             */
+            incidents: number;
+        };
+        /**
+         * LinkIncident
+         * @description Something on the wire went wrong and was mended, or not.
+         */
+        LinkIncident: {
+            /** Time Unix S */
+            time_unix_s: number;
+            /** Kind */
+            kind: string;
+            /** Text */
+            text: string;
+        };
+        /**
+         * LinkInfo
+         * @description The wire of one device: what it can carry, what it carries, and what went wrong on it lately.
+         */
+        LinkInfo: {
+            /** Name */
+            name: string;
+            /** Kind */
+            kind: string;
+            /**
+             * Baud
+             * @description null where the link has no such limit (emulators, TCP, USB)
+             */
+            baud: number | null;
+            /**
+             * Calls Per S Possible
+             * @description one call is a frame and its reply; null without a limit
+             */
+            calls_per_s_possible: number | null;
+            /**
+             * Calls Per S
+             * @description calls of all devices on this wire in the last second
+             */
+            calls_per_s: number;
+            /**
+             * Share
+             * @description used over possible, 0..1; null without a limit
+             */
+            share: number | null;
+            counts: components["schemas"]["LinkCounts"];
+            /**
+             * Incidents
+             * @description newest first
+             */
+            incidents: components["schemas"]["LinkIncident"][];
+            /**
+             * Shared With
+             * @description ids of other devices on the same wire
+             */
+            shared_with: string[];
         };
         /**
          * LinkTest
@@ -1441,6 +1845,222 @@ export interface components {
         MicrostepTable: {
             /** Values */
             values: number[];
+        };
+        /**
+         * ModuleCanLink
+         * @description A module on CAN, through python-can (the extra "can").
+         */
+        ModuleCanLink: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "can";
+            /**
+             * Interface
+             * @description of python-can: socketcan, pcan, virtual, ...
+             */
+            interface: string;
+            /**
+             * Channel
+             * @description as the interface calls it: can0, ...
+             */
+            channel: string;
+            /**
+             * Bitrate
+             * @description bit/s
+             * @default 1000000
+             */
+            bitrate?: number;
+            /**
+             * Send Id
+             * @description what the module listens to (global parameter 71)
+             * @default 1
+             */
+            send_id?: number;
+            /**
+             * Receive Id
+             * @description what the module answers under (global parameter 70)
+             * @default 2
+             */
+            receive_id?: number;
+            /**
+             * Timeout S
+             * @description how long to wait for an answer [s]
+             * @default 0.25
+             */
+            timeout_s?: number;
+        };
+        /**
+         * ModuleCreate
+         * @description A connection to a module. Axes that are not given get defaults.
+         */
+        ModuleCreate: {
+            /** Name */
+            name: string;
+            /**
+             * Clock Hz
+             * @description the chip's clock [Hz]; null: 16 MHz
+             */
+            clock_hz?: number | null;
+            /** Axes */
+            axes?: components["schemas"]["AxisConfig"][] | null;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            model: "pd42-1241";
+            /** Link */
+            link: components["schemas"]["ModuleEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"];
+        };
+        /**
+         * ModuleEmulatorLink
+         * @description A module emulated in this server, with a motor, a stage and encoders. What it stores outlives the server.
+         */
+        ModuleEmulatorLink: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "emulator";
+        };
+        /**
+         * ModuleSerialLink
+         * @description A module on USB, RS485 or RS232. Several modules may share the line, each by its address.
+         */
+        ModuleSerialLink: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "serial";
+            /**
+             * Port
+             * @description device name, or an address of pyserial: socket://, rfc2217://, spy://
+             */
+            port: string;
+            /**
+             * Baud
+             * @description without meaning on USB
+             * @default 9600
+             */
+            baud?: number;
+            /**
+             * Address
+             * @description the module's address on the line
+             * @default 1
+             */
+            address?: number;
+            /**
+             * Timeout S
+             * @description how long to wait for an answer, beyond its own time [s]
+             * @default 0.25
+             */
+            timeout_s?: number;
+        };
+        /**
+         * ModuleTcpLink
+         * @description A module behind a TCP socket: 9-byte TMCL frames both ways. Several modules may share the socket.
+         */
+        ModuleTcpLink: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "tcp";
+            /**
+             * Host
+             * @description name or address of the machine
+             */
+            host: string;
+            /** Port */
+            port: number;
+            /**
+             * Address
+             * @description the module's address on the line
+             * @default 1
+             */
+            address?: number;
+            /**
+             * Timeout S
+             * @description how long to wait for an answer [s]
+             * @default 1
+             */
+            timeout_s?: number;
+        };
+        /**
+         * ModuleTrial
+         * @description A link to a module, to be tried.
+         */
+        ModuleTrial: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            model: "pd42-1241";
+            /** Link */
+            link: components["schemas"]["ModuleEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"];
+        };
+        /**
+         * ModuleUnits
+         * @description What the TMC5160 of a module gets: whole numbers, and what they really are.
+         */
+        ModuleUnits: {
+            /**
+             * Velocity
+             * @description VMAX, V1, VSTART, VSTOP
+             */
+            velocity: number | null;
+            /**
+             * Velocity Pps
+             * @description that, back in pps
+             */
+            velocity_pps: number | null;
+            /**
+             * Acceleration
+             * @description AMAX, A1, DMAX, D1
+             */
+            acceleration: number | null;
+            /**
+             * Acceleration Pps2
+             * @description that, back in pps^2
+             */
+            acceleration_pps2: number | null;
+            /**
+             * Tstep
+             * @description clocks between two of 256 microsteps a full step: what thresholds of velocity compare with
+             */
+            tstep: number | null;
+        };
+        /**
+         * MotionEnd
+         * @description When, where and why a motor came to rest.
+         */
+        MotionEnd: {
+            /** Axis */
+            axis: number;
+            /**
+             * Time S
+             * @description device time [s]
+             */
+            time_s: number;
+            /**
+             * Unix S
+             * @description Unix time [s]
+             */
+            unix_s: number;
+            /**
+             * Reason
+             * @enum {string}
+             */
+            reason: "target_reached" | "stop_command" | "left_switch" | "right_switch" | "stall" | "deviation" | "driver_error" | "lost_link" | "unknown";
+            /**
+             * Position
+             * @description [microsteps]; null where it could not be read
+             */
+            position: number | null;
+            /** Detail */
+            detail: string;
         };
         /** Move */
         Move: {
@@ -1603,6 +2223,11 @@ export interface components {
             usb_pid: number | null;
             /** Usb Serial */
             usb_serial: string | null;
+            /**
+             * In Use By
+             * @description ids of the devices that are connected through it
+             */
+            in_use_by: string[];
         };
         /**
          * Prediction
@@ -1621,6 +2246,70 @@ export interface components {
             velocity_pps: number[];
             /** Phases */
             phases: components["schemas"]["Phase"][];
+        };
+        /**
+         * ProbeFound
+         * @description A module that answered.
+         */
+        ProbeFound: {
+            /** Port */
+            port: string;
+            /** Baud */
+            baud: number;
+            /** Address */
+            address: number;
+            /**
+             * Model
+             * @description null for a module that stepscope has no driver for
+             */
+            model: ("tmc428" | "tmc4210" | "pd42-1241") | null;
+            /**
+             * Version
+             * @description as the module tells it, e.g. "1241V144"
+             */
+            version: string;
+        };
+        /**
+         * ProbeStart
+         * @description Where to look for modules. Each baud rate and each address costs a question, and the wait for its answer.
+         */
+        ProbeStart: {
+            /**
+             * Port
+             * @description device name, or an address of pyserial: socket://, rfc2217://, spy://
+             */
+            port: string;
+            /**
+             * Bauds
+             * @description null: the rates that modules use
+             */
+            bauds?: number[] | null;
+            /**
+             * Addresses
+             * @description null: the first ones
+             */
+            addresses?: number[] | null;
+        };
+        /**
+         * ProbeState
+         * @description The search for modules that runs, or the latest one.
+         */
+        ProbeState: {
+            /** Running */
+            running: boolean;
+            /**
+             * Done
+             * @description questions asked
+             */
+            done: number;
+            /** Total */
+            total: number;
+            /** Port */
+            port: string | null;
+            /** Found */
+            found: components["schemas"]["ProbeFound"][];
+            /** Message */
+            message: string;
         };
         /**
          * Problem
@@ -1693,6 +2382,12 @@ export interface components {
         ProfileRegister: {
             /** Name */
             name: string;
+            /**
+             * Space
+             * @default register
+             * @enum {string}
+             */
+            space: "register" | "ap" | "gp0" | "gp2" | "gp3" | "in" | "ain" | "out" | "coord";
             /** Axis */
             axis: number | null;
             /** Raw */
@@ -1719,13 +2414,17 @@ export interface components {
          * @description `parameters` bear the chip's register names; for "trapezoid" vmax, amax, dmax in pps and pps^2.
          *
          *     `ramp_mode` "velocity" turns at `v_target`, "hold" at `v_actual`; without them at v_max, the way of `distance`.
+         *
+         *     "sixpoint" is the ramp of a PD42-1241 (TMC5160): amax, vmax, dmax, and vstart, a1, v1, d1, vstop, all in pps and
+         *     pps^2; v1 = 0 makes a trapezoid. `v_actual` is the velocity at the beginning (a move that is changed under way),
+         *     `t_zero_wait_s` the pause before a reversal [s]. `ramp_mode` "velocity" goes to `v_target` by amax alone.
          */
         Ramp: {
             /**
              * Model
              * @enum {string}
              */
-            model: "tmc428" | "tmc4210" | "trapezoid";
+            model: "tmc428" | "tmc4210" | "trapezoid" | "sixpoint";
             /** Parameters */
             parameters: {
                 [key: string]: number | string;
@@ -1823,7 +2522,10 @@ export interface components {
             /** Warnings */
             warnings: string[];
         };
-        /** ReferenceSearchStart */
+        /**
+         * ReferenceSearchStart
+         * @description Chips search `switch` at `velocity`. A PD42-1241 searches by itself, in one of its modes and at two speeds.
+         */
         ReferenceSearchStart: {
             /**
              * Switch
@@ -1841,6 +2543,21 @@ export interface components {
              * @description give up a part of the search after that many microsteps
              */
             max_travel?: number | null;
+            /**
+             * Mode
+             * @description PD42-1241: 1..8, +64 for 1..4 mirrored, +128 for 5..8 with the home switch inverted
+             */
+            mode?: (1 | 2 | 3 | 4 | 5 | 6 | 7 | 8 | 65 | 66 | 67 | 68 | 133 | 134 | 135 | 136) | null;
+            /**
+             * Search Speed Pps
+             * @description PD42-1241: AP 194; null: as it is set
+             */
+            search_speed_pps?: number | null;
+            /**
+             * Switch Speed Pps
+             * @description PD42-1241: AP 195; null: as it is set
+             */
+            switch_speed_pps?: number | null;
         };
         /** ReferenceSearchState */
         ReferenceSearchState: {
@@ -1867,6 +2584,21 @@ export interface components {
             offset: number | null;
             /** Message */
             message: string;
+            /**
+             * Mode
+             * @description PD42-1241: the mode it searches in
+             */
+            mode: number | null;
+            /**
+             * Distance
+             * @description PD42-1241: AP 196, between the end switches [microsteps]
+             */
+            distance: number | null;
+            /**
+             * Last Position
+             * @description PD42-1241: AP 197, where the zero point lay in the old counting [microsteps]
+             */
+            last_position: number | null;
         };
         /**
          * RegisterBatch
@@ -1909,6 +2641,12 @@ export interface components {
             name: string;
             /** Address */
             address: number;
+            /**
+             * Space
+             * @default register
+             * @enum {string}
+             */
+            space: "register" | "ap" | "gp0" | "gp2" | "gp3" | "in" | "ain" | "out" | "coord";
             /** Axis */
             axis: number | null;
             /** Raw */
@@ -1928,6 +2666,19 @@ export interface components {
             name: string;
             /** Address */
             address: number;
+            /**
+             * Space
+             * @description which set of numbers the address counts in
+             * @default register
+             * @enum {string}
+             */
+            space: "register" | "ap" | "gp0" | "gp2" | "gp3" | "in" | "ain" | "out" | "coord";
+            /**
+             * Alias
+             * @description what the manual calls it, e.g. "AP 4"; empty for registers
+             * @default
+             */
+            alias: string;
             /** Axis */
             axis: number | null;
             /** Group */
@@ -1952,6 +2703,24 @@ export interface components {
             write_note: string;
             /** Volatile */
             volatile: boolean;
+            /**
+             * Stored
+             * @description whether an EEPROM keeps it: with every write, when told to store it, or not at all
+             * @default
+             * @enum {string}
+             */
+            stored: "" | "auto" | "on request";
+            /**
+             * Internal Range
+             * @description of a parameter in pps: lowest and highest in units of the TMC5160 (AP 255 = 0)
+             */
+            internal_range: number[] | null;
+            /**
+             * Read Clears
+             * @description reading it sets it to zero
+             * @default false
+             */
+            read_clears: boolean;
             /** Source */
             source: string;
             /** Values */
@@ -1985,6 +2754,12 @@ export interface components {
             name: string;
             /** Address */
             address: number;
+            /**
+             * Space
+             * @default register
+             * @enum {string}
+             */
+            space: "register" | "ap" | "gp0" | "gp2" | "gp3" | "in" | "ain" | "out" | "coord";
             /** Axis */
             axis: number | null;
             /** Raw */
@@ -2013,7 +2788,7 @@ export interface components {
              * @default pps
              * @enum {string}
              */
-            unit?: "pps" | "chip" | "fullsteps_per_s" | "rpm" | "rad_per_s" | "mm_per_s";
+            unit?: "pps" | "chip" | "fullsteps_per_s" | "rps" | "rpm" | "rad_per_s" | "mm_per_s";
             /**
              * Hold S
              * @description stop by itself after so long unless kept up (PATCH), as a jog button needs; null: on and on
@@ -2252,8 +3027,80 @@ export interface components {
             timeout_s?: number;
         };
         /**
+         * TmclFields
+         * @description A command by its four fields.
+         */
+        TmclFields: {
+            /**
+             * Command
+             * @description opcode or mnemonic, e.g. 4 or "MVP"
+             */
+            command: number | string;
+            /**
+             * Type
+             * @description a number, or a name where the command has names, e.g. "ABS"
+             * @default 0
+             */
+            type?: number | string;
+            /**
+             * Motor
+             * @description motor or bank
+             * @default 0
+             */
+            motor?: number;
+            /**
+             * Value
+             * @description signed 32 bits; unsigned ones are taken for the same bits
+             * @default 0
+             */
+            value?: number;
+        };
+        /**
+         * TmclLine
+         * @description A command as one writes it in a program: `MVP ABS, 0, 51200`. Numbers may be decimal, 0x or $ hexadecimal.
+         */
+        TmclLine: {
+            /**
+             * Line
+             * @description mnemonic, then up to three operands with commas between them, e.g. "GAP 1, 0"
+             */
+            line: string;
+        };
+        /**
+         * TmclReply
+         * @description What the module answered. A status other than 100 is an answer like any other, not an error of this call.
+         */
+        TmclReply: {
+            /**
+             * Request
+             * @description 9 bytes, hex
+             */
+            request: string;
+            /**
+             * Reply
+             * @description 9 bytes, hex; null where the module answers nothing to this command
+             */
+            reply: string | null;
+            /** Status */
+            status: number | null;
+            /** Status Text */
+            status_text: string;
+            /** Value */
+            value: number | null;
+            /**
+             * Text
+             * @description the whole exchange, readable
+             */
+            text: string;
+            /** Took Ms */
+            took_ms: number;
+        };
+        /**
          * Units
          * @description Chip units and physical units of one axis, either way: give what you know.
+         *
+         *     The chips' units hang on `pulse_div` and `ramp_div`, which they need. A PD42-1241 has none: its unit "chip" is that
+         *     of the TMC5160 inside, in which it counts where axis parameter 255 is 0; otherwise it counts in pps and pps2.
          */
         Units: {
             /**
@@ -2261,11 +3108,17 @@ export interface components {
              * @default tmc428
              * @enum {string}
              */
-            model?: "tmc428" | "tmc4210";
-            /** Pulse Div */
-            pulse_div: number;
-            /** Ramp Div */
-            ramp_div: number;
+            model?: "tmc428" | "tmc4210" | "pd42-1241";
+            /**
+             * Pulse Div
+             * @description TMC428, TMC4210: needed there
+             */
+            pulse_div?: number | null;
+            /**
+             * Ramp Div
+             * @description TMC428, TMC4210: needed there
+             */
+            ramp_div?: number | null;
             /**
              * Clock Hz
              * @default 16000000
@@ -2279,9 +3132,9 @@ export interface components {
              *     }
              */
             mechanics?: components["schemas"]["Mechanics"];
-            /** @description unit: chip, pps, fullsteps_per_s, rpm, rad_per_s, mm_per_s */
+            /** @description unit: chip, pps, fullsteps_per_s, rps, rpm, rad_per_s, mm_per_s */
             velocity?: components["schemas"]["Quantity"] | null;
-            /** @description unit: chip, pps2, fullsteps_per_s2, rpm_per_s, rad_per_s2, mm_per_s2 */
+            /** @description unit: chip, pps2, fullsteps_per_s2, rps2, rpm_per_s, rad_per_s2, mm_per_s2 */
             acceleration?: components["schemas"]["Quantity"] | null;
             /** @description unit: microsteps, fullsteps, rev, deg, rad, mm */
             position?: components["schemas"]["Quantity"] | null;
@@ -2310,9 +3163,20 @@ export interface components {
             acceleration_steps: number | null;
             /** Acceleration Time S */
             acceleration_time_s: number | null;
+            /** @description null for chips */
+            module: components["schemas"]["ModuleUnits"] | null;
+        };
+        /** Switches */
+        app__api__schemas_axes__Switches: {
+            /** Left */
+            left: boolean | null;
+            /** Right */
+            right: boolean | null;
+            /** Home */
+            home: boolean | null;
         };
         /** ChainBit */
-        app__api__schemas__ChainBit: {
+        app__api__schemas_tables__ChainBit: {
             /** Position */
             position: number;
             /** Motor */
@@ -2329,15 +3193,6 @@ export interface components {
             ram_data: number;
             /** Bit Name */
             bit_name: string;
-        };
-        /** Switches */
-        app__api__schemas__Switches: {
-            /** Left */
-            left: boolean | null;
-            /** Right */
-            right: boolean | null;
-            /** Home */
-            home: boolean | null;
         };
         /**
          * ChainBit
@@ -2466,12 +3321,57 @@ export interface components {
              * @description longest time from a sample to its socket in the last second [ms]
              */
             latency_ms: number;
+            /**
+             * Calls Per S
+             * @description frames and their replies that all of this wire's users sent
+             * @default 0
+             */
+            calls_per_s: number;
+            /**
+             * Calls Per S Possible
+             * @description null where the wire sets no limit
+             * @default null
+             */
+            calls_per_s_possible: number | null;
+            /**
+             * Row Spread Ms
+             * @description from the first to the last question of a row [ms]
+             * @default 0
+             */
+            row_spread_ms: number;
+        };
+        /**
+         * TelemetryStopped
+         * @description An axis came to rest, and why.
+         */
+        TelemetryStopped: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "stopped";
+            /** Axis */
+            axis: number;
+            /**
+             * Reason
+             * @enum {string}
+             */
+            reason: "target_reached" | "stop_command" | "left_switch" | "right_switch" | "stall" | "deviation" | "driver_error" | "lost_link" | "unknown";
+            /**
+             * Time S
+             * @description device time [s]
+             */
+            time_s: number;
+            /** Position */
+            position: number | null;
+            /** Detail */
+            detail: string;
         };
         /**
          * TelemetryMessage
          * @description Any text message of the socket.
          */
-        TelemetryMessage: components["schemas"]["TelemetryStart"] | components["schemas"]["TelemetryStatus"] | components["schemas"]["TelemetryGap"] | components["schemas"]["TelemetryMove"] | components["schemas"]["TelemetryProblem"];
+        TelemetryMessage: components["schemas"]["TelemetryStart"] | components["schemas"]["TelemetryStatus"] | components["schemas"]["TelemetryGap"] | components["schemas"]["TelemetryMove"] | components["schemas"]["TelemetryStopped"] | components["schemas"]["TelemetryProblem"];
     };
     responses: never;
     parameters: never;
@@ -2839,6 +3739,170 @@ export interface operations {
             };
             /** @description The body is too long (/problems/body-too-large) */
             413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    store_register: {
+        parameters: {
+            query?: {
+                /** @description the axis, from 0; none for registers of the whole chip */
+                axis?: number | null;
+            };
+            header?: never;
+            path: {
+                /** @description register or field, as in the data sheet, without regard to case */
+                name: string;
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RegisterReading"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    restore_register: {
+        parameters: {
+            query?: {
+                /** @description the axis, from 0; none for registers of the whole chip */
+                axis?: number | null;
+            };
+            header?: never;
+            path: {
+                /** @description register or field, as in the data sheet, without regard to case */
+                name: string;
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RegisterReading"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -3437,6 +4501,67 @@ export interface operations {
             };
         };
     };
+    list_stops: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["MotionEnd"][];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     get_prediction: {
         parameters: {
             query?: never;
@@ -3967,7 +5092,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
@@ -4443,6 +5568,210 @@ export interface operations {
             };
             /** @description The request does not fit the contract (/problems/invalid-request) */
             422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_frames: {
+        parameters: {
+            query?: {
+                /** @description only entries behind this one; 0 for the oldest that are kept */
+                after?: number;
+                /** @description at most so many, the newest ones */
+                limit?: number;
+            };
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["FrameLog"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_link: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LinkInfo"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    send_tmcl: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["TmclFields"] | components["schemas"]["TmclLine"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TmclReply"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -5475,6 +6804,133 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Port"][];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_probe: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProbeState"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    start_probe: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ProbeStart"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProbeState"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    abort_probe: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProbeState"];
                 };
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */

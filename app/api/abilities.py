@@ -1,0 +1,66 @@
+"""What only some families of devices can. Where a device cannot, the route answers 409 and a way out."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Annotated, Protocol, runtime_checkable
+
+from fastapi import Depends
+
+from app.api.deps import CurrentDevice
+from app.devices.results import MotionEnd, RegisterReading, TmclExchange
+from app.links.errors import WrongState
+
+
+@runtime_checkable
+class TmclDevice(Protocol):
+    """Speaks TMCL."""
+
+    async def tmcl(self, opcode: int, type_: int = 0, motor: int = 0, value: int = 0, /) -> TmclExchange:
+        """One command as it is. Raises LinkError; a bad status is an answer."""
+        ...
+
+
+@runtime_checkable
+class StoringDevice(Protocol):
+    """Has an EEPROM that keeps parameters."""
+
+    async def store(self, name: str, axis: int | None = None) -> RegisterReading:
+        """Copy a parameter to EEPROM. Raises UnknownThing, and WrongState where that one cannot be stored."""
+        ...
+
+    async def restore(self, name: str, axis: int | None = None) -> RegisterReading:
+        """Copy a parameter back from EEPROM."""
+        ...
+
+
+@runtime_checkable
+class MotionLogging(Protocol):
+    """Remembers why its motors came to rest."""
+
+    def motion_ends(self, axis: int) -> Sequence[MotionEnd]:
+        """The latest ones."""
+        ...
+
+
+async def _tmcl_device(device: CurrentDevice) -> TmclDevice:
+    if not isinstance(device, TmclDevice):
+        raise WrongState(f"a {device.family.title} speaks no TMCL", "send it a datagram: POST .../exchange")
+    return device
+
+
+async def _storing_device(device: CurrentDevice) -> StoringDevice:
+    if not isinstance(device, StoringDevice):
+        raise WrongState(f"a {device.family.title} has no EEPROM", "keep its profile: GET .../profile")
+    return device
+
+
+async def _motion_log(device: CurrentDevice) -> MotionLogging:
+    if not isinstance(device, MotionLogging):
+        raise WrongState(f"a {device.family.title} does not tell why it stopped", "watch its switches in telemetry")
+    return device
+
+
+CurrentTmclDevice = Annotated[TmclDevice, Depends(_tmcl_device)]
+MotionLog = Annotated[MotionLogging, Depends(_motion_log)]
+CurrentStoringDevice = Annotated[StoringDevice, Depends(_storing_device)]
