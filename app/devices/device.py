@@ -12,6 +12,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import cast
 
+from app.clock import Clock
 from app.devices.config import AxisSettings, DeviceConfig
 from app.devices.prediction import Prediction
 from app.devices.results import (
@@ -20,6 +21,7 @@ from app.devices.results import (
     BatchResult,
     ChainContents,
     DeviceState,
+    MotionEnd,
     MoveStarted,
     ProfileDocument,
     RawExchange,
@@ -67,7 +69,7 @@ class MotionCommanded:
     by: object
 
 
-DeviceEvent = StateChanged | MotionStarted | MotionCommanded
+DeviceEvent = StateChanged | MotionStarted | MotionCommanded | MotionEnd
 
 motion_owner: ContextVar[object] = ContextVar("motion_owner", default=None)
 """Who commands in this task: how a procedure tells its own commands from everybody else's."""
@@ -89,12 +91,14 @@ class Axis:
 
 
 class Device(ABC):
-    """A chip behind a link. All positions in microsteps, all times in device time [s]."""
+    """A chip or module behind a link. All positions in microsteps, all times in device time [s]."""
 
-    def __init__(self, device_id: str, config: DeviceConfig, port: FramePort) -> None:
+    def __init__(self, device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> None:
         self.id = device_id
         self.config = config
         self.port = port
+        self.clock = clock
+        """The server's, for what a driver does on its own."""
         self.queue = LinkQueue(port, on_result=self._link_result)
         self.axes = tuple(Axis(index, settings) for index, settings in enumerate(config.axes))
         self.stops = [0] * len(self.axes)
@@ -144,8 +148,23 @@ class Device(ABC):
 
     @property
     def rate_max_hz(self) -> float:
-        """Samples a second that this link is good for."""
+        """Samples a second that this link is good for, of one channel."""
         return RATE_MAX_EMULATED_HZ if self.chip_timed else RATE_MAX_WIRE_HZ
+
+    def sample_rate_max_hz(self, plan: SamplePlan) -> float:
+        """Samples a second that this link is good for when `plan` makes them."""
+        del plan
+        return self.rate_max_hz
+
+    @property
+    def calls_per_s_possible(self) -> float | None:
+        """Questions a second that the wire can carry; None where it sets no limit."""
+        return None
+
+    @property
+    def shares_rows(self) -> bool:
+        """Whether each sample costs readers something, so that history and readers have to share them."""
+        return False
 
     def device_time_s(self) -> float:
         """Now, device time [s]."""
@@ -211,6 +230,9 @@ class Device(ABC):
         """Raises WrongState after a disconnect. A failed link is tried: it may be back."""
         if self._state == "disconnected":
             raise WrongState(f"{self.name} is not connected", "connect it first")
+
+    async def let_go(self) -> None:  # noqa: B027 (most drivers do nothing on their own)
+        """For the manager, before it closes the port: end whatever the driver does on its own."""
 
     # --- what it can ----------------------------------------------------------------------------
 
@@ -282,6 +304,11 @@ class Device(ABC):
     @abstractmethod
     def prediction(self, axis: int) -> Prediction | None:
         """The ramp expected for the present motion; None where there was none, or something changed it."""
+
+    def motion_ends(self, axis: int) -> tuple[MotionEnd, ...]:
+        """Why the motor came to rest, the latest last; empty where the family does not watch."""
+        self.axis(axis)
+        return ()
 
     @abstractmethod
     def channels(self) -> tuple[Channel, ...]:

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from app.clock import Clock
 from app.devices.config import DeviceConfig
 from app.devices.device import Device
 from app.devices.tmc428 import Tmc428
 from app.devices.tmc4210 import Tmc4210
 from app.links.port import FramePort
 
-DRIVERS: dict[str, Callable[[str, DeviceConfig, FramePort], Device]] = {"tmc428": Tmc428, "tmc4210": Tmc4210}
+DRIVERS: dict[str, Callable[[str, DeviceConfig, FramePort, Clock], Device]] = {"tmc428": Tmc428, "tmc4210": Tmc4210}
 
 
-def make_device(device_id: str, config: DeviceConfig, port: FramePort) -> Device:
+def make_device(device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> Device:
     """The driver for `config.model`, which `DeviceConfig` has checked."""
-    return DRIVERS[config.model](device_id, config, port)
+    return DRIVERS[config.model](device_id, config, port, clock)

@@ -172,7 +172,8 @@ class DeviceManager:
     # --- inside ---------------------------------------------------------------------------------
 
     def _make(self, config: DeviceConfig, device_id: str) -> Device:
-        return make_device(device_id, config, open_port(self._kinds, config.model, config.link, self._clock))
+        port = open_port(self._kinds, config.model, config.link, self._clock)
+        return make_device(device_id, config, port, self._clock)
 
     def _put(self, old_id: str, device: Device) -> None:
         # Rebuilt, not replaced: a renamed device keeps its place in the list.
@@ -199,6 +200,7 @@ class DeviceManager:
                 async with asyncio.timeout(LET_GO_S):
                     await device.stop_axes(moved)
         device.set_state("disconnected")
+        await device.let_go()
         await device.port.aclose()
 
     @staticmethod

@@ -2,28 +2,24 @@
 
 A prediction begins with every command that changes a motion, and ends with the next. Making one
 costs nothing until somebody looks: the curve is computed at the first look (telemetry or API), away
-from the command that began it.
+from the command that began it. What a family's ramps look like is its own: `ticked_prediction`, `pd42`.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections import deque
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Generic, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from app.calc.ramp import RampParameters, RampStart, exact_ramp
 from app.calc.ramp_curve import RampCurve
-from app.devices.tick_phase import TickPhase
 
 FloatArray = NDArray[np.float64]
 
-SPAN = 1 << 24
-"""Positions are 24 bits: a motor that turns on and on comes round to the other end."""
-ENDLESS_S = 20.0
-"""How much is drawn of a motion that does not end by itself, an oscillation say [s]."""
 SAMPLE_EVERY_S = 0.5e-3
 SAMPLES = (200, 10_000)
 """Fewest and most points of a curve: 10,000 take 4 ms, and a cubic between them is true to a step."""
@@ -33,10 +29,10 @@ KEPT = 8
 """Past predictions that telemetry still needs to decode samples taken before a change."""
 
 
-def wrapped(position: FloatArray) -> FloatArray:
-    """Positions as the chip's 24 bits show them, -2^23..2^23-1 [microsteps]."""
-    half = SPAN / 2
-    return np.asarray((position + half) % SPAN - half)
+def wrapped(position: FloatArray, bits: int) -> FloatArray:
+    """Positions as a counter of so many bits shows them: a motor that turns on comes round to the other end."""
+    half = 2.0 ** (bits - 1)
+    return np.asarray((position + half) % (2 * half) - half)
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,43 +44,21 @@ class PredictedPhase:
     end_s: float
 
 
-@dataclass(frozen=True, slots=True)
-class Origin:
-    """What a motion starts from. Positions in microsteps, `started_at_s` device time [s]."""
+class Prediction(ABC):
+    """`time_s` counts from `started_at_s` (device time); positions are absolute, of `bits` bits [microsteps]."""
 
-    axis: int
-    started_at_s: float
-    position: int
-    distance: int
-    """x_target - position; 0 where the mode does not care."""
-    velocity: int
-    """As v_actual reads."""
-    parameters: RampParameters
-
-    @property
-    def tick_period_s(self) -> float:
-        """Of the ramp ticks [s]."""
-        return self.parameters.ramp_period_clocks / self.parameters.clock_hz
-
-
-class Prediction:
-    """`time_s` counts from `started_at_s` (device time); positions are absolute microsteps."""
-
-    def __init__(self, origin: Origin, until_tick_s: float | None = None) -> None:
-        self.origin = origin
-        self.until_tick_s = origin.tick_period_s if until_tick_s is None else until_tick_s
-        """From the start to the first ramp tick [s]; a whole period where nothing is known."""
+    def __init__(self, axis: int, started_at_s: float, start_position: int, bits: int) -> None:
+        self.axis = axis
+        self.started_at_s = started_at_s
+        self.start_position = start_position
+        self.bits = bits
         self.ended_at_s: float | None = None
         """When something changed the motion (a stop, a write, a switch): from then on the ramp says nothing."""
         self.ended_by = ""
 
-    @property
-    def axis(self) -> int:
-        return self.origin.axis
-
-    @property
-    def started_at_s(self) -> float:
-        return self.origin.started_at_s
+    @abstractmethod
+    def _ramp(self, samples: int) -> RampCurve:
+        """The curve with so many points."""
 
     @property
     def duration_s(self) -> float:
@@ -102,7 +76,7 @@ class Prediction:
 
     @property
     def position(self) -> FloatArray:
-        return wrapped(self.origin.position + self._curve.position)
+        return wrapped(self.start_position + self._curve.position, self.bits)
 
     @property
     def velocity_pps(self) -> FloatArray:
@@ -121,23 +95,10 @@ class Prediction:
         samples = int(np.clip(self._outline.duration_s / SAMPLE_EVERY_S, *SAMPLES))
         return self._outline if samples == SAMPLES[0] else self._ramp(samples)
 
-    def align(self, until_tick_s: float) -> None:
-        """Begin with a ramp tick `until_tick_s` [s] after the start; the curve is computed anew at the next look."""
-        self.until_tick_s = until_tick_s
+    def _forget_curve(self) -> None:
+        """The curve is computed anew at the next look."""
         for computed in ("_outline", "_curve"):
             self.__dict__.pop(computed, None)
-
-    def _ramp(self, samples: int) -> RampCurve:
-        origin = self.origin
-        parameters = origin.parameters
-        ramp_tick = int(np.clip(round(self.until_tick_s * parameters.clock_hz), 1, parameters.ramp_period_clocks))
-        # Both dividers count the same clocks (a reading, like the law): pulse ticks fall on ramp ticks.
-        pulse_tick = (ramp_tick - 1) % parameters.pulse_period_clocks + 1
-        start = RampStart(velocity=origin.velocity, clocks_to_ramp_tick=ramp_tick, clocks_to_pulse_tick=pulse_tick)
-        try:
-            return exact_ramp(origin.parameters, origin.distance, samples, start)
-        except ValueError:  # it never ends; what happens until then is worth seeing all the more
-            return exact_ramp(origin.parameters, origin.distance, samples, start, duration_s=ENDLESS_S)
 
     def at(self, times_s: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Position [microsteps] and velocity [pps] at device times [s], NaN before the start and after the end.
@@ -154,9 +115,12 @@ class Prediction:
         if self.ended_at_s is not None:
             outside |= times_s >= self.ended_at_s
         return (
-            np.where(outside, np.nan, wrapped(self.origin.position + position)),
+            np.where(outside, np.nan, wrapped(self.start_position + position, self.bits)),
             np.where(outside, np.nan, velocity),
         )
+
+
+P = TypeVar("P", bound=Prediction)
 
 
 def _cubic(at: FloatArray, time_s: FloatArray, position: FloatArray, velocity: FloatArray) -> FloatArray:
@@ -178,19 +142,16 @@ def _cubic(at: FloatArray, time_s: FloatArray, position: FloatArray, velocity: F
     )
 
 
-class PredictionBook:
+class PredictionBook(Generic[P]):
     """One axis's predictions: the present one, and those that recent samples may still belong to."""
 
     def __init__(self) -> None:
-        self._entries: deque[Prediction] = deque(maxlen=KEPT)
+        self._entries: deque[P] = deque(maxlen=KEPT)
         self._stands_since_s: float | None = None
-        self._ticks = TickPhase()
 
-    def begin(self, origin: Origin) -> Prediction:
-        """A motion starts from `origin`; what was predicted before ends there."""
-        self.end(origin.started_at_s, "another command")
-        self._ticks.next_motion()
-        entry = Prediction(origin, self._ticks.until_tick_s(origin.started_at_s, origin.tick_period_s))
+    def add(self, entry: P) -> P:
+        """A motion starts as `entry` says; what was predicted before ends there."""
+        self.end(entry.started_at_s, "another command")
         self._entries.append(entry)
         self._stands_since_s = None
         return entry
@@ -201,7 +162,7 @@ class PredictionBook:
         if present is not None:
             present.ended_at_s, present.ended_by = at_s, why
 
-    def present(self) -> Prediction | None:
+    def present(self) -> P | None:
         """The prediction that holds, if one does."""
         latest = self._entries[-1] if self._entries else None
         return latest if latest is not None and latest.ended_at_s is None else None
@@ -218,20 +179,6 @@ class PredictionBook:
             known = ~np.isnan(expected[0])
             position[known], velocity[known] = expected[0][known], expected[1][known]
         return position, velocity
-
-    def learn(self, times_s: FloatArray, residual: FloatArray, velocity_pps: FloatArray) -> None:
-        """Learn from measured less predicted positions [microsteps] when the chip's ramp ticks fall; same lengths.
-
-        Only from a motion that began at rest: v_actual hides a fraction of any other beginning.
-        """
-        present = self.present()
-        if present is None or present.origin.velocity != 0:
-            return
-        origin = present.origin
-        first_tick_s = origin.started_at_s + present.until_tick_s
-        own = times_s >= origin.started_at_s
-        if self._ticks.learn(residual[own], velocity_pps[own], first_tick_s, origin.tick_period_s):
-            present.align(self._ticks.until_tick_s(origin.started_at_s, origin.tick_period_s) or present.until_tick_s)
 
     def observe(self, times_s: FloatArray, standing: NDArray[np.bool_]) -> None:
         """Learn from samples: `standing` is where the motor was at rest although it was expected to turn [rows].

@@ -6,15 +6,17 @@ from abc import abstractmethod
 
 from app.calc.mechanics import Mechanics
 from app.calc.units import acceleration_hz_s, pulse_rate_hz
+from app.clock import Clock
 from app.devices.axis_rows import HOLD_MODE, POSITIONING_MODES, AxisRows
 from app.devices.config import DeviceConfig
 from app.devices.motion import Setting, distance
-from app.devices.prediction import Prediction, PredictionBook
+from app.devices.prediction import Prediction
 from app.devices.register_chip import RegisterChip
 from app.devices.results import (
     AxisState,
     Switches,
 )
+from app.devices.ticked_prediction import TickedBook
 from app.devices.words import Words
 from app.links.datagram32 import status_flags
 from app.links.port import FramePort
@@ -25,10 +27,10 @@ from app.registers.model import Access, Register
 class RampChip(RegisterChip):
     """A chip whose axes are ramp generators of this kind."""
 
-    def __init__(self, device_id: str, config: DeviceConfig, port: FramePort) -> None:
-        super().__init__(device_id, config, port)
+    def __init__(self, device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> None:
+        super().__init__(device_id, config, port, clock)
         self.rows = tuple(self._axis_rows(axis) for axis in range(self.family.axes))
-        self._books = tuple(PredictionBook() for _ in self.rows)
+        self._books = tuple(TickedBook() for _ in self.rows)
         self._known: dict[int, int] = {}
         """What the chip was last seen to hold, by address, of the registers that decide a motion."""
         self._remembered = frozenset(
@@ -193,6 +195,6 @@ class RampChip(RegisterChip):
         self.axis(axis)
         return self._books[axis].present()
 
-    def predictions(self, axis: int) -> PredictionBook:
+    def predictions(self, axis: int) -> TickedBook:
         """For sample plans: what was expected at any recent time."""
         return self._books[axis]

@@ -10,9 +10,9 @@ from app.devices.axis_rows import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOC
 from app.devices.axis_units import to_chip_velocity, to_position
 from app.devices.device import MotionStarted
 from app.devices.motion import Setting, checked_target
-from app.devices.prediction import Origin, Prediction
 from app.devices.ramp_chip import RampChip
 from app.devices.results import AxisMove, MoveStarted, Rotating
+from app.devices.ticked_prediction import Origin, TickedPrediction
 from app.devices.words import Words
 from app.links.errors import UsageError, WriteRefused
 from app.links.queue import Priority
@@ -119,7 +119,7 @@ class RampMoves(RampChip):
         if rows.mode.unpack(mode) != one.mode:
             raise WriteRefused(rows.reference.name, one.mode, mode, f"axis {one.axis} did not take RAMP_MODE")
 
-    def _predict(self, one: _Prepared) -> Prediction:
+    def _predict(self, one: _Prepared) -> TickedPrediction:
         return self._books[one.axis].begin(
             Origin(
                 axis=one.axis,

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.calc.units import acceleration_hz_s, pulse_rate_hz
-from app.devices.prediction import PredictionBook, wrapped
+from app.devices.prediction import wrapped
 from app.devices.ramp_stops import RampStops
-from app.devices.sample_plan import Channel, Decoder, FloatArray, SamplePlan
+from app.devices.sample_plan import Channel, DatagramPlan, Decoder, FloatArray, SamplePlan
+from app.devices.ticked_prediction import POSITION_BITS, TickedBook
 from app.devices.words import READ_FRAMES
 from app.links.errors import UnknownThing, UsageError
 from app.registers.model import Register
@@ -76,7 +77,7 @@ class RampSamples(RampStops):
         decoders = tuple(self._decoder(channel.quantity, channel.axis, frames, expected) for channel in chosen)
         if not frames.addresses:  # status bits and predictions alone: any register brings the status
             frames.column(self.rows[chosen[0].axis].x_actual)
-        return SamplePlan(tuple(READ_FRAMES[address] for address in frames.addresses), chosen, decoders)
+        return DatagramPlan(tuple(READ_FRAMES[address] for address in frames.addresses), chosen, decoders)
 
     def _decoder(self, quantity: str, axis: int, frames: Frames, expected: dict[int, _Expected]) -> Decoder:
         rows = self.rows[axis]
@@ -128,7 +129,7 @@ class RampSamples(RampStops):
 class _Expected:
     """What was expected of one axis at the times of a block of samples, computed once for all its channels."""
 
-    def __init__(self, book: PredictionBook, v_actual: Register, frames: Frames) -> None:
+    def __init__(self, book: TickedBook, v_actual: Register, frames: Frames) -> None:
         self._book = book
         self._column = frames.column(v_actual)
         self._block: IntArray | None = None
@@ -150,7 +151,7 @@ class _Expected:
     def residual(self, times_s: FloatArray, words: IntArray, position: FloatArray) -> FloatArray:
         """Measured less expected position [microsteps, rows], from which later predictions learn."""
         expected, velocity = self(times_s, words)
-        difference = wrapped(position - expected)
+        difference = wrapped(position - expected, POSITION_BITS)
         self._book.learn(times_s, difference, velocity)
         return difference
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from app.devices.axis_rows import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOCITY_MODE
 from app.devices.device import MotionStarted
 from app.devices.motion import Setting, distance
-from app.devices.prediction import Origin
 from app.devices.ramp_moves import RampMoves
+from app.devices.ticked_prediction import Origin
 from app.devices.words import Words
 from app.links.errors import BenchError, WriteRefused
 from app.links.queue import Priority

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from app.clock import Clock
 from app.devices.config import DeviceConfig
 from app.devices.device import Device
 from app.devices.lookup import Changes, Lookup, checked_fields, modify, word_of_value
@@ -26,8 +27,8 @@ class RegisterChip(Device):
     status_names: tuple[str, ...]
     """Names of the status bits of each reply, bit 0 first, "" where unused."""
 
-    def __init__(self, device_id: str, config: DeviceConfig, port: FramePort) -> None:
-        super().__init__(device_id, config, port)
+    def __init__(self, device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> None:
+        super().__init__(device_id, config, port, clock)
         self.table = self.family.table
         self.find = Lookup(self.table, self.family.axes)
 

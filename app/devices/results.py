@@ -8,6 +8,17 @@ from typing import Literal
 from app.links.errors import BenchError
 
 StopMode = Literal["ramp", "immediate"]
+StopReason = Literal[
+    "target_reached",
+    "stop_command",
+    "left_switch",
+    "right_switch",
+    "stall",
+    "deviation",
+    "driver_error",
+    "lost_link",
+    "unknown",
+]
 DeviceState = Literal["connected", "connecting", "disconnected", "failed"]
 
 
@@ -23,6 +34,8 @@ class RegisterReading:
     value: int
     fields: dict[str, int]
     unit: str
+    space: str = "register"
+    """In which set of numbers `address` counts, as `registers.model.Space`."""
 
 
 @dataclass(slots=True)
@@ -66,23 +79,27 @@ class Switches:
 
 @dataclass(slots=True)
 class AxisState:
-    """One axis, read now. Positions in microsteps."""
+    """One axis, read now. Positions in microsteps; None where the family, or the mode, has no such thing."""
 
     position: int
-    target_position: int
+    target_position: int | None
     velocity_pps: float
-    target_velocity_pps: float
-    acceleration_pps2: float
+    target_velocity_pps: float | None
+    acceleration_pps2: float | None
     position_reached: bool
     moving: bool
     mode: str
-    """RAMP_MODE, SOFT_MODE, VELOCITY_MODE or HOLD_MODE."""
+    """RAMP_MODE, SOFT_MODE, VELOCITY_MODE or HOLD_MODE; of a TMCL module position, velocity, hold, step/dir or
+    reference search."""
     switches: Switches
     flags: dict[str, bool]
     time_s: float
     """Device time of the reading of the position."""
     encoder_position: int | None = None
-    deviation: int | None = None
+    deviation: float | None = None
+    """Encoder less position, both of one moment."""
+    external_encoder_position: int | None = None
+    external_deviation: float | None = None
 
 
 @dataclass(slots=True)
@@ -134,6 +151,36 @@ class RawExchange:
 
     reply: bytes
     decoded: dict[str, object]
+
+
+@dataclass(frozen=True, slots=True)
+class MotionEnd:
+    """A motor came to rest, or was lost sight of: when, where [microsteps] and why."""
+
+    axis: int
+    reason: StopReason
+    time_s: float
+    """Device time; the middle between the last look that saw it turn and the first that saw it rest."""
+    unix_s: float
+    position: int | None
+    """None where it could not be read."""
+    detail: str
+    """For people: what was seen."""
+
+
+@dataclass(frozen=True, slots=True)
+class TmclExchange:
+    """One TMCL command in direct mode and its answer. A status of an error is an answer like any other."""
+
+    request: bytes
+    reply: bytes | None
+    """None where the module answers nothing to this command."""
+    status: int | None
+    status_text: str
+    value: int | None
+    text: str
+    """The whole exchange, readable: `GAP 1, 0 -> -5000`."""
+    took_ms: float
 
 
 @dataclass(slots=True)

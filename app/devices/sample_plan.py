@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,27 +26,49 @@ class Channel:
 
 
 @dataclass(frozen=True, slots=True)
-class SamplePlan:
+class SamplePlan(ABC):
     """`frames` to exchange for one sample, in order; `channels` and `units` in the order asked for."""
 
     frames: tuple[bytes, ...]
     channels: tuple[Channel, ...]
-    columns: tuple[Decoder, ...]
+
+    reply_bytes: ClassVar[int]
+    """Length of one reply."""
 
     @property
     def units(self) -> tuple[str, ...]:
         return tuple(channel.unit for channel in self.channels)
 
+    @property
+    def row_bytes(self) -> int:
+        """Length of all replies of one sample."""
+        return len(self.frames) * self.reply_bytes
+
+    @abstractmethod
     def decode(self, times_s: FloatArray, replies: bytes) -> FloatArray:
         """Samples to columns, float64[rows, columns]; NaN where a channel has no value.
 
-        `times_s` is device time [rows], `replies` the joined replies of all rows, 4 bytes a frame.
-        Raises ValueError where their lengths do not fit.
+        `times_s` is device time [rows], `replies` the joined replies of all rows. Raises ValueError
+        where their lengths do not fit.
         """
-        rows = len(times_s)
-        expected = rows * len(self.frames) * 4
+
+    def _require_rows(self, rows: int, replies: bytes) -> None:
+        expected = rows * self.row_bytes
         if len(replies) != expected:
             raise ValueError(f"{rows} samples of {len(self.frames)} frames have {expected} bytes, not {len(replies)}")
+
+
+@dataclass(frozen=True, slots=True)
+class DatagramPlan(SamplePlan):
+    """Replies of 32 bits: status, then 24 bits of data."""
+
+    columns: tuple[Decoder, ...]
+
+    reply_bytes = 4
+
+    def decode(self, times_s: FloatArray, replies: bytes) -> FloatArray:
+        rows = len(times_s)
+        self._require_rows(rows, replies)
         words = np.frombuffer(replies, dtype=">u4").reshape(rows, len(self.frames)).astype(np.int64)
         status = words[:, -1] >> 24
         data = words & 0xFF_FFFF

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from app.clock import Clock
 from app.devices.axis_rows import AxisRows
 from app.devices.config import DeviceConfig
 from app.devices.profile import read_profile
@@ -27,8 +28,8 @@ class Tmc4210(RampSamples):
 
     status_names = STATUS_TMC4210
 
-    def __init__(self, device_id: str, config: DeviceConfig, port: FramePort) -> None:
-        super().__init__(device_id, config, port)
+    def __init__(self, device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> None:
+        super().__init__(device_id, config, port, clock)
         self._global = self.table.get("STEPPER_MOTOR_GLOBAL_PARAMETER_REGISTER")
         self._interface = self.table.get("IF_CONFIGURATION_4210")
         self._inputs = self.table.get("REFERENCE_SWITCHES")

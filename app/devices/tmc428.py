@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from app.calc.microstep_words import table_ram_words, values_from_ram_words
+from app.clock import Clock
 from app.devices.axis_rows import AxisRows
 from app.devices.config import DeviceConfig
 from app.devices.profile import read_profile
@@ -34,8 +35,8 @@ class Tmc428(RampSamples):
 
     status_names = STATUS_TMC428
 
-    def __init__(self, device_id: str, config: DeviceConfig, port: FramePort) -> None:
-        super().__init__(device_id, config, port)
+    def __init__(self, device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> None:
+        super().__init__(device_id, config, port, clock)
         self._global = self.table.get("stepper_motor_global_parameter_register")
         self._switch_row = self.table.get("l3_r3_l2_r2_l1_r1")
         self._cover = self.table.get("cover_pos_cover_len")

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 from app.clock import Clock
 from app.devices.device import Device, DeviceEvent, MotionStarted
+from app.devices.results import MotionEnd
 from app.links.errors import BenchError, OutOfRange
 from app.telemetry.group import PUMP_S, FloatArray, Group, Subscription
 from app.telemetry.history import HISTORY_RATE_HZ, History
@@ -178,6 +179,9 @@ class Feed:
         if isinstance(event, MotionStarted):
             for group in self._groups.values():
                 group.tell(MoveSeen(event.axis, event.started_at_s))
+        elif isinstance(event, MotionEnd):
+            for group in self._groups.values():
+                group.tell(event)
 
     def _failed(self, error: BenchError) -> None:
         self._gap(str(error))

@@ -10,6 +10,7 @@ import asyncio
 from collections import deque
 from dataclasses import dataclass, field
 
+from app.devices.results import MotionEnd
 from app.telemetry.frames import encode_header
 
 QUEUED_S = 2.0
@@ -35,6 +36,12 @@ class Status:
     jitter_ms: float
     dropped: int
     latency_ms: float
+    calls_per_s: float = 0.0
+    """Questions that all users of this wire asked."""
+    calls_per_s_possible: float | None = None
+    """None where the wire sets no limit."""
+    row_spread_ms: float = 0.0
+    """From the first to the last question of a row."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +59,7 @@ class MoveSeen:
     started_at_s: float
 
 
-Event = Status | Gap | MoveSeen
+Event = Status | Gap | MoveSeen | MotionEnd
 
 
 @dataclass(slots=True, eq=False)
