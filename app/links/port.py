@@ -3,9 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
 from typing import Protocol
 
 from app.clock import ScaledClock
+from app.links.arbiter import Arbiter
+from app.links.incidents import Incidents
+from app.links.wire_budget import WireBudget
+
+
+class Answer(Enum):
+    """Whether a question is answered at all."""
+
+    ALWAYS = "always"
+    MAYBE = "maybe"
+    """A reset: the module may be gone before it has answered. No answer is no error."""
+    NEVER = "never"
 
 
 class FramePort(Protocol):
@@ -35,6 +49,66 @@ class FramePort(Protocol):
 
     async def aclose(self) -> None:
         """Close; a second call does nothing. The next exchange opens the port again."""
+        ...
+
+
+@dataclass(slots=True)
+class Batch:
+    """What became of the frames of one call of `exchange_many`, also where it failed."""
+
+    replies: list[bytes] = field(default_factory=list)
+    """Answers so far, in order."""
+    answered_s: list[float] = field(default_factory=list)
+    """When each of them was there, in seconds since `started_s`."""
+    started_s: float = 0.0
+    """When the first frame went out, on the clock of `device_time_s` [s]."""
+
+
+class BatchPort(FramePort, Protocol):
+    """A port that makes many exchanges in a row on its own thread: no event loop between two frames."""
+
+    @property
+    def arbiter(self) -> Arbiter:
+        """Who is next on the line; the same for all ports on one line."""
+        ...
+
+    @property
+    def wire(self) -> WireBudget:
+        """What the line can carry and does carry."""
+        ...
+
+    @property
+    def incidents(self) -> Incidents:
+        """What went wrong on the line."""
+        ...
+
+    @property
+    def batch(self) -> Batch:
+        """The latest `exchange_many`, for the log: set before the call returns or raises."""
+        ...
+
+    async def exchange_many(
+        self,
+        frames: Sequence[bytes],
+        preempted: Callable[[], bool],
+        timeout_s: float | None = None,
+        answer: Answer = Answer.ALWAYS,
+    ) -> list[bytes]:
+        """Send the frames one after another, return the replies; `timeout_s` [s] is for each.
+
+        `preempted` is called on another thread before each frame but the first. As soon as it says so
+        the replies so far are returned: fewer than asked, none where the line had to be put in step
+        before the first frame. An unanswered frame that need not be answered gives b"".
+
+        Raises what `exchange` raises; then none of the replies counts.
+        """
+        ...
+
+    def on_event(self, listener: Callable[[bytes], None]) -> Callable[[], None]:
+        """Hear of frames that the far end sends unasked (position reached), on the event loop's thread.
+
+        Returns the function that ends it. A listener must not raise.
+        """
         ...
 
 

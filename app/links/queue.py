@@ -1,35 +1,30 @@
-"""One chip, one wire, many who want it: who is next.
+"""One device's way to its line, for many who want it.
 
 A turn is a transaction of one or more frames. STOP overtakes COMMAND overtakes SAMPLE, at the latest
 between two frames of a turn: whoever is overtaken goes on afterwards, before its equals, so a
 read-modify-write stays whole against other writers. Samples never hold up a command by more than
 one frame, and only a few may wait; more are refused and counted.
 
-On an idle link nobody waits and no task switches.
+Devices that share a line share its arbiter. On an idle line nobody waits and no task switches.
 """
 
 from __future__ import annotations
 
-import asyncio
-from collections import deque
+import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from enum import IntEnum
 from types import TracebackType
-from typing import Self
+from typing import Self, cast
 
-from app.links.errors import LinkError, LinkTimeout, WrongState
-from app.links.port import FramePort
+from app.links.arbiter import Arbiter, Priority
+from app.links.errors import BadReply, LinkError, LinkTimeout, WrongState
+from app.links.frame_log import FrameLog
+from app.links.port import Answer, BatchPort, FramePort
+from app.links.wire_budget import Meter
+
+__all__ = ["LinkQueue", "Priority", "QueueCounts", "SampleDropped", "Turn"]
 
 SAMPLES_WAITING_MAX = 8
-
-
-class Priority(IntEnum):
-    """Smaller goes first."""
-
-    STOP = 0
-    COMMAND = 1
-    SAMPLE = 2
 
 
 class SampleDropped(WrongState):
@@ -63,109 +58,150 @@ class LinkQueue:
     ) -> None:
         self.port = port
         self.counts = QueueCounts()
+        self.log = FrameLog()
         self.error: LinkError | None = None
         """Why the latest exchange failed; None after a good one."""
+        self.sample_span_s = (0.0, 0.0)
+        """When the first and the last frame of the latest sample were answered, device time [s]."""
         self._on_result = on_result
         self._samples_waiting_max = samples_waiting_max
-        self._busy = False
-        self._waiting: tuple[deque[asyncio.Future[None]], ...] = (deque(), deque(), deque())
+        self._meter = Meter()
+        self._batches = cast("BatchPort", port) if hasattr(port, "exchange_many") else None
+        self._arbiter = Arbiter() if self._batches is None else self._batches.arbiter
 
     @property
     def busy(self) -> bool:
-        return self._busy
+        """Whether somebody has the line, this device or another one on it."""
+        return self._arbiter.busy
+
+    @property
+    def calls_per_s(self) -> float:
+        """Frames that this device exchanged, over the last two seconds [1/s]."""
+        return self._meter.rate()
 
     def waiting(self, priority: Priority) -> int:
-        """How many turns of that priority wait."""
-        return sum(not waiter.done() for waiter in self._waiting[priority])
+        """How many turns of that priority wait for the line."""
+        return self._arbiter.waiting(priority)
 
     async def exchange(
-        self, frame: bytes, priority: Priority = Priority.COMMAND, timeout_s: float | None = None
+        self,
+        frame: bytes,
+        priority: Priority = Priority.COMMAND,
+        timeout_s: float | None = None,
+        answer: Answer = Answer.ALWAYS,
     ) -> bytes:
         """A turn of one frame. Raises what `FramePort.exchange` raises, and SampleDropped."""
-        await self._acquire(priority)
-        try:
-            return await self._send(frame, priority, timeout_s)
-        finally:
-            self._release()
+        async with Turn(self, priority, None) as turn:
+            return await turn.exchange(frame, timeout_s, answer)
+
+    async def exchange_many(
+        self, frames: Sequence[bytes], priority: Priority = Priority.COMMAND, timeout_s: float | None = None
+    ) -> list[bytes]:
+        """A turn of many frames: `Turn.exchange_many`."""
+        async with Turn(self, priority, None) as turn:
+            return await turn.exchange_many(frames, timeout_s)
 
     async def sample(self, frames: Sequence[bytes], timeout_s: float | None = None) -> tuple[float, bytes]:
         """One sample over the wire: time in the middle between first and last answer [s], joined replies."""
-        async with self.turn(Priority.SAMPLE) as turn:
-            replies = [await turn.exchange(frames[0], timeout_s)]
-            first_s = self.port.last_exchange_s
-            for frame in frames[1:]:
-                replies.append(await turn.exchange(frame, timeout_s))  # noqa: PERF401 (one at a time is the point)
-            return (first_s + self.port.last_exchange_s) / 2, b"".join(replies)
+        async with Turn(self, Priority.SAMPLE, None) as turn:
+            replies = await turn.exchange_many(frames, timeout_s)
+            first_s, last_s = self.sample_span_s = turn.span_s
+            return (first_s + last_s) / 2, b"".join(replies)
 
     def turn(self, priority: Priority = Priority.COMMAND, guard: Callable[[], None] | None = None) -> Turn:
         """`async with queue.turn() as turn: await turn.exchange(frame)`.
 
-        `guard` is called right before each frame goes out and may raise: how a command learns that
-        a stop overtook it.
+        `guard` is called right before each frame (or batch) goes out and may raise: how a command
+        learns that a stop overtook it.
         """
         return Turn(self, priority, guard)
 
-    async def _send(self, frame: bytes, priority: Priority, timeout_s: float | None) -> bytes:
-        self.counts.frames[priority] += 1
+    # --- inside ---------------------------------------------------------------------------------
+
+    async def _send(self, frame: bytes, priority: Priority, timeout_s: float | None, answer: Answer) -> bytes:
+        """One frame over a port that takes one at a time."""
+        start_s, start_unix_s = time.perf_counter(), time.time()
         try:
-            reply = await self.port.exchange(frame, timeout_s)
+            if answer is Answer.ALWAYS:
+                reply = await self.port.exchange(frame, timeout_s)
+            else:
+                try:
+                    reply = await self.port.exchange(frame, timeout_s)
+                except LinkTimeout:
+                    reply = b""
         except LinkError as error:
-            self.counts.failures += 1
-            self.counts.timeouts += isinstance(error, LinkTimeout)
-            changed = self.error is None
-            self.error = error
-            if changed and self._on_result is not None:
-                self._on_result(error)
+            self.counts.frames[priority] += 1
+            took_s = time.perf_counter() - start_s
+            self.log.add(priority, start_unix_s, (frame,), (_received(error),), (took_s,), str(error))
+            self._failed(error)
             raise
+        self._went_well(priority, start_unix_s, (frame,), (reply,), (time.perf_counter() - start_s,))
+        return reply
+
+    async def _send_batch(
+        self, port: BatchPort, frames: Sequence[bytes], priority: Priority, timeout_s: float | None, answer: Answer
+    ) -> list[bytes]:
+        """Up to all of the frames over a port that takes many; fewer where somebody more urgent waits."""
+        arbiter = self._arbiter
+        start_s, start_unix_s = time.perf_counter(), time.time()
+        try:
+            replies = await port.exchange_many(frames, lambda: arbiter.most_urgent < priority, timeout_s, answer)
+        except LinkError as error:
+            batch = port.batch
+            done = len(batch.replies)
+            self.counts.frames[priority] += done + 1
+            rx, answered_s = [*batch.replies, _received(error)], [*batch.answered_s, time.perf_counter() - start_s]
+            self.log.add(priority, start_unix_s, frames[: done + 1], rx, answered_s, str(error))
+            self._failed(error)
+            raise
+        if replies:
+            sent = frames if len(replies) == len(frames) else frames[: len(replies)]
+            self._went_well(priority, start_unix_s, sent, replies, port.batch.answered_s)
+        return replies
+
+    def _went_well(
+        self,
+        priority: Priority,
+        start_unix_s: float,
+        tx: Sequence[bytes],
+        rx: Sequence[bytes],
+        answered_s: Sequence[float],
+    ) -> None:
+        self.counts.frames[priority] += len(tx)
+        self.log.add(priority, start_unix_s, tx, rx, answered_s)
+        self._meter.count(len(tx))
         if self.error is not None:
             self.error = None
             if self._on_result is not None:
                 self._on_result(None)
-        return reply
+
+    def _failed(self, error: LinkError) -> None:
+        self.counts.failures += 1
+        self.counts.timeouts += isinstance(error, LinkTimeout)
+        changed = self.error is None
+        self.error = error
+        if changed and self._on_result is not None:
+            self._on_result(error)
 
     async def _acquire(self, priority: Priority) -> None:
-        if not self._busy:
-            self._busy = True
+        arbiter = self._arbiter
+        if arbiter.take_if_idle():
             return
-        if priority is Priority.SAMPLE and self.waiting(Priority.SAMPLE) >= self._samples_waiting_max:
+        if priority is Priority.SAMPLE and arbiter.waiting(Priority.SAMPLE) >= self._samples_waiting_max:
             self.counts.samples_dropped += 1
             raise SampleDropped(f"{self.port.name}: {self._samples_waiting_max} samples wait already")
         self.counts.waited += 1
-        await self._wait(priority, first=False)
-
-    async def _wait(self, priority: Priority, *, first: bool) -> None:
-        waiter: asyncio.Future[None] = asyncio.get_running_loop().create_future()
-        line = self._waiting[priority]
-        if first:
-            line.appendleft(waiter)
-        else:
-            line.append(waiter)
-        try:
-            await waiter
-        except asyncio.CancelledError:
-            if waiter.done() and not waiter.cancelled():
-                self._release()  # the link was handed to us just before we were cancelled
-            raise
-
-    def _release(self) -> None:
-        for line in self._waiting:
-            while line:
-                waiter = line.popleft()
-                if not waiter.done():
-                    waiter.set_result(None)  # handed over: the link stays busy
-                    return
-        self._busy = False
-
-    def _wanted_by_better(self, priority: Priority) -> bool:
-        return any(not waiter.done() for line in self._waiting[:priority] for waiter in line)
+        await arbiter.wait(priority)
 
 
 class Turn:
     """A transaction: frames of one asker in a row, only more urgent ones may come between."""
 
-    __slots__ = ("_guard", "_held", "_priority", "_queue")
+    __slots__ = ("_guard", "_held", "_priority", "_queue", "span_s")
 
     def __init__(self, queue: LinkQueue, priority: Priority, guard: Callable[[], None] | None) -> None:
+        self.span_s = (0.0, 0.0)
+        """When the first and the last frame of the latest `exchange_many` were answered, device time [s]."""
         self._queue = queue
         self._priority = priority
         self._guard = guard
@@ -181,22 +217,64 @@ class Turn:
     ) -> None:
         if self._held:
             self._held = False
-            self._queue._release()
+            self._queue._arbiter.release()
 
-    async def exchange(self, frame: bytes, timeout_s: float | None = None) -> bytes:
-        """Send one frame of this turn."""
+    async def exchange(self, frame: bytes, timeout_s: float | None = None, answer: Answer = Answer.ALWAYS) -> bytes:
+        """Send one frame of this turn; b"" where it was not answered and need not be."""
         queue = self._queue
-        if self._priority and queue._wanted_by_better(self._priority):
-            queue.counts.overtaken += 1
-            self._held = False  # should the wait be cancelled, the link is not ours to release
-            queue._release()
-            await queue._wait(self._priority, first=True)
-            self._held = True
-        if self._guard is not None:
-            self._guard()
-        return await queue._send(frame, self._priority, timeout_s)
+        if queue._batches is not None:
+            return (await self._pieces(queue._batches, (frame,), timeout_s, answer))[0]
+        await self._prepare()
+        return await queue._send(frame, self._priority, timeout_s, answer)
+
+    async def exchange_many(self, frames: Sequence[bytes], timeout_s: float | None = None) -> list[bytes]:
+        """Send frames one after another and return the replies; only more urgent ones come between.
+
+        `timeout_s` [s] is for each frame. The first failure ends it and is raised.
+        """
+        queue = self._queue
+        if queue._batches is not None:
+            return await self._pieces(queue._batches, frames, timeout_s, Answer.ALWAYS)
+        replies = []
+        first_s: float | None = None
+        for frame in frames:
+            await self._prepare()
+            replies.append(await queue._send(frame, self._priority, timeout_s, Answer.ALWAYS))
+            first_s = queue.port.last_exchange_s if first_s is None else first_s
+        self.span_s = (first_s or 0.0, queue.port.last_exchange_s)
+        return replies
 
     @property
     def last_exchange_s(self) -> float:
         """When the latest frame of this turn was exchanged, device time [s]."""
         return self._queue.port.last_exchange_s
+
+    async def _pieces(
+        self, port: BatchPort, frames: Sequence[bytes], timeout_s: float | None, answer: Answer
+    ) -> list[bytes]:
+        replies: list[bytes] = []
+        first_s: float | None = None
+        while len(replies) < len(frames):
+            await self._prepare()
+            rest = frames[len(replies) :] if replies else frames
+            got = await self._queue._send_batch(port, rest, self._priority, timeout_s, answer)
+            if got and first_s is None:
+                first_s = port.batch.started_s + port.batch.answered_s[0]
+            replies = replies + got if replies else got
+        self.span_s = (first_s or 0.0, port.last_exchange_s)
+        return replies
+
+    async def _prepare(self) -> None:
+        """Right before something goes out: let the more urgent go first, and ask the guard."""
+        queue = self._queue
+        if queue._arbiter.most_urgent < self._priority:
+            queue.counts.overtaken += 1
+            self._held = False  # should the wait be cancelled, the line is not ours to release
+            await queue._arbiter.give_way(self._priority)
+            self._held = True
+        if self._guard is not None:
+            self._guard()
+
+
+def _received(error: LinkError) -> bytes:
+    return error.reply if isinstance(error, BadReply) else b""
