@@ -4,7 +4,7 @@ import { api, type Schemas, unwrap } from "../../api/client";
 import { frequency } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { Section } from "../ramps/Section";
+import { Section } from "../../lib/Section";
 import classes from "./Chain.module.css";
 
 interface Props {

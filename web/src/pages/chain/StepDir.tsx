@@ -8,7 +8,7 @@ import type { Device } from "../../api/queries";
 import { duration, fixed, withUnit } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { Section } from "../ramps/Section";
+import { Section } from "../../lib/Section";
 import classes from "./Chain.module.css";
 import { pulseLength, stepRateMax } from "./chain";
 

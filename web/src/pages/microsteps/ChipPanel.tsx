@@ -7,7 +7,7 @@ import { motion } from "../../api/motion";
 import type { Device } from "../../api/queries";
 import { fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { Section } from "../ramps/Section";
+import { Section } from "../../lib/Section";
 import classes from "./Microsteps.module.css";
 import { sameTable } from "./table";
 

@@ -2,8 +2,10 @@ import { useEffect, useMemo, useRef } from "react";
 import { problemOf } from "../../api/client";
 import { compact, duration, fixed } from "../../lib/format";
 import { colorOf } from "../../lib/palette";
+import { Section } from "../../lib/Section";
 import type { AxisScale } from "../../lib/units";
 import { fromSteps } from "../../lib/units";
+import type { Calculation } from "../../lib/useCalc";
 import { useScheme } from "../../lib/useScheme";
 import { Plot } from "../../plots/Plot";
 import { roundRange } from "../../plots/ranges";
@@ -11,8 +13,6 @@ import type { Overlay, PlotHandle } from "../../plots/types";
 import type { Pair } from "./design";
 import type { Ramp } from "./RampPlots";
 import classes from "./Ramps.module.css";
-import { Section } from "./Section";
-import type { Calculation } from "./useCalc";
 
 export interface Variant {
   id: "chosen" | "large" | "small";

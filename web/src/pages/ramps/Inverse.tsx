@@ -5,11 +5,11 @@ import { api, type Schemas, unwrap } from "../../api/client";
 import { fixed, withUnit } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { ProblemAlert } from "../../lib/ProblemAlert";
+import { Section } from "../../lib/Section";
 import { type AxisScale, fromSteps, symbolOf, unitsFor } from "../../lib/units";
+import { useCalc } from "../../lib/useCalc";
 import { labelOf, type Model, type Pair, type RampDesign } from "./design";
 import classes from "./Ramps.module.css";
-import { Section } from "./Section";
-import { useCalc } from "./useCalc";
 
 interface Props {
   model: Model;

@@ -3,11 +3,11 @@ import type { Schemas } from "../../api/client";
 import { compact, duration, fixed } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { ProblemAlert } from "../../lib/ProblemAlert";
+import { Section } from "../../lib/Section";
+import type { Calculation } from "../../lib/useCalc";
 import { CandidateChart } from "./CandidateChart";
 import { idealP, labelOf, type Model, type Pair, pOf, type RampDesign } from "./design";
 import classes from "./Ramps.module.css";
-import { Section } from "./Section";
-import type { Calculation } from "./useCalc";
 
 interface Props {
   model: Model;

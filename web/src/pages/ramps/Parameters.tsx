@@ -1,11 +1,11 @@
 import { Button, Group, Select } from "@mantine/core";
 import { IconDownload } from "@tabler/icons-react";
 import { compact, withUnit } from "../../lib/format";
+import { Section } from "../../lib/Section";
 import { type AxisScale, fromSteps, symbolOf, toSteps, unitsFor } from "../../lib/units";
 import { labelOf, type Model, type RampDesign } from "./design";
 import { ParameterRow } from "./ParameterRow";
 import classes from "./Ramps.module.css";
-import { Section } from "./Section";
 
 interface Props {
   model: Model;

@@ -5,14 +5,14 @@ import { compact, duration, withUnit } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { colorOf } from "../../lib/palette";
 import { QuantityField } from "../../lib/QuantityField";
+import { Section } from "../../lib/Section";
 import { type AxisScale, fromSteps } from "../../lib/units";
+import type { Calculation } from "../../lib/useCalc";
 import { useScheme } from "../../lib/useScheme";
 import { Plot } from "../../plots/Plot";
 import type { PlotHandle } from "../../plots/types";
 import type { RampMode } from "./design";
 import classes from "./Ramps.module.css";
-import { Section } from "./Section";
-import type { Calculation } from "./useCalc";
 import { type Band, usePlotBands } from "./usePlotBands";
 
 export type Ramp = Schemas["RampResult"];

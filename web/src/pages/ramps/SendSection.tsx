@@ -5,9 +5,9 @@ import { useState } from "react";
 import { api, type Schemas, unwrap } from "../../api/client";
 import { fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
+import { Section } from "../../lib/Section";
 import { type ChipRamp, type Difference, type RampMode, writesFor } from "./design";
 import classes from "./Ramps.module.css";
-import { Section } from "./Section";
 
 interface Props {
   device: Schemas["DeviceInfo"] | undefined;

@@ -1,6 +1,7 @@
 import type { Schemas } from "../../api/client";
+import type { ChipModel } from "../../lib/family";
 
-export type Model = Schemas["DeviceInfo"]["model"];
+export type Model = ChipModel;
 export type Reading = Schemas["RegisterReading"];
 export type BatchItem = Schemas["RegisterBatchItem"];
 

@@ -1,5 +1,5 @@
 import { type CSSProperties, useState } from "react";
-import { bitOf, enumName, type RegisterRow, segments, unpackField, WORD_BITS, writable } from "./bits";
+import { bitOf, enumName, type RegisterRow, segments, unpackField, WORD_BITS, writable } from "../../lib/rows/bits";
 import css from "./registers.module.css";
 
 interface Props {
@@ -24,7 +24,7 @@ export function BitStrip({ row, raw, staged, onPick }: Props) {
     return fits ? most : Math.max(most, field.name.length);
   }, 0);
   return (
-    <div className={css.stripScroll}>
+    <div>
       <div
         className={css.strip}
         style={{ "--bits": total, "--name": longest === 0 ? "17px" : `${longest + 1}ch` } as CSSProperties}

@@ -3,7 +3,8 @@ import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useRef, useState, useSyncExternalStore } from "react";
 import { api, type Problem, problemOf, unwrap } from "../../api/client";
 import { hex } from "../../lib/format";
-import { type RegisterRow, readable, writable } from "./bits";
+import { type RegisterRow, readable, writable } from "../../lib/rows/bits";
+import common from "../../lib/rows/rows.module.css";
 import { decodedLines, decodeRequest, frameText, parseFrame, type Request, requestFrame } from "./frames";
 import css from "./registers.module.css";
 
@@ -76,7 +77,7 @@ export function ExchangeConsole({ device, connected, rows, selected, raw }: Prop
   }
 
   return (
-    <div className={css.console}>
+    <div>
       <form
         onSubmit={(event) => {
           event.preventDefault();
@@ -109,7 +110,11 @@ export function ExchangeConsole({ device, connected, rows, selected, raw }: Prop
             Send
           </Button>
         </Group>
-        <Text id="datagram-meaning" size="xs" className={text.trim() !== "" && !frame.ok ? css.wrong : css.meaning}>
+        <Text
+          id="datagram-meaning"
+          size="xs"
+          className={text.trim() !== "" && !frame.ok ? `${common.wrong} ${css.refused}` : css.meaning}
+        >
           {request
             ? requestText(request)
             : frame.ok || text.trim() === ""
@@ -140,7 +145,7 @@ export function ExchangeConsole({ device, connected, rows, selected, raw }: Prop
         </Group>
       )}
       {entries.length === 0 ? (
-        <Text size="sm" className={css.dim} mt="md">
+        <Text size="sm" className={common.dim} mt="md">
           Nothing sent yet. Type a datagram, or take one from the selected register.
           {connected ? "" : " The device is not connected."}
         </Text>
@@ -149,12 +154,12 @@ export function ExchangeConsole({ device, connected, rows, selected, raw }: Prop
           {entries.map((entry) => (
             <li key={entry.id}>
               <button type="button" className={css.sent} onClick={() => setText(entry.sent)} title="Use it again">
-                <span className={css.dim}>{entry.at.toLocaleTimeString()}</span>
+                <span className={common.dim}>{entry.at.toLocaleTimeString()}</span>
                 <span className="num">{entry.sent}</span>
-                <span className={css.dim}>{shortRequest(entry.sent, rows)}</span>
+                <span className={common.dim}>{shortRequest(entry.sent, rows)}</span>
               </button>
               {entry.problem ? (
-                <Text size="xs" className={css.wrong}>
+                <Text size="xs" className={common.wrong}>
                   {entry.problem.detail} {entry.problem.way_out}
                 </Text>
               ) : (

@@ -1,13 +1,14 @@
 import { ActionIcon, Button, Checkbox, Select, Tooltip } from "@mantine/core";
 import { IconArrowBackUp } from "@tabler/icons-react";
 import { fixed } from "../../lib/format";
-import { editorOf, enumName, type FieldRow, type RegisterRow, unpackField, writable } from "./bits";
-import type { Scale } from "./input";
-import { LiveText } from "./LiveText";
-import { NumberEntry } from "./NumberEntry";
-import { chipUnit, derived, physicalText } from "./physical";
+import { editorOf, enumName, type FieldRow, type RegisterRow, unpackField, writable } from "../../lib/rows/bits";
+import type { Scale } from "../../lib/rows/input";
+import { LiveText } from "../../lib/rows/LiveText";
+import { NumberEntry } from "../../lib/rows/NumberEntry";
+import { chipUnit, derived, physicalText } from "../../lib/rows/physical";
+import common from "../../lib/rows/rows.module.css";
+import type { Edit } from "../../lib/rows/staging";
 import css from "./registers.module.css";
-import type { Edit } from "./staging";
 
 interface Props {
   row: RegisterRow;
@@ -107,7 +108,7 @@ function FieldControl({ row, field, chip, staged, scales, stage, unstage }: Cont
   if (!writable(field.access) || !writable(row.access)) {
     return (
       <span>
-        <LiveText className="num" text={text} /> <span className={css.unit}>{chipUnit(field.unit)}</span>
+        <LiveText className="num" text={text} /> <span className={common.unit}>{chipUnit(field.unit)}</span>
         <span className={css.readOnlyMark}>read only</span>
       </span>
     );

@@ -2,14 +2,14 @@ import { Button, Group } from "@mantine/core";
 import { IconArrowBackUp } from "@tabler/icons-react";
 import { memo } from "react";
 import { hex } from "../../lib/format";
-import { toSigned, writable } from "./bits";
-import { NumberEntry } from "./NumberEntry";
-import { AccessMark, PackedText, PhysicalText, RawText, RegisterName, ValueText } from "./parts";
-import { scalesOf } from "./physical";
+import { toSigned, writable } from "../../lib/rows/bits";
+import { NumberEntry } from "../../lib/rows/NumberEntry";
+import { AccessMark, PackedText, PhysicalText, RawText, RegisterName, ValueText } from "../../lib/rows/parts";
+import { scalesOf } from "../../lib/rows/physical";
+import common from "../../lib/rows/rows.module.css";
+import { keyOf } from "../../lib/rows/staging";
 import { RegisterHelp } from "./RegisterHelp";
 import { RegisterBits, type RowProps } from "./RegisterLine";
-import css from "./registers.module.css";
-import { keyOf } from "./staging";
 
 /** One register on a phone: what it holds at a glance, everything else when opened. */
 export const RegisterCard = memo(function RegisterCard(props: RowProps) {
@@ -21,10 +21,10 @@ export const RegisterCard = memo(function RegisterCard(props: RowProps) {
   const value = raw === null ? null : row.signed ? toSigned(raw, row.width) : raw;
   const shown = edit?.value ?? value;
   return (
-    <li className={css.card} data-row={key} data-staged={edit !== null} data-fate={edit?.fate?.kind}>
+    <li className={common.card} data-row={key} data-staged={edit !== null} data-fate={edit?.fate?.kind}>
       <button
         type="button"
-        className={css.cardHead}
+        className={common.cardHead}
         aria-expanded={expanded}
         aria-label={`${row.name}${axisName ? ` of ${axisName}` : ""}`}
         onClick={() => {
@@ -32,19 +32,19 @@ export const RegisterCard = memo(function RegisterCard(props: RowProps) {
           actions.toggle(key);
         }}
       >
-        <span className={css.cardTop}>
+        <span className={common.cardTop}>
           <RegisterName name={row.name} />
-          <span className={`num ${css.dim}`}>{hex(row.address, 8)}</span>
+          <span className={`num ${common.dim}`}>{hex(row.address, 8)}</span>
           <AccessMark access={row.access} />
         </span>
-        <span className={css.cardValue}>
+        <span className={common.cardValue}>
           {packed ? <PackedText row={row} raw={raw} edit={edit} /> : <ValueText row={row} raw={raw} />}
           <RawText row={row} raw={raw} />
         </span>
         {(scales.length > 0 || edit) && !packed && <PhysicalText row={row} raw={raw} edit={edit} scales={scales} />}
       </button>
       {expanded && (
-        <div className={css.cardBody}>
+        <div className={common.cardBody}>
           {!packed && writable(row.access) && (
             <Group gap="xs">
               {editing ? (

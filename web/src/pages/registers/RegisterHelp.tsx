@@ -1,10 +1,10 @@
 import { Button, Group, Text } from "@mantine/core";
 import { fixed, hex } from "../../lib/format";
-import { accessText, enumName, type RegisterRow, toSigned, unpackField, writable } from "./bits";
-import { rangeText } from "./input";
-import { AccessMark, RegisterName } from "./parts";
+import { accessText, enumName, type RegisterRow, toSigned, unpackField, writable } from "../../lib/rows/bits";
+import { rangeText } from "../../lib/rows/input";
+import { AccessMark, RegisterName } from "../../lib/rows/parts";
+import common from "../../lib/rows/rows.module.css";
 import type { RowActions } from "./RegisterLine";
-import css from "./registers.module.css";
 
 interface Props {
   row: RegisterRow;
@@ -18,16 +18,16 @@ export function RegisterHelp({ row, raw, actions, heading = false }: Props) {
   const anyWrite = /\bany write\b/i.test(`${row.help} ${row.write_note}`);
   const canReset = writable(row.access) && row.reset !== null && !anyWrite;
   return (
-    <div className={css.help}>
+    <div>
       {heading && (
-        <h2 className={css.helpTitle}>
+        <h2 className={common.helpTitle}>
           <RegisterName name={row.name} strong />
         </h2>
       )}
       <Text size="sm" mb={6}>
         {sentence(row.help)}
       </Text>
-      <dl className={css.facts}>
+      <dl className={common.facts}>
         <dt>Address</dt>
         <dd>
           <span className="num">{hex(row.address, 8)}</span>, {row.axis === null ? "whole chip" : `axis ${row.axis}`},{" "}
@@ -62,7 +62,7 @@ export function RegisterHelp({ row, raw, actions, heading = false }: Props) {
         {row.unit !== "" && (
           <>
             <dt>Unit</dt>
-            <dd className={css.formula}>{row.unit}</dd>
+            <dd className={common.formula}>{row.unit}</dd>
           </>
         )}
         <dt>Reset</dt>

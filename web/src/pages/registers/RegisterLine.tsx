@@ -2,16 +2,16 @@ import { ActionIcon } from "@mantine/core";
 import { IconArrowBackUp, IconChevronRight, IconPencil } from "@tabler/icons-react";
 import { memo, useCallback } from "react";
 import { hex } from "../../lib/format";
+import { type FieldRow, type RegisterRow, toSigned, writable } from "../../lib/rows/bits";
+import { NumberEntry } from "../../lib/rows/NumberEntry";
+import { AccessMark, PackedText, PhysicalText, RawText, RegisterName, ValueText } from "../../lib/rows/parts";
+import { scalesOf } from "../../lib/rows/physical";
+import common from "../../lib/rows/rows.module.css";
+import { type Edit, type Key, keyOf, stagedRaw } from "../../lib/rows/staging";
+import type { Reading } from "../../lib/rows/useRegisters";
 import type { AxisScale } from "../../lib/units";
 import { BitStrip } from "./BitStrip";
-import { type FieldRow, type RegisterRow, toSigned, writable } from "./bits";
 import { FieldList } from "./FieldList";
-import { NumberEntry } from "./NumberEntry";
-import { AccessMark, PackedText, PhysicalText, RawText, RegisterName, ValueText } from "./parts";
-import { scalesOf } from "./physical";
-import css from "./registers.module.css";
-import { type Edit, type Key, keyOf, stagedRaw } from "./staging";
-import type { Reading } from "./useRegisters";
 
 /** What a row may ask of its page. Stable, so that rows render only for their own sake. */
 export interface RowActions {
@@ -58,13 +58,13 @@ export const RegisterLine = memo(function RegisterLine(props: RowProps) {
         data-staged={edit !== null}
         data-fate={edit?.fate?.kind}
         data-access={row.access}
-        className={css.row}
+        className={common.row}
         tabIndex={selected ? 0 : -1}
         onFocus={() => actions.select(key)}
         onClick={() => actions.select(key)}
         onDoubleClick={() => (packed ? actions.toggle(key) : writable(row.access) && actions.edit(key))}
       >
-        <td className={css.chevronCell}>
+        <td className={common.chevronCell}>
           <ActionIcon
             size={22}
             variant="transparent"
@@ -74,12 +74,12 @@ export const RegisterLine = memo(function RegisterLine(props: RowProps) {
             aria-expanded={expanded}
             onClick={() => actions.toggle(key)}
           >
-            <IconChevronRight size={14} className={css.chevron} data-open={expanded} />
+            <IconChevronRight size={14} className={common.chevron} data-open={expanded} />
           </ActionIcon>
         </td>
-        <th scope="row" className={css.nameCell}>
+        <th scope="row" className={common.nameCell}>
           <RegisterName name={row.name} />
-          {found !== "" && <span className={css.found}>{found}</span>}
+          {found !== "" && <span className={common.found}>{found}</span>}
         </th>
         <td className="num">{hex(row.address, 8)}</td>
         <td>
@@ -89,7 +89,7 @@ export const RegisterLine = memo(function RegisterLine(props: RowProps) {
           <RawText row={row} raw={raw} />
         </td>
         {packed ? (
-          <td colSpan={2} className={css.packedCell}>
+          <td colSpan={2}>
             <PackedText row={row} raw={raw} edit={edit} />
           </td>
         ) : editing ? (
@@ -105,7 +105,7 @@ export const RegisterLine = memo(function RegisterLine(props: RowProps) {
           </td>
         ) : (
           <>
-            <td className={css.valueCell}>
+            <td className={common.valueCell}>
               <ValueText row={row} raw={raw} />
             </td>
             <td>
@@ -113,7 +113,7 @@ export const RegisterLine = memo(function RegisterLine(props: RowProps) {
             </td>
           </>
         )}
-        <td className={css.tools}>
+        <td className={common.tools}>
           {edit && !editing && (
             <ActionIcon
               size={22}
@@ -140,7 +140,7 @@ export const RegisterLine = memo(function RegisterLine(props: RowProps) {
         </td>
       </tr>
       {expanded && (
-        <tr className={css.detailRow}>
+        <tr className={common.detailRow}>
           <td colSpan={8}>
             <RegisterBits row={row} raw={raw} edit={edit} scale={scale} clockHz={clockHz} actions={actions} />
           </td>
@@ -156,7 +156,7 @@ type BitsProps = Pick<RowProps, "row" | "edit" | "scale" | "clockHz" | "actions"
 export function RegisterBits({ row, raw, edit, scale, clockHz, actions }: BitsProps) {
   const key = keyOf(row);
   return (
-    <div className={css.detail} data-detail={key}>
+    <div className={common.detail} data-detail={key}>
       <BitStrip
         row={row}
         raw={raw}

@@ -2,14 +2,14 @@ import { Button, Skeleton, Text } from "@mantine/core";
 import { IconChevronRight, IconSearchOff } from "@tabler/icons-react";
 import type { KeyboardEvent } from "react";
 import { EmptyState } from "../../lib/EmptyState";
+import { type RegisterRow, writable } from "../../lib/rows/bits";
+import common from "../../lib/rows/rows.module.css";
+import { type Group, matchingFields } from "../../lib/rows/search";
+import { type Edit, type Key, keyOf } from "../../lib/rows/staging";
+import type { Reading } from "../../lib/rows/useRegisters";
 import type { AxisScale } from "../../lib/units";
-import { type RegisterRow, writable } from "./bits";
 import { RegisterCard } from "./RegisterCard";
 import { RegisterLine, type RowActions } from "./RegisterLine";
-import css from "./registers.module.css";
-import { type Group, matchingFields } from "./search";
-import { type Edit, type Key, keyOf } from "./staging";
-import type { Reading } from "./useRegisters";
 
 interface Props {
   phone: boolean;
@@ -39,7 +39,7 @@ export function RegisterList(props: Props) {
   if (groups.length === 0)
     return (
       <EmptyState title={`No register matches "${query}"`} icon={<IconSearchOff size={22} />}>
-        <Text size="sm" className={css.dim}>
+        <Text size="sm" className={common.dim}>
           Search finds names, addresses like 0x0c, fields and words of the help.
         </Text>
         <Button size="xs" variant="default" onClick={props.onClearSearch}>
@@ -76,7 +76,7 @@ export function RegisterList(props: Props) {
 
   if (phone)
     return (
-      <div data-old={old} className={css.values}>
+      <div data-old={old} className={common.values}>
         {groups.map((group) => (
           <section key={group.key}>
             <GroupHead
@@ -87,7 +87,7 @@ export function RegisterList(props: Props) {
               onFold={onFold}
             />
             {!isFolded(group) && (
-              <ul className={css.cards}>
+              <ul className={common.cards}>
                 {group.rows.map((row) => (
                   <RegisterCard key={keyOf(row)} {...entry(row)} />
                 ))}
@@ -101,18 +101,20 @@ export function RegisterList(props: Props) {
   return (
     // The rows take the focus; the table only hears their keys.
     <table
-      className={`${css.table} ${css.values}`}
+      className={`${common.table} ${common.values}`}
       data-old={old}
       onKeyDown={(event) => onTableKey(event, groups, props.open, props.actions)}
     >
-      <caption className={css.hidden}>Registers. Arrow keys walk the rows, Enter edits, right opens the bits.</caption>
+      <caption className={common.hidden}>
+        Registers. Arrow keys walk the rows, Enter edits, right opens the bits.
+      </caption>
       <colgroup>
         <col style={{ width: 30 }} />
-        <col className={css.colName} />
+        <col className={common.colName} />
         <col style={{ width: 48 }} />
         <col style={{ width: 58 }} />
         <col style={{ width: 84 }} />
-        <col className={css.colValue} />
+        <col className={common.colValue} />
         <col />
         <col style={{ width: 56 }} />
       </colgroup>
@@ -130,7 +132,7 @@ export function RegisterList(props: Props) {
       </thead>
       {groups.map((group) => (
         <tbody key={group.key}>
-          <tr className={css.groupRow}>
+          <tr className={common.groupRow}>
             <th colSpan={8} scope="rowgroup">
               <GroupHead
                 group={group}
@@ -160,15 +162,15 @@ function GroupHead({ group, title, folded, staged, onFold }: HeadProps) {
   return (
     <button
       type="button"
-      className={css.groupHead}
+      className={common.groupHead}
       data-row={`group ${group.key}`}
       aria-expanded={!folded}
       onClick={() => onFold(group.key, !folded)}
     >
-      <IconChevronRight size={13} className={css.chevron} data-open={!folded} aria-hidden />
+      <IconChevronRight size={13} className={common.chevron} data-open={!folded} aria-hidden />
       {title.charAt(0).toUpperCase() + title.slice(1)}
-      <span className={css.groupCount}>{group.rows.length}</span>
-      {staged > 0 && <span className={css.badge}>{staged}</span>}
+      <span className={common.groupCount}>{group.rows.length}</span>
+      {staged > 0 && <span className={common.badge}>{staged}</span>}
     </button>
   );
 }

@@ -7,23 +7,23 @@ import { problemOf } from "../../api/client";
 import { useDevices } from "../../api/queries";
 import { EmptyState } from "../../lib/EmptyState";
 import { ProblemAlert } from "../../lib/ProblemAlert";
+import type { RegisterRow } from "../../lib/rows/bits";
+import { ChangesPanel } from "../../lib/rows/ChangesPanel";
+import { DeviceNotice } from "../../lib/rows/DeviceNotice";
+import { liveScale } from "../../lib/rows/physical";
+import common from "../../lib/rows/rows.module.css";
+import { StagedBar } from "../../lib/rows/StagedBar";
+import { foldedByDefault, groupRows } from "../../lib/rows/search";
+import { countChanges, type Key, keyOf, stage, unstage } from "../../lib/rows/staging";
+import { updateStaged, useStaged } from "../../lib/rows/store";
+import { Toolbar } from "../../lib/rows/Toolbar";
+import { useApply } from "../../lib/rows/useApply";
+import { useRegisters } from "../../lib/rows/useRegisters";
 import { useSelection } from "../../live/selection";
-import type { RegisterRow } from "./bits";
-import { ChangesPanel } from "./ChangesPanel";
-import { DeviceNotice } from "./DeviceNotice";
 import { ExchangeConsole } from "./ExchangeConsole";
-import { liveScale } from "./physical";
 import { RegisterHelp } from "./RegisterHelp";
 import type { RowActions } from "./RegisterLine";
 import { RegisterList } from "./RegisterList";
-import css from "./registers.module.css";
-import { StagedBar } from "./StagedBar";
-import { foldedByDefault, groupRows } from "./search";
-import { countChanges, type Key, keyOf, stage, unstage } from "./staging";
-import { updateStaged, useStaged } from "./store";
-import { Toolbar } from "./Toolbar";
-import { useApply } from "./useApply";
-import { useRegisters } from "./useRegisters";
 
 /** Every register of the selected device: look, understand, change. */
 export default function RegistersPage() {
@@ -61,7 +61,7 @@ export default function RegistersPage() {
   if (devices.isSuccess && !device)
     return (
       <EmptyState title="No device to show registers of" icon={<IconTableColumn size={22} />}>
-        <Text size="sm" className={css.dim}>
+        <Text size="sm" className={common.dim}>
           Connect a chip, or add an emulated one: that needs no hardware.
         </Text>
         <Button component={Link} href="/connections" size="sm">
@@ -121,8 +121,8 @@ export default function RegistersPage() {
     <ExchangeConsole device={id} connected={live.connected} rows={rows ?? []} selected={selected} raw={selectedRaw} />
   );
   return (
-    <div className={css.page}>
-      <h1 className={css.title}>Registers{device && <span>{`${device.name} · ${device.title}`}</span>}</h1>
+    <div className={common.page}>
+      <h1 className={common.title}>Registers{device && <span>{`${device.name} · ${device.title}`}</span>}</h1>
       <Toolbar
         searchRef={search as RefObject<HTMLInputElement>}
         query={query}
@@ -156,13 +156,13 @@ export default function RegistersPage() {
         value={!phone && tab === "list" ? "register" : tab}
         onChange={(next) => setTab(next ?? "register")}
         keepMounted={false}
-        classNames={{ root: css.body, list: css.tabs, panel: css.panel }}
+        classNames={{ root: common.body, panel: common.panel }}
       >
-        {!phone && <div className={css.tablePane}>{list}</div>}
-        <aside className={css.side} aria-label="Register, changes and console">
+        {!phone && <div className={common.tablePane}>{list}</div>}
+        <aside className={common.side} aria-label="Register, changes and console">
           <Tabs.List grow>
             <Tabs.Tab value="register">{phone ? "Registers" : "Register"}</Tabs.Tab>
-            <Tabs.Tab value="changes" rightSection={count > 0 && <span className={css.tabBadge}>{count}</span>}>
+            <Tabs.Tab value="changes" rightSection={count > 0 && <span className={common.tabBadge}>{count}</span>}>
               Changes
             </Tabs.Tab>
             <Tabs.Tab value="console">Console</Tabs.Tab>
@@ -174,7 +174,7 @@ export default function RegistersPage() {
               <RegisterHelp row={selected} raw={selectedRaw} actions={actions} heading />
             ) : (
               <EmptyState title="Choose a register" icon={<IconTableColumn size={22} />}>
-                <Text size="sm" className={css.dim} maw={270}>
+                <Text size="sm" className={common.dim} maw={270}>
                   Click a row, or walk the table with the arrow keys. <Shortcut keys="Enter" /> edits,{" "}
                   <Shortcut keys="→" /> opens the bits, <Shortcut keys="/" /> searches.
                 </Text>
@@ -204,7 +204,7 @@ function isLost(error: unknown): boolean {
 }
 
 function Shortcut({ keys }: { keys: string }) {
-  return <kbd className={css.kbd}>{keys}</kbd>;
+  return <kbd className={common.kbd}>{keys}</kbd>;
 }
 
 /** What rows may ask for, the same object as long as the device is. */

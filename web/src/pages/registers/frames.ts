@@ -1,5 +1,5 @@
 import { hex } from "../../lib/format";
-import type { RegisterRow } from "./bits";
+import type { RegisterRow } from "../../lib/rows/bits";
 
 /** Bytes of one datagram of TMC428 and TMC4210. */
 export const FRAME_BYTES = 4;

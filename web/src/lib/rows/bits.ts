@@ -1,5 +1,5 @@
 import type { Schemas } from "../../api/client";
-import { fixed } from "../../lib/format";
+import { fixed } from "../format";
 
 export type RegisterRow = Schemas["RegisterRow"];
 export type FieldRow = Schemas["FieldRow"];

@@ -1,11 +1,11 @@
 import { IconLock } from "@tabler/icons-react";
 import { Fragment } from "react";
-import { fixed, hex, withUnit } from "../../lib/format";
+import { fixed, hex, withUnit } from "../format";
 import { accessText, enumName, type FieldRow, type RegisterRow, summary, toSigned } from "./bits";
 import type { Scale } from "./input";
 import { LiveText } from "./LiveText";
 import { chipUnit, pairText } from "./physical";
-import css from "./registers.module.css";
+import css from "./rows.module.css";
 import { changes, type Edit } from "./staging";
 
 /** A register's name, which may wrap after an underscore only. */

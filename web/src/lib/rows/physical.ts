@@ -1,6 +1,6 @@
 import type { Schemas } from "../../api/client";
-import { compact, duration, frequency, withUnit } from "../../lib/format";
-import { type AxisScale, factorOf, scaleOf, symbolOf } from "../../lib/units";
+import { compact, duration, frequency, withUnit } from "../format";
+import { type AxisScale, factorOf, scaleOf, symbolOf } from "../units";
 import { type FieldRow, type RegisterRow, unpackField } from "./bits";
 import type { Scale } from "./input";
 

@@ -3,7 +3,7 @@ import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { Link } from "wouter";
 import { api, unwrap } from "../../api/client";
 import type { Device } from "../../api/queries";
-import { ProblemAlert } from "../../lib/ProblemAlert";
+import { ProblemAlert } from "../ProblemAlert";
 
 /** Why the values stand still, and what to do about it. Nothing while the device is connected. */
 export function DeviceNotice({ device }: { device: Device }) {

@@ -1,67 +1,14 @@
 import { describe, expect, it } from "vitest";
 import type { Schemas } from "../../api/client";
-import {
-  bitOf,
-  editorOf,
-  type FieldRow,
-  packField,
-  type RegisterRow,
-  segments,
-  summary,
-  toRaw,
-  toSigned,
-  unpackField,
-} from "./bits";
-import { decodedLines, decodeRequest, frameText, parseFrame, requestFrame } from "./frames";
+import { bitOf, editorOf, type FieldRow, packField, segments, summary, toRaw, toSigned, unpackField } from "./bits";
 import { parseInput } from "./input";
 import { derived, liveScale, pairText, physicalText, scalesOf } from "./physical";
+import { field, register } from "./samples";
 import { groupRows, matches, matchingFields } from "./search";
 import { batchOf, changes, countChanges, type Edit, keyOf, merge, settle, stage, stagedRaw, unstage } from "./staging";
 
 const VELOCITY = "fCLK/(65536*2^pulse_div) Hz";
 const ACCELERATION = "fCLK^2/2^(pulse_div+ramp_div+29) Hz/s";
-
-function field(name: string, lsb: number, width: number, more: Partial<FieldRow> = {}): FieldRow {
-  const top = 2 ** width - 1;
-  return {
-    name,
-    lsb,
-    width,
-    access: "RW",
-    signed: false,
-    minimum: 0,
-    maximum: top,
-    reset: 0,
-    unit: "",
-    help: `help of ${name}`,
-    values: {},
-    ...more,
-  };
-}
-
-function register(name: string, width: number, more: Partial<RegisterRow> = {}): RegisterRow {
-  const signed = more.signed ?? false;
-  return {
-    name,
-    address: 0x0c,
-    axis: 0,
-    group: "motion",
-    access: "RW",
-    width,
-    signed,
-    minimum: signed ? -(2 ** (width - 1)) : 0,
-    maximum: 2 ** (signed ? width - 1 : width) - 1,
-    reset: 0,
-    unit: "",
-    help: `help of ${name}`,
-    write_note: "",
-    volatile: false,
-    source: "001, 8",
-    values: {},
-    fields: [],
-    ...more,
-  };
-}
 
 const DIVIDERS = register("pulse_div_ramp_div_usrs", 16, {
   fields: [
@@ -300,38 +247,5 @@ describe("physical", () => {
     const pair = (pmul: FieldRow) => register("pmul_pdiv", 16, { fields: [field("pdiv", 0, 4), pmul] });
     expect(pairText(pair(field("pmul", 8, 7)), 0x8000 | (64 << 8) | 3)).toBe("p 3");
     expect(pairText(pair(field("PMUL", 8, 8)), (192 << 8) | 3)).toBe("p 3");
-  });
-});
-
-describe("raw datagrams", () => {
-  it.each(["07 00 00 2a", "0x0700002A", "07:00:00:2a", "07,00,00,2A"])("takes %s", (text) => {
-    expect(parseFrame(text)).toEqual({ ok: true, bytes: [0x07, 0, 0, 0x2a] });
-  });
-
-  it.each(["", "07 00 00", "07 00 00 2a 00", "07 00 00 2g", "seven"])("refuses %j", (text) => {
-    expect(parseFrame(text).ok).toBe(false);
-  });
-
-  it("writes and reads what it says", () => {
-    const frame = requestFrame(0x0c, false, 0x5706);
-    expect(frameText(frame)).toBe("18 00 57 06");
-    expect(decodeRequest(frame, [DIVIDERS])).toMatchObject({ address: 0x0c, read: false, data: 0x5706, row: DIVIDERS });
-    expect(decodeRequest(requestFrame(0x7f, true), [DIVIDERS])).toMatchObject({ address: 0x7f, read: true, row: null });
-  });
-
-  it("shows of a reply what the request does not say already", () => {
-    const decoded = {
-      register: "usrs",
-      axis: 0,
-      data: 255,
-      fields: { usrs: 6 },
-      flags: { INT: true, RS1: false },
-      x: {},
-    };
-    expect(decodedLines(decoded)).toEqual([
-      ["data", "0x0000ff"],
-      ["fields", "usrs 6"],
-      ["flags", "INT"],
-    ]);
   });
 });

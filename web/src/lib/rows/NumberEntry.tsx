@@ -1,11 +1,11 @@
 import { ActionIcon, Group, Text, TextInput } from "@mantine/core";
 import { IconCheck, IconX } from "@tabler/icons-react";
 import { useId, useState } from "react";
-import { fixed } from "../../lib/format";
+import { fixed } from "../format";
 import type { Bits } from "./bits";
 import { parseInput, type Scale } from "./input";
 import { chipUnit, physicalText } from "./physical";
-import css from "./registers.module.css";
+import css from "./rows.module.css";
 
 interface Props {
   bits: Bits;

@@ -1,12 +1,12 @@
 import { ActionIcon, Button, Group, Text } from "@mantine/core";
 import { IconArrowBackUp, IconCheck, IconListCheck } from "@tabler/icons-react";
 import type { ReactNode } from "react";
-import { EmptyState } from "../../lib/EmptyState";
-import { fixed, hex } from "../../lib/format";
-import { ProblemAlert } from "../../lib/ProblemAlert";
+import { EmptyState } from "../EmptyState";
+import { fixed, hex } from "../format";
+import { ProblemAlert } from "../ProblemAlert";
 import { enumName, type RegisterRow } from "./bits";
 import { RegisterName } from "./parts";
-import css from "./registers.module.css";
+import css from "./rows.module.css";
 import { type Applied, type Change, changes, countChanges, type Edit, type Key, keyOf } from "./staging";
 import type { Staged } from "./store";
 import type { Reading } from "./useRegisters";
@@ -102,7 +102,7 @@ function DiffEntry({ edit, row, axis, chip, onDiscard }: DiffProps) {
       </Title>
       {changes(edit, row, chip).map((change) => (
         <div key={change.field?.name ?? ""} className={css.diffLine}>
-          <span className={css.fieldName}>{change.field?.name ?? "value"}</span>
+          <span className={css.changeName}>{change.field?.name ?? "value"}</span>
           <DiffValues row={row} change={change} />
           {row.fields.length > 0 && (
             <Discard
@@ -168,7 +168,7 @@ function AppliedEntry({ applied, row, axis }: { applied: Applied; row: RegisterR
         </span>
       </Title>
       <div className={css.diffLine}>
-        <span className={css.fieldName}>
+        <span className={css.changeName}>
           {edit.value !== null
             ? "value"
             : row.fields

@@ -1,4 +1,4 @@
-import { hex } from "../../lib/format";
+import { hex } from "../format";
 import type { RegisterRow } from "./bits";
 
 export interface Group {

@@ -1,7 +1,7 @@
 import { Button, CloseButton, Kbd, Switch, TextInput } from "@mantine/core";
 import { IconPlayerPause, IconPlayerPlay, IconSearch } from "@tabler/icons-react";
 import type { RefObject } from "react";
-import css from "./registers.module.css";
+import css from "./rows.module.css";
 
 interface Props {
   searchRef: RefObject<HTMLInputElement>;

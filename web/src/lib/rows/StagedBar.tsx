@@ -1,5 +1,5 @@
 import { Button } from "@mantine/core";
-import css from "./registers.module.css";
+import css from "./rows.module.css";
 import type { Staged } from "./store";
 
 interface Props {
