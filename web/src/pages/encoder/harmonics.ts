@@ -36,7 +36,8 @@ export function fitHarmonics(bins: BinStats, orders: readonly number[]): Harmoni
   const matrix = Array.from({ length: unknowns }, (_, row) =>
     Array.from({ length: unknowns + 1 }, (_, column) =>
       rows.reduce(
-        (sum, { basis, value }) => sum + (basis[row] as number) * (column < unknowns ? (basis[column] as number) : value),
+        (sum, { basis, value }) =>
+          sum + (basis[row] as number) * (column < unknowns ? (basis[column] as number) : value),
         0,
       ),
     ),

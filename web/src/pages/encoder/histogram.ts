@@ -48,8 +48,7 @@ export class Histogram {
     this.squares += other.squares;
     if (!(Math.abs(other.peak) <= Math.abs(this.peak))) this.peak = other.peak;
     while (this.width < other.width) this.widen();
-    for (const [index, count] of other.classes)
-      this.put(Math.floor((index * other.width) / this.width), count);
+    for (const [index, count] of other.classes) this.put(Math.floor((index * other.width) / this.width), count);
   }
 
   get mean(): number {

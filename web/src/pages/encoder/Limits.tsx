@@ -1,0 +1,153 @@
+import { Button, Group, Text } from "@mantine/core";
+import { useState } from "react";
+import { ApiError } from "../../api/client";
+import { compact } from "../../lib/format";
+import { NumberField } from "../../lib/NumberField";
+import { ProblemAlert } from "../../lib/ProblemAlert";
+import { Section } from "../../lib/Section";
+import { useAction } from "../bench/motion/useAction";
+import { StagedBar } from "../module/StagedBar";
+import type { Parameters } from "../module/useParameters";
+import classes from "./encoder.module.css";
+import { ENCODERS, type Which } from "./useEncoder";
+
+export const LIMIT: Record<Which, string> = {
+  internal: "maximum_encoder_deviation",
+  external: "external_encoder_maximum_deviation",
+};
+const ALIAS: Record<Which, string> = { internal: "AP 212", external: "AP 218" };
+export const RESOLUTION = "external_encoder_resolution";
+export const LIMIT_NAMES = [LIMIT.internal, LIMIT.external, RESOLUTION] as const;
+const MOST = 2 ** 31 - 1;
+
+interface Props {
+  parameters: Parameters;
+  shown: readonly Which[];
+  microstepsPerTurn: number;
+  disabled: boolean;
+}
+
+/** From which deviation on the module stops the motor. */
+export function Limits({ parameters, shown, microstepsPerTurn, disabled }: Props) {
+  return (
+    <Section title="Deviation limit" note="0 is off">
+      {shown.map((which) => {
+        const planned = parameters.planned(LIMIT[which]);
+        const staged = parameters.staged.has(LIMIT[which]);
+        return (
+          <NumberField
+            key={which}
+            label={`${ENCODERS[which].label}, ${ALIAS[which]}${staged ? " ·" : ""}`}
+            unit="microsteps"
+            integer
+            min={0}
+            max={MOST}
+            step={10}
+            value={planned}
+            placeholder="unknown"
+            description={
+              planned === null
+                ? "not read yet"
+                : planned === 0
+                  ? "never stops the motor"
+                  : `${compact((planned / microstepsPerTurn) * 360)}° of the shaft`
+            }
+            inputWrapperOrder={["label", "input", "description", "error"]}
+            disabled={disabled}
+            onChange={(value) => parameters.stage(LIMIT[which], value)}
+            data-testid={`limit-${which}`}
+          />
+        );
+      })}
+      {shown.includes("external") && (
+        <NumberField
+          label="External counts a turn, AP 217"
+          integer
+          min={0}
+          max={1_000_000}
+          value={parameters.planned(RESOLUTION)}
+          placeholder="unknown"
+          description="lines × 4"
+          inputWrapperOrder={["label", "input", "description", "error"]}
+          disabled={disabled}
+          onChange={(value) => parameters.stage(RESOLUTION, value)}
+        />
+      )}
+      <StagedBar parameters={parameters} disabled={disabled} />
+    </Section>
+  );
+}
+
+interface CounterProps {
+  parameters: Parameters;
+  which: Which;
+  /** live: the counter of the motor, and whether it moves; NaN while unknown */
+  actual: () => number;
+  moving: () => boolean;
+  onSet: () => void;
+  disabled: boolean;
+}
+
+/** The encoder's counter set anew: to the motor's, or to a number. */
+export function Counter({ parameters, which, actual, moving, onSet, disabled }: CounterProps) {
+  const [value, setValue] = useState(0);
+  const action = useAction();
+  const name = ENCODERS[which].position;
+  const set = (to: () => number) =>
+    void action
+      .run("Setting the encoder", async () => {
+        const target = to();
+        if (moving() || Number.isNaN(target))
+          throw new ApiError({
+            type: "/problems/wrong-state",
+            title: moving() ? "The axis moves" : "The position is unknown",
+            status: 409,
+            detail: "The encoder can be set while the axis stands still and its position is known.",
+            way_out: moving() ? "Stop it first." : "Wait for samples, or set a number.",
+            facts: {},
+            instance: null,
+          });
+        await parameters.writeNow(new Map([[name, Math.round(target)]]));
+      })
+      .then((done) => done && onSet());
+  return (
+    <Section title="Set encoder" note={which === "internal" ? "AP 209" : "AP 216"}>
+      <div className={classes.line}>
+        <NumberField
+          aria-label="Encoder position to set"
+          unit="microsteps"
+          integer
+          value={value}
+          min={-(2 ** 31)}
+          max={2 ** 31 - 1}
+          disabled={disabled}
+          onChange={setValue}
+          flex={1}
+        />
+        <Button size="xs" variant="default" disabled={disabled} onClick={() => set(() => value)}>
+          Set
+        </Button>
+      </div>
+      <Group mt={6} gap={6} wrap="nowrap" justify="space-between">
+        <Button
+          size="xs"
+          variant="default"
+          disabled={disabled}
+          onClick={() => set(actual)}
+          title="The deviation becomes 0"
+          data-testid="encoder-to-actual"
+        >
+          To the actual position
+        </Button>
+      </Group>
+      {which === "internal" && (
+        <Text size="xs" c="dimmed" mt={4}>
+          The motor does not move. What was gathered over the turn is cleared.
+        </Text>
+      )}
+      {action.failure && (
+        <ProblemAlert error={action.failure.error} doing={action.failure.doing} onClose={action.dismiss} />
+      )}
+    </Section>
+  );
+}

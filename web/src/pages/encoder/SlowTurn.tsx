@@ -1,0 +1,97 @@
+import { Button, Switch } from "@mantine/core";
+import { IconPlayerStop, IconRotateClockwise2 } from "@tabler/icons-react";
+import { useState } from "react";
+import type { AxisAddress } from "../../api/motion";
+import { duration } from "../../lib/format";
+import { NumberField } from "../../lib/NumberField";
+import { Section } from "../../lib/Section";
+import type { Leg } from "../module/HeldRun";
+import { RunNote } from "../module/RunNote";
+import type { useHeldRun } from "../module/useHeldRun";
+import classes from "./encoder.module.css";
+
+/** Whole turns there, and back if wanted; a little more than whole, so that the start of the ramp is seen twice. */
+export function turnLegs(rpm: number, turns: number, back: boolean, microstepsPerTurn: number): Leg[] {
+  const velocityPps = (rpm / 60) * microstepsPerTurn;
+  const forS = (60 * (turns + 0.05)) / rpm;
+  return back
+    ? [
+        { velocityPps, forS },
+        { velocityPps: -velocityPps, forS },
+      ]
+    : [{ velocityPps, forS }];
+}
+
+interface Props {
+  at: AxisAddress;
+  run: ReturnType<typeof useHeldRun>;
+  microstepsPerTurn: number;
+  disabled: boolean;
+}
+
+/** Turns the motor slowly, so that samples come from every angle. */
+export function SlowTurn({ run, microstepsPerTurn, disabled }: Props) {
+  const [rpm, setRpm] = useState(6);
+  const [turns, setTurns] = useState(1);
+  const [back, setBack] = useState(true);
+  const takes = (60 * turns * (back ? 2 : 1)) / rpm;
+  return (
+    <Section title="Slow turn" note={`takes ${duration(takes)}`}>
+      <div className={classes.pair}>
+        <NumberField
+          label="Speed"
+          unit="rpm"
+          value={rpm}
+          min={0.1}
+          max={120}
+          step={1}
+          disabled={disabled || run.running}
+          onChange={setRpm}
+        />
+        <NumberField
+          label="Turns"
+          value={turns}
+          min={0.1}
+          max={100}
+          step={1}
+          disabled={disabled || run.running}
+          onChange={setTurns}
+        />
+      </div>
+      <div className={classes.line}>
+        <Switch
+          size="sm"
+          label="and back"
+          checked={back}
+          disabled={disabled || run.running}
+          onChange={(event) => setBack(event.currentTarget.checked)}
+        />
+        {run.running ? (
+          <Button
+            size="xs"
+            color="red"
+            leftSection={<IconPlayerStop size={16} aria-hidden />}
+            onClick={run.abort}
+            data-testid="slow-turn"
+          >
+            Stop
+          </Button>
+        ) : (
+          <Button
+            size="xs"
+            leftSection={<IconRotateClockwise2 size={16} aria-hidden />}
+            disabled={disabled}
+            onClick={() => run.start(turnLegs(rpm, turns, back, microstepsPerTurn))}
+            data-testid="slow-turn"
+          >
+            Turn
+          </Button>
+        )}
+      </div>
+      <RunNote
+        state={run.state}
+        idle="Turns the shaft that far, forward first. Check that nothing is in its way. Escape stops everything."
+      />
+    </Section>
+  );
+}

@@ -1,0 +1,49 @@
+import { useQuery, useQueryClient } from "@tanstack/react-query";
+import { useEffect } from "react";
+import { api, type Schemas, unwrap } from "../../api/client";
+import type { AxisAddress } from "../../api/motion";
+import type { TelemetrySource } from "../../live/TelemetrySource";
+
+export type MotionEnd = Schemas["MotionEnd"];
+export type StopReason = MotionEnd["reason"];
+
+interface Words {
+  text: string;
+  /** at a mark in a plot */
+  short: string;
+  /** it was a fault, not what somebody wanted */
+  fault: boolean;
+}
+
+export const REASONS: Record<StopReason, Words> = {
+  target_reached: { text: "Target reached", short: "target", fault: false },
+  stop_command: { text: "Stop command", short: "stop", fault: false },
+  left_switch: { text: "Left switch", short: "left", fault: false },
+  right_switch: { text: "Right switch", short: "right", fault: false },
+  stall: { text: "Stall", short: "stall", fault: true },
+  deviation: { text: "Deviation too large", short: "deviation", fault: true },
+  driver_error: { text: "Driver error", short: "driver", fault: true },
+  lost_link: { text: "Link lost", short: "link", fault: true },
+  unknown: { text: "Cause unknown", short: "?", fault: false },
+};
+
+/** What ended the motions of an axis, newest first: asked for now and then, and at once when the socket tells of one. */
+export function useStops(at: AxisAddress, source: TelemetrySource, enabled: boolean) {
+  const queries = useQueryClient();
+  const { device, axis } = at;
+  const stops = useQuery({
+    queryKey: ["stops", device, axis],
+    queryFn: async () =>
+      unwrap(await api.GET("/api/v1/devices/{device}/axes/{axis}/stops", { params: { path: { device, axis } } })),
+    enabled,
+    refetchInterval: 5000,
+  });
+  useEffect(
+    () =>
+      source.onStop((stop) => {
+        if (stop.axis === axis) void queries.invalidateQueries({ queryKey: ["stops", device, axis] });
+      }),
+    [source, queries, device, axis],
+  );
+  return stops;
+}
