@@ -12,6 +12,7 @@ import type { Staged } from "./store";
 import type { Reading } from "./useRegisters";
 
 interface Props {
+  what: { one: string; many: string };
   staged: Staged;
   rows: ReadonlyMap<Key, RegisterRow>;
   readings: ReadonlyMap<Key, Reading>;
@@ -25,16 +26,16 @@ interface Props {
 
 /** The diff that waits, in the order in which it will be sent, and how the last one fared. */
 export function ChangesPanel(props: Props) {
-  const { staged, rows, readings, axisNames, error, busy, canApply, onApply, onDiscard } = props;
+  const { what, staged, rows, readings, axisNames, error, busy, canApply, onApply, onDiscard } = props;
   const count = countChanges(staged.edits);
   const many = (row: { axis: number | null }) => (row.axis === null || axisNames.length < 2 ? "" : axisNames[row.axis]);
   return (
     <div className={css.changes}>
-      {error !== null && <ProblemAlert error={error} doing="Writing registers" />}
+      {error !== null && <ProblemAlert error={error} doing={`Writing ${what.many}`} />}
       {count === 0 && staged.applied.length === 0 && (
         <EmptyState title="Nothing staged" icon={<IconListCheck size={22} />}>
           <Text size="sm" className={css.dim} maw={260}>
-            Edit a value or a field in the table. Edits gather here and reach the chip only when you apply them.
+            Edit a value or a field in the table. Edits gather here and reach the device only when you apply them.
           </Text>
         </EmptyState>
       )}
@@ -115,7 +116,7 @@ function DiffEntry({ edit, row, axis, chip, onDiscard }: DiffProps) {
       {edit.fate && <FateText edit={edit} row={row} />}
       {moved && edit.base !== null && (
         <Text size="xs" className={css.note}>
-          The chip changed since you began: it held {hex(edit.base, row.width)}.
+          It changed since you began: it held {hex(edit.base, row.width)}.
         </Text>
       )}
     </li>
@@ -180,7 +181,7 @@ function AppliedEntry({ applied, row, axis }: { applied: Applied; row: RegisterR
       </div>
       {(written.note !== "" || written.verified === null) && (
         <Text size="xs" className={css.note}>
-          {written.note || "The chip changes this register by itself, so a read-back proves nothing."}
+          {written.note || "The device changes it by itself, so a read-back proves nothing."}
         </Text>
       )}
     </li>

@@ -1,16 +1,16 @@
-import { Button, CloseButton, Kbd, Switch, TextInput } from "@mantine/core";
+import { Button, CloseButton, Kbd, TextInput } from "@mantine/core";
 import { IconPlayerPause, IconPlayerPlay, IconSearch } from "@tabler/icons-react";
-import type { RefObject } from "react";
+import type { PropsWithChildren, RefObject } from "react";
 import css from "./rows.module.css";
 
 interface Props {
+  /** what is searched, in the plural */
+  what: string;
+  placeholder: string;
   searchRef: RefObject<HTMLInputElement>;
   query: string;
   onQuery: (query: string) => void;
   shown: number;
-  many: boolean;
-  allAxes: boolean;
-  onAllAxes: (all: boolean) => void;
   paused: boolean;
   onPaused: (paused: boolean) => void;
   connected: boolean;
@@ -19,8 +19,9 @@ interface Props {
   ageMs: number;
 }
 
-export function Toolbar(props: Props) {
-  const { searchRef, query, onQuery, shown, many, allAxes, onAllAxes } = props;
+/** Search, whatever else the page puts there, and how fresh the values are. */
+export function Toolbar(props: PropsWithChildren<Props>) {
+  const { what, placeholder, searchRef, query, onQuery, shown, children } = props;
   const { paused, onPaused, connected, known, ageMs } = props;
   const state = !connected ? "not connected" : paused ? "paused" : ageMs > 0 ? "no news" : known ? "live" : "reading";
   return (
@@ -29,8 +30,8 @@ export function Toolbar(props: Props) {
         ref={searchRef}
         size="xs"
         className={css.search}
-        aria-label="Search registers"
-        placeholder="Name, address, field or words of the help"
+        aria-label={`Search ${what}`}
+        placeholder={placeholder}
         leftSection={<IconSearch size={14} aria-hidden />}
         rightSection={
           query === "" ? (
@@ -49,15 +50,7 @@ export function Toolbar(props: Props) {
           document.querySelector<HTMLElement>("[data-row]")?.focus();
         }}
       />
-      {many && (
-        <Switch
-          size="xs"
-          label="All axes"
-          classNames={{ label: css.switchLabel }}
-          checked={allAxes}
-          onChange={(event) => onAllAxes(event.currentTarget.checked)}
-        />
-      )}
+      {children}
       <span className={`${css.shown} num`} role="status">
         {query === "" ? "" : `${shown} found`}
       </span>

@@ -10,6 +10,8 @@ export type Reading = Schemas["RegisterReading"];
 const POLL_MS = 320;
 const OLD_MS = 2000;
 
+export type Live = ReturnType<typeof useRegisters>;
+
 /**
  * Catalog and live readings of a device, all registers in one look. A hidden page does not poll, and a slow link is
  * asked half of its time at most.

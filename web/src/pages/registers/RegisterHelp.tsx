@@ -1,10 +1,10 @@
 import { Button, Group, Text } from "@mantine/core";
 import { fixed, hex } from "../../lib/format";
+import type { RowActions } from "../../lib/rows/actions";
 import { accessText, enumName, type RegisterRow, toSigned, unpackField, writable } from "../../lib/rows/bits";
 import { rangeText } from "../../lib/rows/input";
 import { AccessMark, RegisterName } from "../../lib/rows/parts";
 import common from "../../lib/rows/rows.module.css";
-import type { RowActions } from "./RegisterLine";
 
 interface Props {
   row: RegisterRow;

@@ -2,25 +2,17 @@ import { ActionIcon } from "@mantine/core";
 import { IconArrowBackUp, IconChevronRight, IconPencil } from "@tabler/icons-react";
 import { memo, useCallback } from "react";
 import { hex } from "../../lib/format";
-import { type FieldRow, type RegisterRow, toSigned, writable } from "../../lib/rows/bits";
+import type { RowActions } from "../../lib/rows/actions";
+import { type RegisterRow, toSigned, writable } from "../../lib/rows/bits";
 import { NumberEntry } from "../../lib/rows/NumberEntry";
 import { AccessMark, PackedText, PhysicalText, RawText, RegisterName, ValueText } from "../../lib/rows/parts";
 import { scalesOf } from "../../lib/rows/physical";
 import common from "../../lib/rows/rows.module.css";
-import { type Edit, type Key, keyOf, stagedRaw } from "../../lib/rows/staging";
+import { type Edit, keyOf, stagedRaw } from "../../lib/rows/staging";
 import type { Reading } from "../../lib/rows/useRegisters";
 import type { AxisScale } from "../../lib/units";
 import { BitStrip } from "./BitStrip";
 import { FieldList } from "./FieldList";
-
-/** What a row may ask of its page. Stable, so that rows render only for their own sake. */
-export interface RowActions {
-  select: (key: Key) => void;
-  toggle: (key: Key, open?: boolean) => void;
-  edit: (key: Key | null) => void;
-  stage: (row: RegisterRow, field: FieldRow | null, value: number, chip: number | null) => void;
-  unstage: (key: Key, field?: string) => void;
-}
 
 export interface RowProps {
   row: RegisterRow;

@@ -1,15 +1,16 @@
-import { Button, Skeleton, Text } from "@mantine/core";
-import { IconChevronRight, IconSearchOff } from "@tabler/icons-react";
-import type { KeyboardEvent } from "react";
+import { Button, Text } from "@mantine/core";
+import { IconSearchOff } from "@tabler/icons-react";
 import { EmptyState } from "../../lib/EmptyState";
-import { type RegisterRow, writable } from "../../lib/rows/bits";
+import type { RowActions } from "../../lib/rows/actions";
+import type { RegisterRow } from "../../lib/rows/bits";
 import common from "../../lib/rows/rows.module.css";
 import { type Group, matchingFields } from "../../lib/rows/search";
 import { type Edit, type Key, keyOf } from "../../lib/rows/staging";
+import { GroupHead, onTableKey, RowsLoading } from "../../lib/rows/table";
 import type { Reading } from "../../lib/rows/useRegisters";
 import type { AxisScale } from "../../lib/units";
 import { RegisterCard } from "./RegisterCard";
-import { RegisterLine, type RowActions } from "./RegisterLine";
+import { RegisterLine } from "./RegisterLine";
 
 interface Props {
   phone: boolean;
@@ -35,7 +36,7 @@ interface Props {
 /** All groups of registers, as a table or, on a phone, as cards. */
 export function RegisterList(props: Props) {
   const { phone, loading, groups, query, isFolded, old, axisNames, onFold } = props;
-  if (loading) return <Loading />;
+  if (loading) return <RowsLoading what="register" />;
   if (groups.length === 0)
     return (
       <EmptyState title={`No register matches "${query}"`} icon={<IconSearchOff size={22} />}>
@@ -148,104 +149,4 @@ export function RegisterList(props: Props) {
       ))}
     </table>
   );
-}
-
-interface HeadProps {
-  group: Group;
-  title: string;
-  folded: boolean;
-  staged: number;
-  onFold: (key: string, folded: boolean) => void;
-}
-
-function GroupHead({ group, title, folded, staged, onFold }: HeadProps) {
-  return (
-    <button
-      type="button"
-      className={common.groupHead}
-      data-row={`group ${group.key}`}
-      aria-expanded={!folded}
-      onClick={() => onFold(group.key, !folded)}
-    >
-      <IconChevronRight size={13} className={common.chevron} data-open={!folded} aria-hidden />
-      {title.charAt(0).toUpperCase() + title.slice(1)}
-      <span className={common.groupCount}>{group.rows.length}</span>
-      {staged > 0 && <span className={common.badge}>{staged}</span>}
-    </button>
-  );
-}
-
-function Loading() {
-  return (
-    <div aria-busy="true" role="status" aria-label="Reading the register list">
-      {Array.from({ length: 14 }, (_, index) => (
-        // biome-ignore lint/suspicious/noArrayIndexKey: equal bars that never change places
-        <Skeleton key={index} height={22} mb={7} radius="sm" />
-      ))}
-    </div>
-  );
-}
-
-/** Up and down walk, right and left open and close, Enter edits. Only where a row itself has the focus. */
-function onTableKey(
-  event: KeyboardEvent<HTMLTableElement>,
-  groups: readonly Group[],
-  open: ReadonlySet<Key>,
-  actions: RowActions,
-): void {
-  const target = event.target as HTMLElement;
-  const key = target.dataset.row;
-  if (key === undefined || event.altKey || event.ctrlKey || event.metaKey) return;
-  const row = groups.flatMap((group) => group.rows).find((candidate) => keyOf(candidate) === key);
-  const walk = (by: number) => {
-    const all = [...event.currentTarget.querySelectorAll<HTMLElement>("[data-row]")];
-    all[Math.max(0, Math.min(all.length - 1, all.indexOf(target) + by))]?.focus();
-  };
-  switch (event.key) {
-    case "ArrowDown":
-      walk(1);
-      break;
-    case "ArrowUp":
-      walk(-1);
-      break;
-    case "PageDown":
-      walk(10);
-      break;
-    case "PageUp":
-      walk(-10);
-      break;
-    case "Home":
-      walk(Number.NEGATIVE_INFINITY);
-      break;
-    case "End":
-      walk(Number.POSITIVE_INFINITY);
-      break;
-    case "ArrowRight":
-      if (row) actions.toggle(key, true);
-      else if (target.getAttribute("aria-expanded") === "false") target.click();
-      break;
-    case "ArrowLeft":
-      if (row) actions.toggle(key, false);
-      else if (target.getAttribute("aria-expanded") === "true") target.click();
-      break;
-    case "Enter":
-      if (!row) return; // the group's own button
-      if (row.fields.length > 0) enterFields(key, open, actions);
-      else if (writable(row.access)) actions.edit(key);
-      break;
-    default:
-      return;
-  }
-  event.preventDefault();
-}
-
-/** Opens a packed register and goes to its first editor. */
-function enterFields(key: Key, open: ReadonlySet<Key>, actions: RowActions): void {
-  actions.toggle(key, true);
-  const focus = () =>
-    document
-      .querySelector<HTMLElement>(`[data-detail="${CSS.escape(key)}"] [data-field] :is(input, button):not(:disabled)`)
-      ?.focus();
-  if (open.has(key)) focus();
-  else requestAnimationFrame(() => requestAnimationFrame(focus));
 }

@@ -1,0 +1,38 @@
+import { useMemo, useState } from "react";
+import type { FieldRow, RegisterRow } from "./bits";
+import { type Key, stage, unstage } from "./staging";
+import { updateStaged } from "./store";
+
+/** What a row may ask of its page. Stable, so that rows render only for their own sake. */
+export interface RowActions {
+  select: (key: Key) => void;
+  toggle: (key: Key, open?: boolean) => void;
+  edit: (key: Key | null) => void;
+  stage: (row: RegisterRow, field: FieldRow | null, value: number, chip: number | null) => void;
+  unstage: (key: Key, field?: string) => void;
+}
+
+/** Which rows are open, in editing, and selected; the actions stay the same object as long as the device does. */
+export function useRowState(device: string) {
+  const [open, setOpen] = useState<ReadonlySet<Key>>(new Set());
+  const [editing, setEditing] = useState<Key | null>(null);
+  const [selected, setSelected] = useState<Key | null>(null);
+  const actions = useMemo<RowActions>(
+    () => ({
+      select: setSelected,
+      toggle: (key, wanted) =>
+        setOpen((now) => {
+          const next = new Set(now);
+          if (wanted ?? !next.has(key)) next.add(key);
+          else next.delete(key);
+          return next;
+        }),
+      edit: setEditing,
+      stage: (row, field, value, chip) =>
+        updateStaged(device, (now) => ({ edits: stage(now.edits, row, field, value, chip) })),
+      unstage: (key, field) => updateStaged(device, (now) => ({ edits: unstage(now.edits, key, field) })),
+    }),
+    [device],
+  );
+  return { open, editing, selected, actions };
+}
