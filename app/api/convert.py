@@ -7,7 +7,7 @@ from contextlib import contextmanager
 
 from pydantic import TypeAdapter, ValidationError
 
-from app.api.problems import problem_of
+from app.api.problems import findings, problem_of
 from app.api.schemas import AxisConfig, AxisInfo, ChannelInfo, DeviceInfo
 from app.api.schemas_axes import MotionEnd, Prediction, StopResult
 from app.api.schemas_calc import Phase
@@ -42,11 +42,7 @@ def suited(link: AnyLink, model: str) -> AnyLink:
     try:
         return _LINKS[family.kind].validate_python(link.model_dump(exclude_unset=True) | {"kind": link.kind})
     except ValidationError as error:
-        reasons = "; ".join(
-            f"{'.'.join(str(part) for part in finding['loc'][1:]) or 'link'}: {finding['msg']}"
-            for finding in error.errors()
-        )
-        raise UsageError(f"this link does not suit a {family.title}: {reasons}") from error
+        raise UsageError(f"this link does not suit a {family.title}: {findings(error)}") from error
 
 
 def link_of(link: AnyLink, clock_hz: float | None) -> Link:

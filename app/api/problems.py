@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from fastapi.responses import JSONResponse
+from pydantic import ValidationError
 from starlette.exceptions import HTTPException
 
 from app.api.schemas import Problem
@@ -130,6 +131,13 @@ def _plain(value: object) -> object:
     if isinstance(value, Sequence | set | frozenset):
         return [_plain(item) for item in value]
     return str(value)
+
+
+def findings(error: ValidationError) -> str:
+    """What pydantic found, in one line."""
+    return "; ".join(
+        f"{'.'.join(str(part) for part in finding['loc']) or 'body'}: {finding['msg']}" for finding in error.errors()
+    )
 
 
 # --- handlers -----------------------------------------------------------------------------------

@@ -10,6 +10,7 @@ from app.api.schemas import AxisConfig, Body, ChipName, ModuleName, Name
 from app.api.schemas_calc import ClockHz
 from app.api.schemas_links import Address, Baud
 from app.emulators.options import EmulatorOptions
+from app.emulators.pd42.options import Pd42Options
 
 HOST = (
     r"^[A-Za-z0-9_]([A-Za-z0-9_-]{0,62})(\.[A-Za-z0-9_-]{1,63})*\.?$|^[0-9A-Fa-f:.]*:[0-9A-Fa-f:.]*(%[A-Za-z0-9_-]+)?$"
@@ -38,7 +39,7 @@ class TcpLink(Body):
     timeout_s: Seconds = Field(default=1.0, description="how long to wait for an answer [s]")
 
 
-class ModuleEmulatorLink(Body):
+class ModuleEmulatorLink(Pd42Options):
     """A module emulated in this server, with a motor, a stage and encoders. What it stores outlives the server."""
 
     kind: Literal["emulator"]

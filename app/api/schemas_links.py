@@ -26,8 +26,8 @@ class FrameLog(Answer):
     """A stretch of the log, oldest first."""
 
     frames: list[FrameEntry]
-    next: int = Field(description="`after` for what comes next")
-    lost: int = Field(description="entries behind `after` that are not here: overwritten, or more than `limit`")
+    next: int = Field(description="`after` of the next call")
+    lost: int = Field(description="entries from `after` on that are not here: overwritten, or more than `limit`")
 
 
 class LinkCounts(Answer):
@@ -41,7 +41,7 @@ class LinkCounts(Answer):
     samples_dropped: int = Field(description="samples that found the link too busy")
     timeouts: int
     failures: int = Field(description="failed exchanges of any kind, timeouts included")
-    incidents: int = Field(description="incidents so far, also those that the list no longer holds")
+    incidents: dict[str, int] = Field(description="by kind; also those that the list no longer holds")
 
 
 class LinkIncident(Answer):
@@ -59,7 +59,7 @@ class LinkInfo(Answer):
     kind: str
     baud: int | None = Field(description="null where the link has no such limit (emulators, TCP, USB)")
     calls_per_s_possible: float | None = Field(description="one call is a frame and its reply; null without a limit")
-    calls_per_s: float = Field(description="calls of all devices on this wire in the last second")
+    calls_per_s: float = Field(description="calls of all devices on this wire, mean of two seconds")
     share: float | None = Field(description="used over possible, 0..1; null without a limit")
     counts: LinkCounts
     incidents: list[LinkIncident] = Field(description="newest first")

@@ -14,7 +14,7 @@ from app.links.errors import UnknownThing
 
 router = APIRouter(prefix="/devices/{device}", tags=["links"])
 
-After = Annotated[int, Query(description="only entries behind this one; 0 for the oldest that are kept", ge=0)]
+After = Annotated[int, Query(description="number of the first entry wanted: `next` of the answer before", ge=0)]
 Limit = Annotated[int, Query(description="at most so many, the newest ones", ge=1, le=2000)]
 
 

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-FullSteps = Annotated[float, Field(ge=-1e7, le=1e7, allow_inf_nan=False)]
+FullSteps = Annotated[float, Field(strict=True, ge=-1e7, le=1e7, allow_inf_nan=False)]
 
 
 def _positive(low: float, high: float) -> object:
@@ -24,23 +24,33 @@ class MotorOptions(_Closed):
     Kt, torque constant of one phase [N m/A peak] and back-EMF constant [V s/rad peak], is TH / (sqrt(2) I_r).
     """
 
-    rotor_teeth: Annotated[int, Field(ge=1, le=200)] = Field(default=50, description="50: 1.8 deg a full step")
-    resistance_ohm: Annotated[float, Field(ge=0.05, le=200)] = Field(default=2.3, description="of one coil")
-    inductance_h: Annotated[float, Field(ge=1e-4, le=0.5)] = Field(default=4.4e-3, description="of one coil")
-    rated_current_a: Annotated[float, Field(ge=0.05, le=20)] = Field(
+    rotor_teeth: Annotated[int, Field(strict=True, ge=1, le=200)] = Field(
+        default=50, description="50: 1.8 deg a full step"
+    )
+    resistance_ohm: Annotated[float, Field(strict=True, ge=0.05, le=200)] = Field(
+        default=2.3, description="of one coil"
+    )
+    inductance_h: Annotated[float, Field(strict=True, ge=1e-4, le=0.5)] = Field(
+        default=4.4e-3, description="of one coil"
+    )
+    rated_current_a: Annotated[float, Field(strict=True, ge=0.05, le=20)] = Field(
         default=1.5, description="in both coils, at the holding torque"
     )
-    holding_torque_nm: Annotated[float, Field(ge=1e-4, le=50)] = Field(
+    holding_torque_nm: Annotated[float, Field(strict=True, ge=1e-4, le=50)] = Field(
         default=0.45, description="both coils at rated current"
     )
-    rotor_inertia_kgm2: Annotated[float, Field(ge=1e-8, le=1e-2)] = 58e-7
-    detent_torque_nm: Annotated[float, Field(ge=-5, le=5)] = Field(
+    rotor_inertia_kgm2: Annotated[float, Field(strict=True, ge=1e-8, le=1e-2)] = 58e-7
+    detent_torque_nm: Annotated[float, Field(strict=True, ge=-5, le=5)] = Field(
         default=0.02,
         description="amplitude Td of -Td sin(4e); either sign, 0 for an ideal motor. 4.4 % of the holding torque",
     )
-    viscous_nms: Annotated[float, Field(ge=0, le=1)] = Field(default=1e-3, description="viscous friction B [N m s]")
-    friction_nm: Annotated[float, Field(ge=0, le=10)] = Field(default=0.005, description="Coulomb friction Tc, turning")
-    stiction_ratio: Annotated[float, Field(ge=1, le=3)] = Field(
+    viscous_nms: Annotated[float, Field(strict=True, ge=0, le=1)] = Field(
+        default=1e-3, description="viscous friction B [N m s]"
+    )
+    friction_nm: Annotated[float, Field(strict=True, ge=0, le=10)] = Field(
+        default=0.005, description="Coulomb friction Tc, turning"
+    )
+    stiction_ratio: Annotated[float, Field(strict=True, ge=1, le=3)] = Field(
         default=1.2, description="friction at rest as a multiple of that when turning"
     )
 
@@ -53,11 +63,15 @@ class MotorOptions(_Closed):
 class LoadOptions(_Closed):
     """What hangs on the shaft from the start; `World` changes torque and friction while it runs."""
 
-    inertia_kgm2: Annotated[float, Field(ge=0, le=1)] = Field(default=0.0, description="added to the rotor's")
-    torque_nm: Annotated[float, Field(ge=-50, le=50)] = Field(
+    inertia_kgm2: Annotated[float, Field(strict=True, ge=0, le=1)] = Field(
+        default=0.0, description="added to the rotor's"
+    )
+    torque_nm: Annotated[float, Field(strict=True, ge=-50, le=50)] = Field(
         default=0.0, description="constant, like a weight: positive ones pull the shaft to negative positions"
     )
-    friction_nm: Annotated[float, Field(ge=0, le=50)] = Field(default=0.0, description="Coulomb friction of the load")
+    friction_nm: Annotated[float, Field(strict=True, ge=0, le=50)] = Field(
+        default=0.0, description="Coulomb friction of the load"
+    )
 
 
 class StageSwitches(_Closed):
@@ -86,20 +100,22 @@ class EncoderOptions(_Closed):
     An encoder sees theta + e1 sin(theta + p1) + e2 sin(2 theta + p2), cut into whole counts.
     """
 
-    internal_counts: Annotated[int, Field(ge=4, le=1 << 20)] = Field(default=1024, description="positions a turn")
+    internal_counts: Annotated[int, Field(strict=True, ge=4, le=1 << 20)] = Field(
+        default=1024, description="positions a turn"
+    )
     internal_zero_fullsteps: FullSteps = Field(default=37.3, description="rotor place at which the magnet reads 0")
-    eccentricity_deg: Annotated[float, Field(ge=0, le=10)] = Field(
+    eccentricity_deg: Annotated[float, Field(strict=True, ge=0, le=10)] = Field(
         default=0.25, description="internal: amplitude e1 of the once-a-turn error [deg of the shaft]"
     )
-    eccentricity_phase_deg: Annotated[float, Field(ge=-360, le=360)] = 40.0
-    second_harmonic_deg: Annotated[float, Field(ge=0, le=10)] = Field(
+    eccentricity_phase_deg: Annotated[float, Field(strict=True, ge=-360, le=360)] = 40.0
+    second_harmonic_deg: Annotated[float, Field(strict=True, ge=0, le=10)] = Field(
         default=0.1, description="internal: amplitude e2 of the twice-a-turn error [deg of the shaft]"
     )
-    second_harmonic_phase_deg: Annotated[float, Field(ge=-360, le=360)] = 110.0
-    external_lines: Annotated[int, Field(ge=1, le=1 << 20)] = Field(
+    second_harmonic_phase_deg: Annotated[float, Field(strict=True, ge=-360, le=360)] = 110.0
+    external_lines: Annotated[int, Field(strict=True, ge=1, le=1 << 20)] = Field(
         default=1000, description="of the external encoder: four counts a line"
     )
-    external_reversed: bool = Field(default=False, description="A and B are swapped")
+    external_reversed: Annotated[bool, Field(strict=True)] = Field(default=False, description="A and B are swapped")
 
 
 class DriveOptions(_Closed):
@@ -109,24 +125,26 @@ class DriveOptions(_Closed):
     load: LoadOptions = LoadOptions()
     stage: StageSwitches = StageSwitches()
     encoders: EncoderOptions = EncoderOptions()
-    clock_hz: Annotated[float, Field(ge=4e6, le=20e6, allow_inf_nan=False)] = Field(
+    clock_hz: Annotated[float, Field(strict=True, ge=4e6, le=20e6, allow_inf_nan=False)] = Field(
         default=16e6, description="fCLK, which all register units hang on [Hz]"
     )
-    supply_v: Annotated[float, Field(ge=0, le=60)] = Field(default=24.0, description="motor supply")
-    full_scale_a: Annotated[float, Field(ge=0.1, le=30)] = Field(
+    supply_v: Annotated[float, Field(strict=True, ge=0, le=60)] = Field(default=24.0, description="motor supply")
+    full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30)] = Field(
         default=4.2,
         description="peak coil current at current scale 31 and GLOBALSCALER 0, i.e. TMCL AP 6 = 255: "
         "the PD42-1241's 3 A RMS, 4.2 A peak (004, 1.2)",
     )
-    regulator_s: Annotated[float, Field(ge=2e-5, le=1e-3)] = Field(
+    regulator_s: Annotated[float, Field(strict=True, ge=2e-5, le=1e-3)] = Field(
         default=1e-4, description="time constant of the chopper, taken as a first-order lag (50 to 200 us)"
     )
     start_fullsteps: FullSteps = Field(default=0.0, description="where the rotor stands at first")
-    stall_full_scale: Annotated[float, Field(ge=50, le=2000)] = Field(
+    stall_full_scale: Annotated[float, Field(strict=True, ge=50, le=2000)] = Field(
         default=500.0, description="StallGuard2 value without load, at high speed and SGT 0"
     )
-    stall_half_speed_fullsteps_per_s: Annotated[float, Field(ge=1, le=1e5)] = Field(
+    stall_half_speed_fullsteps_per_s: Annotated[float, Field(strict=True, ge=1, le=1e5)] = Field(
         default=100.0, description="speed at which the unloaded StallGuard2 value is half of that"
     )
-    stall_noise: Annotated[float, Field(ge=0, le=200)] = Field(default=10.0, description="of a StallGuard2 value, +-")
-    seed: Annotated[int, Field(ge=0, le=2**32 - 1)] = Field(default=5160, description="of the noise")
+    stall_noise: Annotated[float, Field(strict=True, ge=0, le=200)] = Field(
+        default=10.0, description="of a StallGuard2 value, +-"
+    )
+    seed: Annotated[int, Field(strict=True, ge=0, le=2**32 - 1)] = Field(default=5160, description="of the noise")

@@ -601,7 +601,7 @@ export interface paths {
         };
         /**
          * Get Emulator
-         * @description The mechanics, switches, faults and time of an emulated device, as no driver can see them.
+         * @description Mechanics, switches, faults and time of what is emulated, as no driver sees them; `model` tells which it is.
          */
         get: operations["get_emulator"];
         put?: never;
@@ -611,7 +611,7 @@ export interface paths {
         head?: never;
         /**
          * Change Emulator
-         * @description Force switches, cause faults, run faster or slower, cut the power; what is left out stays.
+         * @description Force switches, cause faults, load the motor, run faster or slower, cut the power; what is left out stays.
          */
         patch: operations["change_emulator"];
         trace?: never;
@@ -829,6 +829,33 @@ export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
         /**
+         * ApplicationState
+         * @description The program in the module. It is stored and its run state kept; nothing executes it.
+         */
+        ApplicationState: {
+            /**
+             * Status
+             * @enum {string}
+             */
+            status: "stopped" | "runs" | "steps";
+            /**
+             * Counter
+             * @description command that would come next
+             */
+            counter: number;
+            /** Downloading */
+            downloading: boolean;
+            /**
+             * Commands
+             * @description commands in program memory
+             */
+            commands: number;
+            /** Accumulator */
+            accumulator: number;
+            /** X */
+            x: number;
+        };
+        /**
          * AxisConfig
          * @description The motor on an axis and what it moves.
          */
@@ -912,7 +939,7 @@ export interface components {
              * @description where the carriage really is [full steps]
              */
             position_fullsteps: number;
-            stage: components["schemas"]["StageState"];
+            stage: components["schemas"]["app__emulators__state__StageState"];
             switches: components["schemas"]["app__emulators__state__Switches"];
         };
         /** AxisStateOut */
@@ -1410,9 +1437,9 @@ export interface components {
             /** Switches */
             switches?: components["schemas"]["SwitchChange"][];
             /** Stages */
-            stages?: components["schemas"]["StageChange"][];
-            inputs?: components["schemas"]["InputsChange"];
-            faults?: components["schemas"]["FaultsChange"];
+            stages?: components["schemas"]["app__emulators__options__StageChange"][];
+            inputs?: components["schemas"]["app__emulators__options__InputsChange"];
+            faults?: components["schemas"]["app__emulators__options__FaultsChange"];
             /** Drivers */
             drivers?: components["schemas"]["DriverChange"][];
             /**
@@ -1446,6 +1473,108 @@ export interface components {
             driver_chain: components["schemas"]["ChainState"] | null;
             step_dir: components["schemas"]["StepDirState"] | null;
         };
+        /** EncoderChange */
+        EncoderChange: {
+            /**
+             * Slip Fullsteps
+             * @description one shot: lets the built-in encoder's magnet slip on the shaft by so much
+             */
+            slip_fullsteps?: number | null;
+            /**
+             * External Slip Fullsteps
+             * @description one shot: the same, external encoder
+             */
+            external_slip_fullsteps?: number | null;
+            /**
+             * Eccentricity Deg
+             * @description once-a-turn error of the built-in encoder [deg of the shaft]
+             */
+            eccentricity_deg?: number | null;
+        };
+        /**
+         * EncoderOptions
+         * @description The magnet on the shaft, and an encoder with A and B lines (and N once a turn) at its other end.
+         *
+         *     An encoder sees theta + e1 sin(theta + p1) + e2 sin(2 theta + p2), cut into whole counts.
+         */
+        EncoderOptions: {
+            /**
+             * Internal Counts
+             * @description positions a turn
+             * @default 1024
+             */
+            internal_counts?: number;
+            /**
+             * Internal Zero Fullsteps
+             * @description rotor place at which the magnet reads 0
+             * @default 37.3
+             */
+            internal_zero_fullsteps?: number;
+            /**
+             * Eccentricity Deg
+             * @description internal: amplitude e1 of the once-a-turn error [deg of the shaft]
+             * @default 0.25
+             */
+            eccentricity_deg?: number;
+            /**
+             * Eccentricity Phase Deg
+             * @default 40
+             */
+            eccentricity_phase_deg?: number;
+            /**
+             * Second Harmonic Deg
+             * @description internal: amplitude e2 of the twice-a-turn error [deg of the shaft]
+             * @default 0.1
+             */
+            second_harmonic_deg?: number;
+            /**
+             * Second Harmonic Phase Deg
+             * @default 110
+             */
+            second_harmonic_phase_deg?: number;
+            /**
+             * External Lines
+             * @description of the external encoder: four counts a line
+             * @default 1000
+             */
+            external_lines?: number;
+            /**
+             * External Reversed
+             * @description A and B are swapped
+             * @default false
+             */
+            external_reversed?: boolean;
+        };
+        /** EncoderState */
+        EncoderState: {
+            /**
+             * Absolute
+             * @description place of the built-in encoder in its turn, 0..1023
+             */
+            absolute: number;
+            /**
+             * Counts
+             * @description built-in encoder, since the start
+             */
+            counts: number;
+            /**
+             * External Counts
+             * @description external encoder, since the start: four a line
+             */
+            external_counts: number;
+            /**
+             * Slip Fullsteps
+             * @description how far the built-in encoder's magnet has slipped in all
+             */
+            slip_fullsteps: number;
+            /** External Slip Fullsteps */
+            external_slip_fullsteps: number;
+            /**
+             * Eccentricity Deg
+             * @description once-a-turn error of the built-in encoder [deg of the shaft]
+             */
+            eccentricity_deg: number;
+        };
         /** Exchange */
         Exchange: {
             /**
@@ -1472,26 +1601,20 @@ export interface components {
             /** Bit Error Rate */
             bit_error_rate: number;
         };
-        /**
-         * FaultsChange
-         * @description Faults between the chip and us.
-         */
-        FaultsChange: {
-            /**
-             * Silence
-             * @description frames get no answer
-             */
-            silence?: boolean | null;
-            /**
-             * Unplugged
-             * @description the link is gone
-             */
-            unplugged?: boolean | null;
-            /**
-             * Bit Error Rate
-             * @description probability that a bit of a reply is flipped
-             */
-            bit_error_rate?: number | null;
+        /** FaultsState */
+        FaultsState: {
+            /** Silence */
+            silence: boolean;
+            /** Late Reply S */
+            late_reply_s: number;
+            /** Bit Error Rate */
+            bit_error_rate: number;
+            /** Half Frame Rate */
+            half_frame_rate: number;
+            /** Unplugged */
+            unplugged: boolean;
+            /** Undervoltage */
+            undervoltage: boolean;
         };
         /** FieldRow */
         FieldRow: {
@@ -1569,12 +1692,12 @@ export interface components {
             frames: components["schemas"]["FrameEntry"][];
             /**
              * Next
-             * @description `after` for what comes next
+             * @description `after` of the next call
              */
             next: number;
             /**
              * Lost
-             * @description entries behind `after` that are not here: overwritten, or more than `limit`
+             * @description entries from `after` on that are not here: overwritten, or more than `limit`
              */
             lost: number;
         };
@@ -1597,13 +1720,32 @@ export interface components {
              */
             gp_in: boolean;
         };
-        /** InputsChange */
-        InputsChange: {
+        /** InputsState */
+        InputsState: {
             /**
-             * Gp In
-             * @description TMC4210: level of the general purpose input
+             * In0
+             * @description home switch
              */
-            gp_in?: boolean | null;
+            in0: boolean;
+            /** In1 */
+            in1: boolean;
+            /** In2 */
+            in2: boolean;
+            /**
+             * In3
+             * @description the analog input as a digital one
+             */
+            in3: boolean;
+            /**
+             * Analog
+             * @description ADC counts
+             */
+            analog: number;
+            /**
+             * Outputs
+             * @description what SIO has set
+             */
+            outputs: number[];
         };
         /** KeepRotating */
         KeepRotating: {
@@ -1657,9 +1799,11 @@ export interface components {
             failures: number;
             /**
              * Incidents
-             * @description incidents so far, also those that the list no longer holds
+             * @description by kind; also those that the list no longer holds
              */
-            incidents: number;
+            incidents: {
+                [key: string]: number;
+            };
         };
         /**
          * LinkIncident
@@ -1694,7 +1838,7 @@ export interface components {
             calls_per_s_possible: number | null;
             /**
              * Calls Per S
-             * @description calls of all devices on this wire in the last second
+             * @description calls of all devices on this wire, mean of two seconds
              */
             calls_per_s: number;
             /**
@@ -1726,6 +1870,30 @@ export interface components {
             /** Round Trip Ms */
             round_trip_ms: number | null;
             problem: components["schemas"]["Problem"] | null;
+        };
+        /**
+         * LoadOptions
+         * @description What hangs on the shaft from the start; `World` changes torque and friction while it runs.
+         */
+        LoadOptions: {
+            /**
+             * Inertia Kgm2
+             * @description added to the rotor's
+             * @default 0
+             */
+            inertia_kgm2?: number;
+            /**
+             * Torque Nm
+             * @description constant, like a weight: positive ones pull the shaft to negative positions
+             * @default 0
+             */
+            torque_nm?: number;
+            /**
+             * Friction Nm
+             * @description Coulomb friction of the load
+             * @default 0
+             */
+            friction_nm?: number;
         };
         /** Mechanics */
         Mechanics: {
@@ -1919,6 +2087,46 @@ export interface components {
          */
         ModuleEmulatorLink: {
             /**
+             * Time Scale
+             * @description how fast the module's time passes; 0 stands still
+             * @default 1
+             */
+            time_scale?: number;
+            /**
+             * Address
+             * @description serial address at delivery; what its EEPROM holds comes first
+             * @default 1
+             */
+            address?: number;
+            /**
+             * Baud Code
+             * @description code of the baud rate at delivery (global parameter 65); 0 is 9600, 7 is 115200
+             * @default 0
+             */
+            baud_code?: number;
+            motor?: components["schemas"]["MotorOptions"];
+            load?: components["schemas"]["LoadOptions"];
+            stage?: components["schemas"]["StageSwitches"];
+            encoders?: components["schemas"]["EncoderOptions"];
+            /**
+             * Supply V
+             * @description motor supply [V]
+             * @default 24
+             */
+            supply_v?: number;
+            /**
+             * Start Fullsteps
+             * @description where the rotor stands at first [full steps]
+             * @default 0
+             */
+            start_fullsteps?: number;
+            /**
+             * Seed
+             * @description of the noise in the load value and of faults on the wire
+             * @default 1241
+             */
+            seed?: number;
+            /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
@@ -2062,6 +2270,113 @@ export interface components {
             /** Detail */
             detail: string;
         };
+        /** MotorChange */
+        MotorChange: {
+            /**
+             * Connected
+             * @description false pulls the motor's plug
+             */
+            connected?: boolean | null;
+            /**
+             * Temperature C
+             * @description of the driver's bridges: warning from 120, shutdown from 150 [deg C]
+             */
+            temperature_c?: number | null;
+        };
+        /**
+         * MotorOptions
+         * @description A two-phase hybrid stepper. The default is like a 17HS15-1504S: 40 mm long, 1.5 A, 0.45 N m.
+         *
+         *     Kt, torque constant of one phase [N m/A peak] and back-EMF constant [V s/rad peak], is TH / (sqrt(2) I_r).
+         */
+        MotorOptions: {
+            /**
+             * Rotor Teeth
+             * @description 50: 1.8 deg a full step
+             * @default 50
+             */
+            rotor_teeth?: number;
+            /**
+             * Resistance Ohm
+             * @description of one coil
+             * @default 2.3
+             */
+            resistance_ohm?: number;
+            /**
+             * Inductance H
+             * @description of one coil
+             * @default 0.0044
+             */
+            inductance_h?: number;
+            /**
+             * Rated Current A
+             * @description in both coils, at the holding torque
+             * @default 1.5
+             */
+            rated_current_a?: number;
+            /**
+             * Holding Torque Nm
+             * @description both coils at rated current
+             * @default 0.45
+             */
+            holding_torque_nm?: number;
+            /**
+             * Rotor Inertia Kgm2
+             * @default 0.0000058
+             */
+            rotor_inertia_kgm2?: number;
+            /**
+             * Detent Torque Nm
+             * @description amplitude Td of -Td sin(4e); either sign, 0 for an ideal motor. 4.4 % of the holding torque
+             * @default 0.02
+             */
+            detent_torque_nm?: number;
+            /**
+             * Viscous Nms
+             * @description viscous friction B [N m s]
+             * @default 0.001
+             */
+            viscous_nms?: number;
+            /**
+             * Friction Nm
+             * @description Coulomb friction Tc, turning
+             * @default 0.005
+             */
+            friction_nm?: number;
+            /**
+             * Stiction Ratio
+             * @description friction at rest as a multiple of that when turning
+             * @default 1.2
+             */
+            stiction_ratio?: number;
+        };
+        /** MotorState */
+        MotorState: {
+            /** Connected */
+            connected: boolean;
+            /**
+             * Temperature C
+             * @description of the driver's bridges [deg C]
+             */
+            temperature_c: number;
+            /** Fullsteps Per Turn */
+            fullsteps_per_turn: number;
+            /**
+             * Torque Constant Nm A
+             * @description of one phase, peak values; also back-EMF constant [V s/rad]
+             */
+            torque_constant_nm_a: number;
+            /**
+             * Holding Torque Nm
+             * @description both coils at rated current [N m]
+             */
+            holding_torque_nm: number;
+            /**
+             * Rated Current A
+             * @description in both coils [A]
+             */
+            rated_current_a: number;
+        };
         /** Move */
         Move: {
             /** Target */
@@ -2100,6 +2415,107 @@ export interface components {
         Moves: {
             /** Moves */
             moves: components["schemas"]["AxisMove"][];
+        };
+        /**
+         * Pd42Patch
+         * @description A change to a running module; what is left out stays. A power cycle or factory default comes first.
+         */
+        Pd42Patch: {
+            /** Time Scale */
+            time_scale?: number | null;
+            motor?: components["schemas"]["MotorChange"];
+            /**
+             * Load Torque Nm
+             * @description constant, like a weight: a positive one pulls to negative positions [N m]
+             */
+            load_torque_nm?: number | null;
+            /**
+             * Blocked
+             * @description clamps the shaft where it is
+             */
+            blocked?: boolean | null;
+            /**
+             * Friction
+             * @description friction on top of the motor's own [N m]
+             */
+            friction?: number | null;
+            /**
+             * Supply V
+             * @description motor supply [V]; the driver needs 8
+             */
+            supply_v?: number | null;
+            stage?: components["schemas"]["app__emulators__pd42__options__StageChange"];
+            switches?: components["schemas"]["SwitchesChange"];
+            encoder?: components["schemas"]["EncoderChange"];
+            inputs?: components["schemas"]["app__emulators__pd42__options__InputsChange"];
+            step_dir?: components["schemas"]["StepDirChange"] | null;
+            faults?: components["schemas"]["app__emulators__pd42__options__FaultsChange"];
+            /**
+             * Power Cycle
+             * @description off and on again; motor and stage stay where they are
+             * @default false
+             */
+            power_cycle?: boolean;
+            /**
+             * Factory Default
+             * @description erases the EEPROM, then power cycles
+             * @default false
+             */
+            factory_default?: boolean;
+        };
+        /**
+         * Pd42State
+         * @description Everything that GET .../emulator answers for a PD42-1241.
+         */
+        Pd42State: {
+            /**
+             * Model
+             * @default pd42-1241
+             * @constant
+             */
+            model?: "pd42-1241";
+            /** Time Scale */
+            time_scale: number;
+            /** Chip Time S */
+            chip_time_s: number;
+            /**
+             * Address
+             * @description serial address now
+             */
+            address: number;
+            /**
+             * Baud
+             * @description baud rate in force: a change waits for the next power-on
+             */
+            baud: number;
+            motor: components["schemas"]["MotorState"];
+            /** Load Torque Nm */
+            load_torque_nm: number;
+            /** Blocked */
+            blocked: boolean;
+            /**
+             * Friction
+             * @description friction on top of the motor's own [N m]
+             */
+            friction: number;
+            /**
+             * Supply V
+             * @description motor supply [V]
+             */
+            supply_v: number;
+            stage: components["schemas"]["app__emulators__pd42__state__StageState"];
+            switches: components["schemas"]["SwitchesState"];
+            encoder: components["schemas"]["EncoderState"];
+            inputs: components["schemas"]["InputsState"];
+            faults: components["schemas"]["FaultsState"];
+            application: components["schemas"]["ApplicationState"];
+            search: components["schemas"]["SearchState"];
+            truth: components["schemas"]["TruthState"];
+            /**
+             * Eeprom Path
+             * @description file that keeps the EEPROM; null: forgotten with the process
+             */
+            eeprom_path: string | null;
         };
         /** Phase */
         Phase: {
@@ -2806,6 +3222,19 @@ export interface components {
             /** Warnings */
             warnings: string[];
         };
+        /** SearchState */
+        SearchState: {
+            /**
+             * Mode
+             * @description axis parameter 193
+             */
+            mode: number;
+            /**
+             * Phase
+             * @description what the reference search does; empty while none runs
+             */
+            phase: string;
+        };
         /** SequencerRow */
         SequencerRow: {
             /** Index */
@@ -2854,27 +3283,6 @@ export interface components {
             message: string;
         };
         /**
-         * StageChange
-         * @description Moves switches of one stage, or the carriage itself as by hand. Full steps.
-         */
-        StageChange: {
-            /** Axis */
-            axis: number;
-            /** Left At Fullsteps */
-            left_at_fullsteps?: number | null;
-            /** Right At Fullsteps */
-            right_at_fullsteps?: number | null;
-            /** Ref From Fullsteps */
-            ref_from_fullsteps?: number | null;
-            /** Ref To Fullsteps */
-            ref_to_fullsteps?: number | null;
-            /**
-             * Position Fullsteps
-             * @description puts the carriage there
-             */
-            position_fullsteps?: number | null;
-        };
-        /**
          * StageOptions
          * @description A linear stage with three switches. Positions in full steps of the motor.
          *
@@ -2914,18 +3322,53 @@ export interface components {
             start_fullsteps?: number;
         };
         /**
-         * StageState
-         * @description Where the switches stand [full steps].
+         * StageSwitches
+         * @description A stage with three switches, placed in full steps of the rotor. It has no hard stops.
+         *
+         *     The default is 300 mm of travel at 200 full steps and 8 mm a turn, started in the middle.
          */
-        StageState: {
-            /** Left At Fullsteps */
-            left_at_fullsteps: number;
-            /** Right At Fullsteps */
-            right_at_fullsteps: number;
-            /** Ref From Fullsteps */
-            ref_from_fullsteps: number;
-            /** Ref To Fullsteps */
-            ref_to_fullsteps: number;
+        StageSwitches: {
+            /**
+             * Left At Fullsteps
+             * @description left switch is active here and to the left
+             * @default -3750
+             */
+            left_at_fullsteps?: number;
+            /**
+             * Right At Fullsteps
+             * @description right switch is active here and to the right
+             * @default 3750
+             */
+            right_at_fullsteps?: number;
+            /**
+             * Home From Fullsteps
+             * @description left end of the home switch
+             * @default -3500
+             */
+            home_from_fullsteps?: number;
+            /**
+             * Home To Fullsteps
+             * @description right end of the home switch
+             * @default -3400
+             */
+            home_to_fullsteps?: number;
+        };
+        /**
+         * StepDirChange
+         * @description Pulses on the step input, as from a pulse generator. They count while axis parameter 254 is 1.
+         */
+        StepDirChange: {
+            /**
+             * Pulses
+             * @description so many more; negative: direction left
+             */
+            pulses: number;
+            /**
+             * Rate Hz
+             * @description pulses a second
+             * @default 1000
+             */
+            rate_hz?: number;
         };
         /**
          * StepDirState
@@ -2992,15 +3435,23 @@ export interface components {
             /** Reference */
             reference?: boolean | "auto" | null;
         };
-        /** SwitchState */
-        SwitchState: {
-            /** Active */
-            active: boolean;
-            /**
-             * Forced
-             * @description null while the switch follows the stage
-             */
-            forced: boolean | null;
+        /**
+         * SwitchesChange
+         * @description Forces switches, or gives them back to the stage with "auto".
+         */
+        SwitchesChange: {
+            /** Left */
+            left?: boolean | "auto" | null;
+            /** Right */
+            right?: boolean | "auto" | null;
+            /** Home */
+            home?: boolean | "auto" | null;
+        };
+        /** SwitchesState */
+        SwitchesState: {
+            left: components["schemas"]["app__emulators__pd42__state__SwitchState"];
+            right: components["schemas"]["app__emulators__pd42__state__SwitchState"];
+            home: components["schemas"]["app__emulators__pd42__state__SwitchState"];
         };
         /**
          * TcpLink
@@ -3094,6 +3545,61 @@ export interface components {
             text: string;
             /** Took Ms */
             took_ms: number;
+        };
+        /**
+         * TruthState
+         * @description How motor and shaft really are: what no command of the module tells.
+         */
+        TruthState: {
+            /**
+             * Rotor Rad
+             * @description shaft angle, not wrapped [rad]
+             */
+            rotor_rad: number;
+            /**
+             * Rotor Fullsteps
+             * @description the same in full steps
+             */
+            rotor_fullsteps: number;
+            /**
+             * Field Fullsteps
+             * @description where an ideal unloaded rotor would stand [full steps]
+             */
+            field_fullsteps: number;
+            /** Speed Rad S */
+            speed_rad_s: number;
+            /**
+             * Load Angle Deg
+             * @description field minus rotor [deg electrical]; more than 90 does not hold
+             */
+            load_angle_deg: number;
+            /**
+             * Current A A
+             * @description coil A [A]
+             */
+            current_a_a: number;
+            /**
+             * Current B A
+             * @description coil B [A]
+             */
+            current_b_a: number;
+            /** Torque Nm */
+            torque_nm: number;
+            /**
+             * Lost Fullsteps
+             * @description full steps lost since power-on: multiples of four
+             */
+            lost_fullsteps: number;
+            /**
+             * Current Scale
+             * @description current scale in use, 0..31
+             */
+            current_scale: number;
+            /**
+             * Bridges
+             * @description "regulated", "open" or "shorted"
+             */
+            bridges: string;
         };
         /**
          * Units
@@ -3195,6 +3701,161 @@ export interface components {
             bit_name: string;
         };
         /**
+         * FaultsChange
+         * @description Faults between the chip and us.
+         */
+        app__emulators__options__FaultsChange: {
+            /**
+             * Silence
+             * @description frames get no answer
+             */
+            silence?: boolean | null;
+            /**
+             * Unplugged
+             * @description the link is gone
+             */
+            unplugged?: boolean | null;
+            /**
+             * Bit Error Rate
+             * @description probability that a bit of a reply is flipped
+             */
+            bit_error_rate?: number | null;
+        };
+        /** InputsChange */
+        app__emulators__options__InputsChange: {
+            /**
+             * Gp In
+             * @description TMC4210: level of the general purpose input
+             */
+            gp_in?: boolean | null;
+        };
+        /**
+         * StageChange
+         * @description Moves switches of one stage, or the carriage itself as by hand. Full steps.
+         */
+        app__emulators__options__StageChange: {
+            /** Axis */
+            axis: number;
+            /** Left At Fullsteps */
+            left_at_fullsteps?: number | null;
+            /** Right At Fullsteps */
+            right_at_fullsteps?: number | null;
+            /** Ref From Fullsteps */
+            ref_from_fullsteps?: number | null;
+            /** Ref To Fullsteps */
+            ref_to_fullsteps?: number | null;
+            /**
+             * Position Fullsteps
+             * @description puts the carriage there
+             */
+            position_fullsteps?: number | null;
+        };
+        /**
+         * FaultsChange
+         * @description Faults on the wire and of the supply.
+         */
+        app__emulators__pd42__options__FaultsChange: {
+            /**
+             * Silence
+             * @description commands are obeyed, answers are lost
+             */
+            silence?: boolean | null;
+            /**
+             * Late Reply S
+             * @description answers come this much later [s]; without a real line they count as lost
+             */
+            late_reply_s?: number | null;
+            /**
+             * Bit Error Rate
+             * @description probability that a bit of an answer is flipped
+             */
+            bit_error_rate?: number | null;
+            /**
+             * Half Frame Rate
+             * @description probability that an answer breaks off half way
+             */
+            half_frame_rate?: number | null;
+            /**
+             * Unplugged
+             * @description the line is gone: nothing is heard, nothing answered
+             */
+            unplugged?: boolean | null;
+            /**
+             * Undervoltage
+             * @description motor supply below what the driver needs: bridges off, motor free
+             */
+            undervoltage?: boolean | null;
+        };
+        /** InputsChange */
+        app__emulators__pd42__options__InputsChange: {
+            /**
+             * In1
+             * @description level on IN1, or "open"
+             */
+            in1?: boolean | "open" | null;
+            /**
+             * In2
+             * @description level on IN2, or "open"
+             */
+            in2?: boolean | "open" | null;
+            /**
+             * Analog
+             * @description counts of the analog input AIN0; IN3 is 1 from 2048 on
+             */
+            analog?: number | null;
+        };
+        /**
+         * StageChange
+         * @description Moves switches of the stage, or turns the shaft as by hand [full steps of the rotor].
+         */
+        app__emulators__pd42__options__StageChange: {
+            /** Left At Fullsteps */
+            left_at_fullsteps?: number | null;
+            /** Right At Fullsteps */
+            right_at_fullsteps?: number | null;
+            /** Home From Fullsteps */
+            home_from_fullsteps?: number | null;
+            /** Home To Fullsteps */
+            home_to_fullsteps?: number | null;
+            /**
+             * Position Fullsteps
+             * @description turns the shaft there and stops it
+             */
+            position_fullsteps?: number | null;
+        };
+        /**
+         * StageState
+         * @description Where switches and carriage are [full steps of the rotor].
+         */
+        app__emulators__pd42__state__StageState: {
+            /** Left At Fullsteps */
+            left_at_fullsteps: number;
+            /** Right At Fullsteps */
+            right_at_fullsteps: number;
+            /** Home From Fullsteps */
+            home_from_fullsteps: number;
+            /** Home To Fullsteps */
+            home_to_fullsteps: number;
+            /**
+             * Position Fullsteps
+             * @description where the carriage really is
+             */
+            position_fullsteps: number;
+        };
+        /** SwitchState */
+        app__emulators__pd42__state__SwitchState: {
+            /**
+             * Active
+             * @description pressed: polarity and swapping by axis parameters do not enter
+             */
+            active: boolean;
+            /**
+             * Forced
+             * @description null while the switch follows the stage
+             */
+            forced: boolean | null;
+        };
+        /**
          * ChainBit
          * @description One bit of a driver's part of the datagram.
          */
@@ -3204,11 +3865,35 @@ export interface components {
             /** Value */
             value: number;
         };
+        /**
+         * StageState
+         * @description Where the switches stand [full steps].
+         */
+        app__emulators__state__StageState: {
+            /** Left At Fullsteps */
+            left_at_fullsteps: number;
+            /** Right At Fullsteps */
+            right_at_fullsteps: number;
+            /** Ref From Fullsteps */
+            ref_from_fullsteps: number;
+            /** Ref To Fullsteps */
+            ref_to_fullsteps: number;
+        };
+        /** SwitchState */
+        app__emulators__state__SwitchState: {
+            /** Active */
+            active: boolean;
+            /**
+             * Forced
+             * @description null while the switch follows the stage
+             */
+            forced: boolean | null;
+        };
         /** Switches */
         app__emulators__state__Switches: {
-            left: components["schemas"]["SwitchState"];
-            right: components["schemas"]["SwitchState"];
-            reference: components["schemas"]["SwitchState"];
+            left: components["schemas"]["app__emulators__state__SwitchState"];
+            right: components["schemas"]["app__emulators__state__SwitchState"];
+            reference: components["schemas"]["app__emulators__state__SwitchState"];
         };
         /** TelemetryChannel */
         TelemetryChannel: {
@@ -5580,7 +6265,7 @@ export interface operations {
     get_frames: {
         parameters: {
             query?: {
-                /** @description only entries behind this one; 0 for the oldest that are kept */
+                /** @description number of the first entry wanted: `next` of the answer before */
                 after?: number;
                 /** @description at most so many, the newest ones */
                 limit?: number;
@@ -6228,7 +6913,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["EmulatorState"];
+                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Pd42State"];
                 };
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
@@ -6281,7 +6966,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["EmulatorPatch"];
+                "application/json": components["schemas"]["EmulatorPatch"] | components["schemas"]["Pd42Patch"];
             };
         };
         responses: {
@@ -6291,7 +6976,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["EmulatorState"];
+                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Pd42State"];
                 };
             };
             /** @description The body is not JSON (/problems/undecodable-body) */
@@ -6339,7 +7024,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;

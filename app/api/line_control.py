@@ -1,0 +1,145 @@
+"""The control port of an emulated line: its modules and its cable as REST, beside the wire.
+
+An application of its own, without devices, store or telemetry: whoever tests a client of theirs against
+`stepscope emulate` needs faults, not a dashboard.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from typing import Annotated
+
+from fastapi import APIRouter, Depends, FastAPI, Path, Request
+
+from app import __version__
+from app.api import openapi, problems
+from app.api.guard import Guard
+from app.api.problems import problems as responses
+from app.emulators.line.faults import LinePatch, LineState
+from app.emulators.line.line import Line
+from app.emulators.pd42.module import EmulatedModule
+from app.emulators.pd42.options import Pd42Patch
+from app.emulators.pd42.state import Pd42State
+from app.links.errors import OutOfRange, UnknownThing, WrongState
+
+BODY_LIMIT_BYTES = 64 * 1024
+
+
+class Controlled:
+    """A line that another thread serves, and its modules by the address that they were started with.
+
+    `call` runs a function between two frames of that thread.
+    """
+
+    def __init__(
+        self,
+        line: Line,
+        modules: Mapping[int, EmulatedModule],
+        call: Callable[[Callable[[], Pd42State | LineState]], Pd42State | LineState],
+    ) -> None:
+        self.line = line
+        self.modules = modules
+        self._call = call
+
+    def module(self, address: int | None) -> EmulatedModule:
+        """Raises UnknownThing for an address without a module, WrongState for none where there are several."""
+        if address is None:
+            if len(self.modules) > 1:
+                known = ", ".join(f"/emulator/{known}" for known in self.modules)
+                raise WrongState("there are several modules on this line", f"ask for one of them: {known}")
+            return next(iter(self.modules.values()))
+        if address not in self.modules:
+            raise UnknownThing("module", str(address), [str(known) for known in self.modules])
+        return self.modules[address]
+
+    def change_module(self, module: EmulatedModule, body: Pd42Patch) -> Pd42State:
+        state = self._call(lambda: module.patch(body))
+        assert isinstance(state, Pd42State)
+        return state
+
+    def ask_module(self, module: EmulatedModule) -> Pd42State:
+        state = self._call(module.state)
+        assert isinstance(state, Pd42State)
+        return state
+
+    def change_line(self, body: LinePatch) -> LineState:
+        state = self._call(lambda: self._changed_line(body))
+        assert isinstance(state, LineState)
+        return state
+
+    def ask_line(self) -> LineState:
+        state = self._call(self.line.state)
+        assert isinstance(state, LineState)
+        return state
+
+    def _changed_line(self, body: LinePatch) -> LineState:
+        return self.line.patch(body)
+
+
+router = APIRouter(tags=["emulator"])
+
+
+async def _controlled(request: Request) -> Controlled:
+    controlled = request.app.state.controlled
+    assert isinstance(controlled, Controlled)
+    return controlled
+
+
+CurrentLine = Annotated[Controlled, Depends(_controlled)]
+Address = Annotated[int, Path(description="the address that the module was started with", ge=1, le=255)]
+REFUSED = responses(UnknownThing, WrongState, OutOfRange)
+
+
+# Plain functions, which run in a thread of their own: each waits until the line is between two frames.
+@router.get("/emulator", responses=REFUSED)
+def get_emulator(line: CurrentLine) -> Pd42State:
+    """The one module of this line, its motor and its faults."""
+    return line.ask_module(line.module(None))
+
+
+@router.patch("/emulator", responses=REFUSED)
+def change_emulator(line: CurrentLine, body: Pd42Patch) -> Pd42State:
+    """Cause faults, load the shaft, force switches; what is left out stays."""
+    return line.change_module(line.module(None), body)
+
+
+@router.get("/emulator/{address}", responses=REFUSED)
+def get_emulator_at(line: CurrentLine, address: Address) -> Pd42State:
+    """One of several modules."""
+    return line.ask_module(line.module(address))
+
+
+@router.patch("/emulator/{address}", responses=REFUSED)
+def change_emulator_at(line: CurrentLine, address: Address, body: Pd42Patch) -> Pd42State:
+    """The same for one of several modules."""
+    return line.change_module(line.module(address), body)
+
+
+@router.get("/line")
+def get_line(line: CurrentLine) -> LineState:
+    """Baud rate, modules and faults of the line itself."""
+    return line.ask_line()
+
+
+@router.patch("/line")
+def change_line(line: CurrentLine, body: LinePatch) -> LineState:
+    """Faults of the cable, which hit every module and questions too; the baud rate of the wire."""
+    return line.change_line(body)
+
+
+def make_control_app(controlled: Controlled, allowed_hosts: tuple[str, ...] = ()) -> FastAPI:
+    """The control port over a line, with the guard and the problems of the dashboard's API."""
+    app = FastAPI(
+        title="stepscope emulator",
+        version=__version__,
+        generate_unique_id_function=openapi.operation_id,
+        docs_url=None,
+        redoc_url=None,
+        redirect_slashes=False,
+    )
+    app.state.controlled = controlled
+    app.state.allowed_methods = openapi.allowed_methods(app)
+    app.include_router(router)
+    problems.install(app)
+    app.add_middleware(Guard, allowed_hosts=allowed_hosts, body_limit_bytes=BODY_LIMIT_BYTES)
+    return app
