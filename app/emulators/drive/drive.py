@@ -2,10 +2,28 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
+
+from app.emulators.drive import kernel as k
 from app.emulators.drive.encoder import EncoderChannel
 from app.emulators.drive.events import Event, EventKind
 from app.emulators.drive.options import DriveOptions
-from app.emulators.drive.world import Switches, Truth, World
+from app.emulators.drive.registers import ALIASES, CLEARED_BY_ONES, MAX_VMAX, READ_ONLY, WRITABLE
+from app.emulators.drive.table import currents, decode
+from app.emulators.drive.units import bits, signed, wrap32
+from app.emulators.drive.world import OT_C, OTPW_C, UNDERVOLTAGE_V, Switches, Truth, World
+
+_BRIDGES = {k.REGULATED: "regulated", k.OPEN: "open", k.SHORTED: "shorted"}
+_VELOCITIES = {"VSTART": k.VSTART, "V1": k.V1, "VMAX": k.VMAX, "VSTOP": k.VSTOP}
+# a deceleration of 0 would never end: it is taken for the least there is
+_ACCELERATIONS = {"A1": (k.A1, 0), "AMAX": (k.AMAX, 0), "DMAX": (k.DMAX, 1), "D1": (k.D1, 1)}
+_PLAIN = {"TPWMTHRS": k.TPWMTHRS, "TCOOLTHRS": k.TCOOLTHRS, "THIGH": k.THIGH, "RAMPMODE": k.MODE, "SW_MODE": k.SW}
+_TABLE = ("MSLUTSEL", "MSLUTSTART", *(f"MSLUT[{i}]" for i in range(8)))
+_FASTSTANDSTILL, _EN_PWM_MODE, _SHAFT = 1 << 0, 1 << 2, 1 << 4
+_GSTAT_RESET, _GSTAT_DRV_ERR, _GSTAT_UV_CP = 1, 2, 4
+_STOP_SG = 1 << 6
 
 
 class Drive:
@@ -15,21 +33,32 @@ class Drive:
     out in ticks every `TICK_CLOCKS` = 256 clocks (16 us), counted from power-on: a register shows the last tick, and a
     write holds from the next one. So it makes no difference in how many pieces time is advanced.
 
+    Not modelled: DcStep, vhighfs and vhighchm, short circuits, pins and buses. StealthChop differs from SpreadCycle
+    only in what the registers tell and in freewheeling; StallGuard2 tells 0 there.
+
     Nothing here is thread-safe; the kernel releases the GIL.
     """
 
-    options: DriveOptions
-    clocks: int
-    """Chip time [clocks]. Goes on over `power_cycle`."""
-    watch: EventKind
-    """Which events end an `advance` early; none at first."""
-    world: World
-    internal: EncoderChannel
-    external: EncoderChannel
-    stall_stop_velocity: int | None
-    """VACTUAL from which on SW_MODE.sg_stop acts [ramp units]. None, as in the chip: where TSTEP <= TCOOLTHRS."""
+    def __init__(self, options: DriveOptions | None = None) -> None:
+        """The rotor stands at `options.start_fullsteps`, the chip has just been switched on."""
+        self.options = options = options or DriveOptions()
+        self._s = np.zeros(k.INTEGERS, dtype=np.int64)
+        self._f = np.zeros(k.REALS, dtype=np.float64)
+        self._table = np.zeros(1024, dtype=np.float64)
+        self._registers: dict[str, int] = {}
+        self._gstat = 0
+        self._hot = False
+        self._stall_stop_velocity: int | None = None
+        self._set_constants()
+        self.world = World(options, self._s, self._f, self._world_changed)
+        self.internal = EncoderChannel(self._s, self._f, k.INTERNAL, self._changed)
+        self.external = EncoderChannel(self._s, self._f, k.EXTERNAL, self._changed)
+        self._f[k.THETA] = options.start_fullsteps * self.world.fullstep_rad
+        self._s[k.RNG] = (options.seed << 16 | 0x330E) & 0xFFFFFFFFFFFF
+        self.world.push()
+        self.power_cycle()
 
-    def __init__(self, options: DriveOptions | None = None) -> None: ...
+    # --- registers -------------------------------------------------------------------------------
 
     def write(self, register: str, value: int) -> None:
         """Write a register by its TMC5160 name. Bits beyond its width are dropped, as on the bus.
@@ -42,6 +71,19 @@ class Drive:
 
         Raises KeyError for a name that the chip does not have, PermissionError for one that can only be read.
         """
+        register = ALIASES.get(register, register)
+        if register in CLEARED_BY_ONES:
+            self._clear(register, value & CLEARED_BY_ONES[register])
+            return
+        row = WRITABLE.get(register)
+        if row is None:
+            if register in READ_ONLY:
+                raise PermissionError(f"{register} can only be read")
+            raise KeyError(f"a TMC5160 drive has no register {register!r}")
+        value = signed(value, row.bits) if row.signed else value & ((1 << row.bits) - 1)
+        self._registers[register] = value
+        self._take_over(register, value)
+        self._changed()
 
     def read(self, register: str) -> int:
         """A register by its TMC5160 name: signed where the chip counts signed. Reading has no side effects.
@@ -49,6 +91,184 @@ class Drive:
         Besides what can be written (write-only ones read back here): VACTUAL TSTEP XLATCH ENC_LATCH MSCNT MSCURACT
         DRV_STATUS PWM_SCALE PWM_AUTO LOST_STEPS. Raises KeyError for a name that the chip does not have.
         """
+        register = ALIASES.get(register, register)
+        s = self._s
+        match register:
+            case "XACTUAL":
+                return int(s[k.X])
+            case "VACTUAL":
+                v = int(s[k.V])
+                return (abs(v) >> k.VELOCITY_BITS) * (1 if v > 0 else -1)
+            case "X_ENC":
+                return self.external.position
+            case "TSTEP":
+                return int(s[k.TSTEP])
+            case "XLATCH":
+                return int(s[k.XLATCH])
+            case "ENC_LATCH":
+                return int(s[k.ENC_LATCH])
+            case "MSCNT":
+                return int(s[k.LOOK]) & 1023
+            case "MSCURACT":
+                at = int(s[k.LOOK])
+                return self._wave[at & 1023] & 0x1FF | (self._wave[at + 256 & 1023] & 0x1FF) << 16
+            case "RAMP_STAT":
+                return self._ramp_stat()
+            case "DRV_STATUS":
+                return self._drv_status()
+            case "GSTAT":
+                return self._gstat | (_GSTAT_UV_CP if self._undervoltage else 0)
+            case "ENC_STATUS":
+                return self.external.exceeded << 1
+            case "PWM_SCALE":
+                return self._pwm_scale()
+            case "PWM_AUTO":
+                conf = self._registers["PWMCONF"]
+                return bits(conf, 0, 8) | bits(conf, 8, 8) << 16
+            case "LOST_STEPS":
+                return 0
+        try:
+            return self._registers[register]
+        except KeyError:
+            raise KeyError(f"a TMC5160 drive has no register {register!r}") from None
+
+    def _clear(self, register: str, ones: int) -> None:
+        if register == "GSTAT":
+            self._gstat &= ~ones
+        elif register == "ENC_STATUS":
+            if ones & 2:
+                self.external.exceeded = False
+        else:
+            self._s[k.LATCHED] &= ~ones
+            self._changed()
+
+    def _take_over(self, register: str, value: int) -> None:
+        s = self._s
+        if register in _VELOCITIES:
+            s[_VELOCITIES[register]] = min(value, MAX_VMAX) << k.VELOCITY_BITS
+        elif register in _ACCELERATIONS:
+            cell, least = _ACCELERATIONS[register]
+            s[cell] = max(value, least)
+        elif register in _PLAIN:
+            s[_PLAIN[register]] = value
+            if register == "SW_MODE" and not value >> 10 & 1:
+                s[k.LATCHED] &= ~_STOP_SG  # without sg_stop nothing holds the motor
+        elif register in _TABLE:
+            self._load_table()
+        else:
+            self._take_over_rest(register, value)
+
+    def _take_over_rest(self, register: str, value: int) -> None:
+        s = self._s
+        match register:
+            case "XACTUAL":
+                s[k.X] = value
+            case "XTARGET":
+                s[k.XT] = value
+                if s[k.V] == 0:
+                    s[k.HEADING] = 0
+            case "TZEROWAIT":
+                s[k.TZERO] = value * 512 // k.TICK_CLOCKS
+            case "GCONF":
+                s[k.SHAFT] = -1 if value & _SHAFT else 1
+                s[k.EN_PWM] = bool(value & _EN_PWM_MODE)
+                s[k.STILL_LIMIT] = (1 << (18 if value & _FASTSTANDSTILL else 20)) // k.TICK_CLOCKS
+            case "GLOBALSCALER":
+                self._f[k.FULL_SCALE] = self.options.full_scale_a * (value or 256) / 256
+            case "IHOLD_IRUN":
+                s[k.IHOLD], s[k.IRUN] = bits(value, 0, 5), bits(value, 8, 5)
+                s[k.IHOLDDELAY] = bits(value, 16, 4) * k.TICKS_A_DELAY
+                s[k.COOL_CS] = s[k.IRUN]
+            case "TPOWERDOWN":
+                s[k.TPOWER] = value * k.TICKS_A_DELAY
+            case "CHOPCONF":
+                s[k.MRES], s[k.INTPOL] = min(bits(value, 24, 4), 8), bits(value, 28, 1)
+                per_second = self.options.clock_hz / 2**24 / 2**k.VELOCITY_BITS
+                self._f[k.FS_A_V] = per_second * 2.0 ** int(s[k.MRES]) / 256
+                self._bridges_changed()
+            case "COOLCONF":
+                s[k.SEMIN], s[k.SEUP], s[k.SEMAX] = bits(value, 0, 4), bits(value, 5, 2), bits(value, 8, 4)
+                s[k.SEDN], s[k.SEIMIN] = bits(value, 13, 2), bits(value, 15, 1)
+                s[k.SGT], s[k.SFILT] = signed(value >> 16, 7), bits(value, 24, 1)
+                s[k.SG_SUM] = s[k.SG_COUNT] = 0
+                s[k.COOL_CS] = s[k.IRUN]
+            case "PWMCONF":
+                s[k.FREEWHEEL] = bits(value, 20, 2)
+            case "X_ENC":
+                self.external.position = value
+            case "ENC_CONST" | "ENCMODE":
+                self._scale_external()
+            case "ENC_DEVIATION":
+                self.external.limit, self.external.stops = value, False
+
+    def _scale_external(self) -> None:
+        constant = self._registers["ENC_CONST"]
+        if bits(self._registers["ENCMODE"], 10, 1):
+            self.external.scale(signed(constant >> 16, 16) * 10_000 + bits(constant, 0, 16), 10_000)
+        else:
+            self.external.scale(signed(constant, 32), 1 << 16)
+
+    def _load_table(self) -> None:
+        words = [self._registers[f"MSLUT[{i}]"] for i in range(8)]
+        self._wave = decode(words, self._registers["MSLUTSEL"], self._registers["MSLUTSTART"])
+        self._table[:] = currents(self._wave)
+
+    def _ramp_stat(self) -> int:
+        s = self._s
+        v, mode, way = int(s[k.V]), int(s[k.MODE]), wrap32(int(s[k.XT]) - int(s[k.X]))
+        # the direction it goes or is asked to go; hold mode asks for none
+        heading = v or {k.POSITION: way, k.FORWARD: 1, k.BACKWARD: -1, k.HOLD_MODE: 0}[mode]
+        stalled = bool(k.stalled(s)) and bool(k.stall_may_stop(s))
+        flags = (
+            (0, s[k.LSEEN]),
+            (1, s[k.RSEEN]),
+            (4, s[k.LSTOP] and heading < 0),
+            (5, s[k.RSTOP] and heading > 0),
+            (8, s[k.FAST]),
+            (9, way == 0),
+            (10, v == 0),
+            (11, s[k.ZWAIT] > 0),
+            (13, stalled),
+        )
+        return int(s[k.LATCHED]) | sum(1 << bit for bit, on in flags if on)
+
+    def _drv_status(self) -> int:
+        s = self._s
+        open_load = not self.world.motor_connected and self._toff > 0
+        flags = (
+            (14, s[k.STEALTH]),
+            (24, k.stalled(s)),
+            (25, self._hot),
+            (26, self.world.temperature_c >= OTPW_C),
+            (29, open_load),
+            (30, open_load),
+            (31, s[k.STILL] >= s[k.STILL_LIMIT]),
+        )
+        return int(s[k.SG]) | int(s[k.CS]) << 16 | sum(1 << bit for bit, on in flags if on)
+
+    def _pwm_scale(self) -> int:
+        """PWM_SCALE_SUM: the voltage that the coils need, of what the supply has. 0 unless StealthChop works."""
+        supply = float(self._f[k.SUPPLY])
+        if not self._s[k.STEALTH] or supply <= 0 or not self._s[k.DRIVER_ON]:
+            return 0
+        truth = self.truth
+        return min(round(255 * math.hypot(truth.voltage_a_v, truth.voltage_b_v) / supply), 255)
+
+    # --- time ------------------------------------------------------------------------------------
+
+    @property
+    def clocks(self) -> int:
+        """Chip time [clocks]. Goes on over `power_cycle`."""
+        return int(self._s[k.CLOCK])
+
+    @property
+    def watch(self) -> EventKind:
+        """Which events end an `advance` early; none at first."""
+        return EventKind(int(self._s[k.WATCH]))
+
+    @watch.setter
+    def watch(self, kinds: EventKind) -> None:
+        self._s[k.WATCH] = int(kinds)
 
     def advance(self, until_clocks: int) -> Event | None:
         """Go on to `until_clocks`, or to the first tick in which an event of `watch` happens.
@@ -56,21 +276,142 @@ class Drive:
         None: `clocks` is `until_clocks`. An event: `clocks` is the tick it happened in; call again to go on.
         Raises ValueError for a time gone by.
         """
+        if until_clocks < self.clocks:
+            raise ValueError(f"it is clock {self.clocks}, and {until_clocks} is over")
+        kinds = int(k.advance(self._s, self._f, self._table, until_clocks))
+        return Event(EventKind(kinds), self.clocks, int(self._s[k.X])) if kinds else None
 
     def power_cycle(self) -> None:
         """The chip loses supply and comes back: registers and counters at reset, GSTAT.reset set, field at MSCNT 0.
 
-        Rotor, load, stage and magnet stay where they are, so does `world`, and `clocks` goes on.
+        Rotor, load, stage and magnet stay where they are, so does `world`; `watch`, `stall_stop_velocity` and `clocks`
+        stay too. The encoders' positions are 0, their scales and limits as at first.
         """
+        s, f = self._s, self._f
+        kept = (k.TICK, k.CLOCK, k.WATCH, k.RNG, k.SUBSTEPS, k.BLOCKED, k.FORCE, k.FORCED, k.STALL_V)
+        values = [int(s[cell]) for cell in kept]
+        s[:] = 0
+        for cell, value in zip(kept, values, strict=True):
+            s[cell] = value
+        encoders = self.options.encoders
+        for at, per_turn in ((k.INTERNAL, encoders.internal_counts), (k.EXTERNAL, 4 * encoders.external_lines)):
+            s[at + k.E_PER_TURN], s[at + k.E_STOPS] = per_turn, 1
+            s[at + k.E_NUM] = s[at + k.E_DEN] = 1
+        f[k.IA] = f[k.IB] = f[k.TORQUE] = 0.0
+        # the field is where the rotor finds it without losing steps
+        s[k.FIELD] = s[k.LOOK] = 1024 * round(float(f[k.TEETH] * f[k.THETA]) / (2 * math.pi))
+        self._registers = {name: row.reset for name, row in WRITABLE.items()}
+        for name, value in self._registers.items():
+            self._take_over(name, value)
+        self.external.stops = True  # the register's reset has made it warn only
+        self.internal.scale(51_200, encoders.internal_counts)
+        self.internal.position = self.external.position = 0
+        s[k.STILL], s[k.PHASE], s[k.TSTEP] = s[k.STILL_LIMIT], k.HOLD, k.NO_TSTEP
+        s[k.REACHED] = s[k.ARRIVED] = s[k.FAST] = 1
+        s[k.PHYS] = k.physical(s, f)
+        self._gstat = _GSTAT_RESET
+        self._world_changed()
+
+    # --- the rest --------------------------------------------------------------------------------
+
+    @property
+    def stall_stop_velocity(self) -> int | None:
+        """VACTUAL from which on SW_MODE.sg_stop acts [ramp units]. None, as in the chip: where TSTEP <= TCOOLTHRS."""
+        return self._stall_stop_velocity
+
+    @stall_stop_velocity.setter
+    def stall_stop_velocity(self, value: int | None) -> None:
+        self._stall_stop_velocity = value
+        self._s[k.STALL_V] = -1 if value is None else value << k.VELOCITY_BITS
 
     @property
     def switches(self) -> Switches:
         """The switches as they are on the stage or forced: polarity and swap of SW_MODE do not enter."""
+        pressed = int(k.physical(self._s, self._f))
+        return Switches(bool(pressed & 1), bool(pressed & 2), bool(pressed & 4))
 
     @property
     def truth(self) -> Truth:
         """How motor and shaft really are."""
+        s, f, motor = self._s, self._f, self.options.motor
+        angle = float(f[k.TEETH] * f[k.THETA])
+        field = (int(s[k.LOOK]) + 0.5) * math.pi / 512
+        ia, ib, ia0, ib0 = (float(f[cell]) for cell in (k.IA, k.IB, k.IA0, k.IB0))
+        rise = motor.inductance_h / float(f[k.DT])
+        return Truth(
+            rotor_rad=float(f[k.THETA]),
+            rotor_fullsteps=angle / (math.pi / 2),
+            speed_rad_s=float(f[k.OMEGA]),
+            current_a_a=ia,
+            current_b_a=ib,
+            voltage_a_v=motor.resistance_ohm * (ia + ia0) / 2 + rise * (ia - ia0) + float(f[k.EMF_A]),
+            voltage_b_v=motor.resistance_ohm * (ib + ib0) / 2 + rise * (ib - ib0) + float(f[k.EMF_B]),
+            torque_nm=float(f[k.TORQUE]),
+            field_fullsteps=field / (math.pi / 2),
+            load_angle_deg=math.degrees(math.remainder(field - angle, 2 * math.pi)),
+            lost_fullsteps=4 * round((field - angle) / (2 * math.pi)),
+            current_scale=int(s[k.CS]),
+            bridges=_BRIDGES[int(s[k.BRIDGES])],
+        )
+
+    @property
+    def _toff(self) -> int:
+        return bits(self._registers["CHOPCONF"], 0, 4)
+
+    @property
+    def _undervoltage(self) -> bool:
+        return self.world.supply_v < UNDERVOLTAGE_V
+
+    def _set_constants(self) -> None:
+        options, motor, encoders, f = self.options, self.options.motor, self.options.encoders, self._f
+        self._s[k.SUBSTEPS], self._s[k.STALL_V] = options.steps_a_tick, -1
+        dt = k.TICK_CLOCKS / options.clock_hz / options.steps_a_tick
+        f[k.DT], f[k.DT_J] = dt, dt / options.inertia_kgm2
+        f[k.DAMP] = 1 / (1 + motor.viscous_nms * dt / options.inertia_kgm2)
+        f[k.TEETH], f[k.KT], f[k.RES], f[k.TD] = (
+            motor.rotor_teeth,
+            motor.torque_constant,
+            motor.resistance_ohm,
+            motor.detent_torque_nm,
+        )
+        f[k.KEEP] = math.exp(-motor.resistance_ohm * dt / motor.inductance_h)
+        f[k.GAIN] = (1 - f[k.KEEP]) / motor.resistance_ohm
+        f[k.ALPHA] = -math.expm1(-dt / options.regulator_s)
+        f[k.FULL_SCALE] = options.full_scale_a
+        f[k.S0], f[k.V_HALF] = options.stall_full_scale, options.stall_half_speed_fullsteps_per_s
+        f[k.NOISE] = options.stall_noise
+        f[k.P1], f[k.P2] = (
+            math.radians(encoders.eccentricity_phase_deg),
+            math.radians(encoders.second_harmonic_phase_deg),
+        )
+        f[k.E2] = math.radians(encoders.second_harmonic_deg)
+        f[k.ZERO] = encoders.internal_zero_fullsteps * math.pi / 2 / motor.rotor_teeth
+        f[k.SCALE_I] = encoders.internal_counts / (2 * math.pi)
+        f[k.SCALE_E] = 4 * encoders.external_lines / (2 * math.pi) * (-1 if encoders.external_reversed else 1)
+
+    def _bridges_changed(self) -> None:
+        self._s[k.DRIVER_ON] = (
+            self._toff > 0 and not self._undervoltage and not self._hot and self.world.motor_connected
+        )
+
+    def _world_changed(self) -> None:
+        if not self._registers:  # still being made
+            return
+        was_hot = self._hot
+        self._hot = self.world.temperature_c >= (OTPW_C if was_hot else OT_C)
+        if self._hot and not was_hot:
+            self._gstat |= _GSTAT_DRV_ERR
+        if self._undervoltage:
+            self._gstat |= _GSTAT_UV_CP
+        self._bridges_changed()
+        self._changed()
+
+    def _changed(self) -> None:
+        k.refresh(self._s, self._f)
 
 
 def warm_up() -> None:
     """Compile the kernel or load it from numba's cache, so that the first `advance` need not."""
+    drive = Drive()
+    drive.advance(k.TICK_CLOCKS)
+    drive.read("RAMP_STAT")

@@ -2,34 +2,113 @@
 
 from __future__ import annotations
 
-from typing import Protocol
+import math
+from collections.abc import Callable
+
+from app.emulators.drive import kernel as k
+from app.emulators.drive.units import wrap32
 
 
-class EncoderChannel(Protocol):
+class EncoderChannel:
     """`Drive.internal` or `Drive.external`. All of it may be read and set at any time."""
 
-    counts: int
-    """Counted since the start, never wrapped [counts]; not writable."""
-    absolute: int
-    """Place in the turn, 0..counts a turn - 1; not writable."""
-    position: int
-    """Scaled counter [microsteps], signed 32 bits: what TMCL AP 209 or AP 216, or X_ENC, shows. Writable."""
-    deviation: int
-    """XACTUAL - position [microsteps], signed 32 bits; not writable."""
-    limit: int
-    """Largest |deviation| allowed [microsteps]; 0: not looked at. Looked at in every tick."""
-    stops: bool
-    """Whether more than `limit` stops the motor (True at first) or is only told."""
-    exceeded: bool
-    """Latched when |deviation| > limit; with `stops` the motor is held at zero velocity until it is set False.
-    It latches again in the next tick if the deviation is still too large."""
-    clear_on_null: bool
-    """Armed: the next time the encoder passes its zero, `position` becomes 0 and this False."""
+    def __init__(self, s: k.Cells, f: k.Floats, at: int, changed: Callable[[], None]) -> None:
+        """`at` says where its cells begin in `s`; `changed` is called after each change."""
+        self._s, self._f, self._at, self._changed = s, f, at, changed
+
+    @property
+    def counts(self) -> int:
+        """Counter [counts], never wrapped. The internal one is 0 at the magnet's zero: not at the start."""
+        counter = k.internal_counts if self._at == k.INTERNAL else k.external_counts
+        return int(counter(self._f))
+
+    @property
+    def counts_per_turn(self) -> int:
+        """Counts a turn: 1024, or four times the lines."""
+        return int(self._s[self._at + k.E_PER_TURN])
+
+    @property
+    def absolute(self) -> int:
+        """Place in the turn, 0..counts_per_turn - 1."""
+        return self.counts % self.counts_per_turn
+
+    @property
+    def position(self) -> int:
+        """Scaled counter [microsteps], signed 32 bits: what TMCL AP 209 or AP 216, or X_ENC, shows. 0 at power-on."""
+        return int(k.position_of(self._s, self._at, self.counts))
+
+    @position.setter
+    def position(self, value: int) -> None:
+        self._s[self._at + k.E_BASE] = wrap32(value)
+        self._s[self._at + k.E_BASE_COUNTS] = self.counts
+        self._changed()
+
+    @property
+    def deviation(self) -> int:
+        """XACTUAL - position [microsteps], signed 32 bits."""
+        return wrap32(int(self._s[k.X]) - self.position)
+
+    @property
+    def limit(self) -> int:
+        """Largest |deviation| allowed [microsteps], looked at in every tick; 0: never."""
+        return int(self._s[self._at + k.E_LIMIT])
+
+    @limit.setter
+    def limit(self, value: int) -> None:
+        if not 0 <= value <= 0x7FFFFFFF:
+            raise ValueError(f"limit is {value}, allowed is 0..2147483647")
+        self._s[self._at + k.E_LIMIT] = value
+        self._changed()
+
+    @property
+    def stops(self) -> bool:
+        """Whether more than `limit` stops the motor or is only told. True at first."""
+        return bool(self._s[self._at + k.E_STOPS])
+
+    @stops.setter
+    def stops(self, value: bool) -> None:
+        self._s[self._at + k.E_STOPS] = bool(value)
+        self._changed()
+
+    @property
+    def exceeded(self) -> bool:
+        """Latched when |deviation| > limit. With `stops` the motor is held at velocity 0 until it is set False.
+
+        It latches again in the next tick if the deviation is still too large.
+        """
+        return bool(self._s[self._at + k.E_EXCEEDED])
+
+    @exceeded.setter
+    def exceeded(self, value: bool) -> None:
+        self._s[self._at + k.E_EXCEEDED] = bool(value)
+        self._changed()
+
+    @property
+    def clear_on_null(self) -> bool:
+        """Armed: the next time the encoder passes its zero, `position` is 0 there, and this False."""
+        return bool(self._s[self._at + k.E_NULL])
+
+    @clear_on_null.setter
+    def clear_on_null(self, value: bool) -> None:
+        self._s[self._at + k.E_NULL] = bool(value)
+        self._changed()
 
     def scale(self, numerator: int, denominator: int) -> None:
         """From now on a count is numerator / denominator microsteps; `position` stays what it is.
 
-        A negative numerator turns the direction around. 51200 microsteps and 1024 counts a turn: scale(51200, 1024),
-        which is also the scale at power-on; external: scale(51200, 4 * lines). Raises ValueError for a denominator
-        below 1.
+        A negative numerator turns the direction around. At power-on 51200 / 1024 for the internal encoder (256
+        microsteps a full step, 200 full steps a turn) and 1 / 1, as the chip's ENC_CONST, for the external one; with
+        L lines that wants scale(51200, 4 * L). Raises ValueError for a denominator below 1 or a fraction that does
+        not reduce to 32 bits.
         """
+        if denominator < 1:
+            raise ValueError(f"denominator is {denominator}, has to be at least 1")
+        common = math.gcd(numerator, denominator)
+        numerator, denominator = numerator // common, denominator // common
+        if max(abs(numerator), denominator) > 1 << 31:
+            raise ValueError(f"{numerator} / {denominator} does not fit 32 bits")
+        counts, position = self.counts, self.position
+        s, at = self._s, self._at
+        s[at + k.E_BASE], s[at + k.E_BASE_COUNTS] = position, counts
+        s[at + k.E_NUM], s[at + k.E_DEN] = numerator, denominator
+        self._changed()

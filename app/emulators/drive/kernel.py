@@ -1,6 +1,675 @@
-"""The drive's clockwork."""
+"""The drive's clockwork: one compiled function that brings ramp generator, driver and motor to an absolute clock.
+
+State and settings are int64 cells `s` and float64 cells `f`; the Python code around writes into them. Layout and code
+share this file because numba's disk cache only notices changes of the file that a function stands in.
+
+The tick laws are a reading: the data sheet gives every unit (velocity 1/2^24 microstep a clock, acceleration 1/2^17
+velocity unit a clock), not how the ramp generator meets its target. Here everything happens in ticks of 256 clocks,
+so that an acceleration of A adds A/512 velocity units a tick: velocity has 9 hidden fraction bits, and each tick adds
+it to a 25-bit accumulator whose overflows are the steps. On the way to a target a tick takes the highest velocity of
+those in reach (one tick of acceleration up, one of deceleration down) from which, after this tick, the way left still
+suffices to brake: DMAX down to V1, D1 down to VSTOP, then dead stop. That solves to a square root, taken in doubles
+(IEEE, so the same everywhere) and floored. A tick that would run past the target while a stop from its velocity is
+allowed ends on the target.
+
+The motor is motor-physics' model: coils behind a regulator of first order that the supply clamps, back-EMF, detent,
+Coulomb friction with stiction, inertia, in semi-implicit Euler. A coil current within 1 nA of its reference is set on
+it. From there a motor at rest is an exact fixed point of the step, so passing over ticks in which neither reference
+nor world changes (REST), and over all ticks while the ramp generator has nothing to do either (QUIET), changes no bit.
+"""
+
+# numpy's stubs type a cell as Any; inside compiled code it is an int64 or a float64 and nothing else.
+# mypy: disable-error-code="no-any-return"
 
 from __future__ import annotations
 
+import math
+from typing import Any
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+Cells = NDArray[np.int64]
+Floats = NDArray[np.float64]
+
 TICK_CLOCKS = 256
 """Clocks from one tick to the next."""
+VELOCITY_BITS = 9
+"""Hidden fraction bits of a velocity."""
+STEP_BITS = 25
+"""Bits of the accumulator whose overflow is a step."""
+NO_TSTEP = 0xFFFFF
+"""TSTEP at standstill."""
+TICKS_A_DELAY = 1024
+"""2^18 clocks: the unit of TPOWERDOWN and IHOLDDELAY."""
+NANO_AMPERE = 1e-9
+
+# --- cells of `s` --------------------------------------------------------------------------------
+TICK, CLOCK, WATCH, QUIET, REST = range(5)
+"""Ticks and clocks done, events that end an advance, nothing happens until a write, the motor is at rest."""
+MODE, X, XT, V, ACC = range(5, 10)
+"""RAMPMODE, XACTUAL, XTARGET, velocity (signed, 9 fraction bits), step accumulator."""
+VSTART, A1, V1, AMAX, VMAX, DMAX, D1, VSTOP, TZERO = range(10, 19)
+"""Ramp parameters; velocities with 9 fraction bits, D1 and DMAX never 0, TZERO in ticks."""
+ZWAIT, LATCHED, REACHED, FAST, HEADING = range(19, 24)
+"""Ticks of TZEROWAIT left, RAMP_STAT's latching bits, position and velocity reached, direction of the last move."""
+PHYS, FORCE, FORCED, LSEEN, RSEEN, LSTOP, RSTOP = range(24, 31)
+"""Switches as they are (1 left, 2 right, 4 home), which are forced and to what, as the ramp generator sees them, and
+whether they stop it."""
+SW, XLATCH, ENC_LATCH, STOPPING = range(31, 35)
+"""SW_MODE, latches, a switch is stopping the motor."""
+FIELD, LOOK, MRES, INTPOL, SHAFT = range(35, 40)
+"""Microsteps of 1/256 commanded since ever, the same with interpolation, MRES, intpol, +-1."""
+STILL, STILL_LIMIT, TPOWER, IHOLDDELAY, IHOLD, IRUN, PHASE, DOWN, CS = range(40, 49)
+"""Ticks without a step, how many are standstill, delays [ticks], current scales, 0 run 1 ramping down 2 hold, ticks
+of the ramp down, scale in use."""
+TSTEP, TPWMTHRS, TCOOLTHRS, THIGH, EN_PWM, STEALTH, FREEWHEEL = range(49, 56)
+BRIDGES, DRIVER_ON = range(56, 58)
+"""0 regulated, 1 open, 2 shorted; whether toff, supply and temperature let the bridges work."""
+SG, SG_VALID, SG_SUM, SG_COUNT, SGT, SFILT, SG_TICKS, STALL_V = range(58, 66)
+"""StallGuard2 value, whether one was measured since the motor stood, filter, settings, ticks in the window, velocity
+from which a stall stops (-1: TCOOLTHRS decides)."""
+COOL_CS, COOL_DOWN, SEMIN, SEUP, SEMAX, SEDN, SEIMIN = range(66, 73)
+RNG, SUBSTEPS, BLOCKED, ENCODERS = range(73, 77)
+"""Noise, physics steps a tick, the shaft is clamped, whether any encoder has to be looked at in each tick."""
+ARRIVED, SG_FROM = range(77, 79)
+"""The motor stands on the target of positioning mode; LOOK where StallGuard2's window began."""
+INTERNAL, EXTERNAL = 79, 89
+"""Where the cells of each encoder start."""
+E_NUM, E_DEN, E_BASE_COUNTS, E_BASE, E_LIMIT, E_STOPS, E_EXCEEDED, E_NULL, E_TURN, E_PER_TURN = range(10)
+"""Microsteps a count as a fraction, counter and position from which it is counted, deviation limit, what happens
+beyond it, null armed, turn it is in, counts a turn."""
+INTEGERS = EXTERNAL + 10
+
+# --- cells of `f` --------------------------------------------------------------------------------
+THETA, OMEGA, IA, IB, TORQUE, REF_A, REF_B = range(7)
+"""Shaft angle and speed, coil currents, electromagnetic torque, current references of the last step."""
+IA0, IB0, EMF_A, EMF_B = range(7, 11)
+"""Currents before the last step and back-EMF in it: for whoever wants the voltages."""
+SUM_T, SUM_I2, MARK = range(11, 14)
+"""StallGuard2's window: sums of torque and of current squared, electrical angle at its start."""
+TEETH, KT, RES, KEEP, GAIN, ALPHA, SUPPLY = range(14, 21)
+"""Rotor teeth, Kt, R; of a coil in one step: what is kept of a current, current a volt, share of the regulator."""
+TD, LOAD, DT, DT_J, DAMP, FRICTION, STICTION = range(21, 28)
+"""Detent, load torque, step, step over inertia, viscous factor, friction turning and at rest (as speed a step)."""
+FULL_SCALE, FS_A_V, S0, V_HALF, NOISE = range(28, 33)
+"""Peak current at CS 31, full steps a second per velocity cell, StallGuard2's figures."""
+LEFT_AT, RIGHT_AT, HOME_FROM, HOME_TO = range(33, 37)
+"""Switches [rad of the shaft]."""
+E1, P1, E2, P2, ZERO, SLIP_I, SCALE_I, SLIP_E, SCALE_E = range(37, 46)
+"""Encoders: errors and their phases, magnet's zero, slips [rad], counts a radian (signed)."""
+REALS = 46
+
+REGULATED, OPEN, SHORTED = range(3)
+RUN, RAMPING_DOWN, HOLD = range(3)
+POSITION, FORWARD, BACKWARD, HOLD_MODE = range(4)
+
+# RAMP_STAT's latching bits, and bits of SW_MODE
+_LATCH_L, _LATCH_R, _STOP_SG, _POS_REACHED, _SECOND_MOVE = 1 << 2, 1 << 3, 1 << 6, 1 << 7, 1 << 12
+_SG_STOP, _SOFT_STOP = 1 << 10, 1 << 11
+
+# events, as in EventKind
+_EV_POSITION, _EV_STOPPED, _EV_LEFT, _EV_SWITCH_STOP, _EV_STALL = 1, 2, 4, 32, 64
+_EV_DEVIATION, _EV_NULL, _EV_STANDSTILL, _EV_VELOCITY = 128, 512, 2048, 4096
+
+_OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
+"""As in the TMC428's kernel: on disk, off the GIL, no checks for division by zero, nothing to count references of."""
+
+
+def compiled(function: Any) -> Any:
+    """Numba's njit as this file uses it."""
+    return njit(**_OPTIONS)(function)
+
+
+def inlined(function: Any) -> Any:
+    """The same for what the tick calls."""
+    return njit(forceinline=True, **_OPTIONS)(function)
+
+
+@inlined
+def wrap32(x: int) -> int:
+    """To a signed 32-bit number."""
+    return ((x + 0x80000000) & 0xFFFFFFFF) - 0x80000000
+
+
+# --- ramp generator ------------------------------------------------------------------------------
+
+
+@inlined
+def _faster(s: Cells, u: int) -> int:
+    """Speed after one tick of acceleration: A1 below V1, AMAX from there; V1 = 0 leaves A1 out."""
+    v1 = s[V1]
+    if u >= v1:
+        return u + s[AMAX]
+    a1 = s[A1]
+    if u + a1 <= v1:
+        return u + a1
+    return v1 + s[AMAX] * (a1 - (v1 - u)) // a1
+
+
+@inlined
+def _slower(s: Cells, u: int) -> int:
+    """Speed after one tick of deceleration, maybe below zero: DMAX down to V1, D1 below; V1 = 0 leaves D1 out."""
+    v1 = s[V1]
+    if u - s[DMAX] >= v1 or v1 == 0:
+        return u - s[DMAX]
+    if u <= v1:
+        return u - s[D1]
+    return v1 - s[D1] * (s[DMAX] - (u - v1)) // s[DMAX]
+
+
+@inlined
+def _allowed(s: Cells, way: int) -> int:
+    """The highest speed u with u + braking distance from u <= `way` [1/2^25 step], at least 1."""
+    stop = s[VSTOP]
+    if way <= stop:
+        return max(way, 1)
+    left = float(way)
+    knee = float(stop)
+    d = float(s[DMAX])
+    if s[V1] > stop:
+        v1, d1 = float(s[V1]), float(s[D1])
+        below = (v1 * v1 - knee * knee) / (2.0 * d1)
+        if left <= v1 + below:
+            d = d1
+        else:
+            left -= below
+            knee = v1
+    return max(math.floor(math.sqrt(d * d + knee * knee + 2.0 * d * left) - d), 1)
+
+
+@inlined
+def _brake(s: Cells, u: int) -> int:
+    """Speed after one tick of braking to a stop from VSTOP, by the deceleration ramp."""
+    u = _slower(s, u)
+    return 0 if u < s[VSTOP] or u <= 0 else u
+
+
+@compiled
+def _ramp(s: Cells) -> int:
+    """One tick of the ramp generator: moves X and V, returns the steps made (signed)."""
+    v = s[V]
+    mode = s[MODE]
+    direction = 1 if v > 0 else -1
+    u = abs(v)
+    if s[LATCHED] & _STOP_SG or _deviates(s):
+        return _move(s, direction, 0)
+    way = wrap32(s[XT] - s[X])
+    if v == 0:
+        if s[ZWAIT] > 0:
+            s[ZWAIT] -= 1
+            return 0
+        if mode == HOLD_MODE:
+            return 0
+        direction = 1 if mode == FORWARD or (mode == POSITION and way > 0) else -1
+        if s[VMAX] == 0 or (mode == POSITION and way == 0):
+            return 0
+        if (direction < 0 and s[LSTOP]) or (direction > 0 and s[RSTOP]):
+            return 0
+        if mode == POSITION and s[HEADING] == -direction:
+            s[LATCHED] |= _SECOND_MOVE
+        s[HEADING] = 0
+        u = min(s[VSTART], s[VMAX])
+        if mode != POSITION:
+            return _move(s, direction, min(u + s[AMAX], s[VMAX]))
+    elif (direction < 0 and s[LSTOP]) or (direction > 0 and s[RSTOP]):
+        return _move(s, direction, _brake(s, u) if s[SW] & _SOFT_STOP else 0)
+    if mode == POSITION:
+        left = direction * way * (1 << STEP_BITS) - s[ACC]
+        lowest = _slower(s, u)
+        if left <= 0 or s[VMAX] == 0:
+            u = 0 if lowest < s[VSTOP] or lowest <= 0 else lowest
+            if u == 0 and way != 0:
+                s[HEADING] = direction
+            return _move(s, direction, u)
+        wanted = _faster(s, u)
+        if wanted > s[VMAX]:
+            wanted = s[VMAX]
+        new = max(min(wanted, _allowed(s, left)), lowest)
+        if new >= left and new <= s[VSTOP] + max(s[DMAX], s[D1]):
+            s[ACC] = 0
+            s[X] = s[XT]
+            s[V] = 0
+            s[ZWAIT] = s[TZERO]
+            return way
+        return _move(s, direction, new)
+    if mode == HOLD_MODE:
+        return _move(s, direction, u)
+    if direction == (1 if mode == FORWARD else -1) and s[VMAX] > 0:
+        u = min(u + s[AMAX], s[VMAX]) if u < s[VMAX] else max(u - s[AMAX], s[VMAX])
+        return _move(s, direction, u)
+    u -= s[AMAX]
+    return _move(s, direction, 0 if u < s[VSTOP] or u <= 0 else u)
+
+
+@inlined
+def _move(s: Cells, direction: int, u: int) -> int:
+    """Go on for one tick at speed `u`; at 0 the wait begins and what was left of a step is dropped."""
+    if u == 0:
+        if s[V] != 0:
+            s[V] = 0
+            s[ZWAIT] = s[TZERO]
+        s[ACC] = 0
+        return 0
+    s[V] = direction * u
+    u += s[ACC]
+    s[ACC] = u & ((1 << STEP_BITS) - 1)
+    steps = direction * (u >> STEP_BITS)
+    s[X] = wrap32(s[X] + steps)
+    return steps
+
+
+@inlined
+def _deviates(s: Cells) -> bool:
+    """Whether an encoder holds the motor."""
+    return (s[INTERNAL + E_EXCEEDED] & s[INTERNAL + E_STOPS] | s[EXTERNAL + E_EXCEEDED] & s[EXTERNAL + E_STOPS]) != 0
+
+
+# --- driver --------------------------------------------------------------------------------------
+
+
+@inlined
+def _sequence(s: Cells, steps: int) -> None:
+    """Steps turn the field. With intpol a step is spread over the time to the next one, so it lags by one."""
+    mres = s[MRES]
+    s[FIELD] += s[SHAFT] * steps * (1 << mres)
+    look = s[FIELD]
+    if s[INTPOL] and mres and s[V] != 0:
+        behind = (1 << mres) - ((s[ACC] << mres) >> STEP_BITS)
+        look -= s[SHAFT] * behind if s[V] > 0 else -s[SHAFT] * behind
+    s[LOOK] = look
+
+
+@inlined
+def _thresholds(s: Cells) -> None:
+    """TSTEP and what hangs on it."""
+    u = abs(s[V]) << s[MRES]
+    tstep = NO_TSTEP if u == 0 else min((1 << 33) // u, NO_TSTEP)
+    s[TSTEP] = tstep
+    s[STEALTH] = (
+        s[EN_PWM] != 0 and (s[TPWMTHRS] == 0 or tstep >= s[TPWMTHRS]) and tstep > s[TCOOLTHRS] and tstep > s[THIGH]
+    )
+
+
+@inlined
+def _standing(s: Cells, steps: int) -> int:
+    """Standstill and the way from run to hold current; returns events."""
+    events = 0
+    if steps != 0:
+        s[STILL] = 0
+        s[PHASE] = RUN
+    elif s[STILL] < s[STILL_LIMIT]:
+        s[STILL] += 1
+        s[DOWN] = 0
+        if s[STILL] >= s[STILL_LIMIT]:
+            events = _EV_STANDSTILL
+            s[SG] = 0
+            s[SG_VALID] = 0
+    elif s[PHASE] == RUN:
+        s[DOWN] += 1
+        if s[DOWN] >= s[TPOWER]:
+            s[PHASE] = RAMPING_DOWN
+            s[DOWN] = 0
+    elif s[PHASE] == RAMPING_DOWN:
+        s[DOWN] += 1
+        if s[DOWN] >= s[IHOLDDELAY]:
+            s[DOWN] = 0
+            s[CS] -= 1
+            if s[CS] <= s[IHOLD] or s[IHOLDDELAY] == 0:
+                s[PHASE] = HOLD
+    if s[PHASE] == RUN:
+        s[CS] = s[COOL_CS] if s[SEMIN] else s[IRUN]
+    elif s[PHASE] == HOLD:
+        s[CS] = s[IHOLD]
+    bridges = REGULATED
+    if s[PHASE] == HOLD and s[IHOLD] == 0 and s[STEALTH] and s[FREEWHEEL]:
+        bridges = OPEN if s[FREEWHEEL] == 1 else SHORTED
+    if not s[DRIVER_ON]:
+        bridges = OPEN
+    if bridges != s[BRIDGES]:
+        s[BRIDGES] = bridges
+        s[REST] = 0
+    return events
+
+
+@inlined
+def _coil(f: Floats, i: float, goal: float, emf: float, bridges: int) -> float:
+    """Current of a coil one physics step later: the regulator's wish within what the supply can do.
+
+    An open bridge leads what is left of the current back into the supply; a shorted one is no voltage at all.
+    """
+    free = f[KEEP] * i - f[GAIN] * emf
+    if bridges == SHORTED:
+        return free
+    reach = f[GAIN] * f[SUPPLY]
+    if bridges == OPEN:
+        wanted = 0.0
+    else:
+        wanted = i + f[ALPHA] * (goal - i)
+        if abs(goal - wanted) < NANO_AMPERE:
+            wanted = goal
+    return min(max(wanted, free - reach), free + reach)
+
+
+@compiled
+def _motor(s: Cells, f: Floats, ref_a: float, ref_b: float) -> None:
+    """The physics of one tick, in `SUBSTEPS` steps of semi-implicit Euler; sets REST."""
+    theta, omega, ia, ib = f[THETA], f[OMEGA], f[IA], f[IB]
+    teeth, kt, td, load = f[TEETH], f[KT], f[TD], f[LOAD]
+    dt, dt_j, damp, friction, stiction = f[DT], f[DT_J], f[DAMP], f[FRICTION], f[STICTION]
+    bridges, blocked = s[BRIDGES], s[BLOCKED]
+    torque = 0.0
+    resting = True
+    for _ in range(s[SUBSTEPS]):
+        sine, cosine = math.sin(teeth * theta), math.cos(teeth * theta)
+        emf_a, emf_b = kt * omega * cosine, -kt * omega * sine
+        new_a = _coil(f, ia, ref_a, emf_a, bridges)
+        new_b = _coil(f, ib, ref_b, emf_b, bridges)
+        torque = kt * (new_a * cosine - new_b * sine)
+        # sin(4e) = 2 sin(2e) cos(2e)
+        detent = td * 4.0 * sine * cosine * (1.0 - 2.0 * sine * sine)
+        if blocked:
+            new = 0.0
+        else:
+            new = (omega + (torque - detent - load) * dt_j) * damp
+            held = stiction if omega == 0.0 else friction
+            if new > held:
+                new -= held
+            elif new < -held:
+                new += held
+            else:
+                new = 0.0
+        resting = resting and new == 0.0 and omega == 0.0 and new_a == ia and new_b == ib
+        f[IA0], f[IB0], f[EMF_A], f[EMF_B] = ia, ib, emf_a, emf_b
+        ia, ib, omega = new_a, new_b, new
+        theta += omega * dt
+    f[THETA], f[OMEGA], f[IA], f[IB], f[TORQUE] = theta, omega, ia, ib, torque
+    f[REF_A], f[REF_B] = ref_a, ref_b
+    s[REST] = resting
+
+
+@compiled
+def _drive_motor(s: Cells, f: Floats, table: Floats) -> None:
+    """Current references from the sequencer, then the motor, unless it rests and nothing has changed."""
+    scale = f[FULL_SCALE] * (s[CS] + 1) / 32.0
+    look = s[LOOK]
+    ref_a = scale * table[look & 1023]
+    ref_b = scale * table[(look + 256) & 1023]
+    if not s[REST] or ref_a != f[REF_A] or ref_b != f[REF_B]:
+        _motor(s, f, ref_a, ref_b)
+
+
+# --- StallGuard2 and CoolStep --------------------------------------------------------------------
+
+
+@inlined
+def _open_window(s: Cells, f: Floats) -> None:
+    """StallGuard2 begins to average anew."""
+    f[MARK] = f[TEETH] * f[THETA]
+    f[SUM_T] = f[SUM_I2] = 0.0
+    s[SG_TICKS] = 0
+    s[SG_FROM] = s[LOOK]
+
+
+@compiled
+def _stall_guard(s: Cells, f: Floats) -> None:
+    """A new value at the end of a full step of the field.
+
+    From the torque's share of what the current can hold, how much of the field's way the rotor has followed, and how
+    much of the current is really there; the fall with speed below `V_HALF` is the missing back-EMF.
+    """
+    ticks = max(s[SG_TICKS], 1)
+    turned = s[LOOK] - s[SG_FROM]
+    followed = (f[TEETH] * f[THETA] - f[MARK]) * 1024.0 / (turned * 2.0 * math.pi)
+    current = math.sqrt(f[SUM_I2] / ticks)
+    torque = abs(f[SUM_T]) / ticks
+    _open_window(s, f)
+    if s[STEALTH]:
+        s[SG] = s[SG_VALID] = s[SG_COUNT] = s[SG_SUM] = 0
+        s[COOL_CS] = s[IRUN]
+        return
+    if abs(turned) < 128:
+        return  # the rest of the full step in which the motor started says nothing yet
+    s[RNG] = (s[RNG] * 0x5DEECE66D + 0xB) & 0xFFFFFFFFFFFF
+    speed = abs(s[V]) * f[FS_A_V]
+    wanted = f[FULL_SCALE] * (s[CS] + 1) / 32.0
+    value = 0.0
+    if current > 0.0 and wanted > 0.0:
+        value = f[S0] * speed / (speed + f[V_HALF]) * min(max(followed, 0.0), 1.0)
+        value *= min(current / wanted, 1.0) * (1.0 - min(torque / (f[KT] * current), 1.0))
+    value += 8.0 * s[SGT] + f[NOISE] * (s[RNG] / float(1 << 47) - 1.0)
+    measured = int(min(max(value, 0.0), 1023.0))
+    if s[SFILT]:
+        s[SG_SUM] += measured
+        s[SG_COUNT] += 1
+        if s[SG_COUNT] < 4:
+            return
+        measured = s[SG_SUM] // 4
+        s[SG_SUM] = s[SG_COUNT] = 0
+    s[SG] = measured
+    s[SG_VALID] = 1
+    _cool_step(s)
+
+
+@inlined
+def _cool_step(s: Cells) -> None:
+    """CoolStep's answer to a new StallGuard2 value."""
+    if s[SEMIN] == 0 or s[TSTEP] > s[TCOOLTHRS] or s[TSTEP] <= s[THIGH]:
+        s[COOL_CS] = s[IRUN]
+        s[COOL_DOWN] = 0
+        return
+    lowest = max((s[IRUN] + 1) // (4 if s[SEIMIN] else 2) - 1, 0)
+    if s[SG] < 32 * s[SEMIN]:
+        s[COOL_CS] = min(s[COOL_CS] + (1 << s[SEUP]), s[IRUN])
+        s[COOL_DOWN] = 0
+    elif s[SG] >= 32 * (s[SEMIN] + s[SEMAX] + 1):
+        s[COOL_DOWN] += 1
+        if s[COOL_DOWN] >= (32, 8, 2, 1)[s[SEDN]]:
+            s[COOL_DOWN] = 0
+            s[COOL_CS] = max(s[COOL_CS] - 1, lowest)
+    else:
+        s[COOL_DOWN] = 0
+
+
+@inlined
+def stalled(s: Cells) -> bool:
+    """DRV_STATUS.stallGuard: a value of 0 while the motor is driven with SpreadCycle. Not at standstill (a reading)."""
+    return s[SG_VALID] != 0 and s[SG] == 0 and s[V] != 0 and not s[STEALTH]
+
+
+@inlined
+def stall_may_stop(s: Cells) -> bool:
+    """Whether the speed is in StallGuard2's range."""
+    return abs(s[V]) >= s[STALL_V] if s[STALL_V] >= 0 else s[TSTEP] <= s[TCOOLTHRS]
+
+
+# --- stage and encoders --------------------------------------------------------------------------
+
+
+@inlined
+def physical(s: Cells, f: Floats) -> int:
+    """The switches: 1 left, 2 right, 4 home."""
+    theta = f[THETA]
+    pressed = 0
+    if theta <= f[LEFT_AT]:
+        pressed |= 1
+    if theta >= f[RIGHT_AT]:
+        pressed |= 2
+    if f[HOME_FROM] <= theta <= f[HOME_TO]:
+        pressed |= 4
+    return pressed & ~s[FORCE] | s[FORCED] & s[FORCE]
+
+
+@compiled
+def see_switches(s: Cells) -> None:
+    """What the ramp generator makes of the switches: SW_MODE's polarity, swap and enable."""
+    mode = s[SW]
+    left = (s[PHYS] ^ mode >> 2) & 1
+    right = (s[PHYS] >> 1 ^ mode >> 3) & 1
+    if mode >> 4 & 1:
+        left, right = right, left
+    s[LSEEN], s[RSEEN] = left, right
+    s[LSTOP], s[RSTOP] = left & mode, right & mode >> 1
+
+
+@compiled
+def _switches_moved(s: Cells, f: Floats, pressed: int) -> None:
+    """Switch edges: latches, then stops."""
+    left, right = s[LSEEN], s[RSEEN]
+    s[PHYS] = pressed
+    see_switches(s)
+    mode = s[SW]
+    latched = 0
+    if s[LSEEN] != left and mode >> (5 if s[LSEEN] else 6) & 1:
+        latched |= _LATCH_L
+    if s[RSEEN] != right and mode >> (7 if s[RSEEN] else 8) & 1:
+        latched |= _LATCH_R
+    if latched:
+        s[LATCHED] |= latched
+        s[XLATCH] = s[X]
+        if mode >> 9 & 1:
+            s[ENC_LATCH] = position_of(s, EXTERNAL, external_counts(f))
+
+
+@compiled
+def internal_counts(f: Floats) -> int:
+    """The magnet's angle in counts, not wrapped."""
+    x = f[THETA] + f[SLIP_I] - f[ZERO]
+    seen = x + f[E1] * math.sin(x + f[P1]) + f[E2] * math.sin(2.0 * x + f[P2])
+    return math.floor(seen * f[SCALE_I] + 0.5)
+
+
+@compiled
+def external_counts(f: Floats) -> int:
+    """Counter behind A and B, not wrapped."""
+    return math.floor((f[THETA] + f[SLIP_E]) * f[SCALE_E] + 0.5)
+
+
+@compiled
+def position_of(s: Cells, at: int, counts: int) -> int:
+    """Microsteps that an encoder shows for a counter value."""
+    moved = (counts - s[at + E_BASE_COUNTS]) * s[at + E_NUM] // s[at + E_DEN]
+    return wrap32(s[at + E_BASE] + moved)
+
+
+@compiled
+def _look_at(s: Cells, at: int, counts: int) -> int:
+    """Null and deviation of one encoder; returns bit 0 for deviation, bit 2 for null."""
+    events = 0
+    per_turn = s[at + E_PER_TURN]
+    turn = counts // per_turn
+    if turn != s[at + E_TURN]:
+        if s[at + E_NULL]:
+            s[at + E_NULL] = 0
+            s[at + E_BASE] = 0
+            s[at + E_BASE_COUNTS] = max(turn, s[at + E_TURN]) * per_turn
+            events |= _EV_NULL
+        s[at + E_TURN] = turn
+    if s[at + E_LIMIT] > 0 and not s[at + E_EXCEEDED]:
+        deviation = abs(wrap32(s[X] - position_of(s, at, counts)))
+        if deviation > s[at + E_LIMIT]:
+            s[at + E_EXCEEDED] = 1
+            events |= _EV_DEVIATION
+    return events
+
+
+# --- time ----------------------------------------------------------------------------------------
+
+
+@compiled
+def _tick(s: Cells, f: Floats, table: Floats) -> int:
+    """One tick; returns the events that happened in it."""
+    before = s[V]
+    events = 0
+    stopping = (before < 0 and s[LSTOP]) or (before > 0 and s[RSTOP])
+    if stopping and not s[STOPPING]:
+        events |= _EV_SWITCH_STOP
+    s[STOPPING] = stopping
+    steps = _ramp(s)
+    now = s[V]
+    if now != before:
+        _thresholds(s)
+        if now == 0:
+            events |= _EV_STOPPED
+        elif before == 0:
+            _open_window(s, f)
+            s[SG_VALID] = s[SG_SUM] = s[SG_COUNT] = 0
+            s[COOL_CS] = s[IRUN]
+            s[COOL_DOWN] = 0
+    reached = s[X] == s[XT]
+    if reached != s[REACHED]:
+        s[REACHED] = reached
+        if reached:
+            s[LATCHED] |= _POS_REACHED
+    arrived = reached and now == 0 and s[MODE] == POSITION
+    if arrived and not s[ARRIVED]:
+        events |= _EV_POSITION
+    s[ARRIVED] = arrived
+    if s[MODE] == FORWARD:
+        fast = now == s[VMAX]
+    elif s[MODE] == BACKWARD:
+        fast = now == -s[VMAX]
+    else:
+        fast = abs(now) == s[VMAX]
+    if fast != s[FAST]:
+        s[FAST] = fast
+        if fast:
+            events |= _EV_VELOCITY
+    whole = s[LOOK] >> 8
+    _sequence(s, steps)
+    events |= _standing(s, steps)
+    _drive_motor(s, f, table)
+    pressed = physical(s, f)
+    if pressed != s[PHYS]:
+        events |= (pressed ^ s[PHYS]) * _EV_LEFT
+        _switches_moved(s, f, pressed)
+    if now != 0:
+        f[SUM_T] += f[TORQUE]
+        f[SUM_I2] += f[IA] * f[IA] + f[IB] * f[IB]
+        s[SG_TICKS] += 1
+        if s[LOOK] >> 8 != whole:
+            _stall_guard(s, f)
+            if s[SW] & _SG_STOP and stalled(s) and stall_may_stop(s):
+                s[LATCHED] |= _STOP_SG
+                s[V] = s[ACC] = 0
+                s[ZWAIT] = s[TZERO]
+                _thresholds(s)
+                events |= _EV_STALL | _EV_STOPPED
+    if s[ENCODERS]:
+        events |= _look_at(s, INTERNAL, internal_counts(f)) | _look_at(s, EXTERNAL, external_counts(f)) << 1
+    s[QUIET] = before == 0 and now == 0 and s[ZWAIT] == 0 and s[REST] and s[PHASE] == HOLD and events == 0
+    return events
+
+
+@compiled
+def advance(s: Cells, f: Floats, table: Floats, until: int) -> int:
+    """Bring the drive to clock `until`, or to the first tick with a watched event; returns those events or 0."""
+    end = until // TICK_CLOCKS
+    watch = s[WATCH]
+    while s[TICK] < end:
+        if s[QUIET]:
+            s[TICK] = end
+            break
+        s[TICK] += 1
+        events = _tick(s, f, table) & watch
+        if events:
+            s[CLOCK] = s[TICK] * TICK_CLOCKS
+            return events
+    s[CLOCK] = until
+    return 0
+
+
+@compiled
+def refresh(s: Cells, f: Floats) -> None:
+    """Take over what Python wrote into the cells since the last `advance`."""
+    s[QUIET] = s[REST] = 0
+    see_switches(s)
+    _thresholds(s)
+    if s[X] != s[XT]:
+        s[REACHED] = s[ARRIVED] = 0
+    s[ENCODERS] = 0
+    for at in (INTERNAL, EXTERNAL):
+        s[at + E_TURN] = (internal_counts(f) if at == INTERNAL else external_counts(f)) // s[at + E_PER_TURN]
+        if s[at + E_LIMIT] > 0 or s[at + E_NULL]:
+            s[ENCODERS] = 1

@@ -7,11 +7,11 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from app.emulators.drive.kernel import TICK_CLOCKS
+
+MOST_STEPS_A_TICK = 16
+
 FullSteps = Annotated[float, Field(strict=True, ge=-1e7, le=1e7, allow_inf_nan=False)]
-
-
-def _positive(low: float, high: float) -> object:
-    return Field(ge=low, le=high, allow_inf_nan=False)
 
 
 class _Closed(BaseModel):
@@ -148,3 +148,29 @@ class DriveOptions(_Closed):
         default=10.0, description="of a StallGuard2 value, +-"
     )
     seed: Annotated[int, Field(strict=True, ge=0, le=2**32 - 1)] = Field(default=5160, description="of the noise")
+
+    @property
+    def inertia_kgm2(self) -> float:
+        """Rotor and load."""
+        return self.motor.rotor_inertia_kgm2 + self.load.inertia_kgm2
+
+    @property
+    def steps_a_tick(self) -> int:
+        """Physics steps in a tick of 256 clocks.
+
+        Each is at most a fifth of the regulator's time constant, and a twentieth of a radian of the fastest
+        oscillation that the full current can bring about.
+        """
+        motor = self.motor
+        stiffness = motor.rotor_teeth * (motor.torque_constant * self.full_scale_a + 4 * abs(motor.detent_torque_nm))
+        longest_s = min(self.regulator_s / 5, math.sqrt(self.inertia_kgm2 / stiffness) / 20)
+        return math.ceil(TICK_CLOCKS / self.clock_hz / longest_s)
+
+    @model_validator(mode="after")
+    def _can_be_computed(self) -> DriveOptions:
+        if self.steps_a_tick > MOST_STEPS_A_TICK:
+            raise ValueError(
+                f"this motor would need {self.steps_a_tick} physics steps every 16 us, at most {MOST_STEPS_A_TICK} "
+                "are made: less current or torque, or more inertia"
+            )
+        return self

@@ -2,8 +2,18 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Self, overload
+
+from app.emulators.drive import kernel as k
+from app.emulators.drive.options import DriveOptions
+
+UNDERVOLTAGE_V = 8.0
+"""Below this supply the chip cannot drive its bridges [V]."""
+OT_C, OTPW_C = 150.0, 120.0
+"""Shutdown; warning, below which a shutdown ends [deg C]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -13,43 +23,6 @@ class Switches:
     left: bool
     right: bool
     home: bool
-
-
-class World(Protocol):
-    """What a bench does to the drive while it runs: plain attributes, read and set at any time.
-
-    A change holds from the next tick on. Setting one out of range raises ValueError.
-    """
-
-    load_torque_nm: float
-    """Constant torque [N m], like a weight: a positive one pulls the shaft to negative positions."""
-    extra_friction_nm: float
-    """Coulomb friction on top of motor and load [N m], >= 0."""
-    blocked: bool
-    """The shaft is clamped where it is."""
-    supply_v: float
-    """Motor supply [V], 0..60. Below 8 V the chip reports GSTAT.uv_cp and switches its bridges off."""
-    encoder_slip_fullsteps: float
-    """How far the internal encoder's magnet has slipped on the shaft [full steps], in all."""
-    external_slip_fullsteps: float
-    """The same of the external encoder."""
-    eccentricity_deg: float
-    """Once-a-turn error of the internal encoder [deg of the shaft], amplitude."""
-    left_at_fullsteps: float
-    right_at_fullsteps: float
-    home_from_fullsteps: float
-    home_to_fullsteps: float
-    """Places of the switches [full steps of the rotor]."""
-    force_left: bool | None
-    force_right: bool | None
-    force_home: bool | None
-    """Forced switches: None leaves them to the stage."""
-    rotor_fullsteps: float
-    """Where the rotor is [full steps]; setting it turns the shaft by hand (and stops it)."""
-    motor_connected: bool
-    """Unplugged, both coils carry nothing, and ola and olb are reported."""
-    temperature_c: float
-    """Of the bridges [deg C]: warning (otpw) from 120, shutdown (ot) from 150 until below 120."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,3 +52,159 @@ class Truth:
     """CS that the driver uses now, 0..31."""
     bridges: str
     """"regulated", "open" or "shorted"."""
+
+
+class _Number:
+    """An attribute of `World` within limits; setting it tells the drive."""
+
+    def __init__(self, low: float, high: float) -> None:
+        self.low, self.high = low, high
+
+    def __set_name__(self, owner: type[World], name: str) -> None:
+        self.name = name
+
+    @overload
+    def __get__(self, world: None, owner: type[World]) -> Self: ...
+    @overload
+    def __get__(self, world: World, owner: type[World]) -> float: ...
+    def __get__(self, world: World | None, owner: type[World]) -> float | Self:
+        return self if world is None else world.numbers[self.name]
+
+    def __set__(self, world: World, value: float) -> None:
+        if not self.low <= value <= self.high:
+            raise ValueError(f"{self.name} is {value:g}, allowed is {self.low:g}..{self.high:g}")
+        world.numbers[self.name] = float(value)
+        world.push()
+
+
+class _Force:
+    """A switch that can be forced: True, False, or None for the stage's."""
+
+    def __init__(self, bit: int) -> None:
+        self.bit = bit
+
+    @overload
+    def __get__(self, world: None, owner: type[World]) -> Self: ...
+    @overload
+    def __get__(self, world: World, owner: type[World]) -> bool | None: ...
+    def __get__(self, world: World | None, owner: type[World]) -> bool | Self | None:
+        if world is None:
+            return self
+        return bool(world.forced & self.bit) if world.force & self.bit else None
+
+    def __set__(self, world: World, value: bool | None) -> None:
+        world.force &= ~self.bit
+        world.forced &= ~self.bit
+        if value is not None:
+            world.force |= self.bit
+            world.forced |= self.bit * value
+        world.push()
+
+
+class World:
+    """What a bench does to the drive while it runs: plain attributes, read and set at any time.
+
+    A change holds from the next tick on. Setting one out of range raises ValueError.
+    """
+
+    load_torque_nm = _Number(-50.0, 50.0)
+    """Constant torque [N m], like a weight: a positive one pulls the shaft to negative positions."""
+    extra_friction_nm = _Number(0.0, 50.0)
+    """Coulomb friction on top of motor and load [N m]."""
+    supply_v = _Number(0.0, 60.0)
+    """Motor supply [V]. Below 8 V the chip reports GSTAT.uv_cp and switches its bridges off."""
+    encoder_slip_fullsteps = _Number(-1e7, 1e7)
+    """How far the internal encoder's magnet has slipped on the shaft [full steps], in all."""
+    external_slip_fullsteps = _Number(-1e7, 1e7)
+    """The same of the external encoder."""
+    eccentricity_deg = _Number(0.0, 10.0)
+    """Once-a-turn error of the internal encoder [deg of the shaft], amplitude."""
+    left_at_fullsteps = _Number(-1e7, 1e7)
+    """The left switch is pressed here and to the left [full steps of the rotor]."""
+    right_at_fullsteps = _Number(-1e7, 1e7)
+    """The right switch is pressed here and to the right."""
+    home_from_fullsteps = _Number(-1e7, 1e7)
+    home_to_fullsteps = _Number(-1e7, 1e7)
+    """The home switch is pressed between these."""
+    temperature_c = _Number(-55.0, 250.0)
+    """Of the bridges [deg C]: warning (otpw) from 120, shutdown (ot) from 150 until below 120."""
+    force_left = _Force(1)
+    """True or False: forced; None: left to the stage."""
+    force_right = _Force(2)
+    force_home = _Force(4)
+
+    def __init__(self, options: DriveOptions, s: k.Cells, f: k.Floats, changed: Callable[[], None]) -> None:
+        """`s` and `f` are the kernel's cells; `changed` is called after each change."""
+        self._options, self._s, self._f, self._changed = options, s, f, changed
+        stage = options.stage
+        self.force = self.forced = 0
+        self._blocked, self._connected = False, True
+        self.numbers = {
+            "load_torque_nm": options.load.torque_nm,
+            "extra_friction_nm": 0.0,
+            "supply_v": options.supply_v,
+            "encoder_slip_fullsteps": 0.0,
+            "external_slip_fullsteps": 0.0,
+            "eccentricity_deg": options.encoders.eccentricity_deg,
+            "left_at_fullsteps": stage.left_at_fullsteps,
+            "right_at_fullsteps": stage.right_at_fullsteps,
+            "home_from_fullsteps": stage.home_from_fullsteps,
+            "home_to_fullsteps": stage.home_to_fullsteps,
+            "temperature_c": 40.0,
+        }
+
+    @property
+    def blocked(self) -> bool:
+        """The shaft is clamped where it is."""
+        return self._blocked
+
+    @blocked.setter
+    def blocked(self, value: bool) -> None:
+        self._blocked = bool(value)
+        self.push()
+
+    @property
+    def motor_connected(self) -> bool:
+        """Unplugged, both coils carry nothing, and DRV_STATUS reports ola and olb."""
+        return self._connected
+
+    @motor_connected.setter
+    def motor_connected(self, value: bool) -> None:
+        self._connected = bool(value)
+        self.push()
+
+    @property
+    def rotor_fullsteps(self) -> float:
+        """Where the rotor is [full steps]; setting it turns the shaft by hand (and stops it)."""
+        return float(self._f[k.THETA]) / self.fullstep_rad
+
+    @rotor_fullsteps.setter
+    def rotor_fullsteps(self, value: float) -> None:
+        if not abs(value) <= 1e7:
+            raise ValueError(f"rotor_fullsteps is {value:g}, allowed is -1e7..1e7")
+        self._f[k.THETA] = value * self.fullstep_rad
+        self._f[k.OMEGA] = 0.0
+        self.push()
+
+    @property
+    def fullstep_rad(self) -> float:
+        """A full step of the rotor [rad]."""
+        return math.pi / 2 / self._options.motor.rotor_teeth
+
+    def push(self) -> None:
+        """Hand everything to the kernel."""
+        f, numbers, motor, load = self._f, self.numbers, self._options.motor, self._options.load
+        step = self.fullstep_rad
+        f[k.LOAD], f[k.SUPPLY] = numbers["load_torque_nm"], numbers["supply_v"]
+        f[k.E1] = math.radians(numbers["eccentricity_deg"])
+        friction = motor.friction_nm + load.friction_nm + numbers["extra_friction_nm"]
+        f[k.FRICTION] = friction * f[k.DT_J] * f[k.DAMP]
+        f[k.STICTION] = f[k.FRICTION] * motor.stiction_ratio
+        f[k.SLIP_I] = numbers["encoder_slip_fullsteps"] * step
+        f[k.SLIP_E] = numbers["external_slip_fullsteps"] * step
+        f[k.LEFT_AT], f[k.RIGHT_AT] = numbers["left_at_fullsteps"] * step, numbers["right_at_fullsteps"] * step
+        f[k.HOME_FROM], f[k.HOME_TO] = numbers["home_from_fullsteps"] * step, numbers["home_to_fullsteps"] * step
+        self._s[k.FORCE], self._s[k.FORCED], self._s[k.BLOCKED] = self.force, self.forced, self._blocked
+        if self._blocked:
+            f[k.OMEGA] = 0.0
+        self._changed()
