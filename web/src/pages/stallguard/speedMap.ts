@@ -63,11 +63,13 @@ export class SpeedMap {
   }
 
   /** Take in the rows that have come since the last call: those in motion, with a speed and a load value. */
-  read(buffer: TraceBuffer, channels: { speed: string; load: string; scale: string }): void {
+  read(buffer: TraceBuffer, channels: { speed: string; load: string; scale: string; velocity: string }): void {
     const times = buffer.times();
     const speed = buffer.column(channels.speed);
     const load = buffer.column(channels.load);
     const scale = buffer.column(channels.scale);
+    // the driver measures a little speed at rest, too
+    const velocity = buffer.column(channels.velocity);
     const newest = buffer.lastTime;
     if (speed === null || load === null || Number.isNaN(newest)) return;
     if (newest < this.readTo) this.readTo = Number.NEGATIVE_INFINITY; // the device has begun another life
@@ -76,7 +78,8 @@ export class SpeedMap {
     while (row > 0 && (times[row - 1] as number) > this.readTo) row--;
     for (; row < times.length; row++) {
       const [fast, value] = [speed[row] as number, load[row] as number];
-      if (fast !== 0 && !Number.isNaN(fast + value)) this.add(fast, value, scale?.[row] ?? Number.NaN);
+      if (fast !== 0 && velocity?.[row] !== 0 && !Number.isNaN(fast + value))
+        this.add(fast, value, scale?.[row] ?? Number.NaN);
     }
     this.readTo = newest;
     this.revision += 1;

@@ -87,15 +87,19 @@ describe("the map over speed", () => {
 
   it("takes in what moves, once, and leaves out what is missing", () => {
     const map = new SpeedMap();
-    const buffer = new TraceBuffer(["s", "l"], 20);
+    const buffer = new TraceBuffer(["s", "l", "v"], 20);
     const column = (...values: number[]) => Float64Array.from(values);
-    const channels = { speed: "s", load: "l", scale: "c" };
+    const channels = { speed: "s", load: "l", scale: "c", velocity: "v" };
     buffer.append({
       sequence: 0,
-      rows: 4,
+      rows: 5,
       dropped: 0,
-      time: column(1, 2, 3, 4),
-      columns: [column(0, 100, Number.NaN, 200), column(5, 6, 7, Number.NaN)],
+      time: column(1, 2, 3, 4, 5),
+      columns: [
+        column(0, 100, Number.NaN, 200, 15),
+        column(5, 6, 7, Number.NaN, 8),
+        column(9, 9, 9, 9, 0), // 15 is what the driver measures of a motor at rest
+      ],
     });
     map.read(buffer, channels);
     map.read(buffer, channels);

@@ -1,0 +1,72 @@
+import { Button } from "@mantine/core";
+import { IconPlayerStop, IconStairs } from "@tabler/icons-react";
+import { useState } from "react";
+import { duration } from "../../lib/format";
+import { NumberField } from "../../lib/NumberField";
+import { Section } from "../../lib/Section";
+import { sweep } from "../module/HeldRun";
+import { RunNote } from "../module/RunNote";
+import type { useHeldRun } from "../module/useHeldRun";
+import classes from "./stallguard.module.css";
+
+interface Props {
+  run: ReturnType<typeof useHeldRun>;
+  microstepsPerTurn: number;
+  disabled: boolean;
+}
+
+/** Through several speeds and back, so that the plot over speed fills. */
+export function SweepSection({ run, microstepsPerTurn, disabled }: Props) {
+  const [from, setFrom] = useState(15);
+  const [to, setTo] = useState(240);
+  const [steps, setSteps] = useState(10);
+  const [forS, setForS] = useState(1);
+  const locked = disabled || run.running;
+  const legs = () => sweep((from / 60) * microstepsPerTurn, (to / 60) * microstepsPerTurn, steps, forS);
+  return (
+    <Section title="Speed sweep" note={`takes ${duration((2 * steps - 1) * forS)}`}>
+      <div className={classes.fields}>
+        <NumberField label="From" unit="rpm" value={from} min={-3000} max={3000} disabled={locked} onChange={setFrom} />
+        <NumberField label="To" unit="rpm" value={to} min={-3000} max={3000} disabled={locked} onChange={setTo} />
+        <NumberField label="Speeds" integer value={steps} min={1} max={100} disabled={locked} onChange={setSteps} />
+        <NumberField
+          label="Each for"
+          unit="s"
+          value={forS}
+          min={0.2}
+          max={60}
+          step={0.5}
+          disabled={locked}
+          onChange={setForS}
+        />
+      </div>
+      {run.running ? (
+        <Button
+          size="xs"
+          fullWidth
+          color="red"
+          leftSection={<IconPlayerStop size={16} aria-hidden />}
+          onClick={run.abort}
+          data-testid="sweep"
+        >
+          Stop
+        </Button>
+      ) : (
+        <Button
+          size="xs"
+          fullWidth
+          leftSection={<IconStairs size={16} aria-hidden />}
+          disabled={disabled}
+          onClick={() => run.start(legs())}
+          data-testid="sweep"
+        >
+          Sweep up and back
+        </Button>
+      )}
+      <RunNote
+        state={run.state}
+        idle="The shaft turns on and on in one direction: take care of a stage with ends. Escape stops everything."
+      />
+    </Section>
+  );
+}
