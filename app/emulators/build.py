@@ -2,34 +2,79 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+from typing import Literal, overload
+
 from app.clock import Clock
 from app.emulators.device import EmulatedDevice
 from app.emulators.options import EmulatorOptions
+from app.emulators.pd42.module import MODEL as PD42_MODEL
+from app.emulators.pd42.module import EmulatedModule
+from app.emulators.pd42.options import Pd42Options
 from app.links.errors import OutOfRange, UnknownThing
 from app.registers.catalog import MODELS
 
+AnyOptions = EmulatorOptions | Pd42Options
+AnyEmulator = EmulatedDevice | EmulatedModule
+EMULATED = ("tmc428", "tmc4210", PD42_MODEL)
+"""Models that there is an emulator of."""
 
-def build_emulator(model: str, clock: Clock, options: EmulatorOptions | None = None) -> EmulatedDevice:
+
+def options_of(model: str) -> type[AnyOptions]:
+    """What an emulated `model` can be asked for: its options as a pydantic model."""
+    return Pd42Options if model == PD42_MODEL else EmulatorOptions
+
+
+@overload
+def build_emulator(
+    model: Literal["pd42-1241"], clock: Clock, options: Pd42Options | None = None, eeprom: Path | None = None
+) -> EmulatedModule: ...
+@overload
+def build_emulator(
+    model: Literal["tmc428", "tmc4210"], clock: Clock, options: EmulatorOptions | None = None
+) -> EmulatedDevice: ...
+@overload
+def build_emulator(model: str, clock: Clock, options: EmulatorOptions) -> EmulatedDevice: ...
+@overload
+def build_emulator(model: str, clock: Clock, options: Pd42Options, eeprom: Path | None = None) -> EmulatedModule: ...
+@overload
+def build_emulator(
+    model: str, clock: Clock, options: AnyOptions | None = None, eeprom: Path | None = None
+) -> AnyEmulator: ...
+def build_emulator(
+    model: str, clock: Clock, options: AnyOptions | None = None, eeprom: Path | None = None
+) -> AnyEmulator:
     """An emulated `model` that has just been switched on and lives by `clock`.
 
-    Raises UnknownThing for a model that the catalog does not have and OutOfRange for a clock that is too
-    fast for it.
+    `options` are those of the model (`options_of`), `eeprom` is the file that a module keeps its memory in; None
+    keeps it no longer than the object.
+
+    Raises UnknownThing for a model that the catalog does not have, OutOfRange for a clock that is too fast for it,
+    and TypeError for another model's options.
     """
-    options = options or EmulatorOptions()
-    known = MODELS.get(model)
-    if known is None:
-        raise UnknownThing("emulator", model, sorted(MODELS))
+    if model not in EMULATED:
+        raise UnknownThing("emulator", model, sorted(EMULATED))
+    options = options or options_of(model)()
+    if isinstance(options, Pd42Options):
+        if model != PD42_MODEL:
+            raise TypeError(f"options of a {PD42_MODEL} for a {model}")
+        return EmulatedModule(clock, options, eeprom)
+    if model == PD42_MODEL:
+        raise TypeError(f"a {model} has options of its own")
+    known = MODELS[model]
     if options.clock_hz > known.clock_hz_max:
         raise OutOfRange("clock_hz", options.clock_hz, 1, known.clock_hz_max, f"the limit of a {known.title}")
     return EmulatedDevice(model, clock, options)
 
 
 def warm_up() -> None:
-    """Compile the kernel, or load it from numba's disk cache: seconds once, milliseconds after that.
+    """Compile the kernels, or load them from numba's disk cache: seconds once, milliseconds after that.
 
     For a thread at start-up, so that the first request does not wait for it.
     """
     from app.clock import VirtualClock
+    from app.emulators.drive import warm_up as warm_up_drive
 
-    for model in MODELS:
-        build_emulator(model, VirtualClock()).exchange(bytes(4))
+    for chip in ("tmc428", "tmc4210"):
+        build_emulator(chip, VirtualClock()).exchange(bytes(4))
+    warm_up_drive()
