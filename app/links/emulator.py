@@ -45,6 +45,8 @@ class EmulatorPort:
         self._last_exchange_s = wire.clock.now()
         self._due: list[tuple[float, int, _Sampling]] = []
         self._order = 0
+        self._unsolicited: Callable[[float], list[tuple[float, bytes]]] | None = getattr(wire, "unsolicited", None)
+        self._event_listeners: list[Callable[[bytes], None]] = []
 
     @property
     def name(self) -> str:
@@ -67,6 +69,8 @@ class EmulatorPort:
         except ConnectionError as error:
             raise LinkDown(self._name, str(error) or "unplugged") from error
         self._last_exchange_s = at_s
+        if self._event_listeners:
+            self._tell_events(at_s)
         return reply
 
     def take_turn(self) -> float:
@@ -75,6 +79,25 @@ class EmulatorPort:
         if self._due and self._due[0][0] <= now_s:
             self._take_due(now_s)
         return self.wire.clock.at(now_s)
+
+    def on_event(self, listener: Callable[[bytes], None]) -> Callable[[], None]:
+        """Hear of frames that the module sends unasked, as `BatchPort.on_event`; found out when it is talked to next.
+
+        Returns the function that ends it.
+        """
+        self._event_listeners.append(listener)
+
+        def end() -> None:
+            if listener in self._event_listeners:
+                self._event_listeners.remove(listener)
+
+        return end
+
+    def _tell_events(self, at_s: float) -> None:
+        if self._unsolicited is not None:
+            for _, frame in self._unsolicited(at_s):
+                for listener in tuple(self._event_listeners):
+                    listener(frame)
 
     async def aclose(self) -> None:
         """End all samplings. The chip lives on: closing a port does not cut a chip's power."""
@@ -97,7 +120,10 @@ class EmulatorPort:
         return end
 
     def run_due_samples(self) -> None:
-        error = self._take_due(self._server.now())
+        now_s = self._server.now()
+        error = self._take_due(now_s)
+        if self._event_listeners:
+            self._tell_events(self.wire.clock.at(now_s))
         if error is not None:
             raise error
 

@@ -6,8 +6,10 @@ from collections.abc import Callable, Mapping
 from typing import cast
 
 from app.clock import Clock
+from app.links.can_line import can_port
 from app.links.errors import OutOfRange, UnknownThing, UsageError
 from app.links.port import FramePort
+from app.links.serial_line import ADDRESS, BAUD, SOCKET, serial_port
 from app.links.tcp import TIMEOUT_S, TcpPort
 
 Link = Mapping[str, object]
@@ -16,20 +18,64 @@ Link = Mapping[str, object]
 PortFactory = Callable[[str, Link, Clock], FramePort]
 """(model, link, clock) to a port, not yet open. Raises UsageError for options that cannot be."""
 
+TMCL_MODELS = frozenset({"pd42-1241"})
+"""Modules that speak TMCL: nine-byte frames, several on one line by address."""
+URL_SCHEMES = ("socket", "rfc2217", "spy")
+
 
 def tcp_factory(model: str, link: Link, clock: Clock) -> FramePort:
-    """`{"kind": "tcp", "host", "port", "timeout_s"?}`; the same for every model: its frames go as they are."""
-    unknown = set(link) - {"kind", "host", "port", "timeout_s"}
-    if unknown:
-        raise UnknownThing("option of a tcp link", min(unknown), ["host", "port", "timeout_s"])
-    host, port, timeout_s = link.get("host"), link.get("port"), link.get("timeout_s", TIMEOUT_S)
-    if not isinstance(host, str) or not host.strip():
-        raise UsageError("a tcp link needs a host")
-    if isinstance(port, bool) or not isinstance(port, int) or not 1 <= port <= 65535:
-        raise OutOfRange("port", port, 1, 65535)
-    if isinstance(timeout_s, bool) or not isinstance(timeout_s, int | float) or not 0.001 <= timeout_s <= 60:
-        raise OutOfRange("timeout_s", timeout_s, 0.001, 60)
-    return TcpPort(host.strip(), port, timeout_s=float(timeout_s), clock=clock)
+    """`{"kind": "tcp", "host", "port", "timeout_s"?}`, and `"address"?` for a TMCL module behind a gateway."""
+    tmcl = model in TMCL_MODELS
+    _only(link, "host", "port", "timeout_s", *(["address"] if tmcl else []))
+    host = _text(link, "host")
+    port = _whole(link, "port", None, 1, 65535)
+    if not tmcl:
+        return TcpPort(host, port, timeout_s=_timeout_s(link) or TIMEOUT_S, clock=clock)
+    bracketed = f"[{host}]" if ":" in host else host
+    if not all(character.isprintable() and character not in "/?#@ " for character in host):
+        raise UsageError(f"no host can be called {host!r}")
+    return serial_port(f"{SOCKET}{bracketed}:{port}", address=_address(link), timeout_s=_timeout_s(link), clock=clock)
+
+
+def serial_factory(model: str, link: Link, clock: Clock) -> FramePort:
+    """`{"kind": "serial", "port", "baud"?, "address"?, "timeout_s"?}`; `port` is a device name or a URL."""
+    _only_tmcl("serial", model)
+    _only(link, "port", "baud", "address", "timeout_s")
+    baud = _whole(link, "baud", BAUD, 1200, 4_000_000)
+    return serial_port(
+        port_url(_text(link, "port")), baud=baud, address=_address(link), timeout_s=_timeout_s(link), clock=clock
+    )
+
+
+def can_factory(model: str, link: Link, clock: Clock) -> FramePort:
+    """`{"kind": "can", "interface", "channel", "bitrate"?, "send_id"?, "receive_id"?, "timeout_s"?}`."""
+    _only_tmcl("can", model)
+    _only(link, "interface", "channel", "bitrate", "send_id", "receive_id", "timeout_s")
+    send_id = _whole(link, "send_id", 1, 0, 0x7FF)
+    receive_id = _whole(link, "receive_id", 2, 0, 0x7FF)
+    if send_id == receive_id:
+        raise UsageError(f"send_id and receive_id are both {send_id}: then nobody can tell questions from answers")
+    return can_port(
+        _text(link, "interface"),
+        _text(link, "channel"),
+        bitrate=_whole(link, "bitrate", 1_000_000, 10_000, 1_000_000),
+        send_id=send_id,
+        receive_id=receive_id,
+        timeout_s=_timeout_s(link),
+        clock=clock,
+    )
+
+
+def port_url(port: str) -> str:
+    """A device name, or a URL of one of `URL_SCHEMES`. Raises UsageError for another scheme."""
+    scheme, divider, _ = port.partition("://")
+    if divider and scheme not in URL_SCHEMES:
+        raise UsageError(f"no serial port begins with {scheme}://; use a device name, or {', '.join(URL_SCHEMES)}")
+    if scheme == "spy" and "file=" in port:
+        raise UsageError("spy:// prints to the server's terminal here; it must not write files")
+    if "\0" in port:
+        raise UsageError("a port's name has no NUL in it")
+    return port
 
 
 def open_port(kinds: Mapping[str, PortFactory], model: str, link: Link, clock: Clock) -> FramePort:
@@ -39,3 +85,45 @@ def open_port(kinds: Mapping[str, PortFactory], model: str, link: Link, clock: C
     if factory is None:
         raise UnknownThing("kind of link", str(kind), sorted(kinds))
     return factory(model, link, clock)
+
+
+# --- options ----------------------------------------------------------------------------------
+
+
+def _only_tmcl(kind: str, model: str) -> None:
+    if model not in TMCL_MODELS:
+        raise UsageError(f"a {model} has no {kind} link; {', '.join(sorted(TMCL_MODELS))} has")
+
+
+def _only(link: Link, *options: str) -> None:
+    unknown = set(link) - {"kind", *options}
+    if unknown:
+        raise UnknownThing(f"option of a {link.get('kind', '')} link", min(unknown), list(options))
+
+
+def _text(link: Link, option: str) -> str:
+    text = link.get(option)
+    if not isinstance(text, str) or not text.strip():
+        raise UsageError(f"a {link.get('kind', '')} link needs a {option}")
+    return text.strip()
+
+
+def _whole(link: Link, option: str, default: int | None, minimum: int, maximum: int) -> int:
+    value = link.get(option, default)
+    if isinstance(value, bool) or not isinstance(value, int) or not minimum <= value <= maximum:
+        raise OutOfRange(option, value, minimum, maximum)
+    return value
+
+
+def _address(link: Link) -> int:
+    return _whole(link, "address", ADDRESS, 1, 255)
+
+
+def _timeout_s(link: Link) -> float | None:
+    """None where the option is not there."""
+    value = link.get("timeout_s")
+    if "timeout_s" not in link:
+        return None
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.001 <= value <= 60:
+        raise OutOfRange("timeout_s", value, 0.001, 60)
+    return float(value)

@@ -1,0 +1,339 @@
+"""Questions and answers of TMCL over a stream of bytes, and how both ends stay in step.
+
+The wire has no sequence numbers, so an answer that comes late looks like the answer to the next
+question. Hence a module is trusted only as long as everything went as it should. After anything else
+(silence, half an answer, a wrong checksum, an answer to something else) the line is drained until it is
+silent, and the module is asked for its version. Modules answer in order: whatever comes before that
+answer is old and thrown away. No position or speed can be mistaken for it. Only then comes the
+next question. This is called the fence.
+
+A stop does not wait for a fence. It goes out at once, and the answer may be that to an earlier stop.
+
+Bytes that nobody asked for, while all is well, mean that somebody else talks on the line; then no
+answer can be trusted to be ours. What was asked fails and says so. Nothing is ever sent twice here.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+
+from app.links.errors import BadReply, LinkTimeout
+from app.links.incidents import IncidentKind, Incidents
+from app.links.port import Answer
+from app.links.streams import Stream
+from app.links.tmcl import FRAME_BYTES, Request, check_reply, has_plain_reply, is_event, sound
+from app.registers.tmcl import Opcode, Status
+
+SILENCE_BYTES = 20
+"""So many byte times without a byte are silence: two frames, a bit more than any pause inside one."""
+SILENCE_MIN_S = 0.003
+DRAIN_MAX_S = 0.5
+"""A line that does not fall silent for so long has somebody else on it [s]."""
+FOREIGN = "somebody else talks on the line"
+
+
+class Dialogue:
+    """One open line. For its thread only. `tell_event` gets each event frame; `byte_s` is the time of a byte [s]."""
+
+    def __init__(
+        self,
+        name: str,
+        stream: Stream,
+        incidents: Incidents,
+        tell_event: Callable[[bytes], None],
+        byte_s: float = 0.0,
+    ) -> None:
+        self.silence_s = max(SILENCE_MIN_S, SILENCE_BYTES * byte_s)
+        self._name = name
+        self._stream = stream
+        self._incidents = incidents
+        self._tell_event = tell_event
+        self._trusted: set[int] = set()
+        """Addresses that are in step. Nobody is at first: a module may owe an answer to whoever was here before."""
+        self._owing: set[int] = set()
+        """Addresses that owe an answer; it may still come."""
+        self._fences_lost: set[int] = set()
+        """Addresses that owe, or once owed, an answer to a fence."""
+        self._to_drain = False
+        self._heard = b""
+        """Came while nobody asked, and is not yet judged."""
+        self._foreign = ""
+        """What was heard that nobody can have asked for; the next question fails with it."""
+
+    # --- asking ---------------------------------------------------------------------------------
+
+    def ask_all(
+        self,
+        frames: Sequence[bytes],
+        preempted: Callable[[], bool],
+        timeout_s: float,
+        answer: Answer,
+        replies: list[bytes],
+        answered_s: list[float],
+    ) -> None:
+        """Ask `frames` in a row until `preempted`, appending to `replies` and, in `time.monotonic`, to `answered_s`.
+
+        Raises LinkTimeout, BadReply, and OSError where the line has gone.
+        """
+        read, write, trusted, now = self._stream.read, self._stream.write, self._trusted, time.monotonic
+        always = answer is Answer.ALWAYS
+        if self._heard:
+            self._judge(self._listen(b""))
+        for frame in frames:
+            if replies and preempted():
+                break
+            address, opcode = frame[0], frame[1]
+            # The common case, as short as it can be: in step, a plain answer, in one piece, and right.
+            if always and address in trusted and opcode < Opcode.STOP_APPLICATION:
+                unasked = read(0)
+                if unasked:
+                    self._judge(self._listen(unasked))
+                    if address not in trusted and opcode != Opcode.MST:
+                        raise self._not_sent()
+                write(frame)
+                reply = read(timeout_s)
+                if (
+                    len(reply) == FRAME_BYTES
+                    and reply[3] == opcode
+                    and reply[1] == address
+                    and reply[2] != Status.WRONG_CHECKSUM
+                    and reply[8] == sum(reply[:8]) & 0xFF
+                ):
+                    replies.append(reply)
+                    answered_s.append(now())
+                    continue
+                # Nothing at all: then the time is up already.
+                reply = self._sort_out(frame, reply, timeout_s if reply else 0.0, timeout_s, answer)
+            else:
+                if self._foreign and opcode != Opcode.MST:
+                    raise self._not_sent()
+                if address not in trusted and opcode != Opcode.MST:
+                    self._get_in_step(frame, timeout_s)
+                    if preempted():
+                        break
+                unasked = read(0)
+                if unasked:
+                    self._judge(self._listen(unasked))
+                    if self._foreign and opcode != Opcode.MST:
+                        raise self._not_sent()
+                write(frame)
+                reply = self._sort_out(
+                    frame, b"", self.silence_s if answer is Answer.NEVER else timeout_s, timeout_s, answer
+                )
+            replies.append(reply)
+            answered_s.append(now())
+        unasked = read(0)
+        if unasked:
+            self._judge(self._listen(unasked))
+            if self._foreign:
+                text, self._foreign = self._foreign, ""
+                raise BadReply(self._name, text, unasked)
+
+    def _not_sent(self) -> BadReply:
+        text, self._foreign = self._foreign or FOREIGN, ""
+        return BadReply(self._name, f"{text}; the command was not sent", b"")
+
+    def _sort_out(self, frame: bytes, data: bytes, wait_s: float, timeout_s: float, answer: Answer) -> bytes:
+        """Find the answer to `frame` in what has come (`data`) and what comes within `wait_s` [s] from now.
+
+        b"" where there is none and need not be. `timeout_s` [s] is what errors tell.
+        """
+        read = self._stream.read
+        until_s = time.monotonic() + wait_s
+        stopping = frame[1] == Opcode.MST and frame[0] not in self._trusted
+        found: bytes | None = None
+        while True:
+            while len(data) >= FRAME_BYTES and not (stopping and found is not None):
+                head, rest = data[:FRAME_BYTES], data[FRAME_BYTES:]
+                if is_event(head):
+                    self._tell_event(head)
+                elif self._is_old(head, frame):
+                    self._incidents.add("late", f"an answer that came too late was thrown away: {head.hex(' ')}")
+                elif found is None and self._is_answer(frame, head):
+                    found = head
+                elif stopping and found is None:
+                    rest = data[1:]  # out of step, so frames may begin anywhere
+                else:
+                    raise self._wrong(frame, data, found)
+                data = rest
+            if found is not None and (stopping or not data):
+                break
+            left_s = until_s - time.monotonic()
+            more = read(self.silence_s if found is not None else max(0.0, left_s))
+            if not more:
+                break
+            data += more
+        if data and not stopping:
+            raise self._wrong(frame, data, found)
+        if found is not None:
+            if found[2] == Status.WRONG_CHECKSUM and has_plain_reply(frame):
+                self._mistrust()  # it has lost count of our bytes
+                self._incidents.add("damaged", f"module {frame[0]} could not read what was sent: {frame.hex(' ')}")
+            return found
+        self._mistrust(frame[0])
+        self._owing.add(frame[0])
+        if answer is not Answer.ALWAYS:
+            return b""
+        self._incidents.add("timeout", f"no answer to {frame.hex(' ')} in {timeout_s:g} s")
+        raise LinkTimeout(self._name, timeout_s, f"frame {frame.hex(' ')}")
+
+    def _is_answer(self, frame: bytes, head: bytes) -> bool:
+        if frame[1] == Opcode.GET_VERSION and frame[2] == 0 and not (sound(head) and head[3] == frame[1]):
+            return head[1:].isascii() and head[1:].decode("ascii").isprintable()
+        try:
+            check_reply(self._name, frame, head)
+        except BadReply:
+            return False
+        return True
+
+    def _is_old(self, head: bytes, frame: bytes = b"") -> bool:
+        """Whether `head` is an answer that somebody owed us from before we asked `frame`."""
+        if not sound(head):
+            return False
+        module = head[1]
+        of_fence = head[3] == Opcode.GET_VERSION and module in self._fences_lost
+        if frame and module == frame[0]:  # in step by a fence, so nothing else can be old
+            return of_fence and frame[1] != Opcode.GET_VERSION
+        return of_fence or module in self._owing
+
+    def _wrong(self, frame: bytes, data: bytes, found: bytes | None) -> BadReply:
+        """Note what is wrong with what came, and make the error of it. Everybody is out of step now."""
+        kind, text = self._what_is_wrong(frame, data, found)
+        self._mistrust()
+        self._incidents.add(kind, f"{text} (got {data.hex(' ')} to {frame.hex(' ')})")
+        return BadReply(self._name, text, data)
+
+    def _what_is_wrong(self, frame: bytes, data: bytes, found: bytes | None) -> tuple[IncidentKind, str]:
+        head = data[:FRAME_BYTES]
+        if found is not None:
+            return "foreign", f"{FOREIGN}: {len(data)} bytes more than the answer"
+        if len(data) < FRAME_BYTES:
+            return "short", f"{len(data)} bytes instead of {FRAME_BYTES}"
+        if head == frame:
+            return "mismatch", "our own command came back: switch off the echo of the adapter"
+        if not sound(head):
+            return "checksum", f"checksum {head[8]:#04x} instead of {sum(head[:8]) & 0xFF:#04x}"
+        if head[1] != frame[0]:
+            return "foreign", f"{FOREIGN}: module {head[1]} answered instead of {frame[0]}"
+        text = f"an answer to command {head[3]} instead of {frame[1]}, which is late, or {FOREIGN}"
+        return "mismatch", text
+
+    # --- listening ------------------------------------------------------------------------------
+
+    @property
+    def hears_half(self) -> bool:
+        """Whether something came that more may belong to."""
+        return bool(self._heard)
+
+    def hear(self, data: bytes) -> None:
+        """Something came while nobody asked; b"" when nothing came for `silence_s` [s]."""
+        self._heard += data
+        self._take_events()
+        if self._heard and (not data or len(self._heard) >= FRAME_BYTES):
+            self._judge(self._listen(b""))
+
+    def _take_events(self) -> None:
+        while is_event(head := self._heard[:FRAME_BYTES]):
+            self._heard = self._heard[FRAME_BYTES:]
+            self._tell_event(head)
+
+    def _listen(self, data: bytes) -> bytes:
+        """What was heard that is no event, and no half of one."""
+        self._heard += data
+        self._take_events()
+        until_s = time.monotonic() + DRAIN_MAX_S
+        while self._heard and time.monotonic() < until_s:
+            more = self._stream.read(self.silence_s)
+            if not more:
+                break
+            self._heard += more
+            self._take_events()
+        heard, self._heard = self._heard, b""
+        return heard
+
+    def _judge(self, heard: bytes) -> None:
+        """Say what unasked bytes are: an old answer, noise on a line that is out of step anyway, or somebody else."""
+        if not heard:
+            return
+        foreign = 0
+        if self._trusted:
+            for at in range(0, len(heard), FRAME_BYTES):
+                frame = heard[at : at + FRAME_BYTES]
+                foreign += 0 if self._is_old(frame) else len(frame)
+        if not foreign:
+            self._to_drain = True
+            self._incidents.add("late", f"thrown away: {heard.hex(' ')}")
+            return
+        self._mistrust()
+        self._foreign = f"{FOREIGN}: {foreign} bytes that nobody asked for"
+        self._incidents.add("foreign", f"{self._foreign}: {heard[:64].hex(' ')}")
+
+    # --- staying in step ------------------------------------------------------------------------
+
+    def _mistrust(self, address: int | None = None) -> None:
+        """Whatever comes next may be old: from one module, or, after garbage, from anybody."""
+        self._to_drain = True
+        if address is None:
+            self._trusted.clear()
+        else:
+            self._trusted.discard(address)
+
+    def _get_in_step(self, frame: bytes, timeout_s: float) -> None:
+        """Drain, then the fence. Raises LinkTimeout or BadReply; `frame` was not sent then."""
+        address = frame[0]
+        drained = self._to_drain
+        if drained:
+            self._drain()
+        self._stream.write(Request(address, Opcode.GET_VERSION, 1).encode())
+        until_s, data = time.monotonic() + timeout_s, b""
+        passed = False
+        while True:
+            while len(data) >= FRAME_BYTES:
+                head = data[:FRAME_BYTES]
+                if is_event(head):
+                    self._tell_event(head)
+                elif sound(head) and head[1] == address and head[3] == Opcode.GET_VERSION:
+                    passed = True
+                else:
+                    data = data[1:]  # old answers and garbage: frames may begin anywhere
+                    continue
+                data = data[FRAME_BYTES:]
+            if passed and not data:
+                break
+            # Something behind the answer can only be the rest of an event, or somebody else.
+            more = self._stream.read(self.silence_s if passed else max(0.0, until_s - time.monotonic()))
+            if not more:
+                break
+            data += more
+        if not passed:
+            self._to_drain = True
+            self._fences_lost.add(address)
+            self._incidents.add("out of step", f"module {address} did not tell its version in {timeout_s:g} s")
+            raise LinkTimeout(
+                self._name, timeout_s, f"the version of module {address}; so frame {frame.hex(' ')} was not sent"
+            )
+        if data:
+            raise self._wrong(frame, data, b"")
+        self._trusted.add(address)
+        self._owing.discard(address)
+        if drained:
+            self._incidents.add("resync", f"in step again with module {address}")
+
+    def _drain(self) -> None:
+        """Read until the line is silent, keeping the events. Raises BadReply where it never is."""
+        until_s = time.monotonic() + DRAIN_MAX_S
+        data, self._heard = self._heard, b""
+        while more := self._stream.read(self.silence_s):
+            data += more
+            while len(data) >= FRAME_BYTES:
+                head = data[:FRAME_BYTES]
+                data = data[FRAME_BYTES:] if sound(head) else data[1:]
+                if is_event(head):
+                    self._tell_event(head)
+                elif sound(head):
+                    self._incidents.add("late", f"thrown away: {head.hex(' ')}")
+            if time.monotonic() > until_s:
+                self._incidents.add("foreign", f"{FOREIGN}: it does not fall silent")
+                raise BadReply(self._name, f"{FOREIGN}: it does not fall silent", data)
+        self._to_drain = False
