@@ -15,7 +15,7 @@ export function rangeText(bits: Pick<Bits, "minimum" | "maximum">): string {
 
 const WHOLE = /^[+-]?\d+$/;
 const BASED = /^0(?:x[\da-f]+|b[01]+)$/i;
-const MEASURED = /^([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)\s*([a-z°²/][a-z0-9°²/^]*)$/i;
+const MEASURED = /^([+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?)\s*([a-zµ°²/%][a-z0-9°²/^]*)$/i;
 
 /**
  * What a person typed, as a value for the chip, or why not. Takes decimal, 0x and 0b (as the raw bits, so 0xFFFFFF

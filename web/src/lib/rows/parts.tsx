@@ -126,3 +126,8 @@ export function PackedText({ row, raw, edit }: { row: RegisterRow; raw: number |
 function nameOf(field: FieldRow | null, value: number): string {
   return (field ? enumName(field, value) : undefined) ?? fixed(value);
 }
+
+/** A text of the catalog as a sentence. */
+export function sentence(text: string): string {
+  return text === "" ? "" : `${text.charAt(0).toUpperCase()}${text.slice(1)}.`;
+}

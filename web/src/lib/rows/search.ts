@@ -17,7 +17,15 @@ export function foldedByDefault(group: Pick<Group, "title">): boolean {
 export function matches(row: RegisterRow, query: string): boolean {
   const words = query.toLowerCase().split(/\s+/).filter(Boolean);
   if (words.length === 0) return true;
-  const text = [row.name, hex(row.address, 8), row.group, row.help, ...Object.values(row.values)]
+  const text = [
+    row.name,
+    row.name.replaceAll("_", " "),
+    row.alias,
+    hex(row.address, 8),
+    row.group,
+    row.help,
+    ...Object.values(row.values),
+  ]
     .concat(row.fields.flatMap((field) => [field.name, field.help, ...Object.values(field.values)]))
     .join("\n")
     .toLowerCase();

@@ -1,25 +1,171 @@
 import { Button, Text } from "@mantine/core";
+import { useHotkeys } from "@mantine/hooks";
 import { IconAdjustments } from "@tabler/icons-react";
+import { type RefObject, useMemo, useRef, useState } from "react";
 import { Link } from "wouter";
+import { useDevices } from "../../api/queries";
 import { EmptyState } from "../../lib/EmptyState";
+import { ProblemAlert } from "../../lib/ProblemAlert";
+import { useRowState } from "../../lib/rows/actions";
+import type { RegisterRow } from "../../lib/rows/bits";
+import { RowsPage } from "../../lib/rows/RowsPage";
+import common from "../../lib/rows/rows.module.css";
+import { type Key, keyOf } from "../../lib/rows/staging";
+import { useStaged } from "../../lib/rows/store";
+import { Toolbar } from "../../lib/rows/Toolbar";
+import { useRegisters } from "../../lib/rows/useRegisters";
+import { scaleOf } from "../../lib/units";
+import { usePhone } from "../../lib/usePhone";
 import { useSelection } from "../../live/selection";
+import { useEeprom } from "./eeprom";
+import { ParameterHelp } from "./ParameterHelp";
+import type { LineActions } from "./ParameterLine";
+import { ParameterList } from "./ParameterList";
+import { type Context, unitModeOf } from "./quantities";
+import { Subjects } from "./Subjects";
+import { foldedAtFirst, subjectsOf } from "./subjects";
+import { useRead } from "./useRead";
 
+/** Every parameter of a module, by subject: look, understand, change. */
 export default function ParametersPage() {
-  const { device } = useSelection();
+  const devices = useDevices();
+  const { device, axis } = useSelection();
+  const phone = usePhone();
+  const [paused, setPaused] = useState(false);
+  const [query, setQuery] = useState("");
+  const [folded, setFolded] = useState<Record<string, boolean>>({});
+  const search = useRef<HTMLInputElement>(null);
+  useHotkeys([["/", () => search.current?.focus()]]);
+
+  const id = device?.id ?? "";
+  const live = useRegisters(device, paused);
+  const staged = useStaged(id);
+  const { open, editing, selected: selectedKey, actions } = useRowState(id);
+  const eeprom = useEeprom(id);
+  const asked = useRead(id);
+  const rows = live.catalog.data?.rows;
+  const rowOf = useMemo(() => new Map<Key, RegisterRow>((rows ?? []).map((row) => [keyOf(row), row])), [rows]);
+  const groups = useMemo(() => subjectsOf(rows ?? [], query), [rows, query]);
+
+  const of = (name: string) => live.byKey.get(keyOf({ name, axis }))?.value;
+  const info = device?.axes[axis];
+  const contextText = JSON.stringify({
+    scale: info ? scaleOf(info, device.clock_hz) : null,
+    mode: unitModeOf(of("unit_mode")),
+    clockHz: device?.clock_hz ?? 16e6,
+    globalScaler: of("global_current_scaler") ?? null,
+  } satisfies Context);
+  // One object as long as its numbers stay, so that rows with an unchanged value do not render again.
+  const context = useMemo(() => JSON.parse(contextText) as Context, [contextText]);
+  const copy = useRef(eeprom.run);
+  const read = useRef(asked.run);
+  copy.current = eeprom.run;
+  read.current = asked.run;
+  const lineActions = useMemo<LineActions>(
+    () => ({
+      ...actions,
+      copy: (row, action) => copy.current(row, action),
+      read: (row) => read.current(row),
+    }),
+    [actions],
+  );
+
+  if (devices.isError && !device)
+    return <ProblemAlert error={devices.error} doing="Looking for devices" retry={() => void devices.refetch()} />;
+  if (devices.isSuccess && !device)
+    return (
+      <>
+        <h1 className={common.title}>Parameters</h1>
+        <EmptyState title="No module to show parameters of" icon={<IconAdjustments size={22} />}>
+          <Text size="sm" className={common.dim}>
+            Connect a module, or add an emulated one: that needs no hardware.
+          </Text>
+          <Button component={Link} href="/connections" size="sm">
+            Add a device
+          </Button>
+        </EmptyState>
+      </>
+    );
+
+  const selected = (selectedKey === null ? undefined : rowOf.get(selectedKey)) ?? null;
+  const isFolded = (key: string) => (query === "" ? (folded[key] ?? foldedAtFirst(key)) : false);
+  const jump = (key: string) => {
+    setFolded((now) => ({ ...now, [key]: false }));
+    // after the rows are there
+    requestAnimationFrame(() =>
+      document.querySelector(`[data-subject="${CSS.escape(key)}"]`)?.scrollIntoView({ block: "start" }),
+    );
+  };
+
   return (
-    <>
-      <h1 style={{ fontSize: "1.1rem", margin: 0 }}>Parameters</h1>
-      <EmptyState
-        title={device ? `No parameter values of ${device.name} yet` : "No device"}
-        icon={<IconAdjustments size={22} />}
-      >
-        <Text size="sm" c="dimmed">
-          Connect a module, or add an emulated one: that needs no hardware.
-        </Text>
-        <Button component={Link} href="/connections" size="sm">
-          Connections
-        </Button>
-      </EmptyState>
-    </>
+    <RowsPage
+      name="Parameters"
+      one="parameter"
+      many="parameters"
+      device={device}
+      live={live}
+      rows={rowOf}
+      phone={phone}
+      toolbar={
+        <Toolbar
+          what="parameters"
+          placeholder="Name, number like AP 4, or words of the help"
+          searchRef={search as RefObject<HTMLInputElement>}
+          query={query}
+          onQuery={setQuery}
+          shown={groups.reduce((sum, group) => sum + group.rows.length, 0)}
+          paused={paused}
+          onPaused={setPaused}
+          connected={live.connected}
+          known={live.readings.data !== undefined}
+          ageMs={live.ageMs}
+        />
+      }
+      above={
+        <>
+          {eeprom.error !== null && <ProblemAlert error={eeprom.error} doing={eeprom.doing} onClose={eeprom.dismiss} />}
+          {asked.error !== null && (
+            <ProblemAlert error={asked.error} doing="Reading the parameter" onClose={asked.dismiss} />
+          )}
+          <Subjects groups={groups} edits={staged.edits} onJump={jump} />
+        </>
+      }
+      list={
+        <ParameterList
+          phone={phone}
+          loading={live.catalog.isPending}
+          groups={groups}
+          query={query}
+          isFolded={(group) => isFolded(group.key)}
+          onFold={(key, fold) => setFolded((now) => ({ ...now, [key]: fold }))}
+          readings={live.byKey}
+          edits={staged.edits}
+          open={open}
+          editing={editing}
+          selected={selectedKey}
+          context={context}
+          connected={live.connected}
+          old={live.old || !live.connected}
+          kept={eeprom.kept}
+          copying={eeprom.busy}
+          answers={asked.answers}
+          asking={asked.busy}
+          actions={lineActions}
+          onClearSearch={() => setQuery("")}
+        />
+      }
+      help={
+        selected ? (
+          <ParameterHelp row={selected} context={context} heading />
+        ) : (
+          <EmptyState title="Choose a parameter" icon={<IconAdjustments size={22} />}>
+            <Text size="sm" className={common.dim} maw={270}>
+              Click a row, or walk the table with the arrow keys. <kbd className={common.kbd}>Enter</kbd> edits,{" "}
+              <kbd className={common.kbd}>/</kbd> searches.
+            </Text>
+          </EmptyState>
+        )
+      }
+    />
   );
 }

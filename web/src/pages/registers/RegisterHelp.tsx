@@ -3,7 +3,7 @@ import { fixed, hex } from "../../lib/format";
 import type { RowActions } from "../../lib/rows/actions";
 import { accessText, enumName, type RegisterRow, toSigned, unpackField, writable } from "../../lib/rows/bits";
 import { rangeText } from "../../lib/rows/input";
-import { AccessMark, RegisterName } from "../../lib/rows/parts";
+import { AccessMark, RegisterName, sentence } from "../../lib/rows/parts";
 import common from "../../lib/rows/rows.module.css";
 
 interface Props {
@@ -112,8 +112,4 @@ function stageReset(row: RegisterRow, raw: number | null, actions: RowActions): 
 /** "001" and "000" are the house's numbers for the two data sheets. */
 function sourceText(source: string): string {
   return source.replace(/\b001\b/g, "TMC428 data sheet").replace(/\b000\b/g, "TMC4210 data sheet");
-}
-
-function sentence(text: string): string {
-  return `${text.charAt(0).toUpperCase()}${text.slice(1)}.`;
 }
