@@ -21,7 +21,7 @@ class AxisSettings:
     name: str = "axis"
     full_steps_per_rev: int = 200
     driver_microsteps: int = 16
-    """Microsteps per full step of a step/direction driver (TMC4210); the TMC428 has usrs instead."""
+    """Microsteps per full step of a step/direction driver (TMC4210); the TMC428 has usrs, the PD42-1241 AP 140."""
     gear_ratio: float = 1.0
     travel_mm_per_rev: float | None = None
 

@@ -234,6 +234,17 @@ class Device(ABC):
     async def let_go(self) -> None:  # noqa: B027 (most drivers do nothing on their own)
         """For the manager, before it closes the port: end whatever the driver does on its own."""
 
+    def stop_guard(self, axes: Sequence[int]) -> Callable[[], None]:
+        """For turns of commands: raises WrongState as soon as one of `axes` was stopped after this call."""
+        stops_then = [self.stops[axis] for axis in axes]
+
+        def check() -> None:
+            for axis, stops in zip(axes, stops_then, strict=True):
+                if self.stops[axis] != stops:
+                    raise WrongState(f"a stop of axis {axis} overtook this command", "send it again if it is wanted")
+
+        return check
+
     # --- what it can ----------------------------------------------------------------------------
 
     @abstractmethod

@@ -7,11 +7,16 @@ from collections.abc import Callable
 from app.clock import Clock
 from app.devices.config import DeviceConfig
 from app.devices.device import Device
+from app.devices.pd42.driver import Pd42
 from app.devices.tmc428 import Tmc428
 from app.devices.tmc4210 import Tmc4210
 from app.links.port import FramePort
 
-DRIVERS: dict[str, Callable[[str, DeviceConfig, FramePort, Clock], Device]] = {"tmc428": Tmc428, "tmc4210": Tmc4210}
+DRIVERS: dict[str, Callable[[str, DeviceConfig, FramePort, Clock], Device]] = {
+    "tmc428": Tmc428,
+    "tmc4210": Tmc4210,
+    "pd42-1241": Pd42,
+}
 
 
 def make_device(device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> Device:

@@ -53,7 +53,7 @@ class RampMoves(RampChip):
         if not axes:
             raise UsageError("a move of no axis")
         self.require_connected()
-        async with self.queue.turn(Priority.COMMAND, self._guard(axes)) as turn:
+        async with self.queue.turn(Priority.COMMAND, self.stop_guard(axes)) as turn:
             words = Words(turn)
             common = await self._motion_warnings(words)
             prepared = [await self._prepare(words, move) for move in moves]
@@ -137,7 +137,7 @@ class RampMoves(RampChip):
         self.axis(axis)
         self.require_connected()
         rows = self.rows[axis]
-        async with self.queue.turn(Priority.COMMAND, self._guard([axis])) as turn:
+        async with self.queue.turn(Priority.COMMAND, self.stop_guard([axis])) as turn:
             words = Words(turn)
             setting = await self._read_setting(words, axis)
             setting.require_motion(axis)

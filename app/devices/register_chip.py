@@ -6,7 +6,7 @@ by the three hooks at the end.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from app.clock import Clock
 from app.devices.config import DeviceConfig
@@ -173,17 +173,7 @@ class RegisterChip(Device):
 
     def _command(self, axis: int | None) -> Turn:
         """A turn for a command; one that touches an axis gives up when a stop of that axis overtakes it."""
-        return self.queue.turn(Priority.COMMAND, None if axis is None else self._guard([axis]))
-
-    def _guard(self, axes: Sequence[int]) -> Callable[[], None]:
-        stops_then = [self.stops[axis] for axis in axes]
-
-        def check() -> None:
-            for axis, stops in zip(axes, stops_then, strict=True):
-                if self.stops[axis] != stops:
-                    raise WrongState(f"a stop of axis {axis} overtook this command", "send it again if it is wanted")
-
-        return check
+        return self.queue.turn(Priority.COMMAND, None if axis is None else self.stop_guard([axis]))
 
     # --- what a family adds ---------------------------------------------------------------------
 

@@ -1,0 +1,6 @@
+"""Driver of the PD42-1241.
+
+Layers of one class, a subject each: `module` (who it is, what is remembered), `parameters` (reading and
+writing), `console` (commands as they are), `motion`, `stops`, `looks` (state, what ended a motion),
+`samples` (telemetry), `driver` (the whole).
+"""

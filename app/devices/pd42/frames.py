@@ -1,0 +1,51 @@
+"""Which command reads or writes a row of the table, whatever space it lives in."""
+
+from __future__ import annotations
+
+from app.links.tmcl import Request
+from app.registers.model import Register, Space
+from app.registers.tmcl import BY_OPCODE, Opcode
+
+_READS = {
+    Space.AXIS: (Opcode.GAP, 0),
+    Space.GLOBAL_0: (Opcode.GGP, 0),
+    Space.GLOBAL_2: (Opcode.GGP, 2),
+    Space.GLOBAL_3: (Opcode.GGP, 3),
+    Space.DIGITAL_IN: (Opcode.GIO, 0),
+    Space.ANALOG_IN: (Opcode.GIO, 1),
+    Space.OUTPUT: (Opcode.GIO, 2),
+    Space.COORDINATE: (Opcode.GCO, 0),
+}
+_WRITES = {
+    Space.AXIS: Opcode.SAP,
+    Space.GLOBAL_0: Opcode.SGP,
+    Space.GLOBAL_2: Opcode.SGP,
+    Space.GLOBAL_3: Opcode.SGP,
+    Space.OUTPUT: Opcode.SIO,
+    Space.COORDINATE: Opcode.SCO,
+}
+"""The motor or bank is that of the read."""
+
+
+def reading(address: int, register: Register) -> Request:
+    """GAP, GGP, GIO or GCO."""
+    opcode, motor = _READS[register.space]
+    return Request(address, opcode, register.address, motor)
+
+
+def writing(address: int, register: Register, value: int) -> Request:
+    """SAP, SGP, SIO or SCO. Raises ValueError for a value that 32 bits cannot hold."""
+    return Request(address, _WRITES[register.space], register.address, _READS[register.space][1], value)
+
+
+def spelled(request: Request) -> str:
+    """As one writes it in a program: `MVP ABS, 0, 51200`."""
+    row = BY_OPCODE.get(request.opcode)
+    name = f"command {request.opcode}" if row is None else row.mnemonic or row.name
+    names = {} if row is None else {code: word for word, code in row.types.items()}
+    operands = [names.get(request.type, str(request.type)), str(request.motor), str(request.value)]
+    if row is not None and not row.value and not request.value:
+        operands.pop()
+    if row is not None and not row.types and not row.type and not request.type:
+        operands.pop(0)
+    return f"{name} {', '.join(operands)}"

@@ -1,0 +1,160 @@
+"""The module behind the link: whether it is the right one, and what the driver keeps in mind of it."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator, Coroutine
+from contextlib import asynccontextmanager
+from itertools import cycle
+from typing import Any
+
+from app.calc.mechanics import Mechanics
+from app.clock import Clock
+from app.devices.config import DeviceConfig
+from app.devices.device import Device
+from app.devices.lookup import Lookup
+from app.devices.pd42 import rows, units
+from app.devices.pd42.calls import Calls
+from app.links.errors import BadReply, LinkError, WrongState
+from app.links.port import FramePort
+from app.links.queue import Priority
+from app.links.tmcl import Request, module_version
+from app.links.wire_budget import WireBudget
+from app.registers.model import Register, Space
+from app.registers.pd42 import MODULE
+from app.registers.tmcl import Opcode
+
+FIRMWARE = "1.44"
+"""The version whose manual the table follows."""
+NOISE_S = 0.05
+"""How long a garbled answer may be the latest news of the link before it counts as failed [s]."""
+REFRESHED = 4
+"""How many of the remembered parameters each `refresh` reads again."""
+ADDRESS = 1
+"""Of a module as it comes (GP 0, 66)."""
+
+
+class Module(Device):
+    """A TMCL module, without what it does."""
+
+    def __init__(self, device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> None:
+        super().__init__(device_id, config, port, clock)
+        self.table = self.family.table
+        self.find = Lookup(self.table, self.family.axes)
+        self.address = _address(config)
+        self.firmware = ""
+        """As the module tells it, e.g. "1.44"; empty before it was asked."""
+        self._known: dict[int, int] = {}
+        """Axis parameters as last seen, by number; forgotten when the link fails."""
+        self._next_look = cycle(rows.REMEMBERED)
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    # --- turns ----------------------------------------------------------------------------------
+
+    @asynccontextmanager
+    async def calls(self, axis: int | None = None, priority: Priority = Priority.COMMAND) -> AsyncIterator[Calls]:
+        """Commands in one turn; with `axis` they give up when a stop of that axis overtakes them."""
+        guard = None if axis is None else self.stop_guard([axis])
+        async with self.queue.turn(priority, guard) as turn:
+            calls = Calls(turn, self.port.name, self.address, self._saw)
+            calls.unit_mode = self.unit_mode
+            yield calls
+
+    # --- who it is ------------------------------------------------------------------------------
+
+    async def probe(self) -> str:
+        async with self.calls() as calls:
+            reply = await calls.do(Request(self.address, Opcode.GET_VERSION, 1))
+        number, version = module_version(reply.value)
+        if number != MODULE:
+            raise WrongState(
+                f"this is a module {number}, firmware {version}, not a {self.family.title} (module {MODULE})",
+                "choose the connection of another module",
+            )
+        self.firmware = version
+        found = f"{self.family.title}, firmware {version}, address {self.address}"
+        return found if version == FIRMWARE else f"{found}; stepscope knows {FIRMWARE}, so parameters may differ"
+
+    async def refresh(self) -> None:
+        unknown = [row for row in rows.REMEMBERED if row.address not in self._known]
+        wanted = unknown or [next(self._next_look) for _ in range(REFRESHED)]
+        async with self.calls() as calls:
+            await calls.get_many((*rows.ALWAYS_FRESH, *wanted))
+
+    # --- what is kept in mind -------------------------------------------------------------------
+
+    @property
+    def unit_mode(self) -> int | None:
+        """AP 255; None where not seen yet."""
+        return self._known.get(rows.UNIT_MODE.address)
+
+    @property
+    def speed_unit_pps(self) -> float:
+        """What a speed of 1 is as the module is set [pps]."""
+        return units.speed_unit_pps(self.clock_hz, self.unit_mode)
+
+    @property
+    def acceleration_unit_pps2(self) -> float:
+        """What an acceleration of 1 is as the module is set [pps^2]."""
+        return units.acceleration_unit_pps2(self.clock_hz, self.unit_mode)
+
+    @property
+    def microsteps(self) -> int:
+        """Microsteps per full step, of AP 140; as it comes from the factory while not seen."""
+        return 1 << min(8, max(0, self._known.get(rows.MICROSTEPS.address, 8)))
+
+    def mechanics(self, axis: int) -> Mechanics:
+        """Conversions of an axis as the module is set: full steps are the module's own (AP 202) where it knows them.
+
+        Gear and travel come from the connection's settings of the axis, as for any other device.
+        """
+        settings = self.axes[axis].settings
+        full_steps = self._known.get(rows.FULL_STEPS.address) or settings.full_steps_per_rev
+        return Mechanics(full_steps, self.microsteps, settings.gear_ratio, travel_mm_per_rev=settings.travel_mm_per_rev)
+
+    def _saw(self, register: Register, value: int) -> None:
+        """The module was seen to hold `value`."""
+        if register.space is Space.AXIS:
+            self._known[register.address] = value
+            if register is rows.MICROSTEPS:
+                self.axes[0].microsteps_per_full_step = self.microsteps
+
+    # --- the link -------------------------------------------------------------------------------
+
+    @property
+    def calls_per_s_possible(self) -> float | None:
+        wire = getattr(self.port, "wire", None)
+        return wire.calls_per_s_possible if isinstance(wire, WireBudget) else None
+
+    def _link_result(self, error: LinkError | None) -> None:
+        # A garbled answer on a line that works is asked again at once: only where that fails too the link has failed.
+        if isinstance(error, BadReply) and self.state == "connected":
+            self._begin(self._noise(), "noise")
+            return
+        super()._link_result(error)
+
+    async def _noise(self) -> None:
+        await self.clock.sleep(NOISE_S)
+        if self.queue.error is not None and self.state == "connected":
+            super()._link_result(self.queue.error)
+
+    def _begin(self, work: Coroutine[Any, Any, None], what: str) -> asyncio.Task[None]:
+        """A task of this driver, ended by `let_go` at the latest."""
+        task: asyncio.Task[None] = asyncio.create_task(work, name=f"{what} {self.id}")
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+        return task
+
+    async def let_go(self) -> None:
+        tasks = tuple(self._tasks)
+        for task in tasks:
+            task.cancel()
+        for task in tasks:
+            with contextlib.suppress(asyncio.CancelledError):
+                await task
+
+
+def _address(config: DeviceConfig) -> int:
+    address = config.link.get("address", ADDRESS)
+    return address if isinstance(address, int) else ADDRESS

@@ -1,0 +1,255 @@
+"""Reading, writing and storing the module's parameters: every write is checked before and read back after."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from app.devices.lookup import checked_fields
+from app.devices.pd42 import rows, units
+from app.devices.pd42.calls import Calls
+from app.devices.pd42.frames import writing
+from app.devices.pd42.module import Module
+from app.devices.pd42.refusals import limits, unit_of
+from app.devices.results import (
+    BatchResult,
+    ProfileDocument,
+    ProfileEntry,
+    RegisterReading,
+    RegisterWritten,
+    WriteItem,
+)
+from app.links.errors import BadReply, BenchError, LinkTimeout, OutOfRange, UsageError, WriteRefused, WrongState
+from app.links.tmcl import Request
+from app.registers.model import Access, Register, Space, to_raw
+from app.registers.tmcl import COORDINATES_IN_EEPROM, Opcode
+
+CHUNK_S = 0.02
+"""How long a reading of many parameters may keep other commands waiting [s]."""
+CHUNKS = (4, 64)
+"""Fewest and most questions of one turn."""
+ADDRESS, SUPPRESS_REPLY = 66, 255
+"""Global parameters of bank 0 whose write changes how the module answers."""
+NO_CONFIGURATION = frozenset({0, 1, 2, 209, 210, 216})
+"""Axis parameters that are where the motor is or what happens once."""
+
+
+class Parameters(Module):
+    """A TMCL module whose parameters are its registers."""
+
+    # --- reading --------------------------------------------------------------------------------
+
+    async def read(self, name: str, axis: int | None = None) -> RegisterReading:
+        register, part = self.find(name, axis)
+        self.require_connected()
+        async with self.calls() as calls:
+            value = await calls.get(register)
+        reading = self._reading(register, value)
+        if part is not None:
+            reading.name, reading.value, reading.unit = part.name, reading.fields[part.name], part.unit
+        return reading
+
+    async def read_all(self, axis: int | None = None) -> list[RegisterReading]:
+        """Every parameter but those that a read would clear: these only somebody who asks for them by name gets."""
+        if axis is not None:
+            self.axis(axis)
+        self.require_connected()
+        wanted = [
+            register
+            for register in self.table
+            if register.access.readable and not register.read_clears and (axis is None or register.axis == axis)
+        ]
+        values = await self._values(wanted)
+        return [
+            self._reading(register, value) for register, value in zip(wanted, values, strict=True) if value is not None
+        ]
+
+    async def _values(self, wanted: Sequence[Register]) -> list[int | None]:
+        """Of many rows, a turn for some at a time; None for those that this module does not have."""
+        possible = self.calls_per_s_possible
+        size = CHUNKS[1] if possible is None else max(CHUNKS[0], min(CHUNKS[1], round(possible * CHUNK_S)))
+        values: list[int | None] = []
+        for first in range(0, len(wanted), size):
+            chunk = wanted[first : first + size]
+            async with self.calls() as calls:
+                try:
+                    values += await calls.get_many(chunk)
+                except UsageError:  # the table knows more than this firmware
+                    for register in chunk:
+                        values.append(await _value_or_none(calls, register))
+        return values
+
+    def _reading(self, register: Register, value: int) -> RegisterReading:
+        raw = to_raw(value, register.width) & register.mask
+        return RegisterReading(
+            register.name,
+            register.address,
+            register.axis,
+            raw,
+            value,
+            register.unpack(raw) if register.fields else {},
+            unit_of(register, self.unit_mode),
+            register.space,
+        )
+
+    # --- writing --------------------------------------------------------------------------------
+
+    async def write(
+        self,
+        name: str,
+        axis: int | None = None,
+        value: int | None = None,
+        fields: dict[str, int | str] | None = None,
+    ) -> RegisterWritten:
+        register, part = self.find(name, axis)
+        if (value is None) == (fields is None):
+            raise UsageError("give either a value or fields")
+        if fields is not None or part is not None:
+            checked_fields(register, fields or {name: value or 0})  # no field can be written: tells so, by its name
+        if value is None or not register.access.writable:
+            raise WrongState(f"{register.name} ({register.alias}) is read only")
+        low, high = limits(register, self.unit_mode)
+        if not low <= value <= high:
+            raise OutOfRange(register.name, value, low, high, unit_of(register, self.unit_mode))
+        if (register.space, register.address, value) == (Space.GLOBAL_0, SUPPRESS_REPLY, 1):
+            raise WrongState(
+                "without answers nobody can tell whether a command arrived", "send SGP 255, 0, 1 from the console"
+            )
+        self.require_connected()
+        if register in rows.MOVING:
+            return await self._write_moving(register, value)
+        async with self.calls(register.axis) as calls:
+            written = await self._write(calls, register, value)
+        await self._after_write(register)
+        return written
+
+    async def write_many(self, items: Sequence[WriteItem]) -> BatchResult:
+        done: list[RegisterWritten] = []
+        for index, item in enumerate(items):
+            try:
+                done.append(await self.write(item.name, item.axis, item.value, item.fields))
+            except BenchError as error:
+                return BatchResult(done, error, len(items) - index - 1)
+        return BatchResult(done, None, 0)
+
+    async def _write_moving(self, register: Register, value: int) -> RegisterWritten:
+        """Write a parameter of `rows.MOVING`."""
+        raise NotImplementedError
+
+    async def _after_write(self, register: Register) -> None:
+        """A write to `register` that moves nothing has happened, and its turn is over."""
+
+    async def _write(self, calls: Calls, register: Register, value: int) -> RegisterWritten:
+        lost: BenchError | None = None
+        try:
+            await calls.put(register, value)
+        except (BadReply, LinkTimeout) as error:
+            lost = error  # it may have been done all the same, and reading it back moves nothing
+        if (register.space, register.address) == (Space.GLOBAL_0, ADDRESS) and value != self.address:
+            return await self._new_address(calls, register, value)
+        try:
+            back = await calls.get(register)
+        except BenchError as error:
+            raise lost or error from error
+        verified, note = self._judge(register, value, back)
+        if lost is not None:
+            if verified is not True:
+                raise lost
+            note = f"{note}; " * bool(note) + "the answer was lost, the read-back shows the value"
+        return self._written(register, value, back, verified, note)
+
+    async def _new_address(self, calls: Calls, register: Register, value: int) -> RegisterWritten:
+        """The module answers elsewhere from now on: only there it can be asked whether it took it."""
+        calls.address = value
+        back = await calls.get(register)
+        verified, _ = self._judge(register, value, back)
+        note = f"the module answers at address {value} now: change the address of this connection"
+        return self._written(register, value, back, verified, note)
+
+    def _judge(self, register: Register, value: int, back: int) -> tuple[bool | None, str]:
+        """Whether the module took `value`, and what to know about it. Raises WriteRefused."""
+        if back == value:
+            return True, register.write_note
+        unit = unit_of(register, self.unit_mode)
+        if register.volatile:
+            return None, f"the module changes it by itself; it is {back} now"
+        if abs(back - value) <= units.read_back_tolerance(unit, value, self.clock_hz, self.microsteps):
+            return True, f"held as {back} {unit}: whole units of the driver chip"
+        low, high = limits(register, self.unit_mode)
+        if back in (low, high) or (0 < abs(back) < abs(value) and back * value > 0):
+            return False, f"the module took it as {back}: clipped"
+        why = register.write_note or "the module answered that it did it; read it again, or write another value"
+        raise WriteRefused(register.name, value & register.mask, back & register.mask, why)
+
+    def _written(self, register: Register, value: int, back: int, verified: bool | None, note: str) -> RegisterWritten:
+        reading = self._reading(register, back)
+        return RegisterWritten(
+            reading.name,
+            reading.address,
+            reading.axis,
+            reading.raw,
+            reading.value,
+            reading.fields,
+            reading.unit,
+            reading.space,
+            written=value & register.mask,
+            verified=verified,
+            note=note,
+        )
+
+    # --- EEPROM ---------------------------------------------------------------------------------
+
+    async def store(self, name: str, axis: int | None = None) -> RegisterReading:
+        """Copy a parameter to EEPROM; its value as RAM holds it.
+
+        Raises UnknownThing, LinkError, and WrongState where it cannot be stored or the module refuses.
+        """
+        return await self._copy(name, axis, Opcode.STGP, Opcode.SCO)
+
+    async def restore(self, name: str, axis: int | None = None) -> RegisterReading:
+        """Copy a parameter back from EEPROM; its value afterwards. Raises as `store`."""
+        return await self._copy(name, axis, Opcode.RSGP, Opcode.GCO)
+
+    async def _copy(self, name: str, axis: int | None, variable: Opcode, coordinate: Opcode) -> RegisterReading:
+        register, _ = self.find(name, axis)
+        if register.stored == "auto":
+            raise WrongState(f"{register.name} goes to EEPROM by itself as it is written", "write it")
+        if register.stored != "on request":
+            keeps = "user variables 0..55 and coordinates 1..20 can be stored"
+            raise WrongState(f"{register.name} ({register.alias}) lives in RAM alone", keeps)
+        self.require_connected()
+        if register.space is Space.COORDINATE:
+            request = Request(self.address, coordinate, register.address, COORDINATES_IN_EEPROM)
+        else:
+            request = Request(self.address, variable, register.address, 2)
+        async with self.calls() as calls:
+            await calls.do(request)
+            return self._reading(register, await calls.get(register))
+
+    # --- profile --------------------------------------------------------------------------------
+
+    async def profile(self) -> ProfileDocument:
+        """Everything that can be written and is not where the motor is; user variables that are 0 are left out."""
+        self.require_connected()
+        kept = [row for row in self.table if row.access is Access.RW and not _is_state(row)]
+        entries = [
+            ProfileEntry(row.name, row.axis, value & row.mask, value, {})
+            for row, value in zip(kept, await self._values(kept), strict=True)
+            if value is not None and (value or row.space is not Space.GLOBAL_2)
+        ]
+        return ProfileDocument(entries, None, None)
+
+    def _request(self, register: Register, value: int) -> Request:
+        return writing(self.address, register, value)
+
+
+async def _value_or_none(calls: Calls, register: Register) -> int | None:
+    try:
+        return await calls.get(register)
+    except UsageError:
+        return None
+
+
+def _is_state(row: Register) -> bool:
+    return (row.space is Space.AXIS and row.address in NO_CONFIGURATION) or (
+        row.space is Space.GLOBAL_0 and row.address >= 128
+    )
