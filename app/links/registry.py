@@ -41,7 +41,7 @@ def serial_factory(model: str, link: Link, clock: Clock) -> FramePort:
     """`{"kind": "serial", "port", "baud"?, "address"?, "timeout_s"?}`; `port` is a device name or a URL."""
     _only_tmcl("serial", model)
     _only(link, "port", "baud", "address", "timeout_s")
-    baud = _whole(link, "baud", BAUD, 1200, 4_000_000)
+    baud = _whole(link, "baud", BAUD, 300, 4_000_000)
     return serial_port(
         port_url(_text(link, "port")), baud=baud, address=_address(link), timeout_s=_timeout_s(link), clock=clock
     )

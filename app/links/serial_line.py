@@ -44,11 +44,14 @@ _L = TypeVar("_L", bound="Line")
 _Listener = TypeVar("_Listener")
 
 
-def default_timeout_s(baud: int | None) -> float:
-    """How long to wait for an answer [s]: the wire time of question and answer, the module, and a reserve."""
+def whole_timeout_s(baud: int | None, timeout_s: float | None) -> float:
+    """How long to wait for an answer in all [s]: question and answer on the wire, and `timeout_s` beyond that.
+
+    None is the module's own time and a reserve; a second over a socket, where the wire takes no time.
+    """
     if baud is None:
-        return SOCKET_TIMEOUT_S
-    return CALL_BYTES * BITS_PER_BYTE / baud + MODULE_S + RESERVE_S
+        return SOCKET_TIMEOUT_S if timeout_s is None else timeout_s
+    return CALL_BYTES * BITS_PER_BYTE / baud + (MODULE_S + RESERVE_S if timeout_s is None else timeout_s)
 
 
 class Line:
@@ -123,7 +126,7 @@ def _call(loop: asyncio.AbstractEventLoop, listener: Callable[[_T], None], what:
 
 
 class LinePort:
-    """`BatchPort` of one module on a `Line`. `baud` None where there is none; `timeout_s` [s] bounds one answer."""
+    """`BatchPort` of one module on a `Line`. `baud` None where there is none; `timeout_s` as in `whole_timeout_s`."""
 
     def __init__(
         self,
@@ -137,7 +140,7 @@ class LinePort:
         self.line = line
         self.address = address
         self.baud = baud
-        self.timeout_s = default_timeout_s(baud) if timeout_s is None else timeout_s
+        self.timeout_s = whole_timeout_s(baud, timeout_s)
         self.arbiter = line.arbiter
         self.incidents = line.incidents
         self.wire = line.wire(baud)
