@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import partial
 
 from app.emulators.drive import Drive, Event, EventKind
+from app.emulators.drive.world import UNDERVOLTAGE_V
 from app.emulators.pd42 import units
 from app.emulators.pd42.application import wrapped
 from app.emulators.pd42.parameters import (
@@ -27,7 +28,6 @@ Reader = Callable[[], int]
 POSITIONING, FORWARDS, BACKWARDS = 0, 1, 2
 """Values of RAMPMODE."""
 _EVENT_STOP_SG = 1 << 6
-_UNDERVOLTAGE = 1 << 2
 _FASTEST = 0xFFFF
 _ALWAYS_WATCHED = EventKind.STALL_STOP | EventKind.DEVIATION_INTERNAL | EventKind.DEVIATION_EXTERNAL
 LAST_TARGET, ACTUAL_POSITION = 0, 1
@@ -348,6 +348,6 @@ class Axis:
     def _driver_errors(self) -> int:
         """DRV_STATUS 31..24. It has no bit for undervoltage: bridges that are off show as open coils."""
         flags = self.drive.read("DRV_STATUS") >> 24 & 0xFF
-        if self.drive.read("GSTAT") & _UNDERVOLTAGE:
+        if self.drive.world.supply_v < UNDERVOLTAGE_V:
             flags |= DriverErrors.OPEN_LOAD_A | DriverErrors.OPEN_LOAD_B
         return flags
