@@ -156,10 +156,24 @@ class Device(ABC):
         del plan
         return self.rate_max_hz
 
+    async def take_sample(self, plan: SamplePlan) -> tuple[float, float, bytes]:
+        """One sample over the link: its time, from its first to its last question [s], and the joined replies.
+
+        Raises LinkError, and SampleDropped where the link is too busy.
+        """
+        time_s, replies = await self.queue.sample(plan.frames)
+        first_s, last_s = self.queue.sample_span_s
+        return time_s, last_s - first_s, replies
+
     @property
     def calls_per_s_possible(self) -> float | None:
         """Questions a second that the wire can carry; None where it sets no limit."""
         return None
+
+    @property
+    def calls_per_s(self) -> float:
+        """Questions a second that everybody on this wire asks."""
+        return self.queue.calls_per_s
 
     @property
     def shares_rows(self) -> bool:

@@ -17,8 +17,8 @@ from app.clock import Clock
 from app.devices.device import Device, DeviceEvent, MotionStarted
 from app.devices.results import MotionEnd
 from app.links.errors import BenchError, OutOfRange
-from app.telemetry.group import PUMP_S, FloatArray, Group, Subscription
-from app.telemetry.history import HISTORY_RATE_HZ, History
+from app.telemetry.group import PUMP_S, FloatArray, Group, Subscription, WireUse
+from app.telemetry.history import HISTORY_RATE_HZ, SHARED_RATE_HZ, SHARED_SHARE, History
 from app.telemetry.reader import QUEUED_ROWS_LEAST, QUEUED_S, Gap, MoveSeen, Reader
 from app.telemetry.sampling import Block, Sampling
 
@@ -56,6 +56,8 @@ class Feed:
         self._history = History([channel.name for channel in device.channels()], history_minutes)
         self._history_sampling: Sampling | None = None
         self._live: Sampling | None = None
+        self._wanted_hz = 0.0
+        """What the readers want of it; it may be less."""
         self._ended: list[Sampling] = []
         self._in_gap = True
         self._seen_s = clock.now()
@@ -79,7 +81,7 @@ class Feed:
                 raise OutOfRange(name, value, low, high)
         device = self.device
         plan = device.sample_plan(channels)
-        granted_hz = min(rate_hz, device.rate_max_hz)
+        granted_hz = min(rate_hz, device.sample_rate_max_hz(plan))
         # What is sampled so far goes out first: to the history, and to those who were here before.
         self.pump()
         now_s = self._clock.now()
@@ -126,10 +128,13 @@ class Feed:
             self._in_gap = self._in_gap and not len(block.time_s)
             self._history.append(block)
         if self._live is not None:
-            self._hand_out(self._live.take(), now_s, device_s)
+            block = self._live.take()
+            if self.device.shares_rows and len(block.time_s):
+                self._history.append_shared(block, self._live.channels)
+            self._hand_out(block, now_s, device_s)
         for group in self._groups.values():
             group.flush(now_s)
-            group.report(now_s)
+            group.report(now_s, self._use)
 
     def close(self, reason: str) -> None:
         """End all readers and samplings."""
@@ -197,11 +202,32 @@ class Feed:
             group.gap(device_s, now_s)
             group.tell(Gap(reason))
 
+    def _use(self) -> WireUse:
+        device = self.device
+        spread_s = 0.0 if self._live is None else self._live.spread_s
+        sampled_per_s = 0.0
+        if device.chip_timed:  # samples that the far end takes by itself do not pass the queue
+            both = (self._live, self._history_sampling)
+            sampled_per_s = sum(sampling.rate_hz * sampling.questions for sampling in both if sampling is not None)
+        return WireUse(device.calls_per_s + sampled_per_s, device.calls_per_s_possible, spread_s * 1e3)
+
     def _resume(self) -> None:
-        if self._history_sampling is None:
-            self._history_sampling = self._sampling(self._history.channels, HISTORY_RATE_HZ)
+        self._remember()
         if self._live is None:
             self._replan()
+
+    def _remember(self) -> None:
+        """Sample for the history, but not where that would take the wire from readers: then they share rows."""
+        shares = self.device.shares_rows
+        if self._history_sampling is None and not (shares and self._groups):
+            channels = self._history.channels
+            rate_hz = HISTORY_RATE_HZ
+            if shares:
+                most_hz = self.device.sample_rate_max_hz(self.device.sample_plan(channels))
+                rate_hz = min(SHARED_RATE_HZ, SHARED_SHARE * most_hz)
+            self._history_sampling = self._sampling(channels, rate_hz)
+        elif self._history_sampling is not None and shares and self._groups:
+            self._end_history()
 
     def _pause(self) -> None:
         if self._history_sampling is not None:
@@ -216,24 +242,30 @@ class Feed:
             return
         channels = tuple(sorted({name for subscription in self._groups for name in subscription.channels}))
         rate_hz = max(subscription.rate_hz for subscription in self._groups)
-        if self._live is None or (self._live.channels, self._live.rate_hz) != (channels, rate_hz):
+        if self._live is None or (self._live.channels, self._wanted_hz) != (channels, rate_hz):
+            self._wanted_hz = rate_hz
             self._end_live()
+            self._remember()
             self._live = self._sampling(channels, rate_hz)
         for group in self._groups.values():
-            group.follow(channels, rate_hz)
+            group.follow(channels, self._live.rate_hz)
 
     def _sampling(self, channels: tuple[str, ...], rate_hz: float) -> Sampling:
-        return Sampling(self.device, channels, min(rate_hz, self.device.rate_max_hz), self._clock, self._failed)
+        return Sampling(self.device, channels, rate_hz, self._clock, self._failed)
 
     def _end_live(self) -> None:
         live, self._live = self._live, None
-        if live is not None:
-            live.end()
-            self._ended = [sampling for sampling in self._ended if sampling.running] + [live]
+        self._end(live)
+
+    def _end_history(self) -> None:
+        history, self._history_sampling = self._history_sampling, None
+        self._end(history)
+
+    def _end(self, sampling: Sampling | None) -> None:
+        if sampling is not None:
+            sampling.end()
+            self._ended = [ended for ended in self._ended if ended.running] + [sampling]
 
     def _end_samplings(self) -> None:
         self._end_live()
-        history, self._history_sampling = self._history_sampling, None
-        if history is not None:
-            history.end()
-            self._ended.append(history)
+        self._end_history()

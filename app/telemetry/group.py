@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +25,15 @@ class Subscription:
     channels: tuple[str, ...]
     rate_hz: float
     batch_hz: float
+
+
+@dataclass(frozen=True, slots=True)
+class WireUse:
+    """What is asked of a wire, what it could carry, and how far the questions of one row lie apart."""
+
+    calls_per_s: float
+    calls_per_s_possible: float | None
+    row_spread_ms: float
 
 
 class Group:
@@ -99,8 +108,8 @@ class Group:
         for reader in self.readers:
             reader.tell(event)
 
-    def report(self, now_s: float) -> None:
-        """Tell every reader how the last second went, when it is over."""
+    def report(self, now_s: float, use: Callable[[], WireUse] | None = None) -> None:
+        """Tell every reader how the last second went, when it is over, and what it took of the wire."""
         elapsed_s = now_s - self._status_s
         if elapsed_s < 1.0:
             return
@@ -111,6 +120,17 @@ class Group:
         self._intervals_s.clear()
         self._rows_since_status = 0
         self._status_s = now_s
+        wire = use() if use is not None else WireUse(0.0, None, 0.0)
         for reader in self.readers:
-            reader.tell(Status(rate_hz, jitter_ms, reader.dropped, reader.latency_s * 1e3))
+            reader.tell(
+                Status(
+                    rate_hz,
+                    jitter_ms,
+                    reader.dropped,
+                    reader.latency_s * 1e3,
+                    wire.calls_per_s,
+                    wire.calls_per_s_possible,
+                    wire.row_spread_ms,
+                )
+            )
             reader.latency_s = 0.0

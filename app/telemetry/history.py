@@ -13,6 +13,10 @@ from app.telemetry.sampling import Block
 FloatArray = NDArray[np.float64]
 
 HISTORY_RATE_HZ = 50.0
+SHARED_RATE_HZ = 10.0
+"""The same on a wire that readers share, while there are none."""
+SHARED_SHARE = 0.25
+"""How much of such a wire the history takes at the most."""
 
 
 class History:
@@ -21,6 +25,7 @@ class History:
     def __init__(self, channels: Sequence[str], minutes: float) -> None:
         self.channels = tuple(channels)
         self._column = {name: index for index, name in enumerate(self.channels)}
+        self._slot = np.nan
         self._ring = Ring(len(self.channels), max(1, round(minutes * 60 * HISTORY_RATE_HZ)))
 
     def __len__(self) -> int:
@@ -30,6 +35,18 @@ class History:
         """Add what was sampled."""
         if len(block.time_s):
             self._ring.append(block.time_s, block.samples)
+
+    def append_shared(self, block: Block, channels: Sequence[str]) -> None:
+        """Add what was sampled for readers, no more than the history wants; what they did not ask is not known."""
+        slots = np.floor(block.time_s * HISTORY_RATE_HZ)
+        wanted = np.diff(slots, prepend=self._slot) != 0
+        if not wanted.any():
+            return
+        self._slot = float(slots[-1])
+        samples = np.full((int(wanted.sum()), len(self.channels)), np.nan)
+        for index, name in enumerate(channels):
+            samples[:, self._column[name]] = block.samples[wanted, index]
+        self._ring.append(block.time_s[wanted], samples)
 
     def mark_gap(self, time_s: float) -> None:
         """A row of NaN at device time `time_s` [s]: a plot must not draw a line across what is unknown."""

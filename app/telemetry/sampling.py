@@ -1,14 +1,14 @@
 """One beat on one device: the same channels, asked again and again, handed over in blocks.
 
 Emulators sample themselves on their own clock (`SamplingPort`); everything else is asked over the
-link with the lowest priority, on an absolute beat, so that a late sample does not delay the next.
+link with the lowest priority. The beat is absolute, so that a late sample does not delay the next. A
+wire that cannot keep it is asked without a pause: what it achieves is then the rate.
 """
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
-import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -17,13 +17,17 @@ from numpy.typing import NDArray
 
 from app.clock import Clock
 from app.devices.device import Device
-from app.links.errors import BenchError
+from app.links.errors import BadReply, BenchError
 from app.links.queue import SampleDropped
 
 FloatArray = NDArray[np.float64]
 
 AFTER_FAILURE_S = 0.25
 """How long a failed link is left alone before the next sample is tried [s]."""
+SOON_S = 0.5e-3
+"""A beat so close is kept at once [s]: the timers of an event loop are no finer, and a slept-in wire is lost."""
+SPREAD_SHARE = 0.1
+"""Share of the latest row in the mean of `spread_s`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,11 +51,13 @@ class Sampling:
         on_failure: Callable[[BenchError], None],
     ) -> None:
         self.channels = tuple(channels)
-        self.rate_hz = rate_hz
+        self.spread_s = 0.0
+        """From the first to the last question of a row, mean of the latest rows [s]."""
         self._device = device
         self._clock = clock
         self._on_failure = on_failure
         self._plan = device.sample_plan(self.channels)
+        self.rate_hz = min(rate_hz, device.sample_rate_max_hz(self._plan))
         self._times_s: list[float] = []
         self._replies: list[bytes] = []
         self._taken = 0
@@ -61,9 +67,14 @@ class Sampling:
         self._end: Callable[[], None] | None = None
         port = device.sampling_port
         if port is not None:
-            self._end = port.start_sampling(self._plan.frames, 1 / rate_hz, self._sink)
+            self._end = port.start_sampling(self._plan.frames, 1 / self.rate_hz, self._sink)
         else:
             self._task = asyncio.create_task(self._pace(), name=f"sampling {device.id}")
+
+    @property
+    def questions(self) -> int:
+        """Frames of one sample."""
+        return len(self._plan.frames)
 
     @property
     def running(self) -> bool:
@@ -95,26 +106,33 @@ class Sampling:
                 await self._task
 
     def _sink(self, time_s: float, replies: bytes) -> None:
+        if len(replies) != self._plan.row_bytes:
+            # Some answer broke off: nobody can tell which bytes are whose, so the row is as good as lost.
+            name = self._device.port.name
+            self._on_failure(BadReply(name, f"{len(replies)} bytes instead of {self._plan.row_bytes}", replies))
+            return
         self._times_s.append(time_s)
         self._replies.append(replies)
 
     async def _pace(self) -> None:
         period_s = 1 / self.rate_hz
-        start_s = self._clock.now()
-        beat = 0
+        due_s = self._clock.now()
         while not self._ended:
             pause_s = 0.0
             try:
-                self._sink(*await self._device.queue.sample(self._plan.frames))
+                time_s, spread_s, replies = await self._device.take_sample(self._plan)
             except SampleDropped:
                 pass  # counted by the queue; the next beat may find it free
             except BenchError as error:
                 self._on_failure(error)
                 pause_s = AFTER_FAILURE_S
-            # The next beat that is still to come: after a stall there is no burst, only a hole.
+            else:
+                self.spread_s += SPREAD_SHARE * (spread_s - self.spread_s)
+                self._sink(time_s, replies)
+            # One beat late is made up for, more are not: after a stall there is no burst, only a hole.
             now_s = self._clock.now()
-            beat = max(beat + 1, math.ceil((now_s + pause_s - start_s) / period_s))
+            due_s = max(due_s + period_s, now_s - period_s, now_s + pause_s if pause_s else 0.0)
             if not self._ended:
                 self._asleep = True
-                await self._clock.sleep(start_s + beat * period_s - now_s)
+                await self._clock.sleep(due_s - now_s if due_s - now_s > SOON_S else 0.0)
                 self._asleep = False

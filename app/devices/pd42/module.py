@@ -16,7 +16,8 @@ from app.devices.device import Device
 from app.devices.lookup import Lookup
 from app.devices.pd42 import rows, units
 from app.devices.pd42.calls import Calls
-from app.links.errors import BadReply, LinkError, WrongState
+from app.devices.sample_plan import SamplePlan
+from app.links.errors import BadReply, LinkError, LinkTimeout, WrongState
 from app.links.port import FramePort
 from app.links.queue import Priority
 from app.links.tmcl import Request, module_version
@@ -124,8 +125,26 @@ class Module(Device):
 
     @property
     def calls_per_s_possible(self) -> float | None:
+        wire = self._wire
+        return None if wire is None else wire.calls_per_s_possible
+
+    @property
+    def calls_per_s(self) -> float:
+        wire = self._wire
+        return super().calls_per_s if wire is None else wire.calls_per_s
+
+    @property
+    def _wire(self) -> WireBudget | None:
+        """What the wire can carry, where the port knows of one."""
         wire = getattr(self.port, "wire", None)
-        return wire.calls_per_s_possible if isinstance(wire, WireBudget) else None
+        return wire if isinstance(wire, WireBudget) else None
+
+    async def take_sample(self, plan: SamplePlan) -> tuple[float, float, bytes]:
+        try:
+            return await super().take_sample(plan)
+        except (BadReply, LinkTimeout):
+            # The link is in step again, and a row only reads: one flipped bit must not make a hole of a quarter second.
+            return await super().take_sample(plan)
 
     def _link_result(self, error: LinkError | None) -> None:
         # A garbled answer on a line that works is asked again at once: only where that fails too the link has failed.

@@ -1,0 +1,99 @@
+"""A bench for the PD42-1241: real driver, real emulator, time owned by the test, and every frame noted down."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field
+from typing import cast
+
+from app.clock import Clock, ScaledClock, VirtualClock
+from app.devices.config import DeviceConfig
+from app.devices.manager import DeviceManager
+from app.devices.pd42.driver import Pd42
+from app.emulators.build import build_emulator
+from app.emulators.pd42.module import EmulatedModule
+from app.emulators.pd42.options import Pd42Options, Pd42Patch
+from app.links.emulator import EmulatorPort
+from app.links.port import FramePort
+from app.links.registry import Link
+from app.links.tmcl import Request
+from app.registers.tmcl import Opcode
+
+
+@dataclass
+class Tap:
+    """The module's wire, with a note of each frame that reached it and, if wanted, a hand in its answers."""
+
+    module: EmulatedModule
+    frames: list[Request] = field(default_factory=list)
+    spoil: Callable[[Request, bytes], bytes] | None = None
+
+    @property
+    def model(self) -> str:
+        return self.module.model
+
+    @property
+    def clock(self) -> ScaledClock:
+        return self.module.clock
+
+    def exchange(self, frame: bytes, at_s: float | None = None) -> bytes:
+        request = Request.decode(frame)
+        if not self.module.faults.unplugged:
+            self.frames.append(request)
+        reply = self.module.exchange(frame, at_s)
+        return reply if self.spoil is None else self.spoil(request, reply)
+
+    def count(self, *opcodes: Opcode) -> int:
+        """How many frames with one of these commands reached the module."""
+        return sum(request.opcode in opcodes for request in self.frames)
+
+
+MOVERS = (Opcode.MVP, Opcode.ROR, Opcode.ROL, Opcode.MST, Opcode.RFS)
+
+
+def module_port(model: str, link: Link, clock: Clock) -> FramePort:
+    options = Pd42Options.model_validate({key: value for key, value in link.items() if key != "kind"})
+    return EmulatorPort(Tap(cast("EmulatedModule", build_emulator(model, clock, options))))
+
+
+@dataclass
+class Bench:
+    """One module, connected, and everything around it."""
+
+    clock: VirtualClock
+    manager: DeviceManager
+    device: Pd42
+
+    @property
+    def tap(self) -> Tap:
+        return cast("Tap", cast("EmulatorPort", self.device.port).wire)
+
+    @property
+    def module(self) -> EmulatedModule:
+        return self.tap.module
+
+    def patch(self, **change: object) -> None:
+        self.module.patch(Pd42Patch.model_validate(change))
+
+    async def at_rest(self, within_s: float = 60.0) -> int:
+        """Let time pass until the axis rests; returns where."""
+        for _ in range(int(within_s / 0.05)):
+            await self.clock.advance(0.05)
+            state = await self.device.axis_state(0)
+            if not state.moving:
+                return state.position
+        raise AssertionError(f"the axis still moves after {within_s} s")
+
+
+@asynccontextmanager
+async def bench(**options: object) -> AsyncIterator[Bench]:
+    """A connected module, as it comes from the factory."""
+    clock = VirtualClock()
+    manager = DeviceManager({"emulator": module_port}, clock)
+    device = await manager.add(DeviceConfig("Bench", "pd42-1241", {"kind": "emulator", **options}))
+    assert device.state == "connected", device.problem
+    try:
+        yield Bench(clock, manager, cast("Pd42", device))
+    finally:
+        await manager.close()
