@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
-from itertools import pairwise
+from itertools import accumulate, pairwise
 
 from app.calc.ramp_curve import RampCurve
 from app.calc.sixpoint_plan import MotionPlan, Piece
@@ -210,11 +210,12 @@ def _way_to(p: SixPoint, left: float, speed: float) -> tuple[list[_Leg], list[_L
         cruise = left - down.length(p.v_max, speed) - down.length(p.v_stop, p.v_max)
         if cruise < 0 and p.v_max < p.v_stop:  # at the target before it is as slow as it was to be
             return [], _cut(slowing, left), False
-        return [*slowing, _constant(p.v_max, max(cruise, 0.0))], down.pieces(p.v_max, min(p.v_stop, p.v_max)), True
+        before = [*slowing, _constant(p.v_max, max(cruise, 0.0))]
+        return before, down.pieces(p.v_max, min(p.v_stop, p.v_max)), cruise > 0
     cruise = left - up.length(speed, p.v_max) - down.length(p.v_stop, p.v_max)
     if cruise >= 0:
         before = [*up.pieces(speed, p.v_max), _constant(p.v_max, cruise)]
-        return before, down.pieces(p.v_max, min(p.v_stop, p.v_max)), True
+        return before, down.pieces(p.v_max, min(p.v_stop, p.v_max)), cruise > 0
     peak = _peak(p, left, speed)
     return up.pieces(speed, peak), down.pieces(peak, min(p.v_stop, peak)), False
 
@@ -277,14 +278,16 @@ class _Track:
         """The last move, onto `target`; returns whether it cruises."""
         before, braking, cruises = legs
         self.go(way, before)
-        start_s, last, end = self.time_s, [], target
         extents = [_extent(leg) for leg in braking]
-        end_s = self.time_s = start_s + math.fsum(duration_s for duration_s, _ in extents)
-        for (name, _, speed, rate), (duration_s, length) in zip(reversed(braking), reversed(extents), strict=True):
-            begin_s = max(end_s - duration_s, start_s)
+        marks_s = list(accumulate((duration_s for duration_s, _ in extents), initial=self.time_s))
+        end, last = target, []
+        for index in range(len(braking) - 1, -1, -1):
+            name, _, speed, rate = braking[index]
+            begin_s, end_s = marks_s[index], marks_s[index + 1]
             last.append(Piece(name, begin_s, end_s, end_s, end, way * speed, way * rate))
-            end, end_s = end - way * length, begin_s
+            end -= way * extents[index][1]
         self._pieces += reversed(last)
+        self.time_s = marks_s[-1]
         self.position = target
         return cruises
 

@@ -77,22 +77,16 @@ class MotionPlan:
         return np.array(columns, dtype=np.float64).T
 
     def at(self, time_s: ArrayLike) -> Motion:
-        """The motion at `time_s` [s from the start], any shape; before the start as at the start.
+        """The motion at `time_s` [s from the start], finite and of any shape; before the start as at the start.
 
         After `duration_s` it rests, or turns on at its velocity.
         """
         times = np.maximum(np.asarray(time_s, dtype=np.float64), 0.0)
         ends, anchors, positions, velocities, accelerations = self._table
         index = np.searchsorted(ends, times, side="right")
-        index = np.minimum(index, len(ends) - 1)  # for NaN and infinity
         t, acceleration = times - anchors[index], accelerations[index]
         velocity = velocities[index] + acceleration * t
-        # At rest for good, 0 * infinity would be no number.
-        return Motion(
-            positions[index] + np.where(velocities[index] + velocity == 0, 0.0, (velocities[index] + velocity) / 2 * t),
-            velocity,
-            acceleration,
-        )
+        return Motion(positions[index] + (velocities[index] + velocity) / 2 * t, velocity, acceleration)
 
     @property
     def phases(self) -> tuple[Phase, ...]:

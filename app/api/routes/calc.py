@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from app.api import calculators
+from app.api import calculators, ramp_calculators, unit_calculators
 from app.api.problems import problems
 from app.api.schemas_calc import (
     ChainRequest,
@@ -40,13 +40,13 @@ def calculate_ramp_inverse(body: RampInverse) -> RampInverseResult:
 @router.post("/units")
 def convert_units(body: Units) -> UnitsResult:
     """Chip units and physical units of one axis, every unit of what is given."""
-    return calculators.units(body)
+    return unit_calculators.units(body)
 
 
 @router.post("/ramp")
 def calculate_ramp(body: Ramp) -> RampResult:
-    """A move over time, bit for bit as the chip makes it, or as an ideal trapezoid."""
-    return calculators.ramp(body)
+    """A move over time: bit for bit as a chip makes it, a module's SixPoint ramp, or an ideal trapezoid."""
+    return ramp_calculators.ramp(body)
 
 
 @router.post("/microstep-table")
