@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import re
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from functools import partial
+from pathlib import Path
 
 from fastapi import FastAPI
 from pydantic import ValidationError
@@ -19,12 +22,11 @@ from app.calc.ramp import RampParameters, exact_ramp
 from app.clock import Clock, WallClock
 from app.devices.device import Device
 from app.devices.manager import DeviceManager
-from app.emulators.build import build_emulator, warm_up
-from app.emulators.options import EmulatorOptions
+from app.emulators.build import build_emulator, options_of, warm_up
 from app.links.emulator import EmulatorPort
 from app.links.errors import BenchError, UsageError
 from app.links.port import FramePort
-from app.links.registry import Link, tcp_factory
+from app.links.registry import TMCL_MODELS, Link, PortFactory, can_factory, serial_factory, tcp_factory
 from app.settings import Settings
 from app.store.connections import ConnectionStore
 from app.store.saver import Saver
@@ -33,6 +35,7 @@ from app.tuning.procedures import Procedures
 
 log = logging.getLogger("stepscope")
 
+EEPROM_NAME = re.compile(r"[a-z0-9][a-z0-9-]{0,63}")
 PATIENCE_S = 1.5
 """A start that takes longer than this says why [s]."""
 STOP_WITHIN_S = 0.5
@@ -51,7 +54,12 @@ def create_app(
     settings, clock = settings or Settings(), clock or WallClock()
     hub = TelemetryHub(clock, settings.history_minutes)
     store = ConnectionStore(settings.data_dir)
-    kinds = {"emulator": emulator_port, "tcp": tcp_factory}
+    kinds: dict[str, PortFactory] = {
+        "emulator": partial(emulator_port, data_dir=settings.data_dir),
+        "tcp": tcp_factory,
+        "serial": serial_factory,
+        "can": can_factory,
+    }
     opened = asyncio.Event()
 
     def changed() -> None:
@@ -90,13 +98,22 @@ def create_app(
     return make_app(bench, lifespan)
 
 
-def emulator_port(model: str, link: Link, clock: Clock) -> FramePort:
-    """`{"kind": "emulator", ...}`: a chip of its own behind a port of its own. Raises UsageError."""
+def emulator_port(model: str, link: Link, clock: Clock, data_dir: Path | None = None) -> FramePort:
+    """`{"kind": "emulator", ...}`: a chip of its own behind a port of its own.
+
+    A module may have `"eeprom"`, the name of a file in `data_dir` that keeps its memory; without either the memory
+    ends with the port. Raises UsageError.
+    """
+    options = {name: value for name, value in link.items() if name != "kind"}
+    eeprom = options.pop("eeprom", None) if model in TMCL_MODELS else None
+    if eeprom is not None and not (isinstance(eeprom, str) and EEPROM_NAME.fullmatch(eeprom)):
+        raise UsageError(f"eeprom is a name of small letters, digits and dashes, not {eeprom!r}")
     try:
-        options = EmulatorOptions.model_validate({name: value for name, value in link.items() if name != "kind"})
+        checked = options_of(model).model_validate(options)
     except ValidationError as error:
         raise UsageError(f"the emulator's options do not fit: {error}") from error
-    return EmulatorPort(build_emulator(model, clock, options))
+    path = data_dir / "emulators" / f"{eeprom}.json" if eeprom and data_dir else None
+    return EmulatorPort(build_emulator(model, clock, checked, path))
 
 
 def bench_of(app: FastAPI) -> Bench:
