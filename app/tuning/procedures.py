@@ -8,14 +8,18 @@ from weakref import WeakKeyDictionary
 
 from app.clock import Clock
 from app.devices.device import Device
+from app.devices.pd42.driver import Pd42
 from app.devices.ramp_stops import RampStops
 from app.devices.results import Rotating
 from app.links.errors import WrongState
-from app.tuning import reference_search, shuttle
+from app.tuning import search as searches
+from app.tuning import shuttle
 from app.tuning.edges import Switch
 from app.tuning.hold import Hold, check_hold
+from app.tuning.module_search import ModuleSearch
 from app.tuning.procedure import Procedure
-from app.tuning.reference_search import ReferenceSearch, ReferenceSearchState
+from app.tuning.reference_search import ReferenceSearch
+from app.tuning.search import ReferenceSearchState, Search
 from app.tuning.shuttle import Shuttle, ShuttleState
 
 P = TypeVar("P", bound=Procedure)
@@ -54,22 +58,39 @@ class Procedures:
         switch: Switch = "reference",
         velocity_pps: float | None = None,
         max_travel: int | None = None,
+        *,
+        mode: int | None = None,
+        search_speed_pps: float | None = None,
+        switch_speed_pps: float | None = None,
     ) -> ReferenceSearchState:
-        """Raises WrongState while another procedure runs there, OutOfRange for what cannot be."""
-        search = ReferenceSearch(_ramp_chip(device), axis, self._clock, switch, velocity_pps, max_travel)
+        """For a chip `switch` at `velocity_pps`; for a module, which searches by itself, `mode` and its two speeds.
+
+        Raises WrongState while another procedure runs there, OutOfRange for what cannot be.
+        """
+        search: Search
+        if isinstance(device, Pd42):
+            search = ModuleSearch(
+                device, axis, self._clock, mode, search_speed_pps or velocity_pps, switch_speed_pps, max_travel
+            )
+        else:
+            search = ReferenceSearch(_ramp_chip(device), axis, self._clock, switch, velocity_pps, max_travel)
         return self._start(search).state
 
     def search_state(self, device: Device, axis: int) -> ReferenceSearchState:
         """The present search, or the latest. Raises UnknownThing for the axis."""
-        latest = self._find(device, axis, ReferenceSearch)
-        return reference_search.IDLE if latest is None else latest.state
+        latest = self._latest_search(device, axis)
+        return searches.IDLE if latest is None else latest.state
 
     async def abort_search(self, device: Device, axis: int) -> ReferenceSearchState:
         """End it and stop the motor; the state afterwards."""
-        latest = self._find(device, axis, ReferenceSearch)
+        latest = self._latest_search(device, axis)
         if latest is not None:
             await latest.abort("aborted on request")
         return self.search_state(device, axis)
+
+    def _latest_search(self, device: Device, axis: int) -> Search | None:
+        found = self._latest.get(device, {}).get((device.axis(axis).index, Search.kind))
+        return found if isinstance(found, Search) else None
 
     # --- shuttle --------------------------------------------------------------------------------
 

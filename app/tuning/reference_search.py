@@ -13,16 +13,13 @@ the carriage stands right of the reference switch.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
-
 from app.clock import Clock
 from app.devices.ramp_stops import RampStops
 from app.links.errors import OutOfRange, WrongState
 from app.tuning.edges import SLACK_S, EdgeFinder, Switch
-from app.tuning.procedure import Failed, Procedure
+from app.tuning.procedure import Failed
+from app.tuning.search import ReferenceSearchState, Search, State
 
-State = Literal["idle", "running", "done", "failed", "aborted"]
 PHASES = ("prepare", "leave", "first edge", "second edge", "to the centre")
 
 MAX_TRAVEL = 1 << 22
@@ -32,30 +29,12 @@ TOLERANCE_MARGIN = 8
 """The range that dx_ref_tolerance excludes reaches so far beyond the edges [microsteps]."""
 
 
-@dataclass(frozen=True, slots=True)
-class ReferenceSearchState:
-    """Names as in the REST contract. Positions in microsteps, as counted before the search set zero."""
-
-    state: State
-    phase: str
-    progress: float
-    edges: list[int]
-    centre: int | None
-    offset: int | None
-    message: str
-
-
-IDLE = ReferenceSearchState("idle", "", 0.0, [], None, None, "")
-
-
-class ReferenceSearch(Procedure):
+class ReferenceSearch(Search):
     """Searches `switch` at `velocity_pps` (None: a quarter of v_max), `max_travel` microsteps a phase at the most.
 
     At the end position zero is in the middle of the switch and the motor stands there. After a
     search for "reference", dx_ref_tolerance covers the switch, so that it stops the motor no more.
     """
-
-    kind = "reference search"
 
     def __init__(
         self,

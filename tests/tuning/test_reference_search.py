@@ -13,7 +13,7 @@ from app.links.errors import OutOfRange, UnknownThing, WrongState
 from app.registers.catalog import CHIPS
 from app.tuning.edges import Switch
 from app.tuning.procedures import Procedures
-from app.tuning.reference_search import ReferenceSearchState
+from app.tuning.search import ReferenceSearchState
 from tests.devices.bench import Bench, bench
 
 BOTH = pytest.mark.parametrize("model", list(CHIPS))

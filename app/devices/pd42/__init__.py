@@ -2,5 +2,5 @@
 
 Layers of one class, a subject each: `module` (who it is, what is remembered), `parameters` (reading and
 writing), `console` (commands as they are), `motion`, `stops`, `looks` (state, what ended a motion),
-`samples` (telemetry), `driver` (the whole).
+`searches` (reference search), `samples` (telemetry), `driver` (the whole).
 """

@@ -16,8 +16,8 @@ import numpy as np
 from app.devices.pd42 import rows
 from app.devices.pd42.foresight import POSITION_BITS
 from app.devices.pd42.frames import reading
-from app.devices.pd42.looks import Looks
 from app.devices.pd42.motion_watch import Look
+from app.devices.pd42.searches import Searches
 from app.devices.prediction import wrapped
 from app.devices.sample_plan import Channel, FloatArray, SamplePlan
 from app.links.errors import UnknownThing, UsageError
@@ -131,7 +131,7 @@ class _Questions:
         return end - 2, end - 1, end
 
 
-class Samples(Looks):
+class Samples(Searches):
     """A TMCL module with telemetry."""
 
     @property
