@@ -8,6 +8,7 @@ import { fromSteps, ratesOf, scaleOf, symbolOf } from "../../lib/units";
 import { LiveText } from "../../live/LiveText";
 import classes from "./bench.module.css";
 import { geometryOf, useCarriage } from "./carriage";
+import { emulatedAxis } from "./emulation";
 import { Lamps } from "./Lamps";
 import { useLiveAxis } from "./live";
 import { type EmulatorState, useEmulator } from "./useEmulator";
@@ -119,12 +120,12 @@ interface RailProps {
 /** The stage of an emulated axis as a line: switches, reference, carriage. */
 function Rail({ axis, live, emulator }: RailProps) {
   const carriage = useRef<HTMLSpanElement>(null);
-  const stage = emulator.axes.find((candidate) => candidate.axis === axis.index)?.stage;
+  const stage = emulatedAxis(emulator, axis.index);
   useCarriage(live, axis.index, emulator, axis.microsteps_per_full_step, (share) => {
     if (carriage.current) carriage.current.style.left = `${100 * Math.max(0, Math.min(1, share))}%`;
   });
   if (!stage) return null;
-  const geometry = geometryOf(stage);
+  const geometry = geometryOf(stage.places);
   const percent = (share: number) => `${100 * share}%`;
   return (
     <span className={classes.rail} aria-hidden>
@@ -134,7 +135,7 @@ function Rail({ axis, live, emulator }: RailProps) {
       />
       <span
         className={classes.railRef}
-        style={{ left: percent(geometry.refFrom), width: percent(geometry.refTo - geometry.refFrom) }}
+        style={{ left: percent(geometry.homeFrom), width: percent(geometry.homeTo - geometry.homeFrom) }}
       />
       <span ref={carriage} className={classes.railCarriage} />
     </span>

@@ -5,6 +5,7 @@ import { useMemo } from "react";
 import { Link } from "wouter";
 import { type Device, useDevices } from "../../api/queries";
 import { EmptyState } from "../../lib/EmptyState";
+import { familyOf } from "../../lib/family";
 import { useSelection } from "../../live/selection";
 import { AxisTree } from "./AxisTree";
 import classes from "./bench.module.css";
@@ -12,6 +13,7 @@ import { DemoBanner } from "./DemoBanner";
 import { EmulatorPanel } from "./EmulatorPanel";
 import { BenchLive, useLiveAxis } from "./live";
 import { MotionCard } from "./motion/MotionCard";
+import { useSearch } from "./motion/useSearch";
 import { StageDrawing } from "./StageDrawing";
 import { ScopeCard } from "./scope/ScopeCard";
 import { useScopeSettings } from "./scope/settings";
@@ -76,7 +78,15 @@ function Bench({ devices, lost }: BenchProps) {
         <DemoBanner devices={devices} />
         {device && entry && (
           <>
-            {device.emulated && <Stage device={device} axis={entry} open={panel} onToggle={toggle} />}
+            {(device.emulated || familyOf(device.model) === "module") && (
+              <Stage
+                key={`${device.id}/${axis}`}
+                device={asKnown(device)}
+                axis={entry}
+                open={panel}
+                onToggle={toggle}
+              />
+            )}
             <ScopeCard devices={devices} main={main} axisName={`${device.name} ${entry.name}`} />
           </>
         )}
@@ -96,20 +106,26 @@ interface StageProps {
 function Stage({ device, axis, open, onToggle }: StageProps) {
   const emulator = useEmulator(device);
   const live = useLiveAxis(device.id, axis.index);
+  const module = familyOf(device.model) === "module";
+  const search = useSearch({ device: device.id, axis: axis.index }, module && device.state === "connected");
   return (
     <div className={classes.stageBox}>
-      {emulator.data && <StageDrawing device={device} axis={axis} live={live} emulator={emulator.data} />}
-      <Button
-        size="compact-xs"
-        variant="subtle"
-        className={classes.stageButton}
-        leftSection={<IconAdjustmentsAlt size={14} aria-hidden />}
-        aria-expanded={open}
-        onClick={onToggle}
-        data-testid="emulator-open"
-      >
-        Emulator
-      </Button>
+      {(emulator.data !== undefined || !device.emulated) && (
+        <StageDrawing device={device} axis={axis} live={live} emulator={emulator.data} search={search.data} />
+      )}
+      {device.emulated && (
+        <Button
+          size="compact-xs"
+          variant="subtle"
+          className={classes.stageButton}
+          leftSection={<IconAdjustmentsAlt size={14} aria-hidden />}
+          aria-expanded={open}
+          onClick={onToggle}
+          data-testid="emulator-open"
+        >
+          Emulator
+        </Button>
+      )}
     </div>
   );
 }

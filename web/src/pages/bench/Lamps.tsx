@@ -5,7 +5,7 @@ import type { AxisQuantity, LiveAxis } from "./live";
 
 const LAMPS: readonly [AxisQuantity, letter: string, name: string][] = [
   ["switch_left", "L", "left switch"],
-  ["switch_reference", "H", "reference switch"],
+  ["switch_home", "H", "home switch"],
   ["switch_right", "R", "right switch"],
 ];
 

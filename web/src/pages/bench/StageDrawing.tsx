@@ -1,18 +1,23 @@
 import { Text } from "@mantine/core";
 import { useElementSize } from "@mantine/hooks";
 import { useEffect, useId, useRef } from "react";
+import type { Schemas } from "../../api/client";
 import type { Device } from "../../api/queries";
 import { fixed } from "../../lib/format";
 import { scaleOf, toSteps } from "../../lib/units";
 import { everyTick } from "../../live/LiveText";
 import classes from "./bench.module.css";
-import { geometryOf, useCarriage } from "./carriage";
 import type { LiveAxis } from "./live";
+import { SearchOverlay } from "./SearchOverlay";
 import type { EmulatorState } from "./useEmulator";
+import { useStage } from "./useStage";
 
 const RAIL_Y = 62;
 const START_X = 92;
 const PITCH = 9;
+const SEARCH_PX = 26;
+
+type SwitchName = "left" | "right" | "home";
 
 /** A lamp's place [px] next to the two others, at least its own width away from both. */
 function clearOf(x: number, left: number, right: number): number {
@@ -25,7 +30,10 @@ interface Props {
   device: Device;
   axis: Device["axes"][number];
   live: LiveAxis;
-  emulator: EmulatorState;
+  /** undefined for a real device: the drawing then shows what was seen of its switches */
+  emulator: EmulatorState | undefined;
+  /** the reference search that runs, or the last one */
+  search?: Schemas["ReferenceSearchState"] | undefined;
 }
 
 function ticksOf(from: number, to: number, most: number): number[] {
@@ -34,8 +42,8 @@ function ticksOf(from: number, to: number, most: number): number[] {
   return Array.from({ length: Math.max(0, Math.floor(to / step) - first + 1) }, (_, index) => (first + index) * step);
 }
 
-/** The emulated stage: motor, spindle, carriage, switches and a ruler. It moves as the samples say. */
-export function StageDrawing({ device, axis, live, emulator }: Props) {
+/** The stage: motor, spindle, carriage, switches and a ruler. It moves as the samples say. */
+export function StageDrawing({ device, axis, live, emulator, search }: Props) {
   const thread = useId();
   // drawn in pixels of its own box, so that nothing is squeezed on a phone
   const { ref: box, width: boxWidth } = useElementSize();
@@ -44,25 +52,28 @@ export function StageDrawing({ device, axis, live, emulator }: Props) {
   const carriage = useRef<SVGGElement>(null);
   const spindle = useRef<SVGPatternElement>(null);
   const shaft = useRef<SVGGElement>(null);
+  const counted = useRef<SVGGElement>(null);
   const lamps = useRef<Record<string, SVGGElement | null>>({});
-  const state = emulator.axes.find((candidate) => candidate.axis === axis.index);
   const scale = scaleOf(axis, device.clock_hz);
-  const geometry = state && geometryOf(state.stage);
-  const span = geometry ? geometry.to - geometry.from : 0;
+  const span = useRef(0);
 
-  useCarriage(live, axis.index, emulator, axis.microsteps_per_full_step, (share) => {
+  const stage = useStage(device, axis, live, emulator, (share, offset) => {
     const x = START_X + Math.max(-0.01, Math.min(1.01, share)) * travel;
     carriage.current?.setAttribute("transform", `translate(${x.toFixed(2)} 0)`);
+    // What is known in counts of the motor lies where the counter's zero is now.
+    if (!Number.isNaN(offset) && span.current > 0)
+      counted.current?.setAttribute("transform", `translate(${((offset / span.current) * travel).toFixed(2)} 0)`);
     // The spindle turns: its thread runs along by one pitch a turn, exaggerated so that slow motion is seen too.
-    const turns = (share * span) / axis.full_steps_per_rev;
+    const turns = (share * span.current) / axis.full_steps_per_rev;
     spindle.current?.setAttribute("patternTransform", `translate(${((turns * 40) % PITCH).toFixed(2)} 0) skewX(-24)`);
     shaft.current?.setAttribute("transform", `rotate(${((turns * 360) % 360).toFixed(1)} 34 ${RAIL_Y})`);
   });
+  span.current = stage ? stage.to - stage.from : 0;
 
   useEffect(
     () =>
       everyTick(() => {
-        for (const name of ["left", "right", "reference"] as const) {
+        for (const name of ["left", "right", "home"] as const) {
           const lamp = lamps.current[name];
           const value = live.read(`switch_${name}`);
           if (lamp) lamp.dataset.on = String(value > 0.5);
@@ -71,24 +82,27 @@ export function StageDrawing({ device, axis, live, emulator }: Props) {
     [live],
   );
 
-  if (!state || !geometry) return null;
-  const at = (share: number) => START_X + share * travel;
+  if (!stage) return null;
+  const at = (fullsteps: number) => START_X + ((fullsteps - stage.from) / (stage.to - stage.from)) * travel;
   const microsteps = scale.microstepsPerFullStep ?? 64;
   const perMm = scale.travelMmPerRev === null ? null : toSteps(1, "mm", scale, "position") / microsteps;
   const perTick = perMm ?? axis.full_steps_per_rev;
-  const { left_at_fullsteps: zero } = state.stage;
-  const ticks = ticksOf((geometry.from - zero) / perTick, (geometry.to - zero) / perTick, travel / 60);
-  const reference = (at(geometry.refFrom) + at(geometry.refTo)) / 2;
-  const tickX = (value: number) => at((value * perTick + zero - geometry.from) / (geometry.to - geometry.from));
-  const forced = (name: "left" | "right" | "reference") => state.switches[name].forced !== null;
+  const ticks = ticksOf((stage.from - stage.zero) / perTick, (stage.to - stage.zero) / perTick, travel / 60);
+  const tickX = (value: number) => at(value * perTick + stage.zero);
+  // Of a real stage a switch that was never met stands, hollow, where it is expected: beyond what was travelled.
+  const leftX = stage.left === null ? START_X + 4 : at(stage.left);
+  const rightX = stage.right === null ? START_X + travel - 4 : at(stage.right);
+  const homeEdges = [stage.homeFrom, stage.homeTo].filter((edge): edge is number => edge !== null);
+  const homeX = homeEdges.length === 0 ? null : homeEdges.reduce((sum, edge) => sum + at(edge), 0) / homeEdges.length;
   // The lamp of a switch is over it, unless another one's is there.
-  const switchMark = (name: "left" | "right" | "reference", x: number, label: string, lampX = x) => (
+  const switchMark = (name: SwitchName, x: number, label: string, known: boolean, lampX = x) => (
     <g
       ref={(node) => {
         lamps.current[name] = node;
       }}
       className={classes.switchMark}
-      data-forced={forced(name)}
+      data-forced={stage.forced[name]}
+      data-known={known}
     >
       <path d={`M${lampX} ${RAIL_Y - 34} v6 L${x} ${RAIL_Y - 20} v8`} />
       <circle cx={lampX} cy={RAIL_Y - 40} r={7} />
@@ -97,10 +111,19 @@ export function StageDrawing({ device, axis, live, emulator }: Props) {
       </text>
     </g>
   );
+  const searching = search !== undefined && search.state !== "idle";
+  const height = 100 + (searching ? SEARCH_PX : 0);
+  const kind = device.emulated ? "Emulated stage" : "Stage, as far as it was seen,";
 
   return (
-    <figure ref={box} className={classes.stage} aria-label={`Emulated stage of ${device.name} ${axis.name}`}>
-      <svg width={width} height={100} role="img" aria-label={`Carriage of ${axis.name} between its switches`}>
+    <figure
+      ref={box}
+      className={classes.stage}
+      style={{ height }}
+      aria-label={`${kind} of ${device.name} ${axis.name}`}
+      data-testid="stage"
+    >
+      <svg width={width} height={height} role="img" aria-label={`Carriage of ${axis.name} between its switches`}>
         <defs>
           <pattern ref={spindle} id={thread} width={PITCH} height="12" patternUnits="userSpaceOnUse">
             <rect width={PITCH} height="12" className={classes.spindleGround} />
@@ -125,22 +148,34 @@ export function StageDrawing({ device, axis, live, emulator }: Props) {
             </text>
           </g>
         ))}
-        <rect
-          x={at(geometry.refFrom)}
-          y={RAIL_Y + 9}
-          width={Math.max(3, at(geometry.refTo) - at(geometry.refFrom))}
-          height={4}
-          className={classes.flag}
-        />
-        {switchMark("left", at(geometry.left), "L")}
-        {switchMark("right", at(geometry.right), "R")}
-        {switchMark("reference", reference, "H", clearOf(reference, at(geometry.left), at(geometry.right)))}
+        {stage.homeFrom !== null && stage.homeTo !== null && (
+          <rect
+            x={at(stage.homeFrom)}
+            y={RAIL_Y + 9}
+            width={Math.max(3, at(stage.homeTo) - at(stage.homeFrom))}
+            height={4}
+            className={classes.flag}
+          />
+        )}
+        {switchMark("left", leftX, "L", stage.left !== null)}
+        {switchMark("right", rightX, "R", stage.right !== null)}
+        {homeX !== null && switchMark("home", homeX, "H", true, clearOf(homeX, leftX, rightX))}
         <g ref={carriage}>
           <rect x={-22} y={RAIL_Y - 14} width={44} height={28} rx={3} className={classes.carriage} />
           <path d={`M-22 ${RAIL_Y + 14} h44`} className={classes.carriageFoot} />
           <path d={`M0 ${RAIL_Y - 14} v28`} className={classes.carriageLine} />
           <path d={`M-4 ${RAIL_Y - 20} h8 l-4 6 z`} className={classes.carriagePointer} />
         </g>
+        {searching && (
+          <SearchOverlay
+            search={search}
+            counted={counted}
+            place={(count) => at(count / microsteps)}
+            left={START_X}
+            width={travel}
+            rail={RAIL_Y}
+          />
+        )}
       </svg>
       <Text size="xs" c="dimmed" className={classes.stageUnit} aria-hidden>
         {perMm === null ? "turns" : "mm"}

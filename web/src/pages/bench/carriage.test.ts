@@ -5,15 +5,15 @@ import { countOffset, geometryOf } from "./carriage";
 describe("the carriage", () => {
   it("stands between its switches, with a margin beyond them", () => {
     const geometry = geometryOf({
-      left_at_fullsteps: 0,
-      right_at_fullsteps: 1000,
-      ref_from_fullsteps: 100,
-      ref_to_fullsteps: 200,
+      left: 0,
+      right: 1000,
+      homeFrom: 100,
+      homeTo: 200,
     });
     expect(geometry).toMatchObject({ from: -60, to: 1060 });
     expect(geometry.left).toBeGreaterThan(0);
-    expect(geometry.left).toBeLessThan(geometry.refFrom);
-    expect(geometry.refTo).toBeLessThan(geometry.right);
+    expect(geometry.left).toBeLessThan(geometry.homeFrom);
+    expect(geometry.homeTo).toBeLessThan(geometry.right);
     expect(geometry.right).toBeLessThan(1);
   });
 

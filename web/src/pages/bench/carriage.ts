@@ -1,7 +1,8 @@
 import { useRef } from "react";
 import { useFrame } from "../../live/useFrame";
+import { emulatedAxis, type StagePlaces } from "./emulation";
 import type { LiveAxis } from "./live";
-import type { EmulatorAxis, EmulatorState } from "./useEmulator";
+import type { EmulatorState } from "./useEmulator";
 
 /** Where things stand on a stage, as shares 0..1 of what is drawn. */
 export interface StageGeometry {
@@ -9,23 +10,23 @@ export interface StageGeometry {
   to: number;
   left: number;
   right: number;
-  refFrom: number;
-  refTo: number;
+  homeFrom: number;
+  homeTo: number;
 }
 
 /** The stage with a margin beyond its end switches, in full steps; switches as shares of it. */
-export function geometryOf(stage: EmulatorAxis["stage"], margin = 0.06): StageGeometry {
-  const span = stage.right_at_fullsteps - stage.left_at_fullsteps;
-  const from = stage.left_at_fullsteps - margin * span;
-  const to = stage.right_at_fullsteps + margin * span;
+export function geometryOf(places: StagePlaces, margin = 0.06): StageGeometry {
+  const span = places.right - places.left;
+  const from = places.left - margin * span;
+  const to = places.right + margin * span;
   const share = (at: number) => (at - from) / (to - from);
   return {
     from,
     to,
-    left: share(stage.left_at_fullsteps),
-    right: share(stage.right_at_fullsteps),
-    refFrom: share(stage.ref_from_fullsteps),
-    refTo: share(stage.ref_to_fullsteps),
+    left: share(places.left),
+    right: share(places.right),
+    homeFrom: share(places.homeFrom),
+    homeTo: share(places.homeTo),
   };
 }
 
@@ -50,25 +51,26 @@ export function useCarriage(
   axis: number,
   emulator: EmulatorState | undefined,
   microsteps: number | null,
-  place: (share: number) => void,
+  place: (share: number, offsetFullsteps: number) => void,
 ): void {
   const offset = useRef({ state: emulator, fullsteps: Number.NaN });
   useFrame(() => {
-    const stage = emulator?.axes.find((candidate) => candidate.axis === axis);
+    const stage = emulatedAxis(emulator, axis);
     if (!stage) return;
-    const geometry = geometryOf(stage.stage);
+    const geometry = geometryOf(stage.places);
     const share = (fullsteps: number) => (fullsteps - geometry.from) / (geometry.to - geometry.from);
     if (microsteps === null) {
-      place(share(stage.position_fullsteps));
+      place(share(stage.positionFullsteps), Number.NaN);
       return;
     }
     if (offset.current.state !== emulator || Number.isNaN(offset.current.fullsteps)) {
-      const next = countOffset(stage.position_fullsteps, emulator?.chip_time_s ?? 0, live, axis, microsteps);
-      // Samples are 33 ms apart: what looks like a small change while it moves is only that.
-      if (!(Math.abs(next - offset.current.fullsteps) < 40)) offset.current.fullsteps = next;
+      const next = countOffset(stage.positionFullsteps, stage.chipTimeS, live, axis, microsteps);
+      // Samples are 33 ms apart: what looks like a small change while it moves is only that. At rest it is lost steps.
+      if (!(live.moving() && Math.abs(next - offset.current.fullsteps) < 40) && !Number.isNaN(next))
+        offset.current.fullsteps = next;
       offset.current.state = emulator;
     }
     const mechanical = live.read("position") / microsteps + offset.current.fullsteps;
-    place(share(Number.isNaN(mechanical) ? stage.position_fullsteps : mechanical));
+    place(share(Number.isNaN(mechanical) ? stage.positionFullsteps : mechanical), offset.current.fullsteps);
   });
 }

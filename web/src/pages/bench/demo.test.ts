@@ -6,12 +6,13 @@ describe("the demo's way", () => {
     for (const count of [0, 5000, -70_000]) {
       const stage = {
         axis: 0,
-        position_fullsteps: 3750,
-        stage: { left_at_fullsteps: 0, right_at_fullsteps: 7500, ref_from_fullsteps: 250, ref_to_fullsteps: 350 },
+        positionFullsteps: 3750,
+        chipTimeS: 0,
+        places: { left: 0, right: 7500, homeFrom: 250, homeTo: 350 },
         switches: {
           left: { active: false, forced: null },
           right: { active: false, forced: null },
-          reference: { active: false, forced: null },
+          home: { active: false, forced: null },
         },
       };
       const [first, second] = stretchOf(stage, count, 64);

@@ -3,7 +3,7 @@ import { motion } from "../../api/motion";
 import type { Device } from "../../api/queries";
 import { scaleOf, toSteps } from "../../lib/units";
 import { geometryOf } from "./carriage";
-import type { EmulatorAxis } from "./useEmulator";
+import { type EmulatedAxis, emulatedAxis } from "./emulation";
 
 /** The share of the stage, from the left switch, between which an axis goes back and forth: each its own. */
 const STRETCHES: readonly (readonly [number, number])[] = [
@@ -14,10 +14,10 @@ const STRETCHES: readonly (readonly [number, number])[] = [
 const TURNS_WITHOUT_STAGE = 3;
 
 /** Both ends of an axis's way in its own microsteps, for a carriage that stands at `count` now. */
-export function stretchOf(stage: EmulatorAxis, count: number, microstepsPerFullStep: number): [number, number] {
-  const { from, to, left, right } = geometryOf(stage.stage);
+export function stretchOf(stage: EmulatedAxis, count: number, microstepsPerFullStep: number): [number, number] {
+  const { from, to, left, right } = geometryOf(stage.places);
   const [low, high] = STRETCHES[stage.axis % STRETCHES.length] ?? [0.2, 0.8];
-  const offset = stage.position_fullsteps - count / microstepsPerFullStep;
+  const offset = stage.positionFullsteps - count / microstepsPerFullStep;
   const place = (share: number) => {
     const fullsteps = from + (left + share * (right - left)) * (to - from);
     return Math.round((fullsteps - offset) * microstepsPerFullStep);
@@ -33,7 +33,7 @@ async function startDevice(device: Device): Promise<void> {
     const at = { device: device.id, axis: axis.index };
     const state = unwrap(await api.GET("/api/v1/devices/{device}/axes/{axis}", { params: { path: at } }));
     const scale = scaleOf(axis, device.clock_hz);
-    const stage = emulator.axes.find((candidate) => candidate.axis === axis.index);
+    const stage = emulatedAxis(emulator, axis.index);
     const turn = toSteps(1, "rev", scale, "position") || 12_800;
     const [first, second] =
       stage && scale.microstepsPerFullStep

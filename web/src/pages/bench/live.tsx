@@ -4,15 +4,9 @@ import type { TelemetryRequest, TelemetrySource } from "../../live/TelemetrySour
 import { useTelemetries } from "../../live/useTelemetry";
 
 /** What the page shows of every axis, whether it is on the scope or not. */
-const QUANTITIES = [
-  "position",
-  "target_position",
-  "velocity",
-  "position_reached",
-  "switch_left",
-  "switch_right",
-  "switch_reference",
-] as const;
+const QUANTITIES = ["position", "velocity", "position_reached", "switch_left", "switch_right", "switch_home"] as const;
+/** Chips call their third switch the reference switch, modules the home switch: it is one on the page. */
+const CHIP_HOME = "switch_reference";
 const RATE_HZ = 30;
 /** Enough to find the position at the time of an emulator's answer, which comes by another way. */
 const KEEP_S = 4;
@@ -21,7 +15,7 @@ const Sources = createContext<readonly TelemetrySource[]>([]);
 
 function requestFor(device: Device): TelemetryRequest[] {
   const channels = device.channels
-    .filter((channel) => QUANTITIES.some((quantity) => quantity === channel.quantity))
+    .filter((channel) => [...QUANTITIES, CHIP_HOME].some((quantity) => quantity === channel.quantity))
     .map((channel) => channel.name);
   if (device.state !== "connected" || channels.length === 0) return [];
   return [{ device: device.id, channels, rateHz: Math.min(RATE_HZ, device.rate_max_hz), keepS: KEEP_S }];
@@ -49,7 +43,9 @@ export function useLiveAxis(device: string, axis: number): LiveAxis {
   const sources = useContext(Sources);
   return useMemo(() => {
     const source = sources.find((candidate) => candidate.request.device === device);
-    const read = (quantity: AxisQuantity) => source?.buffer.last(`${quantity}.${axis}`) ?? Number.NaN;
+    const home = source?.request.channels.includes(`switch_home.${axis}`) ? "switch_home" : CHIP_HOME;
+    const read = (quantity: AxisQuantity) =>
+      source?.buffer.last(`${quantity === "switch_home" ? home : quantity}.${axis}`) ?? Number.NaN;
     return { source, read, moving: () => Math.abs(read("velocity")) > 0 };
   }, [sources, device, axis]);
 }

@@ -2,9 +2,17 @@ import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { api, type Schemas, unwrap } from "../../api/client";
 import type { Device } from "../../api/queries";
 
-export type EmulatorState = Schemas["EmulatorState"];
-export type EmulatorAxis = EmulatorState["axes"][number];
-export type EmulatorPatch = Schemas["EmulatorPatch"];
+export type EmulatorState = Schemas["EmulatorState"] | Schemas["Pd42State"];
+export type ChipState = Schemas["EmulatorState"];
+export type ChipAxis = ChipState["axes"][number];
+export type Pd42State = Schemas["Pd42State"];
+export type ChipPatch = Schemas["EmulatorPatch"];
+export type Pd42Patch = Schemas["Pd42Patch"];
+export type EmulatorPatch = ChipPatch | Pd42Patch;
+
+export function isModuleState(state: EmulatorState): state is Pd42State {
+  return state.model === "pd42-1241";
+}
 
 const key = (device: string) => ["emulator", device];
 
@@ -15,7 +23,7 @@ const key = (device: string) => ["emulator", device];
 export function useEmulator(device: Device | undefined, closely = false) {
   return useQuery({
     queryKey: key(device?.id ?? ""),
-    queryFn: async () =>
+    queryFn: async (): Promise<EmulatorState> =>
       unwrap(await api.GET("/api/v1/devices/{device}/emulator", { params: { path: { device: device?.id ?? "" } } })),
     enabled: device?.emulated === true,
     refetchInterval: closely ? 500 : 3000,

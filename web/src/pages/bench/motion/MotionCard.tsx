@@ -3,6 +3,7 @@ import { useQuery } from "@tanstack/react-query";
 import { Link } from "wouter";
 import { api, unwrap } from "../../../api/client";
 import type { Device } from "../../../api/queries";
+import { familyOf } from "../../../lib/family";
 import { fixed } from "../../../lib/format";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { fromSteps, ratesOf, scaleOf, symbolOf, unitsFor } from "../../../lib/units";
@@ -11,6 +12,7 @@ import classes from "../bench.module.css";
 import { Lamps } from "../Lamps";
 import { useLiveAxis } from "../live";
 import { JogSection } from "./JogSection";
+import { ModuleSearch } from "./ModuleSearch";
 import { MoveSection } from "./MoveSection";
 import { ReferenceSection } from "./ReferenceSection";
 import { ShuttleSection } from "./ShuttleSection";
@@ -35,7 +37,7 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
   const shown = units.includes(unit) ? unit : "microsteps";
   const rate = ratesOf(shown).velocity;
   const decimals = shown === "microsteps" ? 0 : 3;
-  const topSpeed = useTopSpeed(at, scale, connected);
+  const topSpeed = useTopSpeed(at, device.model, scale, connected);
   const action = useAction();
   const state = useQuery({
     queryKey: ["axis", device.id, axis.index],
@@ -128,14 +130,18 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
           <TogetherSection key={device.id} device={device} unit={shown} action={action} disabled={disabled} />
         </Tabs.Panel>
         <Tabs.Panel value="reference">
-          <ReferenceSection
-            key={`${device.id}/${axis.index}`}
-            at={at}
-            model={device.model}
-            live={live}
-            action={action}
-            disabled={disabled}
-          />
+          {familyOf(device.model) === "module" ? (
+            <ModuleSearch key={`${device.id}/${axis.index}`} at={at} live={live} action={action} disabled={disabled} />
+          ) : (
+            <ReferenceSection
+              key={`${device.id}/${axis.index}`}
+              at={at}
+              model={device.model}
+              live={live}
+              action={action}
+              disabled={disabled}
+            />
+          )}
         </Tabs.Panel>
       </Tabs>
     </section>

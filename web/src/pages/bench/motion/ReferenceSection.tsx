@@ -1,13 +1,14 @@
 import { Button, Group, Progress, SegmentedControl, Text } from "@mantine/core";
-import { useQuery, useQueryClient } from "@tanstack/react-query";
+import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
-import { api, type Schemas, unwrap } from "../../../api/client";
+import type { Schemas } from "../../../api/client";
 import { type AxisAddress, motion } from "../../../api/motion";
 import type { Device } from "../../../api/queries";
 import { withUnit } from "../../../lib/format";
 import type { LiveAxis } from "../live";
 import { setZero } from "./setZero";
 import type { Action } from "./useAction";
+import { searchKey, useSearch } from "./useSearch";
 
 interface Props {
   at: AxisAddress;
@@ -37,18 +38,11 @@ function outcome(search: Schemas["ReferenceSearchState"] | undefined): string {
 export function ReferenceSection({ at, model, live, action, disabled }: Props) {
   const queries = useQueryClient();
   const [target, setTarget] = useState<SearchSwitch>("reference");
-  const key = ["reference-search", at.device, at.axis];
-  const search = useQuery({
-    queryKey: key,
-    queryFn: async () =>
-      unwrap(await api.GET("/api/v1/devices/{device}/axes/{axis}/reference-search", { params: { path: at } })),
-    enabled: !disabled,
-    refetchInterval: (query) => (query.state.data?.state === "running" ? 250 : 2000),
-  });
+  const search = useSearch(at, !disabled);
   const running = search.data?.state === "running";
   // the stage's drawing has to learn of the new zero
   const moved = () => void queries.invalidateQueries({ queryKey: ["emulator", at.device] });
-  const refresh = () => void queries.invalidateQueries({ queryKey: key });
+  const refresh = () => void queries.invalidateQueries({ queryKey: searchKey(at) });
   return (
     <>
       <SegmentedControl

@@ -1,16 +1,42 @@
-import { ApiError, api, unwrap } from "../../../api/client";
+import { ApiError, api, type Schemas, unwrap } from "../../../api/client";
 import type { AxisAddress } from "../../../api/motion";
 import type { Device } from "../../../api/queries";
 
-/** Each data sheet has its own name for the field. */
-const MODE_FIELD: Record<Device["model"], string> = { tmc428: "rm", tmc4210: "RAMP_MODE" };
+type Write = Schemas["RegisterBatchItem"];
+
 const RAMP_MODE = 0;
 const HOLD_MODE = 3;
 
 /**
- * Calls the present position zero. In RAMP_MODE the motor would run after the difference between the two registers
- * the moment one of them is written: so it is taken out of that mode for the time of both writes.
+ * In RAMP_MODE the motor would run after the difference between the two registers the moment one of them is written:
+ * so it is taken out of that mode for the time of both writes. Each data sheet has its own name for the field.
  */
+function ofChip(modeField: string): Write[] {
+  return [
+    { name: modeField, value: HOLD_MODE },
+    { name: "X_ACTUAL", value: 0 },
+    { name: "X_TARGET", value: 0 },
+    { name: modeField, value: RAMP_MODE },
+  ];
+}
+
+/**
+ * The same for a module: target speed 0 takes it to velocity mode, where no target is followed. The encoder counts
+ * along, so it is set too: else the difference would be a deviation, and could stop the motor.
+ */
+const OF_MODULE: Write[] = [
+  { name: "target_speed", value: 0 },
+  { name: "actual_position", value: 0 },
+  { name: "encoder_position", value: 0 },
+];
+
+const WRITES: Record<Device["model"], Write[]> = {
+  tmc428: ofChip("rm"),
+  tmc4210: ofChip("RAMP_MODE"),
+  "pd42-1241": OF_MODULE,
+};
+
+/** Calls the present position zero; the motor does not move. */
 export async function setZero({ device, axis }: AxisAddress, model: Device["model"], moving: boolean): Promise<void> {
   if (moving)
     throw new ApiError({
@@ -25,14 +51,7 @@ export async function setZero({ device, axis }: AxisAddress, model: Device["mode
   const result = unwrap(
     await api.POST("/api/v1/devices/{device}/registers", {
       params: { path: { device } },
-      body: {
-        writes: [
-          { name: MODE_FIELD[model], axis, value: HOLD_MODE },
-          { name: "X_ACTUAL", axis, value: 0 },
-          { name: "X_TARGET", axis, value: 0 },
-          { name: MODE_FIELD[model], axis, value: RAMP_MODE },
-        ],
-      },
+      body: { writes: WRITES[model].map((write) => ({ ...write, axis })) },
     }),
   );
   if (result.failed) throw new ApiError(result.failed);

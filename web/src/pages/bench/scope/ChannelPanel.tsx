@@ -24,7 +24,7 @@ export function ChannelPanel({ scopeRow, scope, cursors, onToggle }: Props) {
   const difference = (trace: ScopeTrace): string => {
     const { a, b } = scope.view.cursors();
     const delta = scope.valueAt(trace, b) - scope.valueAt(trace, a);
-    return trace.unit === "" ? "" : fixed(delta / trace.divisor, trace.decimals);
+    return fixed(delta / trace.divisor, trace.decimals);
   };
   // as they lie on each other: what is drawn last is on top, and first in the list; lanes are listed from the top
   const listed =

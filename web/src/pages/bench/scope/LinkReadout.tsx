@@ -60,6 +60,20 @@ export function LinkReadout({ name, several, link }: Props) {
           jitter <b>{fixed(link.jitterMs, 2)}</b> ms
         </span>
       </Tooltip>
+      {link.callsPerS !== null && link.callsPerSPossible !== null && (
+        <Tooltip label="Questions on the wire, of those that it carries a second">
+          <span className={classes.figure} data-testid="wire-budget">
+            wire <b>{fixed(link.callsPerS)}</b> of {fixed(link.callsPerSPossible)}/s
+          </span>
+        </Tooltip>
+      )}
+      {link.rowSpreadMs !== null && link.rowSpreadMs > 0 && (
+        <Tooltip label="From the first to the last question of a row: so far apart are its columns">
+          <span className={classes.figure}>
+            spread <b>{fixed(link.rowSpreadMs, 1)}</b> ms
+          </span>
+        </Tooltip>
+      )}
       <Tooltip label="From the sample to its way out to this page">
         <span className={classes.figure}>
           latency <b>{fixed(link.latencyMs, 1)}</b> ms

@@ -14,8 +14,8 @@ import { IconAdjustmentsHorizontal, IconPlayerPause, IconPlayerPlay, IconRulerMe
 import type { Device } from "../../../api/queries";
 import { scaleOf, symbolOf, unitsFor } from "../../../lib/units";
 import { LiveText } from "../../../live/LiveText";
-import type { AxisRef } from "./model";
-import { ROWS, type RowId } from "./rows";
+import { type AxisRef, rowsOf } from "./model";
+import type { RowId } from "./rows";
 import classes from "./scope.module.css";
 import { keepS, RATES_HZ, type ScopeSettings, SPANS_S, type Trigger } from "./settings";
 import type { Scope } from "./useScope";
@@ -43,6 +43,7 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
     device?.clock_hz,
   );
   const units = unitsFor("position", scale);
+  const rates = RATES_HZ.filter((rate) => rate <= (device?.rate_max_hz ?? 1000));
   const others = devices.flatMap((candidate) =>
     candidate.axes
       .filter((axis) => candidate.id !== main.device || axis.index !== main.axis)
@@ -102,11 +103,8 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
         w={92}
         className={classes.roomy ?? ""}
         aria-label="Sample rate"
-        data={RATES_HZ.filter((rate) => rate <= (device?.rate_max_hz ?? 1000)).map((rate) => ({
-          value: String(rate),
-          label: `${rate} Hz`,
-        }))}
-        value={String(settings.rateHz)}
+        data={rates.map((rate) => ({ value: String(rate), label: `${rate} Hz` }))}
+        value={String(rates.findLast((rate) => rate <= settings.rateHz) ?? rates[0])}
         allowDeselect={false}
         onChange={(value) => {
           if (!value) return;
@@ -149,7 +147,7 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
             <Text size="xs" fw={600}>
               Plots
             </Text>
-            {ROWS.map((row) => (
+            {rowsOf(device, main.axis).map((row) => (
               <Checkbox
                 key={row.id}
                 size="xs"

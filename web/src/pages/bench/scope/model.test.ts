@@ -75,11 +75,36 @@ describe("the scope's model", () => {
     expect(own && valueText(own, 800)).toBe("0.5000");
   });
 
+  it("asks a module's wire for nothing that is not on show", () => {
+    const module: Device = { ...device("m", 1, 100), model: "pd42-1241" };
+    const shown: ScopeSettings = { ...SETTINGS, rows: ["position", "load"], extras: [] };
+    const [request] = requestsFor([module], { device: "m", axis: 0 }, shown);
+    expect(request?.channels).toContain("load_value.0");
+    expect(request?.channels).toContain("encoder_position.0");
+    for (const hidden of ["target_position.0", "velocity.0", "switch_left.0"])
+      expect(request?.channels).not.toContain(hidden);
+  });
+
+  it("has a plot and a lane only for what the axis has", () => {
+    const chip = { ...device("a", 1, 1000) };
+    chip.channels = chip.channels.filter(({ quantity }) =>
+      ["position", "switch_left", "switch_reference"].includes(quantity),
+    );
+    const rows = buildRows([chip], { device: "a", axis: 0 }, SETTINGS, "light");
+    expect(rows.map(({ row }) => row.id)).toEqual(["position", "switches"]);
+    expect(rows[1]?.row.channels).toHaveLength(2);
+    expect(rows[1]?.traces[1]?.offset).toBeLessThan(1);
+    const load = buildRows([device("b", 1, 10)], { device: "b", axis: 0 }, SETTINGS, "light").find(
+      ({ row }) => row.id === "load",
+    )?.traces[0];
+    expect(load && valueText(load, 412)).toBe("412");
+  });
+
   it("falls back to chip units where the axis knows no better, and says on and off", () => {
     const bare = { ...device("a", 1, 1000) };
     bare.axes = bare.axes.map((axis) => ({ ...axis, microsteps_per_full_step: null }));
     const rows = buildRows([bare], { device: "a", axis: 0 }, SETTINGS, "dark");
-    expect(rows.map(({ unit }) => unit)).toEqual(["microsteps", "microsteps", "pps", "pps2", ""]);
+    expect(rows.map(({ unit }) => unit)).toEqual(["microsteps", "microsteps", "microsteps", "pps", "pps2", "", "", ""]);
     const lamp = rows.at(-1)?.traces[0];
     expect(lamp && [valueText(lamp, 1), valueText(lamp, 0), valueText(lamp, Number.NaN)]).toEqual(["on", "off", "–"]);
   });

@@ -1,4 +1,5 @@
 import type { Device } from "../../../api/queries";
+import { familyOf } from "../../../lib/family";
 import { fixed } from "../../../lib/format";
 import { colorOf, type Quantity } from "../../../lib/palette";
 import { type AxisScale, factorOf, scaleOf } from "../../../lib/units";
@@ -79,8 +80,9 @@ export function buildRows(
   scheme: "light" | "dark",
 ): ScopeRow[] {
   const all = [main, ...settings.extras.filter((extra) => extra.device !== main.device || extra.axis !== main.axis)];
-  return ROWS.filter((row) => settings.rows.includes(row.id)).map((row) => {
-    const mainAxis = find(devices, main);
+  const mainAxis = find(devices, main);
+  return rowsOf(mainAxis?.device, main.axis).flatMap((row) => {
+    if (!settings.rows.includes(row.id)) return [];
     const wanted = unitOf(row, settings.unit);
     const known = mainAxis && row.motion ? factorOf(wanted, mainAxis.scale, row.motion) !== null : true;
     const unit = known ? wanted : unitOf(row, "microsteps");
@@ -127,7 +129,17 @@ export function buildRows(
         ];
       });
     });
-    return { row, unit, traces };
+    return [{ row, unit, traces }];
+  });
+}
+
+/** The plots that make sense for an axis: those it has channels for, without the channels that it has not. */
+export function rowsOf(device: Device | undefined, axis: number): readonly Row[] {
+  if (device === undefined || device.channels.length === 0) return ROWS;
+  const offered = new Set(device.channels.map((channel) => channel.name));
+  return ROWS.flatMap((row) => {
+    const channels = row.channels.filter((channel) => offered.has(`${channel.quantity}.${axis}`));
+    return channels.length === 0 ? [] : [{ ...row, channels }];
   });
 }
 
@@ -137,8 +149,11 @@ export function requestsFor(devices: readonly Device[], main: AxisRef, settings:
   return [...new Set(order)].flatMap((id) => {
     const device = devices.find((candidate) => candidate.id === id);
     if (!device) return [];
+    // On a module's wire every channel costs a question: none is asked that is not on show.
+    const sparing = familyOf(device.model) === "module";
     const wanted = ROWS.flatMap((row) =>
       row.channels.flatMap((channel) => {
+        if (sparing && !(settings.rows.includes(row.id) && !settings.hidden.includes(channel.quantity))) return [];
         const axes = settings.extras
           .filter((extra) => extra.device === id && channel.shared)
           .map((extra) => extra.axis);
@@ -156,7 +171,7 @@ export function requestsFor(devices: readonly Device[], main: AxisRef, settings:
 
 /** A value of a trace as text, in the unit of its row. Switches say on and off. */
 export function valueText(trace: ScopeTrace, raw: number): string {
-  if (trace.unit === "" || trace.quantity.startsWith("switch") || trace.quantity === "position_reached")
+  if (trace.quantity.startsWith("switch") || trace.quantity === "position_reached")
     return Number.isNaN(raw) ? "–" : raw > 0.5 ? "on" : "off";
   return fixed(raw / trace.divisor, trace.decimals);
 }

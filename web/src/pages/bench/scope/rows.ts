@@ -1,7 +1,15 @@
 import type { Quantity } from "../../../lib/palette";
 import { ratesOf } from "../../../lib/units";
 
-export type RowId = "position" | "residual" | "velocity" | "acceleration" | "switches";
+export type RowId =
+  | "position"
+  | "residual"
+  | "deviation"
+  | "velocity"
+  | "acceleration"
+  | "load"
+  | "current"
+  | "switches";
 export type Motion = "position" | "velocity" | "acceleration";
 
 export interface RowChannel {
@@ -35,6 +43,8 @@ export const ROWS: readonly Row[] = [
     channels: [
       { quantity: "predicted_position", label: "predicted", band: true },
       { quantity: "target_position", label: "target", thin: true },
+      { quantity: "external_encoder_position", label: "external enc." },
+      { quantity: "encoder_position", label: "encoder", measured: true },
       { quantity: "position", label: "position", shared: true, measured: true },
     ],
   },
@@ -46,6 +56,16 @@ export const ROWS: readonly Row[] = [
     channels: [{ quantity: "residual", label: "residual", measured: true }],
   },
   {
+    id: "deviation",
+    title: "Deviation",
+    motion: null,
+    grow: 1.6,
+    channels: [
+      { quantity: "external_deviation", label: "external enc.", measured: true },
+      { quantity: "deviation", label: "encoder", measured: true },
+    ],
+  },
+  {
     id: "velocity",
     title: "Velocity",
     motion: "velocity",
@@ -53,6 +73,7 @@ export const ROWS: readonly Row[] = [
     channels: [
       { quantity: "predicted_velocity", label: "predicted", band: true },
       { quantity: "target_velocity", label: "target", thin: true },
+      { quantity: "measured_speed", label: "measured" },
       { quantity: "velocity", label: "velocity", shared: true, measured: true },
     ],
   },
@@ -64,6 +85,20 @@ export const ROWS: readonly Row[] = [
     channels: [{ quantity: "acceleration", label: "acceleration", shared: true, measured: true }],
   },
   {
+    id: "load",
+    title: "Load value",
+    motion: null,
+    grow: 1.4,
+    channels: [{ quantity: "load_value", label: "load value", measured: true }],
+  },
+  {
+    id: "current",
+    title: "Current scale",
+    motion: null,
+    grow: 1.2,
+    channels: [{ quantity: "actual_current_scale", label: "of 0..31", measured: true }],
+  },
+  {
     id: "switches",
     title: "Switches",
     motion: null,
@@ -71,6 +106,7 @@ export const ROWS: readonly Row[] = [
     channels: [
       { quantity: "switch_left", label: "left" },
       { quantity: "switch_reference", label: "reference" },
+      { quantity: "switch_home", label: "home" },
       { quantity: "switch_right", label: "right" },
       { quantity: "position_reached", label: "at target" },
     ],
@@ -87,7 +123,7 @@ export function unitOf(row: Row, unit: string): string {
     case "acceleration":
       return ratesOf(unit).acceleration;
     default:
-      return row.id === "residual" ? "microsteps" : "";
+      return row.id === "residual" || row.id === "deviation" ? "microsteps" : "";
   }
 }
 

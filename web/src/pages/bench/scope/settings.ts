@@ -28,8 +28,8 @@ const DEFAULTS: ScopeSettings = {
   rateHz: 500,
   unit: "microsteps",
   trigger: "roll",
-  rows: ["position", "residual", "velocity", "acceleration", "switches"],
-  hidden: [],
+  rows: ["position", "residual", "deviation", "velocity", "acceleration", "load", "switches"],
+  hidden: ["external_encoder_position", "external_deviation", "measured_speed"],
   extras: [],
 };
 

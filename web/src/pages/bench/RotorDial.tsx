@@ -1,0 +1,65 @@
+import { fixed } from "../../lib/format";
+import classes from "./bench.module.css";
+import type { Pd42State } from "./useEmulator";
+
+const SLIP_DEG = 90;
+
+function point(degrees: number, radius: number): string {
+  const angle = (degrees * Math.PI) / 180;
+  return `${(64 + radius * Math.sin(angle)).toFixed(1)} ${(64 - radius * Math.cos(angle)).toFixed(1)}`;
+}
+
+/** One electrical turn, four full steps: the field points up, and the rotor is as far off as the load pulls it. */
+export function RotorDial({ truth }: { truth: Pd42State["truth"] }) {
+  const behind = truth.load_angle_deg;
+  const slips = Math.abs(behind) > SLIP_DEG;
+  return (
+    <div className={classes.dial} data-testid="rotor-dial" data-slip={slips}>
+      <svg
+        viewBox="0 0 128 128"
+        role="img"
+        aria-label={`The rotor is ${fixed(behind, 1)} electrical degrees behind its field`}
+      >
+        <circle cx={64} cy={64} r={50} className={classes.dialFace} />
+        <path
+          d={`M64 64L${point(SLIP_DEG, 50)}A50 50 0 0 1 ${point(360 - SLIP_DEG, 50)}Z`}
+          className={classes.dialSlip}
+        />
+        {[0, 90, 180, 270].map((angle) => (
+          <text
+            key={angle}
+            x={64 + 57 * Math.sin((angle * Math.PI) / 180)}
+            y={67 - 57 * Math.cos((angle * Math.PI) / 180)}
+            textAnchor="middle"
+            className={classes.dialText}
+          >
+            {angle > 180 ? angle - 360 : angle}°
+          </text>
+        ))}
+        <path d="M64 64V18" className={classes.dialField} />
+        <g transform={`rotate(${(-behind).toFixed(2)} 64 64)`}>
+          <path d="M60 64L64 24L68 64L64 88Z" className={classes.dialRotor} data-slip={slips} />
+        </g>
+        <circle cx={64} cy={64} r={4} className={classes.dialFace} />
+      </svg>
+      <dl className={classes.truth}>
+        <dt>load angle</dt>
+        <dd className="num">{fixed(behind, 1)}°</dd>
+        <dt>lost</dt>
+        <dd className="num" data-testid="lost-steps">
+          {fixed(truth.lost_fullsteps)} steps
+        </dd>
+        <dt>coil A</dt>
+        <dd className="num">{fixed(truth.current_a_a, 2)} A</dd>
+        <dt>coil B</dt>
+        <dd className="num">{fixed(truth.current_b_a, 2)} A</dd>
+        <dt>torque</dt>
+        <dd className="num">{fixed(truth.torque_nm * 1000)} mN·m</dd>
+        <dt>speed</dt>
+        <dd className="num">{fixed((truth.speed_rad_s * 60) / (2 * Math.PI))} rpm</dd>
+        <dt>bridges</dt>
+        <dd>{truth.bridges}</dd>
+      </dl>
+    </div>
+  );
+}

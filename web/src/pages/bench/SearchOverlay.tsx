@@ -1,0 +1,63 @@
+import type { Ref } from "react";
+import type { Schemas } from "../../api/client";
+import { fixed } from "../../lib/format";
+import classes from "./bench.module.css";
+
+interface Props {
+  search: Schemas["ReferenceSearchState"];
+  /** moved in every frame by what separates the counter's zero from the stage's */
+  counted: Ref<SVGGElement>;
+  /** where a count [microsteps] lies, but for that */
+  place: (count: number) => number;
+  left: number;
+  width: number;
+  /** height of the spindle */
+  rail: number;
+}
+
+/** On the stage's drawing: the edges that a reference search has found, what it does, and where zero came to be. */
+export function SearchOverlay({ search, counted, place, left, width, rail }: Props) {
+  const running = search.state === "running";
+  const done = search.state === "done";
+  const base = rail + 46;
+  return (
+    <>
+      <g ref={counted} data-testid="search-edges" data-edges={search.edges.length}>
+        {search.edges.map((edge, index) => (
+          <path
+            // biome-ignore lint/suspicious/noArrayIndexKey: edges are only ever added
+            key={index}
+            d={`M${place(edge)} ${rail - 28}V${rail + 22}`}
+            className={classes.edge}
+          />
+        ))}
+        {done && (
+          <g>
+            <path d={`M${place(0)} ${rail - 28}V${rail + 22}`} className={classes.zero} />
+            <text x={place(0)} y={rail - 46} textAnchor="middle" className={classes.zeroText}>
+              0
+            </text>
+          </g>
+        )}
+      </g>
+      <text x={left} y={base + 14} className={classes.searchText} data-failed={search.state === "failed"}>
+        {running ? search.phase : done ? doneText(search) : search.message || search.state}
+      </text>
+      {running && (
+        <g className={classes.searchProgress}>
+          <rect x={left} y={base - 1} width={width} height={3} rx={1.5} />
+          <rect x={left} y={base - 1} width={Math.max(3, width * search.progress)} height={3} rx={1.5} />
+        </g>
+      )}
+    </>
+  );
+}
+
+function doneText(search: Schemas["ReferenceSearchState"]): string {
+  const parts = ["Zero found"];
+  if (search.last_position !== null && search.last_position !== undefined)
+    parts.push(`it was at ${fixed(search.last_position)} µsteps`);
+  if (search.distance !== null && search.distance !== undefined)
+    parts.push(`end switches ${fixed(search.distance)} µsteps apart`);
+  return parts.join(", ");
+}
