@@ -53,15 +53,18 @@ export default function ConnectionsPage() {
             <div className={css.box}>
               <EmptyState title="No device yet" icon={<IconPlugConnected size={22} />}>
                 <Text size="sm" className={css.dim} maw={420}>
-                  An emulated chip needs no hardware and behaves like the real one, motor and switches included. A chip
-                  on the network speaks raw 4-byte datagrams over TCP.
+                  An emulated device needs no hardware and behaves like the real one, motor and switches included. A
+                  module answers on a serial port, over TCP or on CAN; a chip speaks raw 4-byte datagrams over TCP.
                 </Text>
                 <Group justify="center">
                   <Button size="sm" onClick={() => show({ ...newDraft("tmc428"), name: "bench" })}>
                     Add an emulated TMC428
                   </Button>
-                  <Button size="sm" variant="default" onClick={() => show(newDraft("tmc428", "tcp"))}>
-                    Connect over TCP
+                  <Button size="sm" onClick={() => show({ ...newDraft("pd42-1241"), name: "drive" })}>
+                    Add an emulated PD42-1241
+                  </Button>
+                  <Button size="sm" variant="default" onClick={() => show(newDraft("pd42-1241", "serial"))}>
+                    Connect a module
                   </Button>
                 </Group>
               </EmptyState>

@@ -2,9 +2,12 @@ import { Badge, Button, Group, Popover, Text } from "@mantine/core";
 import { useState } from "react";
 import { Link } from "wouter";
 import type { Device } from "../../api/queries";
-import { compact, frequency } from "../../lib/format";
+import { familyOf } from "../../lib/family";
+import { compact, fixed, frequency } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { StateDot } from "../../lib/StateDot";
+import { useLinkInfo } from "../../lib/wire/useLinkInfo";
+import { WireBar } from "../../lib/wire/WireBar";
 import css from "./connections.module.css";
 import { linkText } from "./draft";
 import { useLinkSwitch, useRemoveDevice } from "./useConnections";
@@ -32,7 +35,7 @@ export function DeviceEntry({ device, selected, edited, onUse, onEdit, onRemoved
             demo
           </Badge>
         )}
-        <span className={css.state}>{device.state}</span>
+        <span className={css.state}>{stateText(device)}</span>
         <span className={css.grow} />
         <Group gap={6} wrap="nowrap" className={css.actions}>
           <Button
@@ -54,17 +57,20 @@ export function DeviceEntry({ device, selected, edited, onUse, onEdit, onRemoved
           <dt>Link</dt>
           <dd>{linkText(device.link)}</dd>
         </div>
-        <div>
-          <dt>Clock</dt>
-          <dd className="num">{frequency(device.clock_hz)}</dd>
-        </div>
+        {familyOf(device.model) === "chip" && (
+          <div>
+            <dt>Clock</dt>
+            <dd className="num">{frequency(device.clock_hz)}</dd>
+          </div>
+        )}
         <div>
           <dt>Samples</dt>
           <dd>
             <span className="num">up to {compact(device.rate_max_hz)} /s</span>
-            {device.chip_timed ? ", the chip's own time" : ", the server's time"}
+            {device.chip_timed ? ", the device's own time" : ", the server's time"}
           </dd>
         </div>
+        <Wire device={device} />
       </dl>
       <ul className={css.axes}>
         {device.axes.map((axis) => (
@@ -107,11 +113,49 @@ export function DeviceEntry({ device, selected, edited, onUse, onEdit, onRemoved
         <Link href="/" onClick={onUse}>
           Bench
         </Link>
-        <Link href="/registers" onClick={onUse}>
-          Registers
+        {familyOf(device.model) === "module" ? (
+          <Link href="/parameters" onClick={onUse}>
+            Parameters
+          </Link>
+        ) : (
+          <Link href="/registers" onClick={onUse}>
+            Registers
+          </Link>
+        )}
+        <Link href="/console" onClick={onUse}>
+          Console
         </Link>
       </Text>
     </section>
+  );
+}
+
+/** A link that was there and went looks for itself; what it shows meanwhile is nothing new. */
+function stateText(device: Device): string {
+  return device.state === "connecting" && device.problem ? "lost, reconnecting" : device.state;
+}
+
+/** Calls a second on the wire, used and possible, and who else is on it. */
+function Wire({ device }: { device: Device }) {
+  const link = useLinkInfo(device);
+  if (link.data === undefined) return null;
+  const incidents = Object.values(link.data.counts.incidents).reduce((sum, count) => sum + count, 0);
+  return (
+    <div className={css.wireFact}>
+      <dt>Wire</dt>
+      <dd>
+        <WireBar link={link.data} old={device.state !== "connected"} />
+        {incidents > 0 && (
+          <span className={css.dim}>
+            {" · "}
+            <span className="num">{fixed(incidents)}</span> {incidents === 1 ? "incident" : "incidents"}
+          </span>
+        )}
+        {link.data.shared_with.length > 0 && (
+          <span className={css.dim}> · shared with {link.data.shared_with.join(", ")}</span>
+        )}
+      </dd>
+    </div>
   );
 }
 
@@ -132,7 +176,7 @@ function Remove({ device, onRemoved }: { device: Device; onRemoved: () => void }
         </Text>
         <Text size="sm" my={6}>
           Motion that was started here is stopped and the connection is forgotten
-          {device.emulated ? "; the emulated chip and what it holds go with it" : "; the chip keeps what it holds"}.
+          {device.emulated ? "; the emulated device and what it holds go with it" : "; the device keeps what it holds"}.
         </Text>
         {remove.isError && <ProblemAlert error={remove.error} doing="Removing" />}
         <Group gap="xs" mt="xs">

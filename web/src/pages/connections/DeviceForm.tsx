@@ -1,23 +1,13 @@
 import { ActionIcon, Button, Group, SegmentedControl, Select, TextInput } from "@mantine/core";
-import { IconChevronRight, IconX } from "@tabler/icons-react";
+import { IconX } from "@tabler/icons-react";
 import { type FormEvent, useState } from "react";
 import type { Device } from "../../api/queries";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { AxesFields, StageFields } from "./AxisFields";
+import { AxesFields } from "./AxisFields";
+import { ChipLinkFields } from "./ChipLinkFields";
 import css from "./connections.module.css";
-import {
-  axesOf,
-  clockLimits,
-  type Draft,
-  type Kind,
-  LIMITS,
-  linkOf,
-  type Model,
-  problemsOf,
-  WIRINGS,
-  withModel,
-} from "./draft";
-import { OptionalNumber } from "./fields";
+import { axesOf, type Draft, isModule, type Kind, kindsOf, linkOf, type Model, problemsOf, withModel } from "./draft";
+import { ModuleLinkFields } from "./ModuleLinkFields";
 import { TestResult } from "./TestResult";
 import { useCatalog, useLinkTest, useSaveDevice } from "./useConnections";
 
@@ -43,6 +33,7 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
   const all = problemsOf(draft, names);
   // An empty field is no mistake before one has tried to save; a wrong one is at once.
   const problem = (path: string, text: string) => (tried || text.trim() !== "" ? all[path] : undefined);
+  const model = draft.model;
   const link = JSON.stringify([draft.model, linkOf(draft)]);
   const [testedLink, setTestedLink] = useState("");
   const interrupts = device?.state === "connected" && JSON.stringify([initial.model, linkOf(initial)]) !== link;
@@ -52,7 +43,7 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
     setTried(true);
     const paths = Object.keys(all);
     if (paths.length > 0) {
-      if (paths.some((path) => path.startsWith("stages") || path === "seed" || path === "timeScale")) setMore(true);
+      if (paths.some((path) => /^(stages|options|seed|timeScale)/.test(path))) setMore(true);
       return;
     }
     save.mutate(draft, { onSuccess: onSaved });
@@ -91,7 +82,7 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
         />
         <Select
           size="xs"
-          label="Chip"
+          label="Model"
           classNames={{ label: css.label }}
           data={(
             catalog.data ?? [{ name: draft.model, title: draft.model.toUpperCase(), axes: axesOf(draft.model) }]
@@ -111,94 +102,32 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
           size="xs"
           fullWidth
           aria-label="Kind of link"
-          data={[
-            { value: "emulator", label: "Emulated here" },
-            { value: "tcp", label: "TCP" },
-          ]}
+          data={kindsOf(draft.model)}
           value={draft.kind}
           onChange={(kind) =>
             set({ kind: kind as Kind, ...(kind === "tcp" && draft.host === "" ? { host: "127.0.0.1" } : {}) })
           }
         />
-        {draft.kind === "tcp" ? (
-          <div className={css.tcp}>
-            <TextInput
-              size="xs"
-              label="Host"
-              placeholder="127.0.0.1"
-              classNames={{ input: "num", label: css.label }}
-              value={draft.host}
-              error={problem("host", draft.host)}
-              autoComplete="off"
-              spellCheck={false}
-              onChange={(event) => set({ host: event.currentTarget.value })}
-            />
-            <OptionalNumber
-              label="Port"
-              value={draft.port}
-              placeholder="4280"
-              limits={LIMITS.port}
-              problem={problem("port", draft.port)}
-              onChange={(port) => set({ port })}
-            />
-            <OptionalNumber
-              label="Answer within"
-              unit="s"
-              value={draft.timeoutS}
-              limits={LIMITS.timeoutS}
-              problem={problem("timeoutS", draft.timeoutS)}
-              onChange={(timeoutS) => set({ timeoutS })}
-            />
-          </div>
+        {isModule(model) ? (
+          <ModuleLinkFields
+            kind={draft.kind}
+            draft={draft.module}
+            problem={problem}
+            onChange={(change) => setDraft((now) => ({ ...now, module: { ...now.module, ...change } }))}
+            more={more}
+            onMore={setMore}
+          />
         ) : (
-          <>
-            <button type="button" className={css.more} aria-expanded={more} onClick={() => setMore(!more)}>
-              <IconChevronRight size={13} className={css.chevron} data-open={more} aria-hidden />
-              Emulator: time, seed, {draft.model === "tmc428" && "wiring, "}stages
-            </button>
-            {more && (
-              <>
-                <div className={css.two}>
-                  <OptionalNumber
-                    label="Chip time runs at"
-                    unit="× real time"
-                    value={draft.timeScale}
-                    limits={LIMITS.timeScale}
-                    problem={problem("timeScale", draft.timeScale)}
-                    onChange={(timeScale) => set({ timeScale })}
-                  />
-                  <OptionalNumber
-                    label="Seed of RAM noise and bit errors"
-                    value={draft.seed}
-                    limits={LIMITS.seed}
-                    problem={problem("seed", draft.seed)}
-                    onChange={(seed) => set({ seed })}
-                  />
-                </div>
-                {draft.model === "tmc428" && (
-                  <Select
-                    size="xs"
-                    label="How the switches reach REF1 to REF3"
-                    classNames={{ label: css.label }}
-                    data={WIRINGS}
-                    value={draft.wiring || "multiplexed"}
-                    allowDeselect={false}
-                    onChange={(wiring) => set({ wiring: wiring ?? "" })}
-                  />
-                )}
-                <StageFields draft={draft} problems={all} onChange={(stages) => set({ stages })} />
-              </>
-            )}
-          </>
+          <ChipLinkFields
+            draft={draft}
+            model={model}
+            problems={all}
+            problem={problem}
+            onChange={set}
+            more={more}
+            onMore={setMore}
+          />
         )}
-        <OptionalNumber
-          label="Clock of the chip"
-          unit="MHz"
-          value={draft.clockMhz}
-          limits={clockLimits(draft.model)}
-          problem={problem("clockMhz", draft.clockMhz)}
-          onChange={(clockMhz) => set({ clockMhz })}
-        />
       </fieldset>
       <AxesFields draft={draft} problems={all} strict={tried} onChange={(axes) => set({ axes })} />
       <div className={css.results}>
@@ -208,7 +137,7 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
           pending={test.isPending}
           current={testedLink === link}
           emulated={draft.kind === "emulator"}
-          address={draft.kind === "tcp" ? `${draft.model} --tcp ${draft.host.trim()}:${draft.port.trim()}` : null}
+          emulate={emulateCommand(draft)}
         />
         {save.isError && <ProblemAlert error={save.error} doing={device ? "Saving" : "Adding"} />}
       </div>
@@ -232,6 +161,13 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
       </Group>
     </form>
   );
+}
+
+/** How to serve an emulated device where this link leads to; null where that is no socket. */
+function emulateCommand(draft: Draft): string | null {
+  if (draft.kind !== "tcp") return null;
+  const [host, port] = isModule(draft.model) ? [draft.module.host, draft.module.tcpPort] : [draft.host, draft.port];
+  return `stepscope emulate ${draft.model} --tcp ${host.trim()}:${port.trim()}`;
 }
 
 /** A new form begins at the name, unless one is proposed. Stable, so that it runs once. */

@@ -4,6 +4,8 @@ import type { Schemas } from "../../api/client";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import css from "./connections.module.css";
 import { type Draft, freeName, type Model, newDraft } from "./draft";
+import { portText } from "./PortField";
+import { Probe } from "./Probe";
 import { usePorts } from "./useConnections";
 
 type Port = Schemas["Port"];
@@ -13,11 +15,26 @@ interface Props {
   names: readonly string[];
 }
 
-/** What could be connected: emulators, serial ports, and how to serve a chip from another process. */
+const MODULE = "pd42-1241";
+
+/** What could be connected: emulators, serial ports and the modules on them, and how to serve one elsewhere. */
 export function Found({ onAdd, names }: Props) {
   const ports = usePorts();
   const emulators = ports.data?.filter((port) => port.kind === "emulator") ?? [];
   const serial = ports.data?.filter((port) => port.kind === "serial") ?? [];
+  const addSerial = (port: string, baud?: number, address?: number) => {
+    const draft = newDraft(MODULE, "serial");
+    onAdd({
+      ...draft,
+      name: freeName("pd42", names),
+      module: {
+        ...draft.module,
+        serialPort: port,
+        baud: baud === undefined ? "" : String(baud),
+        address: address === undefined ? "" : String(address),
+      },
+    });
+  };
   return (
     <>
       <section className={css.box} aria-label="Found on this machine">
@@ -26,6 +43,9 @@ export function Found({ onAdd, names }: Props) {
           <ProblemAlert error={ports.error} doing="Looking for ports" retry={() => void ports.refetch()} />
         )}
         <ul className={css.ports}>
+          {serial.map((port) => (
+            <SerialPort key={port.name} port={port} onAdd={() => addSerial(port.name)} />
+          ))}
           {emulators.map((port) => (
             <li key={port.name}>
               <span>
@@ -44,18 +64,6 @@ export function Found({ onAdd, names }: Props) {
               </Button>
             </li>
           ))}
-          {serial.map((port) => (
-            <li key={port.name}>
-              <span>
-                <b className="num">{port.name}</b>
-                <span className={css.portNote}>
-                  {[port.description === port.name ? "serial port" : port.description, usbText(port)]
-                    .filter(Boolean)
-                    .join(" · ")}
-                </span>
-              </span>
-            </li>
-          ))}
         </ul>
         {ports.isSuccess && (
           <p className={css.note}>
@@ -64,9 +72,22 @@ export function Found({ onAdd, names }: Props) {
           </p>
         )}
       </section>
-      <section className={css.box} aria-label="A chip in another process">
-        <h2>A chip in another process</h2>
-        <p className={css.note}>Serve an emulated chip to any client, then connect to it like to hardware:</p>
+      <Probe onAdd={(found) => addSerial(found.port, found.baud, found.address)} />
+      <section className={css.box} aria-label="A device in another process">
+        <h2>A device in another process</h2>
+        <p className={css.note}>Serve an emulated one to any client, then connect to it like to hardware:</p>
+        <Command text="stepscope emulate pd42-1241 --tcp 127.0.0.1:4242" />
+        <Button
+          size="compact-xs"
+          variant="default"
+          mt={8}
+          onClick={() => {
+            const draft = newDraft(MODULE, "tcp");
+            onAdd({ ...draft, name: freeName("remote", names), module: { ...draft.module, tcpPort: "4242" } });
+          }}
+        >
+          Connect to 127.0.0.1:4242
+        </Button>
         <Command text="stepscope emulate tmc428 --tcp 127.0.0.1:4280" />
         <Button
           size="compact-xs"
@@ -78,6 +99,20 @@ export function Found({ onAdd, names }: Props) {
         </Button>
       </section>
     </>
+  );
+}
+
+function SerialPort({ port, onAdd }: { port: Port; onAdd: () => void }) {
+  return (
+    <li>
+      <span>
+        <b className="num">{port.name}</b>
+        <span className={css.portNote}>{portText(port)}</span>
+      </span>
+      <Button size="compact-xs" variant="default" aria-label={`Add a module on ${port.name}`} onClick={onAdd}>
+        Add
+      </Button>
+    </li>
   );
 }
 
@@ -96,11 +131,4 @@ function Command({ text }: { text: string }) {
       </CopyButton>
     </div>
   );
-}
-
-function usbText(port: Port): string {
-  if (port.usb_vid === null || port.usb_vid === undefined || port.usb_pid === null || port.usb_pid === undefined)
-    return "";
-  const id = [port.usb_vid, port.usb_pid].map((part) => part.toString(16).padStart(4, "0")).join(":");
-  return `USB ${id}${port.usb_serial ? ` · ${port.usb_serial}` : ""}`;
 }

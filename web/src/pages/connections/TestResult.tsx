@@ -12,12 +12,12 @@ interface Props {
   /** what was tried is still what the form says */
   current: boolean;
   emulated: boolean;
-  /** of a tcp link: model and address, as `stepscope emulate` takes them */
-  address: string | null;
+  /** the command that serves an emulated device at the far end; null where there is none */
+  emulate: string | null;
 }
 
 /** What a trial of the link found: the round trip, or what went wrong and what to do. */
-export function TestResult({ test, error, pending, current, emulated, address }: Props) {
+export function TestResult({ test, error, pending, current, emulated, emulate }: Props) {
   if (pending || !current) return null;
   if (error !== null) return <ProblemAlert error={error} doing="Testing" />;
   if (test === undefined) return null;
@@ -25,9 +25,9 @@ export function TestResult({ test, error, pending, current, emulated, address }:
     return (
       <>
         <ProblemAlert error={test.problem ?? new Error(test.detail)} doing="The link does not work" />
-        {address !== null && (
+        {emulate !== null && (
           <p className={css.note}>
-            To see it work without hardware, serve an emulated chip there: <code>{`stepscope emulate ${address}`}</code>
+            To see it work without hardware, serve an emulated one there: <code>{emulate}</code>
           </p>
         )}
       </>

@@ -1,5 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { Device } from "../../api/queries";
+import { parseAddresses } from "./addresses";
 import { changeBody, createBody, draftOf, freeName, linkOf, linkText, newDraft, problemsOf, withModel } from "./draft";
 
 const DEVICE = {
@@ -113,5 +114,82 @@ describe("a name for a new device", () => {
   it("is the one wanted, or the next that is free", () => {
     expect(freeName("tmc428", [])).toBe("tmc428");
     expect(freeName("tmc428", ["TMC428", "tmc428 2"])).toBe("tmc428 3");
+  });
+});
+
+describe("a link to a module", () => {
+  const serial = () => {
+    const draft = { ...newDraft("pd42-1241", "serial"), name: "drive" };
+    draft.module = { ...draft.module, serialPort: " /dev/ttyACM0 " };
+    return draft;
+  };
+
+  it("says only what was typed", () => {
+    expect(problemsOf(serial())).toEqual({});
+    expect(linkOf(serial())).toEqual({ kind: "serial", port: "/dev/ttyACM0" });
+    const shared = serial();
+    shared.module = { ...shared.module, baud: "115200", address: "3", timeoutS: "0.5" };
+    expect(linkOf(shared)).toEqual({ kind: "serial", port: "/dev/ttyACM0", baud: 115200, address: 3, timeout_s: 0.5 });
+    expect(createBody(shared)).toMatchObject({ model: "pd42-1241", clock_hz: null });
+  });
+
+  it.each([
+    ["serial", "module.serialPort", { serialPort: "" }],
+    ["serial", "module.address", { address: "0" }],
+    ["serial", "module.baud", { baud: "12" }],
+    ["tcp", "module.tcpPort", { tcpPort: "" }],
+    ["can", "module.canChannel", { canChannel: " " }],
+    ["can", "module.sendId", { sendId: "2048" }],
+    ["emulator", "options.supply_v", { options: { supply_v: "61" } }],
+    ["emulator", "options.stage.right_at_fullsteps", { options: { "stage.right_at_fullsteps": "-4000" } }],
+  ] as const)("over %s refuses %s of %j", (kind, path, change) => {
+    const draft = { ...newDraft("pd42-1241", kind), name: "drive" };
+    draft.module = { ...draft.module, serialPort: "/dev/ttyACM0", tcpPort: "4242", ...change };
+    expect(Object.keys(problemsOf(draft))).toEqual([path]);
+  });
+
+  it("over CAN names interface and channel", () => {
+    const draft = newDraft("pd42-1241", "can");
+    expect(linkOf(draft)).toEqual({ kind: "can", interface: "socketcan", channel: "can0" });
+  });
+
+  it("to an emulated one keeps what the form does not show", () => {
+    const link = { kind: "emulator", seed: 3, motor: { rotor_teeth: 100, holding_torque_nm: 1 }, stage: {} };
+    const device = { ...DEVICE, model: "pd42-1241", link, axes: [DEVICE.axes[0]] } as unknown as Device;
+    const draft = draftOf(device);
+    expect(draft.module.options["motor.holding_torque_nm"]).toBe("1");
+    draft.module = {
+      ...draft.module,
+      options: { ...draft.module.options, "motor.holding_torque_nm": "", "load.torque_nm": "0.1" },
+    };
+    expect(linkOf(draft)).toEqual({
+      kind: "emulator",
+      seed: 3,
+      motor: { rotor_teeth: 100 },
+      load: { torque_nm: 0.1 },
+    });
+  });
+
+  it("goes back to an emulator when the model has no such link", () => {
+    expect(withModel(serial(), "tmc428").kind).toBe("emulator");
+    expect(withModel(newDraft("tmc428", "tcp"), "pd42-1241").kind).toBe("tcp");
+  });
+
+  it("is told in one line", () => {
+    expect(linkText({ kind: "serial", port: "/dev/ttyACM0", baud: 115200, address: 2 })).toBe(
+      "serial /dev/ttyACM0 at 115\u202f200 baud, address 2",
+    );
+    expect(linkText({ kind: "can", interface: "socketcan", channel: "can0" })).toBe("can socketcan can0");
+  });
+});
+
+describe("addresses to probe", () => {
+  it("are numbers and ranges", () => {
+    expect(parseAddresses("1-4, 7 2")).toEqual({ ok: true, list: [1, 2, 3, 4, 7] });
+    expect(parseAddresses("")).toEqual({ ok: true, list: [] });
+  });
+
+  it.each(["0", "256", "4-1", "a", "1--2"])("refuses %s", (text) => {
+    expect(parseAddresses(text).ok).toBe(false);
   });
 });

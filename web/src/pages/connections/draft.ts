@@ -1,9 +1,12 @@
 import type { Schemas } from "../../api/client";
 import type { Device } from "../../api/queries";
-import { compact, parseNumber } from "../../lib/format";
+import { type ChipModel, familyOf } from "../../lib/family";
+import { compact, fixed, parseNumber } from "../../lib/format";
+import { type Limits, numberOf, numberProblem, only, said } from "./limits";
+import { type ModuleDraft, type ModuleKind, moduleLink, moduleOf, moduleProblems, newModule } from "./module";
 
 export type Model = Device["model"];
-export type Kind = "emulator" | "tcp";
+export type Kind = ModuleKind;
 export type Link = Schemas["DeviceCreate"]["link"];
 export type AxisConfig = Schemas["AxisConfig"];
 
@@ -37,16 +40,8 @@ export interface Draft {
   wiring: string;
   stages: StageDraft[];
   axes: AxisDraft[];
-}
-
-/** A number that the form takes, and what holds when nothing is typed. */
-export interface Limits {
-  minimum: number;
-  maximum: number;
-  integer?: boolean;
-  /** more than, not at least, `minimum` */
-  above?: boolean;
-  fallback: number | null;
+  /** the link of a module */
+  module: ModuleDraft;
 }
 
 /** The ranges of the server's own models (AxisConfig, EmulatorOptions, TcpLink), so that a slip shows at once. */
@@ -72,12 +67,12 @@ export const WIRINGS = [
   { value: "left-only", label: "left only: one switch an axis" },
 ];
 
-const CLOCK: Record<Model, Limits> = {
+const CLOCK: Record<ChipModel, Limits> = {
   tmc428: { minimum: 0, above: true, maximum: 16, fallback: 16 },
   tmc4210: { minimum: 0, above: true, maximum: 32, fallback: 16 },
 };
 
-export function clockLimits(model: Model): Limits {
+export function clockLimits(model: ChipModel): Limits {
   return CLOCK[model];
 }
 
@@ -88,6 +83,18 @@ function emptyAxis(name: string): AxisDraft {
 }
 
 const AXIS_NAMES = ["X", "Y", "Z"];
+
+export function isModule(model: Model): model is Exclude<Model, ChipModel> {
+  return familyOf(model) === "module";
+}
+
+/** The kinds of link that lead to that model, most likely first. */
+export function kindsOf(model: Model): { value: Kind; label: string }[] {
+  const emulator = { value: "emulator" as const, label: "Emulated here" };
+  const tcp = { value: "tcp" as const, label: "TCP" };
+  if (!isModule(model)) return [emulator, tcp];
+  return [emulator, { value: "serial", label: "Serial" }, tcp, { value: "can", label: "CAN" }];
+}
 
 export function axesOf(model: Model): number {
   return model === "tmc428" ? 3 : 1;
@@ -108,6 +115,7 @@ export function newDraft(model: Model = "tmc428", kind: Kind = "emulator"): Draf
       wiring: "",
       stages: [],
       axes: [],
+      module: newModule(),
     },
     model,
   );
@@ -119,8 +127,9 @@ export function withModel(draft: Draft, model: Model): Draft {
   return {
     ...draft,
     model,
+    kind: kindsOf(model).some((kind) => kind.value === draft.kind) ? draft.kind : "emulator",
     axes: indices.map((index) => draft.axes[index] ?? emptyAxis(AXIS_NAMES[index] ?? `axis ${index}`)),
-    stages: indices.map((index) => draft.stages[index] ?? EMPTY_STAGE),
+    stages: isModule(model) ? [] : indices.map((index) => draft.stages[index] ?? EMPTY_STAGE),
   };
 }
 
@@ -132,7 +141,7 @@ export function draftOf(device: Device): Draft {
     {
       name: device.name,
       model: device.model,
-      kind: link.kind === "tcp" ? "tcp" : "emulator",
+      kind: kindsOf(device.model).find((kind) => kind.value === link.kind)?.value ?? "emulator",
       clockMhz: String(device.clock_hz / 1e6),
       host: typeof link.host === "string" ? link.host : "",
       port: said(link.port),
@@ -154,33 +163,10 @@ export function draftOf(device: Device): Draft {
         gear: String(axis.gear_ratio),
         travelMm: axis.travel_mm_per_rev === null ? "" : String(axis.travel_mm_per_rev),
       })),
+      module: isModule(device.model) ? moduleOf(link) : newModule(),
     },
     device.model,
   );
-}
-
-function said(value: unknown): string {
-  return typeof value === "number" ? String(value) : "";
-}
-
-/** What a field may hold, in words. */
-export function limitsText(limits: Limits): string {
-  const least = limits.above ? `above ${compact(limits.minimum)}` : `${compact(limits.minimum)}`;
-  const range = limits.above
-    ? `${least}, at most ${compact(limits.maximum)}`
-    : `${least} to ${compact(limits.maximum)}`;
-  return limits.integer ? `a whole number, ${range}` : range;
-}
-
-/** Why the text cannot be, or null. */
-export function numberProblem(text: string, limits: Limits, required = false): string | null {
-  if (text.trim() === "") return required ? `Wanted: ${limitsText(limits)}` : null;
-  const value = parseNumber(text);
-  if (value === null) return `Not a number. Wanted: ${limitsText(limits)}`;
-  const low = limits.above ? value <= limits.minimum : value < limits.minimum;
-  if (low || value > limits.maximum || (limits.integer && !Number.isInteger(value)))
-    return `Wanted: ${limitsText(limits)}`;
-  return null;
 }
 
 /** Every problem of the form, by the path of its field: `name`, `axes.0.gear`, `stages.1.left`. */
@@ -194,7 +180,20 @@ export function problemsOf(draft: Draft, others: readonly string[] = []): Record
   else if (name.length > 60) note("name", "At most 60 characters");
   else if (others.some((other) => other.toLowerCase() === name.toLowerCase()))
     note("name", "Another device has that name");
-  note("clockMhz", numberProblem(draft.clockMhz, clockLimits(draft.model)));
+  if (isModule(draft.model))
+    for (const [path, problem] of moduleProblems(draft.kind, draft.module)) note(path, problem);
+  else noteChipLink(draft, draft.model, note);
+  draft.axes.forEach((axis, index) => {
+    if (axis.name.trim() === "") note(`axes.${index}.name`, "A name is needed");
+    else if (axis.name.trim().length > 60) note(`axes.${index}.name`, "At most 60 characters");
+    for (const part of ["fullSteps", "driverMicrosteps", "gear", "travelMm"] as const)
+      note(`axes.${index}.${part}`, numberProblem(axis[part], LIMITS[part]));
+  });
+  return found;
+}
+
+function noteChipLink(draft: Draft, model: ChipModel, note: (path: string, problem: string | null) => void): void {
+  note("clockMhz", numberProblem(draft.clockMhz, clockLimits(model)));
   if (draft.kind === "tcp") {
     if (draft.host.trim() === "") note("host", "A host name or address is needed");
     note("port", numberProblem(draft.port, LIMITS.port, true));
@@ -210,63 +209,54 @@ export function problemsOf(draft: Draft, others: readonly string[] = []): Record
       if (at("refFrom") > at("refTo")) note(`stages.${index}.refTo`, "The end lies right of the beginning");
     });
   }
-  draft.axes.forEach((axis, index) => {
-    if (axis.name.trim() === "") note(`axes.${index}.name`, "A name is needed");
-    else if (axis.name.trim().length > 60) note(`axes.${index}.name`, "At most 60 characters");
-    for (const part of ["fullSteps", "driverMicrosteps", "gear", "travelMm"] as const)
-      note(`axes.${index}.${part}`, numberProblem(axis[part], LIMITS[part]));
-  });
-  return found;
-}
-
-function number(text: string): number | undefined {
-  return parseNumber(text) ?? undefined;
-}
-
-/** Only what was said: no key at all for an empty field. */
-function only<T extends Record<string, unknown>>(record: T): Partial<T> {
-  return Object.fromEntries(Object.entries(record).filter(([, value]) => value !== undefined)) as Partial<T>;
 }
 
 export function linkOf(draft: Draft): Link {
+  if (isModule(draft.model)) return moduleLink(draft.kind, draft.module) as unknown as Link;
   if (draft.kind === "tcp") {
-    const link = { kind: "tcp", host: draft.host.trim(), port: number(draft.port), timeout_s: number(draft.timeoutS) };
+    const link = {
+      kind: "tcp",
+      host: draft.host.trim(),
+      port: numberOf(draft.port),
+      timeout_s: numberOf(draft.timeoutS),
+    };
     return only(link) as Link;
   }
   const stages = draft.stages.map((stage) =>
     only({
-      left_at_fullsteps: number(stage.left),
-      right_at_fullsteps: number(stage.right),
-      ref_from_fullsteps: number(stage.refFrom),
-      ref_to_fullsteps: number(stage.refTo),
-      start_fullsteps: number(stage.start),
+      left_at_fullsteps: numberOf(stage.left),
+      right_at_fullsteps: numberOf(stage.right),
+      ref_from_fullsteps: numberOf(stage.refFrom),
+      ref_to_fullsteps: numberOf(stage.refTo),
+      start_fullsteps: numberOf(stage.start),
     }),
   );
   const tmc428 = draft.model === "tmc428";
   return only({
     kind: "emulator",
-    seed: number(draft.seed),
-    time_scale: number(draft.timeScale),
+    seed: numberOf(draft.seed),
+    time_scale: numberOf(draft.timeScale),
     clock_hz: clockOf(draft),
     wiring: tmc428 && draft.wiring !== "" ? draft.wiring : undefined,
     stages: stages.some((stage) => Object.keys(stage).length > 0) ? stages : undefined,
     // One motor, one driver: what the emulated driver does is what the axis is reckoned with.
-    driver_microsteps: tmc428 ? undefined : number(draft.axes[0]?.driverMicrosteps ?? ""),
+    driver_microsteps: tmc428 ? undefined : numberOf(draft.axes[0]?.driverMicrosteps ?? ""),
   }) as Link;
 }
 
 export function clockOf(draft: Draft): number | undefined {
-  const mhz = number(draft.clockMhz);
+  if (isModule(draft.model)) return undefined; // its crystal is its own affair
+  const mhz = numberOf(draft.clockMhz);
   return mhz === undefined ? undefined : Math.round(mhz * 1e6);
 }
 
 export function axisConfigs(draft: Draft): AxisConfig[] {
   return draft.axes.map((axis) => ({
     name: axis.name.trim(),
-    full_steps_per_rev: number(axis.fullSteps) ?? LIMITS.fullSteps.fallback,
-    driver_microsteps: number(axis.driverMicrosteps) ?? LIMITS.driverMicrosteps.fallback,
-    gear_ratio: number(axis.gear) ?? LIMITS.gear.fallback,
-    travel_mm_per_rev: number(axis.travelMm) ?? null,
+    full_steps_per_rev: numberOf(axis.fullSteps) ?? LIMITS.fullSteps.fallback,
+    driver_microsteps: numberOf(axis.driverMicrosteps) ?? LIMITS.driverMicrosteps.fallback,
+    gear_ratio: numberOf(axis.gear) ?? LIMITS.gear.fallback,
+    travel_mm_per_rev: numberOf(axis.travelMm) ?? null,
   }));
 }
 
@@ -302,7 +292,13 @@ export function changeBody(before: Draft, after: Draft): Partial<Omit<DeviceBody
 
 /** A link in one line. */
 export function linkText(link: Record<string, unknown>): string {
-  if (link.kind === "tcp") return `tcp ${String(link.host)}:${String(link.port)}`;
+  const address = typeof link.address === "number" && link.address !== 1 ? `, address ${link.address}` : "";
+  if (link.kind === "tcp") return `tcp ${String(link.host)}:${String(link.port)}${address}`;
+  if (link.kind === "serial") {
+    const baud = typeof link.baud === "number" ? ` at ${fixed(link.baud)} baud` : "";
+    return `serial ${String(link.port)}${baud}${address}`;
+  }
+  if (link.kind === "can") return `can ${String(link.interface)} ${String(link.channel)}`;
   const scale =
     typeof link.time_scale === "number" && link.time_scale !== 1 ? `, time × ${compact(link.time_scale)}` : "";
   return link.kind === "emulator" ? `emulated in this server${scale}` : String(link.kind);

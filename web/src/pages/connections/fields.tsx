@@ -1,7 +1,7 @@
 import { TextInput } from "@mantine/core";
 import { compact } from "../../lib/format";
 import css from "./connections.module.css";
-import type { Limits } from "./draft";
+import type { Limits } from "./limits";
 
 interface Props {
   label: string;

@@ -11,6 +11,26 @@ export function useCatalog() {
   });
 }
 
+/** The search for modules on a port: followed closely while it runs. */
+export function useProbe() {
+  const queries = useQueryClient();
+  const state = useQuery({
+    queryKey: ["probe"],
+    queryFn: async () => unwrap(await api.GET("/api/v1/ports/probe")),
+    refetchInterval: (query) => (query.state.data?.running ? 250 : false),
+  });
+  const keep = (found: Schemas["ProbeState"]) => queries.setQueryData(["probe"], found);
+  const start = useMutation({
+    mutationFn: async (body: Schemas["ProbeStart"]) => unwrap(await api.POST("/api/v1/ports/probe", { body })),
+    onSuccess: keep,
+  });
+  const abort = useMutation({
+    mutationFn: async () => unwrap(await api.DELETE("/api/v1/ports/probe")),
+    onSuccess: keep,
+  });
+  return { state, start, abort };
+}
+
 /** Ports come and go with cables: looked at every few seconds while the page is open. */
 export function usePorts() {
   return useQuery({
@@ -70,6 +90,10 @@ export function useSaveDevice(edited: { device: Device; before: Draft } | null) 
 export function useLinkTest() {
   return useMutation({
     mutationFn: async (draft: Draft) =>
-      unwrap(await api.POST("/api/v1/devices/test", { body: { model: draft.model, link: linkOf(draft) } })),
+      unwrap(
+        await api.POST("/api/v1/devices/test", {
+          body: { model: draft.model, link: linkOf(draft) } as Schemas["DeviceTrial"],
+        }),
+      ),
   });
 }

@@ -1,0 +1,35 @@
+import { compact, fixed } from "../format";
+import type { LinkInfo } from "./useLinkInfo";
+import css from "./wire.module.css";
+
+/** Calls a second: what the wire could carry, and how much of it is used. Without a limit only what is used. */
+export function WireBar({ link, old = false }: { link: LinkInfo; old?: boolean }) {
+  const possible = link.calls_per_s_possible;
+  const share = link.share ?? (possible ? link.calls_per_s / possible : null);
+  const percent = share === null ? 0 : Math.min(100, 100 * share);
+  return (
+    <span className={css.wire} data-old={old}>
+      {possible !== null && (
+        // the numbers beside it say the same
+        <span className={css.track} aria-hidden>
+          <span className={css.used} style={{ width: `${percent}%` }} />
+        </span>
+      )}
+      <span className={css.text}>
+        <b className="num">{fixed(link.calls_per_s)}</b>
+        {possible === null ? (
+          " calls/s, no limit of the wire"
+        ) : (
+          <>
+            {" of "}
+            <span className="num">{fixed(possible)}</span> calls/s
+            <span className={css.percent}>
+              {" · "}
+              <span className="num">{compact(percent, 3)}</span> %
+            </span>
+          </>
+        )}
+      </span>
+    </span>
+  );
+}

@@ -1,0 +1,65 @@
+import { Autocomplete, type AutocompleteProps } from "@mantine/core";
+import type { Schemas } from "../../api/client";
+import css from "./connections.module.css";
+import { usePorts } from "./useConnections";
+
+type Port = Schemas["Port"];
+
+interface Props {
+  label: string;
+  value: string;
+  problem?: string | undefined;
+  onChange: (port: string) => void;
+}
+
+/** A serial port: one that is there, or whatever pyserial takes, typed in. */
+export function PortField({ label, value, problem, onChange }: Props) {
+  const ports = usePorts();
+  const serial = ports.data?.filter((port) => port.kind === "serial") ?? [];
+  const byName = new Map(serial.map((port) => [port.name, port]));
+  const renderOption: NonNullable<AutocompleteProps["renderOption"]> = ({ option }) => {
+    const port = byName.get(option.value);
+    return (
+      <span>
+        <span className="num">{option.value}</span>
+        <span className={css.portNote}>{port && portText(port)}</span>
+      </span>
+    );
+  };
+  return (
+    <Autocomplete
+      size="xs"
+      label={label}
+      placeholder="/dev/ttyACM0, socket://host:port, rfc2217://host:port"
+      classNames={{ input: "num", label: css.label }}
+      data={serial.map((port) => port.name)}
+      // what is there is always offered, whatever is typed
+      filter={({ options }) => options}
+      renderOption={renderOption}
+      comboboxProps={{ width: "max-content", position: "bottom-start" }}
+      value={value}
+      error={problem}
+      autoComplete="off"
+      spellCheck={false}
+      onChange={onChange}
+    />
+  );
+}
+
+/** What a port is, where it is plugged in, and who has it. */
+export function portText(port: Port): string {
+  return [
+    port.description === port.name ? "serial port" : port.description,
+    usbText(port),
+    port.in_use_by.length > 0 ? `in use by ${port.in_use_by.join(", ")}` : "",
+  ]
+    .filter(Boolean)
+    .join(" · ");
+}
+
+function usbText(port: Port): string {
+  if (port.usb_vid === null || port.usb_vid === undefined || port.usb_pid === null || port.usb_pid === undefined)
+    return "";
+  const id = [port.usb_vid, port.usb_pid].map((part) => part.toString(16).padStart(4, "0")).join(":");
+  return `USB ${id}${port.usb_serial ? ` · ${port.usb_serial}` : ""}`;
+}

@@ -1,0 +1,134 @@
+import { Button, Chip, Group, Progress, TextInput } from "@mantine/core";
+import { useState } from "react";
+import type { Schemas } from "../../api/client";
+import { fixed } from "../../lib/format";
+import { ProblemAlert } from "../../lib/ProblemAlert";
+import { parseAddresses } from "./addresses";
+import css from "./connections.module.css";
+import { BAUDS } from "./module";
+import { PortField } from "./PortField";
+import { useProbe } from "./useConnections";
+
+type Found = Schemas["ProbeFound"];
+
+/** What is asked unless one chooses: the rate at delivery, and the fastest that the manual names. */
+const USUAL = ["9600", "115200"];
+
+/** Asks a port for modules, rate by rate and address by address, and lists what answers. */
+export function Probe({ onAdd }: { onAdd: (found: Found) => void }) {
+  const { state, start, abort } = useProbe();
+  const [port, setPort] = useState("");
+  const [bauds, setBauds] = useState<string[]>(USUAL);
+  const [text, setText] = useState("1");
+  const [asked, setAsked] = useState(false);
+  const addresses = parseAddresses(text);
+  const probe = state.data;
+  const running = probe?.running === true;
+  const wrongPort = asked && port.trim() === "" ? "Choose a port, or type a device name or address" : undefined;
+  return (
+    <section className={css.box} aria-label="Look for modules">
+      <h2>Look for modules</h2>
+      <form
+        className={css.probe}
+        onSubmit={(event) => {
+          event.preventDefault();
+          setAsked(true);
+          if (port.trim() === "" || !addresses.ok || bauds.length === 0) return;
+          start.mutate({
+            port: port.trim(),
+            bauds: bauds.map(Number).sort((a, b) => a - b),
+            addresses: addresses.list.length > 0 ? addresses.list : null,
+          });
+        }}
+        noValidate
+      >
+        <PortField label="Port or address" value={port} problem={wrongPort} onChange={setPort} />
+        <fieldset className={css.bauds}>
+          <legend className={css.label}>Baud rates</legend>
+          <Chip.Group multiple value={bauds} onChange={setBauds}>
+            <Group gap={4}>
+              {BAUDS.map((baud) => (
+                <Chip key={baud} value={String(baud)} size="xs" radius="sm" variant="light">
+                  {fixed(baud)}
+                </Chip>
+              ))}
+            </Group>
+          </Chip.Group>
+          {asked && bauds.length === 0 && <p className={css.wrong}>Choose at least one rate</p>}
+        </fieldset>
+        <TextInput
+          size="xs"
+          label="Addresses"
+          placeholder="1-4, 7"
+          classNames={{ input: "num", label: css.label }}
+          value={text}
+          error={addresses.ok ? undefined : addresses.why}
+          autoComplete="off"
+          onChange={(event) => setText(event.currentTarget.value)}
+        />
+        <Group gap="xs">
+          <Button size="xs" type="submit" loading={start.isPending} disabled={running}>
+            Probe
+          </Button>
+          {running && (
+            <Button size="xs" variant="default" loading={abort.isPending} onClick={() => abort.mutate()}>
+              Abort
+            </Button>
+          )}
+          {addresses.ok && !running && (
+            <span className={css.dim}>
+              <span className="num">{bauds.length * Math.max(1, addresses.list.length)}</span>{" "}
+              {bauds.length * Math.max(1, addresses.list.length) === 1 ? "question" : "questions"}, silence takes
+              longest
+            </span>
+          )}
+        </Group>
+      </form>
+      {start.isError && <ProblemAlert error={start.error} doing={`Probing ${port}`} onClose={() => start.reset()} />}
+      {abort.isError && <ProblemAlert error={abort.error} doing="Aborting" onClose={() => abort.reset()} />}
+      {state.isError && <ProblemAlert error={state.error} doing="Following the probe" />}
+      {probe?.port && (
+        <div className={css.probeState}>
+          <Progress
+            value={probe.total === 0 ? 0 : (100 * probe.done) / probe.total}
+            size="sm"
+            animated={running}
+            aria-label="Questions asked"
+          />
+          <div className={css.probeText} role="status">
+            <span>
+              <span className="num">
+                {probe.done} of {probe.total}
+              </span>{" "}
+              asked on <span className="num">{probe.port}</span>
+            </span>
+            {!running && probe.found.length === 0 && <span>nothing answered</span>}
+          </div>
+          {probe.message !== "" && <p className={css.note}>{probe.message}</p>}
+          <ul className={css.ports} aria-label="Modules found">
+            {probe.found.map((found) => (
+              <li key={`${found.port} ${found.baud} ${found.address}`}>
+                <span>
+                  <b className="num">{found.version}</b>
+                  <span className={css.portNote}>
+                    address <span className="num">{found.address}</span>,{" "}
+                    <span className="num">{fixed(found.baud)}</span> baud
+                    {found.model === null && ", no driver for it here"}
+                  </span>
+                </span>
+                <Button
+                  size="compact-xs"
+                  disabled={found.model === null}
+                  aria-label={`Add ${found.version} at address ${found.address}`}
+                  onClick={() => onAdd(found)}
+                >
+                  Add
+                </Button>
+              </li>
+            ))}
+          </ul>
+        </div>
+      )}
+    </section>
+  );
+}
