@@ -16,6 +16,7 @@ from app.emulators.pd42.parameters import (
     SPEED,
     STEP_DIR,
     SWITCH_SPEED,
+    TARGET_SPEED,
     Parameters,
 )
 from app.emulators.pd42.refused import invalid_value
@@ -55,7 +56,6 @@ class Axis:
         """All parameters at their defaults, nothing moves."""
         self.search = None
         self.errors = 0
-        self.target_speed = 0
         self.end_switch_distance = self.last_reference = 0
         self.event_wanted = self.event_every = self.event_due = False
         self.parameters.positioning = False
@@ -70,11 +70,11 @@ class Axis:
 
         Raises Refused (status 4) beyond the range of parameter 2. In step/direction mode nothing happens (004, 6.4).
         """
-        self.parameters.check(2, velocity)
+        self.parameters.check(TARGET_SPEED, velocity)
         if not self._begin():
             return
-        self.target_speed = self.parameters.speed_meant(velocity)
-        self._turn(self.target_speed)
+        self.parameters.keep(TARGET_SPEED, velocity)
+        self._turn(self.parameters.in_chip_units(TARGET_SPEED))
 
     def move(self, target: int) -> None:
         """MVP and parameter 0. Raises Refused (status 4) where `target` has more than 32 bits."""
@@ -200,8 +200,7 @@ class Axis:
     def stop(self) -> None:
         """Slow down to a stop, whatever the axis does: MST, or a heartbeat that failed to come."""
         if self._begin():
-            self.target_speed = 0
-            self._turn(0)
+            self._rest()
 
     # --- within ----------------------------------------------------------------------------------
 
@@ -235,7 +234,7 @@ class Axis:
         self.drive.write("RAMPMODE", POSITIONING)
 
     def _rest(self) -> None:
-        self.target_speed = 0
+        self.parameters.keep(TARGET_SPEED, 0)
         self._turn(0)
 
     def _place(self, position: int) -> None:
@@ -302,7 +301,7 @@ class Axis:
         live: dict[int, Reader] = {
             0: lambda: read("XTARGET"),
             1: lambda: read("XACTUAL"),
-            2: lambda: parameters.speed_shown(self.target_speed),
+            2: partial(self._shown, TARGET_SPEED),
             3: lambda: parameters.speed_shown(read("VACTUAL")),
             8: lambda: read("RAMP_STAT") >> 9 & 1,
             9: lambda: int(drive.switches.home),

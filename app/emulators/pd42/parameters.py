@@ -15,12 +15,12 @@ from app.registers.model import Register, Space
 from app.registers.pd42 import PD42
 
 ROWS: dict[int, Register] = {row.address: row for row in PD42 if row.space is Space.AXIS}
-SPEED, ACCELERATION, CURRENT, STANDBY_CURRENT, DECELERATION = 4, 5, 6, 7, 17
+TARGET_SPEED, SPEED, ACCELERATION, CURRENT, STANDBY_CURRENT, DECELERATION = 2, 4, 5, 6, 7, 17
 RIGHT_OFF, LEFT_OFF, SWAP, RIGHT_POLARITY, LEFT_POLARITY, SOFT_STOP = 12, 13, 14, 24, 25, 26
 RELATIVE_TO, MICROSTEPS, SCALER, STOP_ON_STALL, FULLSTEPS = 127, 140, 178, 181, 202
 SEARCH_MODE, SEARCH_SPEED, SWITCH_SPEED = 193, 194, 195
 DEVIATION, EXTERNAL_COUNTS, EXTERNAL_DEVIATION, REVERSE, STEP_DIR, UNIT_MODE = 212, 217, 218, 251, 254, 255
-_SPEEDS = frozenset({4, 16, 19, 20, 22, 23, 181, 182, 186, 194, 195})
+_SPEEDS = frozenset({TARGET_SPEED, 4, 16, 19, 20, 22, 23, 181, 182, 186, 194, 195})
 _ACCELERATIONS = frozenset({5, 15, 17, 18})
 _RAMP = frozenset({5, 15, 16, 17, 18, 19, 20, 21, 23})
 _CURRENTS = frozenset({6, 7, 31, 178, 214})
@@ -60,7 +60,7 @@ class Parameters:
         self.values.clear()
         for number, value in DEFAULTS.items():
             if number in _SPEEDS or number in _ACCELERATIONS:
-                self._keep(number, value)
+                self.keep(number, value)
             else:
                 self.values[number] = value
         for apply in (
@@ -95,10 +95,6 @@ class Parameters:
         """A velocity of the chip in the user's unit."""
         return units.velocity_from_chip(chip_units) if self.in_pps else chip_units
 
-    def speed_meant(self, value: int) -> int:
-        """A velocity in the user's unit in units of the chip."""
-        return units.velocity_to_chip(value) if self.in_pps else value
-
     # --- writing ---------------------------------------------------------------------------------
 
     def check(self, number: int, value: int) -> None:
@@ -121,12 +117,12 @@ class Parameters:
             self.shown = self._pps if value else self._chip
             return
         if number in _SPEEDS or number in _ACCELERATIONS:
-            self._keep(number, value)
+            self.keep(number, value)
         else:
             self.values[number] = value
         self._apply(number)
 
-    def _keep(self, number: int, value: int) -> None:
+    def keep(self, number: int, value: int) -> None:
         """A speed or acceleration in both units; what the user wrote comes back as it was."""
         if number in _SPEEDS:
             chip = units.velocity_to_chip(value) if self.in_pps else value
