@@ -1,4 +1,4 @@
-"""The command line: `stepscope serve | emulate | openapi`."""
+"""The command line: `stepscope serve | emulate | fault | openapi`."""
 
 from __future__ import annotations
 
@@ -84,21 +84,93 @@ def serve(
 
 @cli.command()
 def emulate(
-    model: Annotated[str, typer.Argument(help="tmc428 or tmc4210")],
-    tcp: Annotated[str, typer.Option(metavar="HOST:PORT", help="Where to listen; port 0 picks a free one.")],
-    seed: Annotated[int | None, typer.Option(help="Of everything random: RAM noise, bit errors.")] = None,
-    clock_hz: Annotated[float | None, typer.Option(help="Clock of the chip [Hz].")] = None,
+    model: Annotated[str, typer.Argument(help="pd42-1241, tmc428 or tmc4210")],
+    pty: Annotated[
+        Path | None, typer.Option(metavar="PATH", help="Module: a serial port under this name (a symbolic link).")
+    ] = None,
+    tcp: Annotated[
+        str | None, typer.Option(metavar="HOST:PORT", help="Where to listen; port 0 picks a free one.")
+    ] = None,
+    address: Annotated[
+        list[int] | None, typer.Option(help="Module: its address; more than one put several on the line. [default: 1]")
+    ] = None,
+    baud: Annotated[
+        int | None, typer.Option(help="Module: model the time on the wire. [default: no wire time]", min=300)
+    ] = None,
+    shared_bus: Annotated[
+        bool, typer.Option("--shared-bus", help="Module: every TCP client hears everything, as on RS485.")
+    ] = False,
+    data_dir: Annotated[
+        Path | None, typer.Option(help="Module: where its EEPROM is kept. [default: forgotten at the end]")
+    ] = None,
+    control: Annotated[
+        str | None, typer.Option(metavar="HOST:PORT", help="Module: REST port for faults; see `stepscope fault`.")
+    ] = None,
+    seed: Annotated[int | None, typer.Option(help="Of everything random: RAM noise, bit errors.", min=0)] = None,
+    clock_hz: Annotated[float | None, typer.Option(help="Chip: its clock [Hz].")] = None,
     time_scale: Annotated[float, typer.Option(help="How much faster than real time.", min=0.0, max=1000.0)] = 1.0,
-    wiring: Annotated[str | None, typer.Option(help="How the reference switches are wired.")] = None,
+    wiring: Annotated[str | None, typer.Option(help="Chip: how the reference switches are wired.")] = None,
 ) -> None:
-    """Serve one emulated chip to any client: raw 4-byte frames, both ways (docs/tcp-link.md)."""
-    options = {"seed": seed, "clock_hz": clock_hz, "wiring": wiring}
+    """Serve one emulated chip (4-byte frames) or a line of modules (TMCL) to any client. Ctrl-C ends it."""
+    of_chip: dict[str, object] = {"clock_hz": clock_hz, "wiring": wiring}
+    of_line: dict[str, object] = {
+        "pty": pty,
+        "baud": baud,
+        "data_dir": data_dir,
+        "control": control,
+        "address": address,
+        "shared_bus": shared_bus or None,
+    }
     with _told():
-        from app import serving
+        is_module = model == "pd42-1241"
+        _refuse(of_chip if is_module else of_line, model)
+        from app import emulating
 
-        serving.emulate(
-            model, tcp, {name: value for name, value in options.items() if value is not None}, time_scale, typer.echo
-        )
+        if is_module:
+            options = emulating.LineOptions(
+                pty=pty,
+                tcp=tcp,
+                addresses=address or (1,),
+                baud=baud,
+                shared_bus=shared_bus,
+                data_dir=data_dir,
+                control=control,
+                seed=emulating.LineOptions.seed if seed is None else seed,
+                time_scale=time_scale,
+            )
+            emulating.emulate_line(options, typer.echo)
+        else:
+            if tcp is None:
+                raise ValueError("say where: --tcp HOST:PORT")
+            given = {name: value for name, value in {"seed": seed, **of_chip}.items() if value is not None}
+            emulating.emulate(model, tcp, given, time_scale, typer.echo)
+
+
+def _refuse(options: dict[str, object], model: str) -> None:
+    """Raises ValueError for an option that somebody gave and `model` has no use for."""
+    for name, value in options.items():
+        if value is not None:
+            raise ValueError(f"--{name.replace('_', '-')} is not for a {model}")
+
+
+@cli.command(no_args_is_help=True)
+def fault(
+    url: Annotated[str, typer.Argument(help="Control port of `stepscope emulate`, e.g. http://127.0.0.1:9000")],
+    name: Annotated[str, typer.Argument(help="silence, unplugged, late_reply_s, load_torque_nm, blocked, ...")],
+    value: Annotated[str, typer.Argument(help="on, off, a number, auto")],
+    address: Annotated[int | None, typer.Option(help="Which of several modules.", min=1, max=255)] = None,
+    line: Annotated[bool, typer.Option("--line", help="A fault of the cable, not of one module.")] = False,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the whole state afterwards.")] = False,
+) -> None:
+    """Cause a fault in an emulator that runs, or end it: `stepscope fault http://127.0.0.1:9000 silence on`.
+
+    URL may also be an emulated device of a running dashboard: http://127.0.0.1:8000/api/v1/devices/NAME/emulator
+    """
+    with _told():
+        from app import fault as faults
+
+        path, state = faults.change(url, name, value, address=address, line=line)
+        typer.echo(json.dumps(state, indent=1) if as_json else f"{path} = {value}")
 
 
 @cli.command()
@@ -107,3 +179,7 @@ def openapi() -> None:
     from app.main import create_app
 
     typer.echo(json.dumps(create_app(Settings()).openapi(), indent=1, ensure_ascii=False))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,18 +1,16 @@
-"""Running servers in this process: the dashboard, or one emulated chip. What the command line calls."""
+"""Running the dashboard in this process: what `stepscope serve` calls."""
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
-import errno
 import logging
-import os
 import socket
-from collections.abc import Callable, Mapping, MutableMapping
+from collections.abc import Callable, MutableMapping
 
 import uvicorn
 from fastapi import FastAPI
 
+from app.listening import listen, url_of
 from app.main import bench_of, create_app, stop_motors
 from app.settings import Settings
 
@@ -20,16 +18,12 @@ GRACE_S = 0.3
 """How long open requests may take to end after Ctrl-C [s]; sockets are closed at once."""
 
 
-class CannotListen(OSError):
-    """The address cannot be had; the text says why and what to do."""
-
-
 def serve(settings: Settings, announce: Callable[[str], None]) -> None:
     """Serve until Ctrl-C. Raises CannotListen before anything has started."""
     logging.basicConfig(format="%(levelname)s %(name)s: %(message)s", level=settings.log_level.upper())
     listener = listen(settings.host, settings.port)
     port = listener.getsockname()[1]
-    ready = f"stepscope is at {_url(settings.host, port)}  (Ctrl-C stops the motors and ends it)"
+    ready = f"stepscope is at {url_of(settings.host, port)}  (Ctrl-C stops the motors and ends it)"
     server = BenchServer(create_app(settings), settings, on_ready=lambda: announce(ready))
     with contextlib.suppress(KeyboardInterrupt):  # uvicorn ends properly, then raises the signal once more
         server.run(sockets=[listener])
@@ -74,72 +68,3 @@ def _options(settings: Settings) -> dict[str, object]:
         "timeout_graceful_shutdown": GRACE_S,
         "server_header": False,
     }
-
-
-def listen(host: str, port: int) -> socket.socket:
-    """A bound socket; port 0 picks a free one. Raises CannotListen."""
-    try:
-        family, kind, protocol, _, address = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0]
-        listener = socket.socket(family, kind, protocol)
-        try:
-            if os.name == "posix":  # elsewhere it would let two servers have the same port
-                listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            listener.bind(address)
-        except OSError:
-            listener.close()
-            raise
-    except OSError as error:
-        raise CannotListen(_why(error, host, port)) from error
-    listener.setblocking(False)
-    return listener
-
-
-def _why(error: OSError, host: str, port: int) -> str:
-    if error.errno == errno.EADDRINUSE:
-        return (
-            f"port {port} of {host} is taken; is stepscope running already? Another one: --port {port + 1}, or --port 0"
-        )
-    if error.errno == errno.EACCES:
-        return f"port {port} needs more rights; use one above 1023, e.g. --port 8000"
-    return f"cannot listen on {host}:{port}: {error.strerror or error}"
-
-
-def _url(host: str, port: int) -> str:
-    shown = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(host, host)
-    return f"http://[{shown}]:{port}" if ":" in shown else f"http://{shown}:{port}"
-
-
-def emulate(
-    model: str, address: str, options: Mapping[str, object], time_scale: float, announce: Callable[[str], None]
-) -> None:
-    """Serve one emulated chip until Ctrl-C. Raises ValueError for options that cannot be, and CannotListen."""
-    host, separator, port_text = address.rpartition(":")
-    if not separator or not port_text.isdecimal() or int(port_text) > 65_535:
-        raise ValueError(f"--tcp is HOST:PORT, e.g. 127.0.0.1:4280, not {address!r}")
-    with contextlib.suppress(KeyboardInterrupt):
-        asyncio.run(_emulate(model, host.strip("[]"), int(port_text), options, time_scale, announce))
-
-
-async def _emulate(
-    model: str,
-    host: str,
-    port: int,
-    options: Mapping[str, object],
-    time_scale: float,
-    announce: Callable[[str], None],
-) -> None:
-    from app.clock import WallClock
-    from app.emulators.build import build_emulator
-    from app.emulators.options import EmulatorOptions
-    from app.emulators.server import serve_tcp
-
-    device = build_emulator(model, WallClock(), EmulatorOptions.model_validate(options))
-    device.clock.scale = time_scale
-    try:
-        server = await serve_tcp(device, host, port)
-    except OSError as error:
-        raise CannotListen(_why(error, host, port)) from error
-    async with server:
-        bound = server.sockets[0].getsockname()
-        announce(f"emulated {model} listens on tcp {bound[0]}:{bound[1]}  (Ctrl-C ends it)")
-        await server.serve_forever()

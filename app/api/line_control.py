@@ -6,7 +6,7 @@ An application of its own, without devices, store or telemetry: whoever tests a 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Annotated
 
 from fastapi import APIRouter, Depends, FastAPI, Path, Request
@@ -16,7 +16,7 @@ from app.api import openapi, problems
 from app.api.guard import Guard
 from app.api.problems import problems as responses
 from app.emulators.line.faults import LinePatch, LineState
-from app.emulators.line.line import Line
+from app.emulators.line.server import LineServer
 from app.emulators.pd42.module import EmulatedModule
 from app.emulators.pd42.options import Pd42Patch
 from app.emulators.pd42.state import Pd42State
@@ -26,20 +26,12 @@ BODY_LIMIT_BYTES = 64 * 1024
 
 
 class Controlled:
-    """A line that another thread serves, and its modules by the address that they were started with.
+    """A line that another thread serves, and its modules by the address that they were started with."""
 
-    `call` runs a function between two frames of that thread.
-    """
-
-    def __init__(
-        self,
-        line: Line,
-        modules: Mapping[int, EmulatedModule],
-        call: Callable[[Callable[[], Pd42State | LineState]], Pd42State | LineState],
-    ) -> None:
-        self.line = line
+    def __init__(self, server: LineServer, modules: Mapping[int, EmulatedModule]) -> None:
+        self.line = server.line
+        self.call = server.call
         self.modules = modules
-        self._call = call
 
     def module(self, address: int | None) -> EmulatedModule:
         """Raises UnknownThing for an address without a module, WrongState for none where there are several."""
@@ -51,29 +43,6 @@ class Controlled:
         if address not in self.modules:
             raise UnknownThing("module", str(address), [str(known) for known in self.modules])
         return self.modules[address]
-
-    def change_module(self, module: EmulatedModule, body: Pd42Patch) -> Pd42State:
-        state = self._call(lambda: module.patch(body))
-        assert isinstance(state, Pd42State)
-        return state
-
-    def ask_module(self, module: EmulatedModule) -> Pd42State:
-        state = self._call(module.state)
-        assert isinstance(state, Pd42State)
-        return state
-
-    def change_line(self, body: LinePatch) -> LineState:
-        state = self._call(lambda: self._changed_line(body))
-        assert isinstance(state, LineState)
-        return state
-
-    def ask_line(self) -> LineState:
-        state = self._call(self.line.state)
-        assert isinstance(state, LineState)
-        return state
-
-    def _changed_line(self, body: LinePatch) -> LineState:
-        return self.line.patch(body)
 
 
 router = APIRouter(tags=["emulator"])
@@ -92,39 +61,41 @@ REFUSED = responses(UnknownThing, WrongState, OutOfRange)
 
 # Plain functions, which run in a thread of their own: each waits until the line is between two frames.
 @router.get("/emulator", responses=REFUSED)
-def get_emulator(line: CurrentLine) -> Pd42State:
+def get_emulator(far: CurrentLine) -> Pd42State:
     """The one module of this line, its motor and its faults."""
-    return line.ask_module(line.module(None))
+    return far.call(far.module(None).state)
 
 
 @router.patch("/emulator", responses=REFUSED)
-def change_emulator(line: CurrentLine, body: Pd42Patch) -> Pd42State:
+def change_emulator(far: CurrentLine, body: Pd42Patch) -> Pd42State:
     """Cause faults, load the shaft, force switches; what is left out stays."""
-    return line.change_module(line.module(None), body)
+    module = far.module(None)
+    return far.call(lambda: module.patch(body))
 
 
 @router.get("/emulator/{address}", responses=REFUSED)
-def get_emulator_at(line: CurrentLine, address: Address) -> Pd42State:
+def get_emulator_at(far: CurrentLine, address: Address) -> Pd42State:
     """One of several modules."""
-    return line.ask_module(line.module(address))
+    return far.call(far.module(address).state)
 
 
 @router.patch("/emulator/{address}", responses=REFUSED)
-def change_emulator_at(line: CurrentLine, address: Address, body: Pd42Patch) -> Pd42State:
+def change_emulator_at(far: CurrentLine, address: Address, body: Pd42Patch) -> Pd42State:
     """The same for one of several modules."""
-    return line.change_module(line.module(address), body)
+    module = far.module(address)
+    return far.call(lambda: module.patch(body))
 
 
 @router.get("/line")
-def get_line(line: CurrentLine) -> LineState:
+def get_line(far: CurrentLine) -> LineState:
     """Baud rate, modules and faults of the line itself."""
-    return line.ask_line()
+    return far.call(far.line.state)
 
 
 @router.patch("/line")
-def change_line(line: CurrentLine, body: LinePatch) -> LineState:
+def change_line(far: CurrentLine, body: LinePatch) -> LineState:
     """Faults of the cable, which hit every module and questions too; the baud rate of the wire."""
-    return line.change_line(body)
+    return far.call(lambda: far.line.patch(body))
 
 
 def make_control_app(controlled: Controlled, allowed_hosts: tuple[str, ...] = ()) -> FastAPI:

@@ -8,8 +8,9 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from pathlib import Path
 
+from app.listening import listen
 from app.main import create_app
-from app.serving import BenchServer, listen
+from app.serving import BenchServer
 from app.settings import Settings
 
 

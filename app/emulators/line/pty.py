@@ -18,11 +18,15 @@ BAUD_OF = {
 """Speed codes of the terminal interface to bits a second; code 0 hangs up and stands for no speed."""
 
 
+CODE_OF = {baud: code for code, baud in BAUD_OF.items()}
+
+
 class PtyEnd:
     """`path` is a symbolic link to a pty while the line is plugged. A link that is there is replaced.
 
     We keep the far side open ourselves, so that it stays raw and readable between two clients. With a
-    modelled baud rate, bytes that a client sends at another speed are noise to the module, and lost.
+    modelled baud rate the port starts at that speed; bytes that a client sends at another one are noise
+    to the module, and lost.
     """
 
     def __init__(self, path: Path) -> None:
@@ -43,6 +47,7 @@ class PtyEnd:
         self._near, self._far = os.openpty()
         try:
             tty.setraw(self._far)
+            _set_speed(self._far, line.baud)
             os.set_blocking(self._near, False)
             self._target = os.ttyname(self._far)
             self._link()
@@ -100,3 +105,11 @@ class PtyEnd:
         os.close(self._near)
         os.close(self._far)
         self._near = self._far = -1
+
+
+def _set_speed(descriptor: int, baud: int | None) -> None:
+    """For clients that take the port as it is."""
+    if baud in CODE_OF:
+        settings = termios.tcgetattr(descriptor)
+        settings[4] = settings[5] = CODE_OF[baud]
+        termios.tcsetattr(descriptor, termios.TCSANOW, settings)

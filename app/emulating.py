@@ -1,0 +1,164 @@
+"""Running emulated devices in this process: what `stepscope emulate` calls. It needs nothing of the dashboard."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import signal
+import socket
+import threading
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from app.clock import Clock, WallClock
+from app.emulators.line.ends import End
+from app.emulators.line.line import Line
+from app.emulators.line.server import LineServer
+from app.emulators.line.tcp import TcpEnd
+from app.emulators.pd42.module import EmulatedModule
+from app.emulators.pd42.options import Pd42Options
+from app.listening import CannotListen, host_and_port, listen, url_of, why
+
+GRACE_S = 0.3
+"""How long requests of the control port may take to end after Ctrl-C [s]."""
+
+
+def emulate(
+    model: str, address: str, options: Mapping[str, object], time_scale: float, announce: Callable[[str], None]
+) -> None:
+    """Serve one emulated chip until Ctrl-C. Raises ValueError for options that cannot be, and CannotListen."""
+    host, port = host_and_port("--tcp", address)
+    with contextlib.suppress(KeyboardInterrupt):
+        asyncio.run(_emulate(model, host, port, options, time_scale, announce))
+
+
+async def _emulate(
+    model: str,
+    host: str,
+    port: int,
+    options: Mapping[str, object],
+    time_scale: float,
+    announce: Callable[[str], None],
+) -> None:
+    from app.emulators.build import build_emulator
+    from app.emulators.options import EmulatorOptions
+    from app.emulators.server import serve_tcp
+
+    device = build_emulator(model, WallClock(), EmulatorOptions.model_validate(options))
+    device.clock.scale = time_scale
+    try:
+        server = await serve_tcp(device, host, port)
+    except OSError as error:
+        raise CannotListen(why(error, host, port)) from error
+    async with server:
+        bound = server.sockets[0].getsockname()
+        announce(f"emulated {model} listens on tcp {bound[0]}:{bound[1]}  (Ctrl-C ends it)")
+        await server.serve_forever()
+
+
+@dataclass(frozen=True)
+class LineOptions:
+    """An emulated line as the command line describes it. `addresses` are those of its modules."""
+
+    pty: Path | None = None
+    tcp: str | None = None
+    addresses: Sequence[int] = (1,)
+    baud: int | None = None
+    shared_bus: bool = False
+    data_dir: Path | None = None
+    control: str | None = None
+    seed: int = 1241
+    time_scale: float = 1.0
+
+
+def emulate_line(options: LineOptions, announce: Callable[[str], None]) -> None:
+    """Serve PD42-1241 modules on one line until Ctrl-C or SIGTERM.
+
+    Raises ValueError for options that cannot be, CannotListen for an address or a path that cannot be had.
+    """
+    if options.pty is None and options.tcp is None:
+        raise ValueError("say where: --pty PATH, --tcp HOST:PORT, or both")
+    if len(set(options.addresses)) != len(options.addresses):
+        raise ValueError("every module of a line needs an address of its own")
+    clock = WallClock()
+    modules = {address: _module(address, clock, options) for address in options.addresses}
+    line = Line(
+        list(modules.values()),
+        clock,
+        baud=options.baud,
+        shared_bus=options.shared_bus,
+        addresses=options.addresses,
+        seed=options.seed,
+    )
+    with contextlib.ExitStack() as stack:
+        # The control port first: a client may set a fault as soon as the line is there.
+        control = listen(*host_and_port("--control", options.control)) if options.control else None
+        if control is not None:
+            stack.callback(control.close)
+        try:
+            server = stack.enter_context(LineServer(line, _ends(options)))
+        except OSError as error:
+            raise CannotListen(str(error)) from error
+        said = [f"emulated pd42-1241 at {', '.join(end.name for end in server.ends)}"]
+        if control is not None:
+            stack.enter_context(_controlling(server, modules, control))
+            said.append(f"control at {url_of(*control.getsockname()[:2])}")
+        stack.enter_context(_ended_by_signals(server.stop))
+        announce(f"{'; '.join(said)}  (Ctrl-C ends it)")
+        server.run()
+
+
+def _module(address: int, clock: Clock, options: LineOptions) -> EmulatedModule:
+    # Modules that made the same noise would be one module twice.
+    named = {"address": address, "time_scale": options.time_scale, "seed": options.seed + address}
+    eeprom = None if options.data_dir is None else options.data_dir / "emulators" / f"pd42-1241-{address}.json"
+    return EmulatedModule(clock, Pd42Options.model_validate(named), eeprom)
+
+
+def _ends(options: LineOptions) -> list[End]:
+    ends: list[End] = []
+    if options.tcp is not None:
+        ends.append(TcpEnd(listen(*host_and_port("--tcp", options.tcp))))
+    if options.pty is not None:
+        from app.emulators.line.pty import PtyEnd  # not every system has such terminals
+
+        ends.append(PtyEnd(options.pty))
+    return ends
+
+
+@contextlib.contextmanager
+def _ended_by_signals(stop: Callable[[], None]) -> Iterator[None]:
+    """Ctrl-C and SIGTERM call `stop`, and end nothing in the middle of a frame."""
+    before = {number: signal.signal(number, lambda *_: stop()) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@contextlib.contextmanager
+def _controlling(server: LineServer, modules: Mapping[int, EmulatedModule], listener: socket.socket) -> Iterator[None]:
+    """The control port, in a thread of its own, as long as the block runs. `server` has to run meanwhile."""
+    import uvicorn  # a quarter of a second that most lines need not wait for
+
+    from app.api.line_control import Controlled, make_control_app
+
+    web = uvicorn.Server(
+        uvicorn.Config(
+            make_control_app(Controlled(server, modules)),
+            log_level="warning",
+            access_log=False,
+            lifespan="off",
+            server_header=False,
+            timeout_graceful_shutdown=1,
+        )
+    )
+    thread = threading.Thread(target=web.run, kwargs={"sockets": [listener]}, name="control", daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        web.should_exit = True
+        thread.join(timeout=GRACE_S)
