@@ -226,7 +226,9 @@ def _ramp(s: Cells) -> int:
         wanted = _faster(s, u)
         if wanted > s[VMAX]:
             wanted = s[VMAX]
-        new = max(min(wanted, _allowed(s, left)), lowest)
+        new = min(wanted, _allowed(s, left))
+        if v != 0:  # a start takes no more of VSTART than the way allows
+            new = max(new, lowest)
         if new >= left and new <= s[VSTOP] + max(s[DMAX], s[D1]):
             s[ACC] = 0
             s[X] = s[XT]
