@@ -32,7 +32,7 @@ from app.devices.results import (
     StopOutcome,
     WriteItem,
 )
-from app.devices.sample_plan import Channel, SamplePlan
+from app.devices.sample_plan import Channel, SamplePlan, Taken
 from app.links.errors import BenchError, LinkError, UnknownThing, WrongState
 from app.links.port import FramePort, SamplingPort
 from app.links.queue import LinkQueue
@@ -156,14 +156,17 @@ class Device(ABC):
         del plan
         return self.rate_max_hz
 
-    async def take_sample(self, plan: SamplePlan) -> tuple[float, float, bytes]:
-        """One sample over the link: its time, from its first to its last question [s], and the joined replies.
+    def rows_at_once(self, plan: SamplePlan, rate_hz: float) -> int:
+        """How many samples to take in one go at `rate_hz`: more than one where the link would be idle in between."""
+        del plan, rate_hz
+        return 1
 
-        Raises LinkError, and SampleDropped where the link is too busy.
-        """
+    async def take_samples(self, plan: SamplePlan, rows: int = 1) -> Taken:
+        """Samples over the link. Raises LinkError, and SampleDropped where the link is too busy."""
+        del rows
         time_s, replies = await self.queue.sample(plan.frames)
         first_s, last_s = self.queue.sample_span_s
-        return time_s, last_s - first_s, replies
+        return Taken([time_s], [replies], last_s - first_s)
 
     @property
     def calls_per_s_possible(self) -> float | None:

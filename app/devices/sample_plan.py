@@ -26,6 +26,16 @@ class Channel:
 
 
 @dataclass(frozen=True, slots=True)
+class Taken:
+    """Samples just taken over a link: a time [s, device time] and the joined replies of each row, in order."""
+
+    times_s: list[float]
+    replies: list[bytes]
+    spread_s: float
+    """From the first to the last question of a row."""
+
+
+@dataclass(frozen=True, slots=True)
 class SamplePlan(ABC):
     """`frames` to exchange for one sample, in order; `channels` and `units` in the order asked for."""
 

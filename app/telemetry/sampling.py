@@ -115,20 +115,22 @@ class Sampling:
         self._replies.append(replies)
 
     async def _pace(self) -> None:
-        period_s = 1 / self.rate_hz
+        rows = self._device.rows_at_once(self._plan, self.rate_hz)
+        period_s = rows / self.rate_hz
         due_s = self._clock.now()
         while not self._ended:
             pause_s = 0.0
             try:
-                time_s, spread_s, replies = await self._device.take_sample(self._plan)
+                taken = await self._device.take_samples(self._plan, rows)
             except SampleDropped:
                 pass  # counted by the queue; the next beat may find it free
             except BenchError as error:
                 self._on_failure(error)
                 pause_s = AFTER_FAILURE_S
             else:
-                self.spread_s += SPREAD_SHARE * (spread_s - self.spread_s)
-                self._sink(time_s, replies)
+                self.spread_s += SPREAD_SHARE * (taken.spread_s - self.spread_s)
+                for time_s, replies in zip(taken.times_s, taken.replies, strict=True):
+                    self._sink(time_s, replies)
             # One beat late is made up for, more are not: after a stall there is no burst, only a hole.
             now_s = self._clock.now()
             due_s = max(due_s + period_s, now_s - period_s, now_s + pause_s if pause_s else 0.0)

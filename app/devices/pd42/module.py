@@ -16,8 +16,7 @@ from app.devices.device import Device
 from app.devices.lookup import Lookup
 from app.devices.pd42 import rows, units
 from app.devices.pd42.calls import Calls
-from app.devices.sample_plan import SamplePlan
-from app.links.errors import BadReply, LinkError, LinkTimeout, WrongState
+from app.links.errors import BadReply, LinkError, WrongState
 from app.links.port import FramePort
 from app.links.queue import Priority
 from app.links.tmcl import Request, module_version
@@ -138,13 +137,6 @@ class Module(Device):
         """What the wire can carry, where the port knows of one."""
         wire = getattr(self.port, "wire", None)
         return wire if isinstance(wire, WireBudget) else None
-
-    async def take_sample(self, plan: SamplePlan) -> tuple[float, float, bytes]:
-        try:
-            return await super().take_sample(plan)
-        except (BadReply, LinkTimeout):
-            # The link is in step again, and a row only reads: one flipped bit must not make a hole of a quarter second.
-            return await super().take_sample(plan)
 
     def _link_result(self, error: LinkError | None) -> None:
         # A garbled answer on a line that works is asked again at once: only where that fails too the link has failed.
