@@ -90,6 +90,7 @@ def create_app(
             yield
         finally:
             opened.clear()
+            await bench.probing.abort()
             await stop_motors(bench)
             await hub.close()
             await manager.close()

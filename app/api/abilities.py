@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Annotated, Protocol, runtime_checkable
 
 from fastapi import Depends
 
 from app.api.deps import CurrentDevice
-from app.devices.results import MotionEnd, RegisterReading, TmclExchange
+from app.devices.results import RegisterReading, TmclExchange
 from app.links.errors import WrongState
 
 
@@ -34,15 +33,6 @@ class StoringDevice(Protocol):
         ...
 
 
-@runtime_checkable
-class MotionLogging(Protocol):
-    """Remembers why its motors came to rest."""
-
-    def motion_ends(self, axis: int) -> Sequence[MotionEnd]:
-        """The latest ones."""
-        ...
-
-
 async def _tmcl_device(device: CurrentDevice) -> TmclDevice:
     if not isinstance(device, TmclDevice):
         raise WrongState(f"a {device.family.title} speaks no TMCL", "send it a datagram: POST .../exchange")
@@ -55,12 +45,5 @@ async def _storing_device(device: CurrentDevice) -> StoringDevice:
     return device
 
 
-async def _motion_log(device: CurrentDevice) -> MotionLogging:
-    if not isinstance(device, MotionLogging):
-        raise WrongState(f"a {device.family.title} does not tell why it stopped", "watch its switches in telemetry")
-    return device
-
-
 CurrentTmclDevice = Annotated[TmclDevice, Depends(_tmcl_device)]
-MotionLog = Annotated[MotionLogging, Depends(_motion_log)]
 CurrentStoringDevice = Annotated[StoringDevice, Depends(_storing_device)]

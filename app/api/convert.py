@@ -11,12 +11,20 @@ from app.api.problems import findings, problem_of
 from app.api.schemas import AxisConfig, AxisInfo, ChannelInfo, DeviceInfo
 from app.api.schemas_axes import MotionEnd, Prediction, StopResult
 from app.api.schemas_calc import Phase
-from app.api.schemas_devices import AnyLink, ChipLink, EmulatorLink, ModuleLink
+from app.api.schemas_devices import (
+    AnyLink,
+    ChipCreate,
+    ChipLink,
+    EmulatorLink,
+    ModuleCreate,
+    ModuleEmulatorLink,
+    ModuleLink,
+)
 from app.api.schemas_tables import ChainBit, ChainTable, DriverSpecIn
 from app.calc.driver_chain import Chain, build_chain, decode_chain
 from app.calc.ram_words import unpack_words
 from app.devices import prediction, results
-from app.devices.config import AxisSettings
+from app.devices.config import AxisSettings, slug, unique_slug
 from app.devices.device import Axis, Device
 from app.devices.results import StopOutcome
 from app.links.errors import UsageError
@@ -55,6 +63,14 @@ def link_of(link: AnyLink, clock_hz: float | None) -> Link:
     if isinstance(link, EmulatorLink) and clock_hz is not None:
         said.setdefault("clock_hz", clock_hz)
     return said
+
+
+def with_memory(link: Link, wanted: ChipCreate | ModuleCreate, others: Sequence[Device]) -> Link:
+    """An emulated module of a new connection gets a memory of its own, unless it was told another one."""
+    if isinstance(wanted.link, ModuleEmulatorLink) and "eeprom" not in wanted.link.model_fields_set:
+        taken = {str(other.link.get("eeprom")) for other in others}
+        return {**link, "eeprom": unique_slug(slug(wanted.name)[:50], taken)}
+    return link
 
 
 def clock_of(link: AnyLink, clock_hz: float | None) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.api.tmcl_text import line_of
+from app.devices.pd42.frames import spelled
 from app.links import datagram32, tmcl
 from app.links.errors import BadReply
 from app.registers.catalog import MODELS
@@ -21,7 +21,7 @@ def frame_text(model: str, tx: bytes, rx: bytes | None) -> str:
 
 def _tmcl(tx: bytes, rx: bytes | None) -> str:
     request = tmcl.Request.decode(tx)
-    asked = line_of(request)
+    asked = spelled(request)
     if not rx:
         return asked
     try:

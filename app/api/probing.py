@@ -5,11 +5,19 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Sequence
+from typing import cast
 
+from app.api.schemas import ModelName
 from app.api.schemas_links import ProbeFound, ProbeState
+from app.links.discovery import FoundModule, ProbeProgress, probe
 from app.links.errors import BenchError, WrongState
+from app.links.registry import port_url
+from app.registers import pd42
 
 log = logging.getLogger("stepscope.api")
+
+MODELS = {pd42.MODULE: "pd42-1241"}
+"""What modules call themselves, and the catalog."""
 
 
 class Probing:
@@ -18,30 +26,31 @@ class Probing:
     def __init__(self) -> None:
         self._task: asyncio.Task[None] | None = None
         self._port: str | None = None
-        self._done = self._total = 0
-        self._found: list[ProbeFound] = []
-        self._message = "nothing was searched yet"
+        self._progress = ProbeProgress(0, 0, (), "")
+        self._ending = "nothing was searched yet"
 
     @property
     def running(self) -> bool:
         return self._task is not None and not self._task.done()
 
     def state(self) -> ProbeState:
+        """How far it is, or how it ended."""
+        progress = self._progress
         return ProbeState(
             running=self.running,
-            done=self._done,
-            total=self._total,
+            done=progress.done,
+            total=progress.total,
             port=self._port,
-            found=list(self._found),
-            message=self._message,
+            found=[_found(module) for module in progress.found],
+            message=f"asks {progress.asking or self._port}" if self.running else self._ending,
         )
 
     def start(self, port: str, bauds: Sequence[int] | None, addresses: Sequence[int] | None) -> ProbeState:
-        """Begin. Raises WrongState while one runs."""
+        """Begin. Raises WrongState while one runs, UsageError for what can be no port."""
+        port_url(port)
         if self.running:
             raise WrongState(f"a search on {self._port} runs", "wait for it, or end it: DELETE .../ports/probe")
-        self._port, self._done, self._total, self._found = port, 0, 0, []
-        self._message = f"looking on {port}"
+        self._port, self._progress = port, ProbeProgress(0, 0, (), "")
         self._task = asyncio.create_task(self._run(port, bauds, addresses), name="probe")
         return self.state()
 
@@ -53,13 +62,29 @@ class Probing:
         return self.state()
 
     async def _run(self, port: str, bauds: Sequence[int] | None, addresses: Sequence[int] | None) -> None:
-        from app.links.discovery import probe
-
         try:
-            await probe(port, bauds, addresses, self._progress)
+            found = await probe(port, bauds, addresses, self._see)
         except asyncio.CancelledError:
-            self._message = "ended on request"
+            self._ending = "ended on request"
         except BenchError as error:
-            self._message = str(error)
+            self._ending = str(error)
+        except Exception as error:  # a mistake of ours must be seen by whoever waits for the search
+            log.exception("the search on %s failed", port)
+            self._ending = f"failed by a mistake in stepscope: {error!r}"
         else:
-            self._message = f"{len(self._found)} found" if self._found else "nothing answered"
+            self._ending = f"{len(found)} found" if found else "nothing answered"
+
+    def _see(self, progress: ProbeProgress) -> None:
+        self._progress = progress
+
+
+def _found(module: FoundModule) -> ProbeFound:
+    model = MODELS.get(module.number)
+    return ProbeFound(
+        port=module.port,
+        baud=module.baud,
+        address=module.address,
+        model=cast("ModelName", model) if model else None,
+        module=module.number,
+        version=module.version,
+    )

@@ -126,8 +126,8 @@ class ReferenceSearchStart(Body):
     velocity: Annotated[float, Field(strict=True, gt=0, allow_inf_nan=False)] | None = Field(
         default=None, description="search speed [pps]; default a quarter of v_max"
     )
-    max_travel: Annotated[int, Field(strict=True, ge=1, lt=1 << 23)] | None = Field(
-        default=None, description="give up a part of the search after that many microsteps"
+    max_travel: Annotated[int, Field(strict=True, ge=1, lt=1 << 31)] | None = Field(
+        default=None, description="give up a part of the search after that many microsteps; chips: below 2^23"
     )
     mode: SearchMode | None = Field(
         default=None, description="PD42-1241: 1..8, +64 for 1..4 mirrored, +128 for 5..8 with the home switch inverted"

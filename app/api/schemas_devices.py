@@ -40,9 +40,14 @@ class TcpLink(Body):
 
 
 class ModuleEmulatorLink(Pd42Options):
-    """A module emulated in this server, with a motor, a stage and encoders. What it stores outlives the server."""
+    """A module emulated in this server, with a motor, a stage and encoders."""
 
     kind: Literal["emulator"]
+    eeprom: Annotated[str, StringConstraints(strict=True, pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")] | None = Field(
+        default=None,
+        description="name of its memory in the server's data directory, small letters, digits and dashes; a new "
+        "device without one gets one of its own, so that what it stores outlives the server",
+    )
 
 
 class ModuleTcpLink(Body):

@@ -88,9 +88,10 @@ class ProbeFound(Answer):
     """A module that answered."""
 
     port: str
-    baud: int
+    baud: int | None = Field(description="null where the line has no baud rate")
     address: int
     model: ModelName | None = Field(description="null for a module that stepscope has no driver for")
+    module: int = Field(description="the number that the module calls itself by, e.g. 1241")
     version: str = Field(description='as the module tells it, e.g. "1241V144"')
 
 

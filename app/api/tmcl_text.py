@@ -1,20 +1,25 @@
-"""TMCL between people and the wire: a line or named fields to the four numbers of a command, and back."""
+"""From what people write to the four numbers of a TMCL command: a line as in a program, or fields by name."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 
 from app.api.schemas_tmcl import TmclFields, TmclLine
 from app.links.errors import OutOfRange, UnknownThing, UsageError
-from app.links.tmcl import Request, as_value
+from app.links.tmcl import as_value
 from app.registers.tmcl import BY_OPCODE, COMMANDS, CommandRow, Opcode
 
 Command = tuple[int, int, int, int]
 """Opcode, type, motor or bank, value."""
 
-_NAMES = {name: code.value for name, code in Opcode.__members__.items()}
-"""Mnemonics, and our names of the control commands, which have none."""
-_NUMBER = re.compile(r"([+-]?)(?:(0[xX]|\$)([0-9A-Fa-f]+)|([0-9]+))\Z")
+_NAMES: Mapping[str, int] = {
+    **{name: code.value for name, code in Opcode.__members__.items()},
+    **{row.name.upper(): row.opcode for row in COMMANDS},
+}
+"""Mnemonics; of the control commands, which have none, what we call them, with spaces or underscores."""
+_NUMBER = re.compile(r"([+-]?)(?:(?:0[xX]|\$)([0-9A-Fa-f]+)|([0-9]+))\Z")
+_ALL = ("type", "motor", "value")
 
 
 def command_of(body: TmclFields | TmclLine) -> Command:
@@ -26,62 +31,63 @@ def command_of(body: TmclFields | TmclLine) -> Command:
 
 
 def parse_line(line: str) -> Command:
-    """`MVP ABS, 0, 51200` to numbers. Operands that a command does not have are left out (`MST 0`, `ROR 0, 5000`), or
-    all three are given. Raises as `command_of` does.
+    """`MVP ABS, 0, 51200` to numbers; what the log and the console print is understood too.
+
+    Operands that a command has no use for may be left out: `MST 0`, `ROR 0, 5000`, `CALC ADD, 7`; all three always
+    work. What follows a semicolon is a remark. Raises as `command_of` does.
     """
-    word, _, rest = line.split(";")[0].strip().partition(" ")
-    operands = [operand.strip() for operand in rest.split(",")] if rest.strip() else []
-    if not word:
+    text = line.partition(";")[0].strip()
+    if not text:
         raise UsageError("an empty line is no command")
-    number = _number(word)
-    opcode = _opcode(word) if number is None else _byte("command", number)
+    name = _name_at_start(text)
+    opcode = _opcode(name.removeprefix("COMMAND "))
     row = BY_OPCODE.get(opcode)
-    kinds = _operands(row) if row is not None and number is None else ("type", "motor", "value")[: len(operands)]
-    if len(operands) == 3:
-        kinds = ("type", "motor", "value")
-    if len(operands) != len(kinds) or not all(operands):
-        raise UsageError(f"{line.strip()!r} is no command; {_usage(word.upper(), row, kinds)}")
-    parts = {"type": 0, "motor": 0, "value": 0}
-    for kind, operand in zip(kinds, operands, strict=True):
-        if kind == "type":
-            parts[kind] = _type(row, operand)
-        elif kind == "motor":
-            parts[kind] = _byte("motor or bank", _needed("motor or bank", operand))
-        else:
-            parts[kind] = _value(_needed("value", operand))
-    return opcode, parts["type"], parts["motor"], parts["value"]
+    rest = text[len(name) :].strip()
+    operands = [operand.strip() for operand in rest.split(",")] if rest else []
+    kinds = _kinds(row, len(operands))
+    if kinds is None or not all(operands):
+        raise UsageError(f"{text!r} is no command; write: {_usage(name, row)}")
+    given = dict(zip(kinds, operands, strict=True))
+    motor, value = _whole("motor or bank", given.get("motor", "0")), _whole("value", given.get("value", "0"))
+    if not -(1 << 31) <= value < 1 << 32:
+        raise OutOfRange("value", value, -(1 << 31), (1 << 32) - 1, "32 bits")
+    return opcode, _type(row, given.get("type", "0")), _byte("motor or bank", motor), as_value(value)
 
 
-def line_of(request: Request) -> str:
-    """A command as one writes it: the reverse of `parse_line`."""
-    row = BY_OPCODE.get(request.opcode)
+def _name_at_start(text: str) -> str:
+    """The command at the start of a line in capitals: the longest name that fits, else the first word."""
+    upper = text.upper()
+    unnamed = re.match(r"COMMAND +\S+", upper)
+    if unnamed:
+        return unnamed[0]
+    fitting = [name for name in _NAMES if upper == name or upper.startswith(f"{name} ")]
+    return max(fitting, key=len, default=upper.partition(" ")[0])
+
+
+def _kinds(row: CommandRow | None, given: int) -> tuple[str, ...] | None:
+    """What that many operands are; None where no reading has so many."""
+    own = _own(row)
+    for used in (own, {*own, "motor"}, {*own, "motor", "type"}, _ALL):
+        kinds = tuple(kind for kind in _ALL if kind in used)
+        if len(kinds) == given:
+            return kinds
+    return None
+
+
+def _own(row: CommandRow | None) -> tuple[str, ...]:
+    """The operands that a command has a use for."""
     if row is None:
-        return f"{request.opcode} {request.type}, {request.motor}, {request.value}"
-    name = row.mnemonic or Opcode(request.opcode).name
-    given = {"type": request.type, "motor": request.motor, "value": request.value}
-    kinds = _operands(row)
-    if any(number for kind, number in given.items() if kind not in kinds):
-        kinds = ("type", "motor", "value")  # numbers where the command has none: shown, not hidden
-    type_name = next((name for name, code in row.types.items() if code == request.type), str(request.type))
-    shown = {**{kind: str(number) for kind, number in given.items()}, "type": type_name}
-    return f"{name} {', '.join(shown[kind] for kind in kinds)}".strip()
+        return _ALL
+    used = {"type": row.type or row.types, "motor": row.motor, "value": row.value}
+    return tuple(kind for kind in _ALL if used[kind])
 
 
-def _operands(row: CommandRow) -> tuple[str, ...]:
-    described = {"type": row.type or row.types, "motor": row.motor, "value": row.value}
-    return tuple(kind for kind, text in described.items() if text)
-
-
-def _usage(word: str, row: CommandRow | None, kinds: tuple[str, ...]) -> str:
+def _usage(name: str, row: CommandRow | None) -> str:
     if row is None:
-        return "write: opcode type, motor, value"
-    parts = {
-        "type": "|".join(row.types) if row.types else row.type,
-        "motor": f"({row.motor or 'motor or bank'})",
-        "value": f"({row.value or 'value'})",
-    }
-    operands = ", ".join(parts[kind] or f"({kind})" for kind in kinds)
-    return f"write: {word} {operands}" if operands else f"write: {word}, without operands"
+        return f"{name} type, motor, value"
+    meaning = {"type": "|".join(row.types) or f"({row.type})", "motor": f"({row.motor})", "value": f"({row.value})"}
+    operands = ", ".join(meaning[kind] for kind in _own(row))
+    return f"{name} {operands}" if operands else f"{name}, without operands"
 
 
 def _opcode(word: str) -> int:
@@ -103,24 +109,25 @@ def _type(row: CommandRow | None, given: int | str) -> int:
     names = row.types if row is not None else {}
     code = names.get(given.strip().upper())
     if code is None:
-        kind = f"type of {row.mnemonic or row.name}" if row is not None else "type"
-        raise UnknownThing(kind, given, list(names) or ["a number, 0..255"])
+        kind = "type" if row is None else f"type of {row.mnemonic or row.name}"
+        raise UnknownThing(kind, given, list(names) or ["numbers, 0..255"])
     return code
 
 
 def _number(text: str) -> int | None:
+    """Decimal, or hexadecimal behind 0x or $; None for what is no number."""
     match = _NUMBER.match(text.strip())
     if match is None:
         return None
-    sign, _, hexadecimal, decimal = match.groups()
+    sign, hexadecimal, decimal = match.groups()
     number = int(hexadecimal, 16) if hexadecimal else int(decimal)
     return -number if sign == "-" else number
 
 
-def _needed(name: str, text: str) -> int:
+def _whole(name: str, text: str) -> int:
     number = _number(text)
     if number is None:
-        raise UsageError(f"{name} is a number (decimal, 0x or $ hexadecimal), not {text!r}")
+        raise UsageError(f"{name} is a number (decimal, or hexadecimal behind 0x or $), not {text!r}")
     return number
 
 
@@ -128,9 +135,3 @@ def _byte(name: str, number: int) -> int:
     if not 0 <= number <= 255:
         raise OutOfRange(name, number, 0, 255)
     return number
-
-
-def _value(number: int) -> int:
-    if not -(1 << 31) <= number < 1 << 32:
-        raise OutOfRange("value", number, -(1 << 31), (1 << 32) - 1, "32 bits")
-    return as_value(number)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from app.api.abilities import MotionLog
 from app.api.convert import prediction_out, stops_out
 from app.api.deps import CurrentAxis, CurrentBench, CurrentDevice
 from app.api.problems import DEVICE_PROBLEMS, problems
@@ -59,10 +58,10 @@ async def keep_rotating(bench: CurrentBench, device: CurrentDevice, axis: Curren
     return Rotating.model_validate(bench.procedures.keep_rotating(device, axis.index, body.hold_s))
 
 
-@router.get("/axes/{axis}/stops", responses=problems(UnknownThing, WrongState))
-async def list_stops(log: MotionLog, axis: CurrentAxis) -> list[MotionEnd]:
-    """When, where and why this motor came to rest, the latest first; up to 200 since the server began."""
-    return stops_out(log.motion_ends(axis.index))
+@router.get("/axes/{axis}/stops", responses=problems(UnknownThing))
+async def list_stops(device: CurrentDevice, axis: CurrentAxis) -> list[MotionEnd]:
+    """When, where and why this motor came to rest, the latest first, up to 200. Chips do not watch: always empty."""
+    return stops_out(device.motion_ends(axis.index))
 
 
 @router.get("/axes/{axis}/prediction", responses=problems(UnknownThing))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fastapi import APIRouter, HTTPException
 
-from app.api.convert import axis_settings, clock_of, device_info, link_of, suited
+from app.api.convert import axis_settings, clock_of, device_info, link_of, suited, with_memory
 from app.api.deps import CurrentBench, CurrentDevice, DeviceId
 from app.api.problems import problem_of, problems
 from app.api.schemas import DeviceInfo, LinkTest
@@ -34,7 +34,7 @@ async def add_device(body: DeviceCreate, bench: CurrentBench) -> DeviceInfo:
     config = DeviceConfig(
         name=wanted.name,
         model=wanted.model,
-        link=link_of(wanted.link, wanted.clock_hz),
+        link=with_memory(link_of(wanted.link, wanted.clock_hz), wanted, bench.manager.devices),
         clock_hz=clock_of(wanted.link, wanted.clock_hz),
         axes=axis_settings(wanted.axes),
     )

@@ -51,10 +51,10 @@ async def get_probe(bench: CurrentBench) -> ProbeState:
 
 @router.post("/ports/probe", status_code=202, responses=problems(UsageError, WrongState))
 async def start_probe(bench: CurrentBench, body: ProbeStart) -> ProbeState:
-    """Look for modules on a port, rate by rate and address by address. One search at a time; answers at its start."""
-    users = bench.users_of(body.port)
-    if users:
-        raise WrongState(f"{body.port} is in use by {', '.join(users)}", "disconnect it first")
+    """Look for modules on a port, rate by rate and address by address. One search at a time; answers at its start.
+
+    A line that devices use is asked at their baud rate, and their commands go first.
+    """
     return bench.probing.start(body.port, body.bauds, body.addresses)
 
 

@@ -7,12 +7,13 @@ from fastapi import APIRouter
 from app.api.deps import CurrentAxis, CurrentBench, CurrentDevice
 from app.api.problems import problems
 from app.api.schemas_axes import ReferenceSearchStart, ReferenceSearchState, ShuttleStart, ShuttleState
-from app.links.errors import OutOfRange, UnknownThing, WrongState
+from app.devices.device import Device
+from app.links.errors import OutOfRange, UnknownThing, UsageError, WrongState
 
 router = APIRouter(prefix="/devices/{device}/axes/{axis}", tags=["procedures"])
 
 LOOK = problems(UnknownThing)
-START = problems(UnknownThing, WrongState, OutOfRange)
+START = problems(UnknownThing, WrongState, UsageError, OutOfRange)
 
 
 @router.get("/reference-search", responses=LOOK)
@@ -25,10 +26,32 @@ async def get_reference_search(bench: CurrentBench, device: CurrentDevice, axis:
 async def start_reference_search(
     bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis, body: ReferenceSearchStart | None = None
 ) -> ReferenceSearchState:
-    """Search a switch at both its edges and set zero to its centre. Answers when it has started."""
+    """Search a switch at both its edges and set zero to its centre; a module does so by itself, in one of its modes.
+
+    Answers when it has started.
+    """
     wanted = body or ReferenceSearchStart()
-    state = bench.procedures.start_search(device, axis.index, wanted.switch, wanted.velocity, wanted.max_travel)
+    _check_family(wanted, device)
+    state = bench.procedures.start_search(
+        device,
+        axis.index,
+        wanted.switch,
+        wanted.velocity,
+        wanted.max_travel,
+        mode=wanted.mode,
+        search_speed_pps=wanted.search_speed_pps,
+        switch_speed_pps=wanted.switch_speed_pps,
+    )
     return ReferenceSearchState.model_validate(state)
+
+
+def _check_family(wanted: ReferenceSearchStart, device: Device) -> None:
+    """Raises UsageError for what this family's search does not take: better than not to do what was asked for."""
+    others = ("switch",) if device.family.kind == "module" else ("mode", "search_speed_pps", "switch_speed_pps")
+    given = [name for name in others if name in wanted.model_fields_set and getattr(wanted, name) is not None]
+    if given:
+        way = "by mode, search_speed_pps and switch_speed_pps" if "switch" in given else "by switch and velocity"
+        raise UsageError(f"a {device.family.title} knows no {given[0]}; it searches {way}")
 
 
 @router.delete("/reference-search", responses=LOOK)

@@ -18,9 +18,11 @@ from app.api.schemas_telemetry import (
     TelemetryProblem,
     TelemetryStart,
     TelemetryStatus,
+    TelemetryStopped,
     TelemetryText,
 )
 from app.clock import Clock
+from app.devices.results import MotionEnd
 from app.links.errors import BenchError, OutOfRange, UsageError
 from app.telemetry.feed import Joined
 from app.telemetry.frames import encode_body
@@ -142,9 +144,20 @@ def _text(event: Event) -> TelemetryText:
             jitter_ms=event.jitter_ms,
             dropped=event.dropped,
             latency_ms=event.latency_ms,
+            calls_per_s=event.calls_per_s,
+            calls_per_s_possible=event.calls_per_s_possible,
+            row_spread_ms=event.row_spread_ms,
         )
     if isinstance(event, MoveSeen):
         return TelemetryMove(axis=event.axis, started_at_s=event.started_at_s)
+    if isinstance(event, MotionEnd):
+        return TelemetryStopped(
+            axis=event.axis,
+            reason=event.reason,
+            time_s=event.time_s,
+            position=event.position,
+            detail=event.detail,
+        )
     return TelemetryGap(reason=event.reason)
 
 

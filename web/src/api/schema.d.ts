@@ -225,7 +225,7 @@ export interface paths {
         };
         /**
          * List Stops
-         * @description When, where and why this motor came to rest, the latest first; up to 200 since the server began.
+         * @description When, where and why this motor came to rest, the latest first, up to 200. Chips do not watch: always empty.
          */
         get: operations["list_stops"];
         put?: never;
@@ -423,7 +423,9 @@ export interface paths {
         put?: never;
         /**
          * Start Reference Search
-         * @description Search a switch at both its edges and set zero to its centre. Answers when it has started.
+         * @description Search a switch at both its edges and set zero to its centre; a module does so by itself, in one of its modes.
+         *
+         *     Answers when it has started.
          */
         post: operations["start_reference_search"];
         /**
@@ -687,7 +689,7 @@ export interface paths {
         put?: never;
         /**
          * Calculate Ramp
-         * @description A move over time, bit for bit as the chip makes it, or as an ideal trapezoid.
+         * @description A move over time: bit for bit as a chip makes it, a module's SixPoint ramp, or an ideal trapezoid.
          */
         post: operations["calculate_ramp"];
         delete?: never;
@@ -812,6 +814,8 @@ export interface paths {
         /**
          * Start Probe
          * @description Look for modules on a port, rate by rate and address by address. One search at a time; answers at its start.
+         *
+         *     A line that devices use is asked at their baud rate, and their commands go first.
          */
         post: operations["start_probe"];
         /**
@@ -2083,7 +2087,7 @@ export interface components {
         };
         /**
          * ModuleEmulatorLink
-         * @description A module emulated in this server, with a motor, a stage and encoders. What it stores outlives the server.
+         * @description A module emulated in this server, with a motor, a stage and encoders.
          */
         ModuleEmulatorLink: {
             /**
@@ -2131,6 +2135,11 @@ export interface components {
              * @enum {string}
              */
             kind: "emulator";
+            /**
+             * Eeprom
+             * @description name of its memory in the server's data directory, small letters, digits and dashes; a new device without one gets one of its own, so that what it stores outlives the server
+             */
+            eeprom?: string | null;
         };
         /**
          * ModuleSerialLink
@@ -2670,8 +2679,11 @@ export interface components {
         ProbeFound: {
             /** Port */
             port: string;
-            /** Baud */
-            baud: number;
+            /**
+             * Baud
+             * @description null where the line has no baud rate
+             */
+            baud: number | null;
             /** Address */
             address: number;
             /**
@@ -2679,6 +2691,11 @@ export interface components {
              * @description null for a module that stepscope has no driver for
              */
             model: ("tmc428" | "tmc4210" | "pd42-1241") | null;
+            /**
+             * Module
+             * @description the number that the module calls itself by, e.g. 1241
+             */
+            module: number;
             /**
              * Version
              * @description as the module tells it, e.g. "1241V144"
@@ -2956,7 +2973,7 @@ export interface components {
             velocity?: number | null;
             /**
              * Max Travel
-             * @description give up a part of the search after that many microsteps
+             * @description give up a part of the search after that many microsteps; chips: below 2^23
              */
             max_travel?: number | null;
             /**
@@ -5227,15 +5244,6 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state) */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
             /** @description The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
@@ -6012,7 +6020,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            /** @description The request asks for what cannot be (/problems/unusable-request); A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
@@ -6199,7 +6207,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            /** @description The request asks for what cannot be (/problems/unusable-request); A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
