@@ -125,7 +125,8 @@ def _patch(url: str, body: bytes) -> dict[str, object]:
     except urllib.error.URLError as error:
         if isinstance(error.reason, TimeoutError):
             raise LinkTimeout(where, TIMEOUT_S, "the change") from error
-        raise LinkDown(where, f"{error.reason}; is `stepscope emulate ... --control {where}` running?") from error
+        reason = getattr(error.reason, "strerror", None) or error.reason
+        raise LinkDown(where, f"{reason}; is `stepscope emulate ... --control {where}` running?") from error
     except (OSError, http.client.HTTPException, ValueError) as error:
         raise LinkError(where, f"does not answer like an emulator: {error}") from error
     if not isinstance(state, dict):

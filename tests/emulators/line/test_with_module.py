@@ -1,0 +1,134 @@
+"""The emulated PD42-1241 itself on a line: nothing that arrives may crash it, hang it, or make it lie."""
+
+from __future__ import annotations
+
+import random
+
+import pytest
+
+from app.clock import VirtualClock
+from app.emulators.line.line import GAP_S, Line
+from app.emulators.pd42.module import EmulatedModule
+from app.emulators.pd42.options import Pd42Options, Pd42Patch
+from app.links import tmcl
+from app.registers.tmcl import Opcode, Status
+
+
+class Bench:
+    """Modules on a line without wire time, and one client."""
+
+    def __init__(self, addresses: tuple[int, ...] = (1,), *, baud: int | None = None) -> None:
+        self.clock = VirtualClock(5.0)
+        self.modules = [EmulatedModule(self.clock, Pd42Options(address=address)) for address in addresses]
+        self.line = Line(self.modules, self.clock, baud=baud, addresses=addresses)
+        self.line.join("client")
+
+    def wait(self, seconds: float) -> bytes:
+        """Let time pass; what was heard meanwhile."""
+        heard, until_s = b"", self.clock.now() + seconds
+        while (due_s := self.line.next_due_s()) is not None and due_s <= until_s:
+            self.clock.set(max(due_s, self.clock.now()))
+            heard += b"".join(delivery.data for delivery in self.line.collect(self.clock.now()))
+        self.clock.set(until_s)
+        return heard + b"".join(delivery.data for delivery in self.line.collect(until_s))
+
+    def say(self, data: bytes, seconds: float = GAP_S * 1.1) -> bytes:
+        self.line.feed("client", data, self.clock.now())
+        return self.wait(seconds)
+
+    def ask(self, opcode: int, type_: int = 0, motor: int = 0, value: int = 0, address: int = 1) -> tmcl.Reply:
+        request = tmcl.Request(address, opcode, type_, motor, value).encode()
+        return tmcl.check_reply("line", request, self.say(request, 0.003))
+
+    def fault(self, **change: object) -> None:
+        for module in self.modules:
+            module.patch(Pd42Patch.model_validate({"faults": change}))
+
+
+def test_a_thousand_corrupt_inputs_during_a_move_change_nothing_they_should_not() -> None:
+    bench, noise = Bench(), random.Random(1241)
+    bench.ask(Opcode.SAP, 4, value=20_000)
+    bench.ask(Opcode.MVP, 0, value=10_000_000)
+    before = bench.ask(Opcode.GAP, 4).value, bench.ask(Opcode.GAP, 0).value
+    for _ in range(1000):
+        good = tmcl.Request(1, Opcode.GAP, noise.randrange(256), noise.randrange(4), noise.randrange(2**31)).encode()
+        frame = bytearray(good)
+        match noise.randrange(3):
+            case 0:  # one wrong bit never passes for right
+                frame[noise.randrange(1, 9)] ^= 1 << noise.randrange(8)
+                heard = bench.say(bytes(frame))
+                assert heard[2] == Status.WRONG_CHECKSUM
+            case 1:
+                assert bench.say(bytes(frame[: noise.randrange(1, 9)])) == b""
+            case _:
+                # Addressed to nobody here, so that whatever it happens to mean is not for us.
+                rubbish = bytes(byte | 0x80 for byte in noise.randbytes(noise.randrange(1, 60)))
+                assert len(bench.say(rubbish)) % 9 == 0
+        reply = bench.ask(Opcode.GAP, 1)
+        assert reply.status == Status.OK
+    assert (bench.ask(Opcode.GAP, 4).value, bench.ask(Opcode.GAP, 0).value) == before
+    assert bench.ask(Opcode.GAP, 1).value > 0, "and it moves on"
+
+
+def test_a_thousand_random_commands_never_crash_a_module() -> None:
+    bench, noise = Bench((1, 2)), random.Random(3)
+    for _ in range(1000):
+        request = tmcl.Request(
+            noise.choice((1, 2)),
+            noise.choice((noise.randrange(256), Opcode.SAP, Opcode.SGP, Opcode.MVP, Opcode.RFS)),
+            noise.randrange(256),
+            noise.choice((0, 0, 0, noise.randrange(256))),
+            noise.choice((0, 1, -1, noise.randrange(-(2**31), 2**31))),
+        ).encode()
+        assert len(bench.say(request, 0.001)) % 9 == 0
+    for module in bench.modules:
+        module.patch(Pd42Patch(factory_default=True))
+    assert bench.ask(Opcode.GET_VERSION, 1).status == Status.OK
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"silence": True},
+        {"late_reply_s": 0.05},
+        {"bit_error_rate": 0.05},
+        {"half_frame_rate": 0.5},
+        {"unplugged": True},
+        {"undervoltage": True},
+    ],
+    ids=lambda change: str(next(iter(change))),
+)
+def test_after_a_fault_during_a_move_the_line_is_as_good_as_new(change: dict[str, object]) -> None:
+    bench = Bench(baud=115_200)
+    bench.ask(Opcode.MVP, 0, value=500_000)
+    bench.fault(**change)
+    for _ in range(100):
+        bench.say(tmcl.Request(1, Opcode.GAP, 1).encode(), 0.005)
+        if not bench.line.plugged:
+            bench.line.unplug()
+    bench.fault(**dict.fromkeys(change, 0.0 if isinstance(next(iter(change.values())), float) else False))
+    bench.wait(0.2)
+    first, second = bench.ask(Opcode.GAP, 209), bench.ask(Opcode.GAP, 209)
+    assert first.status == second.status == Status.OK
+    counts = bench.modules[0].state().encoder.counts
+    assert second.value == pytest.approx(counts * 51_200 / 1024, abs=1000), "a true value, not one from before"
+
+
+def test_two_modules_are_two_modules() -> None:
+    bench = Bench((1, 2))
+    bench.ask(Opcode.MVP, 0, value=51_200, address=1)
+    bench.ask(Opcode.MVP, 0, value=-51_200, address=2)
+    bench.wait(10.0)
+    assert [bench.ask(Opcode.GAP, 1, address=address).value for address in (1, 2)] == [51_200, -51_200]
+    bench.modules[0].patch(Pd42Patch.model_validate({"blocked": True, "faults": {"silence": True}}))
+    assert bench.ask(Opcode.GAP, 1, address=2).value == -51_200
+
+
+def test_the_telegram_pause_is_kept() -> None:
+    bench = Bench(baud=115_200)
+    bench.say(tmcl.Request(1, Opcode.SGP, 75, 0, 20).encode(), 0.1)
+    started_s = bench.clock.now()
+    bench.line.feed("client", tmcl.Request(1, Opcode.GAP, 1).encode(), started_s)
+    due_s = bench.line.next_due_s()
+    assert due_s is not None
+    assert due_s - started_s == pytest.approx(180 / 115_200 + 0.020, abs=1e-9)
