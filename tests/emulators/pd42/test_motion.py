@@ -219,8 +219,12 @@ def test_the_ramp_wait_time_passes_before_the_way_back() -> None:
         bench.do(Opcode.ROR, 0, 0, 5000)
         bench.run(1.0)
         bench.do(Opcode.ROL, 0, 0, 5000)
-        times.append(bench.until(lambda bench=bench: bench.gap(3) == -5000, step_s=0.002))
+        times.append(_until_back(bench))
     assert times[1] - times[0] == pytest.approx(1.0, abs=0.01)
+
+
+def _until_back(bench: Bench) -> float:
+    return bench.until(lambda: bench.gap(3) == -5000, step_s=0.002)
 
 
 def test_speed_changes_on_the_fly() -> None:
