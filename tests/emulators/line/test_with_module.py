@@ -110,8 +110,8 @@ def test_after_a_fault_during_a_move_the_line_is_as_good_as_new(change: dict[str
     bench.wait(0.2)
     first, second = bench.ask(Opcode.GAP, 209), bench.ask(Opcode.GAP, 209)
     assert first.status == second.status == Status.OK
-    counts = bench.modules[0].state().encoder.counts
-    assert second.value == pytest.approx(counts * 51_200 / 1024, abs=1000), "a true value, not one from before"
+    rotor_microsteps = bench.modules[0].state().truth.rotor_fullsteps * 256
+    assert second.value == pytest.approx(rotor_microsteps, abs=1000), "a true value, not one from before"
 
 
 def test_two_modules_are_two_modules() -> None:
