@@ -226,19 +226,21 @@ export function Plot(props: PlotProps) {
     <div className={classes.frame} style={{ height }}>
       {legend && (
         <div className={classes.legend} aria-hidden>
-          {series.map((entry, index) => (
-            <span key={entry.label} className={classes.entry}>
-              <span className={classes.swatch} style={{ background: entry.color }} />
-              {entry.label}
-              {entry.unit ? ` ${symbolOf(entry.unit)}` : ""}
-              <span
-                className={classes.value}
-                ref={(cell) => {
-                  values.current[index] = cell;
-                }}
-              />
-            </span>
-          ))}
+          {series.map((entry, index) =>
+            entry.unnamed ? null : (
+              <span key={entry.label} className={classes.entry}>
+                <span className={classes.swatch} style={{ background: entry.color }} />
+                {entry.label}
+                {entry.unit ? ` ${symbolOf(entry.unit)}` : ""}
+                <span
+                  className={classes.value}
+                  ref={(cell) => {
+                    values.current[index] = cell;
+                  }}
+                />
+              </span>
+            ),
+          )}
         </div>
       )}
       <div

@@ -20,6 +20,8 @@ export interface PlotSeries {
   fill?: string;
   fillTo?: number;
   hidden?: boolean;
+  /** it goes with another one, and has no place of its own in the legend */
+  unnamed?: boolean;
 }
 
 export interface PlotScale {

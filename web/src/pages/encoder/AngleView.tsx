@@ -138,9 +138,9 @@ function Unrolled({ curves, direction, view }: Pick<Props, "curves" | "direction
     },
   );
   const series = curves.flatMap(({ color, label }): PlotSeries[] => [
-    { label: curves.length > 1 ? label : "mean", color, unit: "microsteps" },
-    { label: curves.length > 1 ? `${label} + spread` : "+ spread", color: `${color}80`, unit: "microsteps" },
-    { label: curves.length > 1 ? `${label} − spread` : "− spread", color: `${color}80`, unit: "microsteps" },
+    { label: curves.length > 1 ? label : "mean and spread", color, unit: "microsteps" },
+    { label: `${label} + spread`, color: `${color}80`, unit: "microsteps", unnamed: true },
+    { label: `${label} − spread`, color: `${color}80`, unit: "microsteps", unnamed: true },
   ]);
   return (
     <Plot

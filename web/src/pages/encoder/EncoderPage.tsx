@@ -137,13 +137,12 @@ function Encoder({ device, axis, encoders }: Props) {
         {shown.slice(0, 1).map((which) => (
           <LiveNumber
             key={which}
-            label="of its limit"
-            unit="%"
+            label="Share of limit"
+            unit=""
             read={() => {
               const limit = parameters.held(LIMIT[which]);
-              return limit === null || limit === 0
-                ? "off"
-                : fixed((100 * Math.abs(last(ENCODERS[which].deviation))) / limit);
+              if (limit === null) return "–";
+              return limit === 0 ? "no limit" : `${fixed((100 * Math.abs(last(ENCODERS[which].deviation))) / limit)} %`;
             }}
           />
         ))}
@@ -161,7 +160,13 @@ function Encoder({ device, axis, encoders }: Props) {
       </section>
       <div className={classes.page}>
         <div className={classes.side}>
-          <SlowTurn at={at} run={run} microstepsPerTurn={microstepsPerTurn} disabled={!connected} />
+          <SlowTurn
+            run={run}
+            microstepsPerTurn={microstepsPerTurn}
+            fullStepsPerTurn={fullSteps}
+            rateHz={link.rateHz ?? rateHz}
+            disabled={!connected}
+          />
           <Limits parameters={parameters} shown={shown} microstepsPerTurn={microstepsPerTurn} disabled={!connected} />
           {shown.slice(0, 1).map((which) => (
             <Counter

@@ -43,6 +43,8 @@ export function Harmonics({ curves, direction }: { curves: readonly Curve[]; dir
   if (!first) return null;
   const { fullStepsPerTurn, microstepsPerTurn } = first.map;
   const degrees = (microsteps: number) => (microsteps / microstepsPerTurn) * 360;
+  // beside each other there is no room for degrees
+  const alone = curves.length === 1;
   const complete = fitted?.fits.some((fit) => fit.turn !== null) ?? false;
   return (
     <Section
@@ -58,7 +60,7 @@ export function Harmonics({ curves, direction }: { curves: readonly Curve[]; dir
               {curves.map(({ label }) => (
                 <Fragment key={label}>
                   <Table.Th ta="right">{curves.length > 1 ? label : ""} µsteps</Table.Th>
-                  <Table.Th ta="right">°</Table.Th>
+                  {alone && <Table.Th ta="right">°</Table.Th>}
                   <Table.Th ta="right">phase</Table.Th>
                 </Fragment>
               ))}
@@ -78,9 +80,11 @@ export function Harmonics({ curves, direction }: { curves: readonly Curve[]; dir
                         <Table.Td className="num" ta="right" fw={600}>
                           {fixed(term?.amplitude, 2)}
                         </Table.Td>
-                        <Table.Td className="num" ta="right">
-                          {fixed(term && degrees(term.amplitude), 3)}
-                        </Table.Td>
+                        {alone && (
+                          <Table.Td className="num" ta="right">
+                            {fixed(term && degrees(term.amplitude), 3)}
+                          </Table.Td>
+                        )}
                         <Table.Td className="num" ta="right">
                           {term && term.amplitude > 0 ? `${fixed((term.phase * 180) / Math.PI)}°` : "–"}
                         </Table.Td>
@@ -100,9 +104,11 @@ export function Harmonics({ curves, direction }: { curves: readonly Curve[]; dir
                     <Table.Td className="num" ta="right" fw={600}>
                       {fixed(offset, 2)}
                     </Table.Td>
-                    <Table.Td className="num" ta="right">
-                      {fixed(offset === undefined ? undefined : degrees(offset), 3)}
-                    </Table.Td>
+                    {alone && (
+                      <Table.Td className="num" ta="right">
+                        {fixed(offset === undefined ? undefined : degrees(offset), 3)}
+                      </Table.Td>
+                    )}
                     <Table.Td />
                   </Fragment>
                 );
@@ -118,9 +124,11 @@ export function Harmonics({ curves, direction }: { curves: readonly Curve[]; dir
                     <Table.Td className="num" ta="right" fw={600}>
                       {fixed(reversal, 2)}
                     </Table.Td>
-                    <Table.Td className="num" ta="right">
-                      {fixed(reversal === undefined ? undefined : degrees(reversal), 3)}
-                    </Table.Td>
+                    {alone && (
+                      <Table.Td className="num" ta="right">
+                        {fixed(reversal === undefined ? undefined : degrees(reversal), 3)}
+                      </Table.Td>
+                    )}
                     <Table.Td />
                   </Fragment>
                 );

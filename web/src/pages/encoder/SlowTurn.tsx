@@ -1,36 +1,25 @@
 import { Button, Switch } from "@mantine/core";
 import { IconPlayerStop, IconRotateClockwise2 } from "@tabler/icons-react";
 import { useState } from "react";
-import type { AxisAddress } from "../../api/motion";
 import { duration } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { Section } from "../../lib/Section";
-import type { Leg } from "../module/HeldRun";
 import { RunNote } from "../module/RunNote";
 import type { useHeldRun } from "../module/useHeldRun";
 import classes from "./encoder.module.css";
-
-/** Whole turns there, and back if wanted; a little more than whole, so that the start of the ramp is seen twice. */
-export function turnLegs(rpm: number, turns: number, back: boolean, microstepsPerTurn: number): Leg[] {
-  const velocityPps = (rpm / 60) * microstepsPerTurn;
-  const forS = (60 * (turns + 0.05)) / rpm;
-  return back
-    ? [
-        { velocityPps, forS },
-        { velocityPps: -velocityPps, forS },
-      ]
-    : [{ velocityPps, forS }];
-}
+import { turnLegs } from "./turns";
 
 interface Props {
-  at: AxisAddress;
   run: ReturnType<typeof useHeldRun>;
   microstepsPerTurn: number;
+  fullStepsPerTurn: number;
+  /** of the samples */
+  rateHz: number;
   disabled: boolean;
 }
 
 /** Turns the motor slowly, so that samples come from every angle. */
-export function SlowTurn({ run, microstepsPerTurn, disabled }: Props) {
+export function SlowTurn({ run, microstepsPerTurn, fullStepsPerTurn, rateHz, disabled }: Props) {
   const [rpm, setRpm] = useState(6);
   const [turns, setTurns] = useState(1);
   const [back, setBack] = useState(true);
@@ -81,7 +70,7 @@ export function SlowTurn({ run, microstepsPerTurn, disabled }: Props) {
             size="xs"
             leftSection={<IconRotateClockwise2 size={16} aria-hidden />}
             disabled={disabled}
-            onClick={() => run.start(turnLegs(rpm, turns, back, microstepsPerTurn))}
+            onClick={() => run.start(turnLegs({ rpm, turns, back }, microstepsPerTurn, rateHz, fullStepsPerTurn))}
             data-testid="slow-turn"
           >
             Turn

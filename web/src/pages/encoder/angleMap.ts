@@ -7,7 +7,7 @@ export type Direction = "both" | "forward" | "backward";
 /** Bins of a full step in the picture of a turn: enough to see the ripple of the detent torque. */
 const BINS_PER_FULLSTEP = 8;
 /** Bins of an electrical period, four full steps. */
-export const PERIOD_BINS = 128;
+export const PERIOD_BINS = 64;
 const FULLSTEPS_PER_PERIOD = 4;
 
 interface Side {
@@ -107,9 +107,23 @@ export class AngleMap {
     return result;
   }
 
-  /** Mean backward minus mean forward [microsteps]: twice what friction holds the rotor back; NaN until both are known. */
+  /**
+   * Mean of backward minus forward [microsteps], over the full steps that were seen both ways: twice what friction
+   * holds the rotor back. NaN before a tenth of the turn was.
+   */
   reversal(): number {
-    return this.backward.histogram.mean - this.forward.histogram.mean;
+    const [forward, backward] = [
+      this.turn("forward", this.fullStepsPerTurn),
+      this.turn("backward", this.fullStepsPerTurn),
+    ];
+    let sum = 0;
+    let both = 0;
+    for (let bin = 0; bin < forward.size; bin++) {
+      if ((forward.count[bin] as number) === 0 || (backward.count[bin] as number) === 0) continue;
+      sum += (backward.mean[bin] as number) - (forward.mean[bin] as number);
+      both += 1;
+    }
+    return both * 10 < forward.size ? Number.NaN : sum / both;
   }
 
   clear(): void {

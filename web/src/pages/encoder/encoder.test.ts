@@ -4,6 +4,7 @@ import { AngleMap } from "./angleMap";
 import { BinStats, binOf, joined } from "./bins";
 import { fitHarmonics, fitTurn, widestHole } from "./harmonics";
 import { Histogram } from "./histogram";
+import { spreadingSpeed, turnLegs } from "./turns";
 
 function randoms(seed: number): () => number {
   let state = seed;
@@ -117,8 +118,12 @@ describe("the map of a turn", () => {
   it("tells the directions apart", () => {
     const map = turned();
     expect(map.reversal()).toBeCloseTo(24, 0);
-    expect(map.histogram("forward").count).toBe(18_006);
-    expect(map.histogram("both").count).toBe(36_012);
+    // half a turn more one way is not taken for friction: eccentricity would look like it
+    for (let position = 0; position < 25_600; position += 7) map.add(position, deviationAt(position, true), true);
+    expect(map.reversal()).toBeCloseTo(24, 0);
+    expect(map.histogram("backward").count).toBe(18_006);
+    expect(map.histogram("both").count).toBe(map.histogram("forward").count + 18_006);
+    expect(new AngleMap(200, 256).reversal()).toBeNaN();
   });
 
   it("reads each row once, leaves out rest and gaps, and counts turns", () => {
@@ -145,6 +150,30 @@ describe("the map of a turn", () => {
     expect(map.histogram("backward").count).toBe(1);
     map.clear();
     expect([map.histogram("both").count, map.turns, map.turn("both").covered]).toEqual([0, 0, 0]);
+  });
+});
+
+describe("a slow turn", () => {
+  it("goes there and back, a little more than whole turns", () => {
+    const legs = turnLegs({ rpm: 6, turns: 2, back: true }, 51_200, 200);
+    expect(legs).toHaveLength(2);
+    for (const leg of legs) {
+      expect(Math.abs(leg.velocityPps)).toBeCloseTo(5120, -3);
+      expect(Math.abs(leg.velocityPps) * leg.forS).toBeGreaterThan(2 * 51_200);
+    }
+    expect(legs[1]?.velocityPps).toBe(-(legs[0]?.velocityPps ?? 0));
+  });
+
+  it("keeps its samples from falling on the same places of every period", () => {
+    for (const wanted of [1024, 5120, 4266.67, 9000]) {
+      const velocity = spreadingSpeed(wanted, 1024, 200);
+      expect(Math.abs(velocity / wanted - 1)).toBeLessThan(0.08);
+      const seen = new Set<number>();
+      for (let sample = 0; sample < 64 * 50; sample++) seen.add(binOf((sample * velocity) / 200, 1024, 64));
+      expect(seen.size).toBe(64);
+    }
+    // few samples a period: nothing can be gained, and the speed would be another
+    expect(spreadingSpeed(102_400, 1024, 200)).toBe(102_400);
   });
 });
 

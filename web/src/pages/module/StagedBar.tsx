@@ -10,7 +10,7 @@ export function StagedBar({ parameters, disabled }: { parameters: Parameters; di
     <>
       <Group gap={6} wrap="nowrap" justify="space-between" mih={30}>
         <Text size="xs" c="dimmed" role="status">
-          {count === 0 ? "As the module holds it" : `${count} ${count === 1 ? "change" : "changes"} not yet applied`}
+          {count === 0 ? "No changes" : `${count} not applied`}
         </Text>
         <Group gap={6} wrap="nowrap">
           <Button size="compact-xs" variant="default" disabled={count === 0} onClick={parameters.discard}>
