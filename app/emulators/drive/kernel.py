@@ -588,6 +588,7 @@ def _tick(s: Cells, f: Floats, table: Floats) -> int:
     if stopping and not s[STOPPING]:
         events |= _EV_SWITCH_STOP
     s[STOPPING] = stopping
+    waiting = s[ZWAIT]
     steps = _ramp(s)
     now = s[V]
     if now != before:
@@ -640,7 +641,7 @@ def _tick(s: Cells, f: Floats, table: Floats) -> int:
                 events |= _EV_STALL | _EV_STOPPED
     if s[ENCODERS]:
         events |= _look_at(s, INTERNAL, internal_counts(f)) | _look_at(s, EXTERNAL, external_counts(f)) << 1
-    s[QUIET] = before == 0 and now == 0 and s[ZWAIT] == 0 and s[REST] and s[PHASE] == HOLD and events == 0
+    s[QUIET] = before == 0 and now == 0 and waiting == 0 and s[REST] and s[PHASE] == HOLD and events == 0
     return events
 
 
