@@ -72,7 +72,7 @@ export function Found({ onAdd, names }: Props) {
           </p>
         )}
       </section>
-      <Probe onAdd={(found) => addSerial(found.port, found.baud, found.address)} />
+      <Probe onAdd={(found) => addSerial(found.port, found.baud ?? undefined, found.address)} />
       <section className={css.box} aria-label="A device in another process">
         <h2>A device in another process</h2>
         <p className={css.note}>Serve an emulated one to any client, then connect to it like to hardware:</p>

@@ -112,7 +112,13 @@ export function Probe({ onAdd }: { onAdd: (found: Found) => void }) {
                   <b className="num">{found.version}</b>
                   <span className={css.portNote}>
                     address <span className="num">{found.address}</span>,{" "}
-                    <span className="num">{fixed(found.baud)}</span> baud
+                    {found.baud === null ? (
+                      "no baud rate"
+                    ) : (
+                      <>
+                        <span className="num">{fixed(found.baud)}</span> baud
+                      </>
+                    )}
                     {found.model === null && ", no driver for it here"}
                   </span>
                 </span>

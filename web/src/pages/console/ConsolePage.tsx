@@ -1,25 +1,77 @@
 import { Button, Text } from "@mantine/core";
 import { IconTerminal2 } from "@tabler/icons-react";
 import { Link } from "wouter";
+import { type Device, useCatalogModel, useDevices } from "../../api/queries";
 import { EmptyState } from "../../lib/EmptyState";
+import { familyOf } from "../../lib/family";
+import { ProblemAlert } from "../../lib/ProblemAlert";
+import { DeviceNotice } from "../../lib/rows/DeviceNotice";
+import common from "../../lib/rows/rows.module.css";
+import { Section } from "../../lib/Section";
 import { useSelection } from "../../live/selection";
+import { ExchangeConsole } from "../registers/ExchangeConsole";
+import css from "./console.module.css";
+import { DirectMode } from "./DirectMode";
+import { FrameLog } from "./FrameLog";
+import { WirePanel } from "./WirePanel";
 
+/** Commands as they are, and everything that goes over the wire. */
 export default function ConsolePage() {
+  const devices = useDevices();
   const { device } = useSelection();
+  if (devices.isError && !device)
+    return <ProblemAlert error={devices.error} doing="Looking for devices" retry={() => void devices.refetch()} />;
+  if (!device)
+    return (
+      <div className={css.page}>
+        <h1 className={common.title}>Console</h1>
+        {devices.isSuccess && (
+          <EmptyState title="No device to talk to" icon={<IconTerminal2 size={22} />}>
+            <Text size="sm" className={css.dim}>
+              Connect one, or add an emulated one: that needs no hardware.
+            </Text>
+            <Button component={Link} href="/connections" size="sm">
+              Add a device
+            </Button>
+          </EmptyState>
+        )}
+      </div>
+    );
   return (
-    <>
-      <h1 style={{ fontSize: "1.1rem", margin: 0 }}>Console</h1>
-      <EmptyState
-        title={device ? `No console values of ${device.name} yet` : "No device"}
-        icon={<IconTerminal2 size={22} />}
-      >
-        <Text size="sm" c="dimmed">
-          Connect a module, or add an emulated one: that needs no hardware.
-        </Text>
-        <Button component={Link} href="/connections" size="sm">
-          Connections
-        </Button>
-      </EmptyState>
-    </>
+    <div className={css.page}>
+      <h1 className={common.title}>
+        Console<span>{`${device.name} · ${device.title}`}</span>
+      </h1>
+      <DeviceNotice device={device} />
+      <div className={css.columns}>
+        <div className={css.left}>
+          {familyOf(device.model) === "module" ? (
+            <DirectMode key={device.id} device={device} />
+          ) : (
+            <Datagrams key={device.id} device={device} />
+          )}
+        </div>
+        <div className={css.right}>
+          <WirePanel device={device} />
+          <FrameLog key={device.id} device={device} />
+        </div>
+      </div>
+    </div>
+  );
+}
+
+/** A chip takes no commands, but 32-bit datagrams. */
+function Datagrams({ device }: { device: Device }) {
+  const catalog = useCatalogModel(device.model);
+  return (
+    <Section title="Raw datagrams" note="one out, one back">
+      <ExchangeConsole
+        device={device.id}
+        connected={device.state === "connected"}
+        rows={catalog.data?.rows ?? []}
+        selected={null}
+        raw={null}
+      />
+    </Section>
   );
 }

@@ -1,0 +1,43 @@
+import { useState } from "react";
+import { Moves } from "./CommandLine";
+import css from "./console.module.css";
+import { type Command, commandName, operandsOf, usageOf } from "./grammar";
+
+interface Props {
+  commands: readonly Command[];
+  onTake: (line: string) => void;
+}
+
+/** Every command with how it is written and what it does; a click begins a line with it. */
+export function Catalog({ commands, onTake }: Props) {
+  const [open, setOpen] = useState(false);
+  return (
+    <div>
+      <button type="button" className={css.fold} aria-expanded={open} onClick={() => setOpen(!open)}>
+        {open ? "Hide the commands" : `All ${commands.length} commands`}
+      </button>
+      {open && (
+        <ul className={css.catalog}>
+          {commands.map((command) => (
+            <li key={command.opcode}>
+              <button
+                type="button"
+                className={css.catalogEntry}
+                data-direct={command.direct}
+                disabled={!command.direct}
+                onClick={() => onTake(commandName(command) + (operandsOf(command).length > 0 ? " " : ""))}
+              >
+                <code className={css.usage}>{usageOf(command)}</code>
+                <span className={css.catalogHelp}>
+                  {command.help || command.name}
+                  {command.moves && <Moves />}
+                  {!command.direct && <span className={css.dim}> only inside of a program</span>}
+                </span>
+              </button>
+            </li>
+          ))}
+        </ul>
+      )}
+    </div>
+  );
+}

@@ -1,0 +1,70 @@
+import { Skeleton } from "@mantine/core";
+import type { Device } from "../../api/queries";
+import { fixed } from "../../lib/format";
+import { ProblemAlert } from "../../lib/ProblemAlert";
+import { Section } from "../../lib/Section";
+import { type LinkInfo, useLinkInfo } from "../../lib/wire/useLinkInfo";
+import { WireBar } from "../../lib/wire/WireBar";
+import css from "./console.module.css";
+import { clock } from "./log";
+
+/** What the wire could carry, what it carries, and what went wrong on it. */
+export function WirePanel({ device }: { device: Device }) {
+  const link = useLinkInfo(device);
+  return (
+    <Section title="Wire" note={link.data ? wireText(link.data) : undefined}>
+      {link.isError && <ProblemAlert error={link.error} doing="Looking at the wire" />}
+      {link.isPending && device.state === "connected" && <Skeleton height={40} radius="sm" aria-hidden />}
+      {device.state === "disconnected" && <p className={css.dim}>Not connected: nothing goes over it.</p>}
+      {link.data && (
+        <div className={css.wire}>
+          <div className={css.wireBar}>
+            <WireBar link={link.data} old={device.state !== "connected"} />
+          </div>
+          <dl className={css.counts}>
+            {countsOf(link.data).map(([word, count]) => (
+              <div key={word}>
+                <dt>{word}</dt>
+                <dd className="num">{fixed(count)}</dd>
+              </div>
+            ))}
+          </dl>
+          {link.data.shared_with.length > 0 && (
+            <p className={css.dim}>Shared with {link.data.shared_with.join(", ")}: one transaction at a time.</p>
+          )}
+          <Incidents link={link.data} />
+        </div>
+      )}
+    </Section>
+  );
+}
+
+function wireText(link: LinkInfo): string {
+  return link.baud === null ? link.kind : `${link.kind}, ${fixed(link.baud)} baud`;
+}
+
+function countsOf({ counts }: LinkInfo): [string, number][] {
+  return [
+    ["stops", counts.stops],
+    ["commands", counts.commands],
+    ["samples", counts.samples],
+    ["samples dropped", counts.samples_dropped],
+    ["timeouts", counts.timeouts],
+    ["failures", counts.failures],
+  ];
+}
+
+function Incidents({ link }: { link: LinkInfo }) {
+  if (link.incidents.length === 0) return <p className={css.dim}>No incident on this wire.</p>;
+  return (
+    <ul className={css.incidents} aria-label="Incidents, newest first">
+      {link.incidents.slice(0, 50).map((incident) => (
+        <li key={`${incident.time_unix_s} ${incident.kind}`}>
+          <span className="num">{clock(incident.time_unix_s)}</span>
+          <b>{incident.kind.replaceAll("_", " ")}</b>
+          <span>{incident.text}</span>
+        </li>
+      ))}
+    </ul>
+  );
+}
