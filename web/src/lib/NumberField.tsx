@@ -18,7 +18,8 @@ export interface NumberFieldProps extends Omit<TextInputProps, "value" | "onChan
 }
 
 function plain(value: number): string {
-  return String(Number(value.toPrecision(7)));
+  // all digits of a whole number count: 16777215 is not 16777220
+  return Number.isSafeInteger(value) ? String(value) : String(Number(value.toPrecision(7)));
 }
 
 /**

@@ -89,7 +89,7 @@ function Encoder({ device, axis, encoders }: Props) {
   const maps = useAngleMaps(source, axis.index, fullSteps, microsteps);
   const parameters = useParameters(at, LIMIT_NAMES, connected);
   const stops = useStops(at, source, connected);
-  const run = useHeldRun(at);
+  const run = useHeldRun(at, source);
 
   const last = (quantity: string) => (connected ? buffer.last(`${quantity}.${axis.index}`) : Number.NaN);
   const curves: Curve[] = shown.map((which) => ({

@@ -78,6 +78,21 @@ describe("HeldRun", () => {
     expect(sent.at(-1)).toBe("rotate 7");
   });
 
+  it("does not go on against a switch", async () => {
+    run.start([
+      { velocityPps: 100, forS: 1 },
+      { velocityPps: 200, forS: 1 },
+    ]);
+    answers[0]?.resolve();
+    await settle();
+    run.stuck("right_switch");
+    expect(run.state).toEqual({ phase: "stuck", reason: "right_switch" });
+    await vi.advanceTimersByTimeAsync(5000);
+    expect(sent).toEqual(["rotate 100", "halt"]);
+    run.stuck("left_switch"); // nothing runs
+    expect(sent).toHaveLength(2);
+  });
+
   it("says why it could not begin, and begins nothing while it runs", async () => {
     run.start([{ velocityPps: 100, forS: 1 }]);
     run.start([{ velocityPps: 999, forS: 1 }]);
@@ -93,6 +108,7 @@ describe("HeldRun", () => {
 describe("a sweep", () => {
   it("goes up and comes back, the fastest once", () => {
     expect(sweep(10, 30, 3, 2).map((leg) => leg.velocityPps)).toEqual([10, 20, 30, 20, 10]);
+    expect(sweep(10, 20, 2, 1, true).map((leg) => leg.velocityPps)).toEqual([10, -10, 20, -20, 10, -10]);
     expect(sweep(10, 30, 1, 2)).toEqual([{ velocityPps: 30, forS: 2 }]);
   });
 });

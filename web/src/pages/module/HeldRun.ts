@@ -8,7 +8,9 @@ export type RunState =
   | { phase: "idle" }
   | { phase: "running"; leg: number; legs: number; velocityPps: number }
   | { phase: "done" | "stopped" }
-  | { phase: "ended"; error: unknown };
+  | { phase: "ended"; error: unknown }
+  /** the motor ran into something: a switch, a stall */
+  | { phase: "stuck"; reason: string };
 
 export interface RunPorts {
   rotate: (velocityPps: number, holdS: number) => Promise<unknown>;
@@ -54,6 +56,13 @@ export class HeldRun {
     this.ports.halt().catch((error: unknown) => this.tell({ phase: "ended", error }));
   }
 
+  /** The motor was stopped from within: what is left would only press it against the same thing again. */
+  stuck(reason: string): void {
+    if (!this.running) return;
+    this.finish({ phase: "stuck", reason });
+    this.ports.halt().catch((error: unknown) => this.tell({ phase: "ended", error }));
+  }
+
   private leg(legs: readonly Leg[], index: number, run: number): void {
     const leg = legs[index];
     if (leg === undefined) {
@@ -92,11 +101,15 @@ export class HeldRun {
   }
 }
 
-/** Speeds from `from` to `to` in `steps` equal steps and back again, each for so long. */
-export function sweep(from: number, to: number, steps: number, forS: number): Leg[] {
+/**
+ * Speeds from `from` to `to` in `steps` equal steps and back again, each for so long. `bothWays`: each speed to one
+ * side and then to the other, so that a carriage comes back to where it was.
+ */
+export function sweep(from: number, to: number, steps: number, forS: number, bothWays = false): Leg[] {
   const up = Array.from({ length: steps }, (_, index) => ({
     velocityPps: steps === 1 ? to : from + ((to - from) * index) / (steps - 1),
     forS,
   }));
-  return [...up, ...up.slice(0, -1).reverse()];
+  const all = [...up, ...up.slice(0, -1).reverse()];
+  return bothWays ? all.flatMap((leg) => [leg, { ...leg, velocityPps: -leg.velocityPps }]) : all;
 }

@@ -2,6 +2,7 @@ import { Text } from "@mantine/core";
 import { ApiError } from "../../api/client";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import type { RunState } from "./HeldRun";
+import { REASONS, type StopReason } from "./useStops";
 
 /** How a run goes, in one line of fixed height. */
 export function RunNote({ state, idle }: { state: RunState; idle: string }) {
@@ -22,6 +23,8 @@ function textOf(state: RunState, idle: string): string {
       return "Done.";
     case "stopped":
       return "Stopped.";
+    case "stuck":
+      return `Ended: ${(REASONS[state.reason as StopReason]?.text ?? state.reason).toLowerCase()}.`;
     case "ended":
       return "Something else has stopped the motor: see what, in the list of stops.";
     default:

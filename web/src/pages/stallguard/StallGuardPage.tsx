@@ -84,7 +84,7 @@ function Load({ device, axis }: { device: Device; axis: Device["axes"][number] }
   const { source, link, buffer } = useTelemetry(device.id, channels, Math.min(RATE_HZ, device.rate_max_hz), KEEP_S);
   const parameters = useParameters(at, NAMES, connected);
   const stops = useStops(at, source, connected);
-  const run = useHeldRun(at);
+  const run = useHeldRun(at, source);
   const microstepsPerTurn = axis.full_steps_per_rev * (axis.microsteps_per_full_step ?? 256);
   // biome-ignore lint/correctness/useExhaustiveDependencies: what was gathered belongs to one axis of one device
   const map = useMemo(() => new SpeedMap(), [device.id, axis.index]);

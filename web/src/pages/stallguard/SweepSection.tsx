@@ -1,4 +1,4 @@
-import { Button } from "@mantine/core";
+import { Button, Switch } from "@mantine/core";
 import { IconPlayerStop, IconStairs } from "@tabler/icons-react";
 import { useState } from "react";
 import { duration } from "../../lib/format";
@@ -21,10 +21,11 @@ export function SweepSection({ run, microstepsPerTurn, disabled }: Props) {
   const [to, setTo] = useState(240);
   const [steps, setSteps] = useState(10);
   const [forS, setForS] = useState(1);
+  const [bothWays, setBothWays] = useState(true);
   const locked = disabled || run.running;
-  const legs = () => sweep((from / 60) * microstepsPerTurn, (to / 60) * microstepsPerTurn, steps, forS);
+  const legs = () => sweep((from / 60) * microstepsPerTurn, (to / 60) * microstepsPerTurn, steps, forS, bothWays);
   return (
-    <Section title="Speed sweep" note={`takes ${duration((2 * steps - 1) * forS)}`}>
+    <Section title="Speed sweep" note={`takes ${duration((2 * steps - 1) * forS * (bothWays ? 2 : 1))}`}>
       <div className={classes.fields}>
         <NumberField label="From" unit="rpm" value={from} min={-3000} max={3000} disabled={locked} onChange={setFrom} />
         <NumberField label="To" unit="rpm" value={to} min={-3000} max={3000} disabled={locked} onChange={setTo} />
@@ -40,6 +41,14 @@ export function SweepSection({ run, microstepsPerTurn, disabled }: Props) {
           onChange={setForS}
         />
       </div>
+      <Switch
+        size="sm"
+        mb={8}
+        label="each speed there and back"
+        checked={bothWays}
+        disabled={locked}
+        onChange={(event) => setBothWays(event.currentTarget.checked)}
+      />
       {run.running ? (
         <Button
           size="xs"
@@ -65,7 +74,11 @@ export function SweepSection({ run, microstepsPerTurn, disabled }: Props) {
       )}
       <RunNote
         state={run.state}
-        idle="The shaft turns on and on in one direction: take care of a stage with ends. Escape stops everything."
+        idle={
+          bothWays
+            ? "A carriage comes back to where it was. Escape stops everything."
+            : "The shaft turns on and on in one direction: mind the ends of a stage. Escape stops everything."
+        }
       />
     </Section>
   );

@@ -166,7 +166,7 @@ export function Thresholds({ parameters, disabled }: Props) {
         name={AP.coolMinimum}
         label="Least current"
         alias="AP 168"
-        choices={["½ of run current", "¼ of run current"]}
+        choices={["½ of run", "¼ of run"]}
       />
       <ChoiceRow
         {...common}
