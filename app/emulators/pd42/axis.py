@@ -120,6 +120,7 @@ class Axis:
         """
         if not self.parameters.values[STEP_DIR]:
             return
+        self._forgive()
         rate = max(units.velocity_to_chip(round(rate_hz)), 1)
         write = self.drive.write
         for register in ("A1", "AMAX", "DMAX", "D1"):
@@ -303,7 +304,7 @@ class Axis:
             1: lambda: read("XACTUAL"),
             2: partial(self._shown, TARGET_SPEED),
             3: lambda: parameters.speed_shown(read("VACTUAL")),
-            8: lambda: read("RAMP_STAT") >> 9 & 1,
+            8: lambda: int(read("XACTUAL") == read("XTARGET")),  # RAMP_STAT has it too, and costs three times as much
             9: lambda: int(drive.switches.home),
             10: lambda: read("RAMP_STAT") >> 1 & 1,
             11: lambda: read("RAMP_STAT") & 1,

@@ -14,7 +14,9 @@ from app.emulators.pd42.faults import UNDERVOLTAGE_V, Faults
 from app.emulators.pd42.firmware import Firmware
 from app.emulators.pd42.global_parameters import ADDRESS, BAUD
 from app.emulators.pd42.options import Pd42Options, Pd42Patch
+from app.emulators.pd42.refused import Refused
 from app.emulators.pd42.state import Pd42State
+from app.links.errors import WrongState
 from app.links.tmcl import FRAME_BYTES
 
 MODEL = "pd42-1241"
@@ -105,13 +107,13 @@ class EmulatedModule:
     def patch(self, change: Pd42Patch, at_s: float | None = None) -> Pd42State:
         """Change the world around the module at chip time `at_s` [s], by default now.
 
-        Raises OutOfRange for switches that would change places.
+        Raises OutOfRange for switches that would change places, WrongState where factory settings cannot be written.
         """
         with self._lock:
             self._catch_up(at_s)
             world.check_stage(self._drive, change.stage)
             if change.factory_default:
-                self._firmware.globals.factory_default()
+                self._erase()
             if change.factory_default or change.power_cycle:
                 self._firmware.power_on()
             world.change(self._drive, change)
@@ -150,6 +152,13 @@ class EmulatedModule:
         if at_s > self._latest_s:
             self._latest_s = at_s
             self._firmware.run(int(at_s * self._clock_hz + 0.5))
+
+    def _erase(self) -> None:
+        try:
+            self._firmware.globals.factory_default()
+        except Refused as error:
+            path = self._firmware.eeprom.path
+            raise WrongState(f"the EEPROM's file {path} cannot be written", "see to the disk and its rights") from error
 
     def _change_inputs(self, change: Pd42Patch) -> None:
         ports, inputs = self._firmware.ports, change.inputs

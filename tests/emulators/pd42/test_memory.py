@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from app.emulators.pd42.eeprom import Eeprom
+from app.links.errors import WrongState
 from app.registers.model import Space
 from app.registers.pd42 import PD42
 from app.registers.tmcl import Opcode, Status
@@ -291,6 +292,8 @@ def test_an_eeprom_that_cannot_be_written_is_locked(tmp_path: Path) -> None:
     path.mkdir()  # nothing can take its place
     bench = Bench(eeprom=path)
     assert bench.ask(Opcode.SGP, 68, 0, 9).status == Status.EEPROM_LOCKED
+    with pytest.raises(WrongState, match="eeprom.json"):
+        bench.patch(factory_default=True)
 
 
 def test_no_half_written_file_is_left(tmp_path: Path) -> None:

@@ -4,12 +4,18 @@ from __future__ import annotations
 
 import pytest
 
-from app.registers.tmcl import Opcode, Status
+from app.registers.tmcl import ExtendedErrors, Opcode, Status
 from tests.emulators.pd42.bench import FULLSTEP, Bench
 
 RIGHT_AT = 40
-STAGE: dict[str, object] = {"stage": {"left_at_fullsteps": -40.0, "right_at_fullsteps": float(RIGHT_AT), "home_from_fullsteps": -12.0,
-                   "home_to_fullsteps": -8.0}}  # fmt: skip
+STAGE: dict[str, object] = {
+    "stage": {
+        "left_at_fullsteps": -40.0,
+        "right_at_fullsteps": float(RIGHT_AT),
+        "home_from_fullsteps": -12.0,
+        "home_to_fullsteps": -8.0,
+    }
+}
 
 
 def _running_right(**parameters: int) -> Bench:
@@ -189,6 +195,20 @@ def test_pulses_move_the_motor_in_step_direction_mode() -> None:
     bench.run(0.5)
     assert bench.gap(3) == pytest.approx(25_600, rel=0.05)  # by the ramp again
     bench.arrive()
+
+
+@pytest.mark.sheet("004", "6.4")
+def test_a_deviation_does_not_end_step_direction_mode() -> None:
+    bench = Bench()
+    bench.sap(254, 1)
+    bench.sap(212, 2000)
+    bench.patch(encoder={"slip_fullsteps": 20.0})
+    bench.run(0.01)
+    assert bench.gap(207) == ExtendedErrors.DEVIATION
+    bench.sap(212, 0)
+    bench.patch(step_dir={"pulses": 1000, "rate_hz": 10_000})
+    bench.run(1.0)
+    assert bench.gap(1) == 1000
 
 
 @pytest.mark.sheet("004", "6.4")
