@@ -9,6 +9,7 @@ from typing import cast
 
 from app.clock import Clock, ScaledClock, VirtualClock
 from app.devices.config import DeviceConfig
+from app.devices.device import Device
 from app.devices.manager import DeviceManager
 from app.devices.pd42.driver import Pd42
 from app.emulators.build import build_emulator
@@ -54,7 +55,12 @@ MOVERS = (Opcode.MVP, Opcode.ROR, Opcode.ROL, Opcode.MST, Opcode.RFS)
 
 def module_port(model: str, link: Link, clock: Clock) -> FramePort:
     options = Pd42Options.model_validate({key: value for key, value in link.items() if key != "kind"})
-    return EmulatorPort(Tap(cast("EmulatedModule", build_emulator(model, clock, options))))
+    return EmulatorPort(Tap(build_emulator(model, clock, options)))
+
+
+def state_of(device: Device) -> str:
+    """Its state, as a type checker that remembers earlier comparisons must not narrow it."""
+    return device.state
 
 
 @dataclass
@@ -74,6 +80,8 @@ class Bench:
         return self.tap.module
 
     def patch(self, **change: object) -> None:
+        """Change the world; samples that fell due before are taken first, as by everybody who uses the port."""
+        cast("EmulatorPort", self.device.port).take_turn()
         self.module.patch(Pd42Patch.model_validate(change))
 
     async def at_rest(self, within_s: float = 60.0) -> int:
