@@ -292,7 +292,7 @@ def test_an_eeprom_that_cannot_be_written_is_locked(tmp_path: Path) -> None:
     path.mkdir()  # nothing can take its place
     bench = Bench(eeprom=path)
     assert bench.ask(Opcode.SGP, 68, 0, 9).status == Status.EEPROM_LOCKED
-    with pytest.raises(WrongState, match="eeprom.json"):
+    with pytest.raises(WrongState, match="cannot be written"):
         bench.patch(factory_default=True)
 
 
