@@ -34,8 +34,8 @@ ADDRESS = 1
 CALL_BYTES = 2 * FRAME_BYTES
 MODULE_S = 0.005
 """What a module takes to answer [s]."""
-RESERVE_S = 0.1
-"""For adapters that collect bytes (16 ms), for a busy machine, and for modules that are told to wait a little [s]."""
+RESERVE_S = 0.245
+"""For adapters that collect bytes (16 ms), for a busy machine, and for modules told to pause first (GP 75) [s]."""
 SOCKET_TIMEOUT_S = 1.0
 
 
@@ -110,6 +110,8 @@ class Line:
             thread, self._thread = self._thread, None
             self._before = thread.thread
             await thread.close()
+            if self._before is thread.thread and not thread.thread.is_alive():
+                self._before = None  # nobody to wait for, and nothing that keeps us alive
 
     def _tell_event(self, frame: bytes) -> None:
         for port in tuple(self.users):
@@ -186,8 +188,12 @@ class LinePort:
             job.abandoned = True
             raise
         self._take(job)
-        if job.error is not None:
-            raise job.error
+        error, job.error = job.error, None
+        if error is not None:
+            try:
+                raise error
+            finally:
+                del error  # else the error holds this frame and the frame the error, and both the line
         return job.replies
 
     def on_event(self, listener: Callable[[bytes], None]) -> Callable[[], None]:
