@@ -1,7 +1,8 @@
 import { Button, Loader, Stack, Text, VisuallyHidden } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { IconAdjustmentsAlt, IconPlugConnected } from "@tabler/icons-react";
-import { useMemo } from "react";
+import { useQueryClient } from "@tanstack/react-query";
+import { useEffect, useMemo } from "react";
 import { Link } from "wouter";
 import { type Device, useDevices } from "../../api/queries";
 import { EmptyState } from "../../lib/EmptyState";
@@ -108,6 +109,14 @@ function Stage({ device, axis, open, onToggle }: StageProps) {
   const live = useLiveAxis(device.id, axis.index);
   const module = familyOf(device.model) === "module";
   const search = useSearch({ device: device.id, axis: axis.index }, module && device.state === "connected");
+  const queries = useQueryClient();
+  const searched = search.data?.state;
+  // with the search's end the counter has another zero: the drawing has to learn where that is
+  // biome-ignore lint/correctness/useExhaustiveDependencies: it is the state that ends
+  useEffect(
+    () => void queries.invalidateQueries({ queryKey: ["emulator", device.id] }),
+    [queries, searched, device.id],
+  );
   return (
     <div className={classes.stageBox}>
       {(emulator.data !== undefined || !device.emulated) && (

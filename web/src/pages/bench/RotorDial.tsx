@@ -16,7 +16,7 @@ export function RotorDial({ truth }: { truth: Pd42State["truth"] }) {
   return (
     <div className={classes.dial} data-testid="rotor-dial" data-slip={slips}>
       <svg
-        viewBox="0 0 128 128"
+        viewBox="-4 -4 136 136"
         role="img"
         aria-label={`The rotor is ${fixed(behind, 1)} electrical degrees behind its field`}
       >

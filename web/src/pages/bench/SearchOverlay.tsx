@@ -2,13 +2,16 @@ import type { Ref } from "react";
 import type { Schemas } from "../../api/client";
 import { fixed } from "../../lib/format";
 import classes from "./bench.module.css";
+import type { SeenEdge } from "./edges";
 
 interface Props {
   search: Schemas["ReferenceSearchState"];
+  /** what it has passed, in full steps of the counter */
+  seen: readonly SeenEdge[];
   /** moved in every frame by what separates the counter's zero from the stage's */
   counted: Ref<SVGGElement>;
-  /** where a count [microsteps] lies, but for that */
-  place: (count: number) => number;
+  /** where a count of full steps lies, but for that */
+  place: (fullsteps: number) => number;
   left: number;
   width: number;
   /** height of the spindle */
@@ -16,32 +19,35 @@ interface Props {
 }
 
 /** On the stage's drawing: the edges that a reference search has found, what it does, and where zero came to be. */
-export function SearchOverlay({ search, counted, place, left, width, rail }: Props) {
+export function SearchOverlay({ search, seen, counted, place, left, width, rail }: Props) {
   const running = search.state === "running";
   const done = search.state === "done";
   const base = rail + 46;
   return (
     <>
-      <g ref={counted} data-testid="search-edges" data-edges={search.edges.length}>
-        {search.edges.map((edge, index) => (
-          <path
+      <g ref={counted} data-testid="search-edges" data-edges={seen.length}>
+        {seen.map((edge, index) => (
+          <g
             // biome-ignore lint/suspicious/noArrayIndexKey: edges are only ever added
             key={index}
-            d={`M${place(edge)} ${rail - 28}V${rail + 22}`}
+            data-last={running && index === seen.length - 1}
             className={classes.edge}
-          />
+          >
+            <path d={`M${place(edge.at)} ${rail - 28}V${rail + 22}`} />
+            <title>{`${edge.which} switch ${edge.closed ? "closed" : "opened"} at ${fixed(edge.at, 1)} full steps`}</title>
+          </g>
         ))}
         {done && (
           <g>
             <path d={`M${place(0)} ${rail - 28}V${rail + 22}`} className={classes.zero} />
-            <text x={place(0)} y={rail - 46} textAnchor="middle" className={classes.zeroText}>
+            <text x={place(0)} y={rail - 51} textAnchor="middle" className={classes.zeroText}>
               0
             </text>
           </g>
         )}
       </g>
       <text x={left} y={base + 14} className={classes.searchText} data-failed={search.state === "failed"}>
-        {running ? search.phase : done ? doneText(search) : search.message || search.state}
+        {running ? runningText(search, seen) : done ? doneText(search) : search.message || search.state}
       </text>
       {running && (
         <g className={classes.searchProgress}>
@@ -51,6 +57,11 @@ export function SearchOverlay({ search, counted, place, left, width, rail }: Pro
       )}
     </>
   );
+}
+
+function runningText(search: Schemas["ReferenceSearchState"], seen: readonly SeenEdge[]): string {
+  const last = seen.at(-1);
+  return last ? `${search.phase}; ${last.which} switch ${last.closed ? "closed" : "opened"}` : search.phase;
 }
 
 function doneText(search: Schemas["ReferenceSearchState"]): string {

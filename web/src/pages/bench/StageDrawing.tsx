@@ -10,12 +10,13 @@ import classes from "./bench.module.css";
 import type { LiveAxis } from "./live";
 import { SearchOverlay } from "./SearchOverlay";
 import type { EmulatorState } from "./useEmulator";
+import { useSearchEdges } from "./useSearchEdges";
 import { useStage } from "./useStage";
 
 const RAIL_Y = 62;
 const START_X = 92;
 const PITCH = 9;
-const SEARCH_PX = 26;
+const SEARCH_PX = 32;
 
 type SwitchName = "left" | "right" | "home";
 
@@ -68,6 +69,7 @@ export function StageDrawing({ device, axis, live, emulator, search }: Props) {
     spindle.current?.setAttribute("patternTransform", `translate(${((turns * 40) % PITCH).toFixed(2)} 0) skewX(-24)`);
     shaft.current?.setAttribute("transform", `rotate(${((turns * 360) % 360).toFixed(1)} 34 ${RAIL_Y})`);
   });
+  const seen = useSearchEdges(live, scale.microstepsPerFullStep ?? 256, search);
   span.current = stage ? stage.to - stage.from : 0;
 
   useEffect(
@@ -170,7 +172,8 @@ export function StageDrawing({ device, axis, live, emulator, search }: Props) {
           <SearchOverlay
             search={search}
             counted={counted}
-            place={(count) => at(count / microsteps)}
+            seen={seen}
+            place={at}
             left={START_X}
             width={travel}
             rail={RAIL_Y}

@@ -52,7 +52,7 @@ function observedStage(seen: ObservedStage, fullStepsPerTurn: number): Stage {
   return { from, to, left, right, homeFrom, homeTo, forced: NOT_FORCED, inferred: true, zero: 0 };
 }
 
-function lookAt(live: LiveAxis, microsteps: number): Look {
+export function lookAt(live: LiveAxis, microsteps: number): Look {
   return {
     timeS: live.source?.buffer.lastTime ?? Number.NaN,
     position: live.read("position") / microsteps,

@@ -56,7 +56,7 @@ export function stepsOf({ base, mirrored }: Choice): SearchStep[] {
     ];
   }
   const side = base === 5 || base === 8 ? "left" : "right";
-  const turning = base <= 6 ? `, turning round at the ${side} switch` : "";
+  const turning = base <= 6 ? `; from the ${side} switch it turns round, and goes on mirrored` : "";
   return [
     { to: side, fast: true, until: `the home switch closes${turning}` },
     { to: OTHER[side], fast: false, until: "it opens" },

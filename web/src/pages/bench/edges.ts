@@ -1,0 +1,44 @@
+import type { Look } from "./observed";
+
+export interface SeenEdge {
+  which: "left" | "right" | "home";
+  /** it became active, not inactive */
+  closed: boolean;
+  /** [full steps] of the counter */
+  at: number;
+}
+
+const SWITCHES = ["left", "right", "home"] as const;
+
+/** The switch edges of one reference search, as the samples show them: a module tells only of its result. */
+export class EdgeTrail {
+  edges: SeenEdge[] = [];
+  revision = 0;
+  private before: Look | null = null;
+
+  begin(): void {
+    this.edges = [];
+    this.before = null;
+    this.revision += 1;
+  }
+
+  look(now: Look): void {
+    const { before } = this;
+    if (Number.isNaN(now.position) || (before !== null && now.timeS <= before.timeS)) return;
+    this.before = now;
+    if (before === null) return;
+    for (const which of SWITCHES) {
+      const [was, is] = [before[which] > 0.5, now[which] > 0.5];
+      if (Number.isNaN(before[which] + now[which]) || was === is) continue;
+      this.edges.push({ which, closed: is, at: (before.position + now.position) / 2 });
+      this.revision += 1;
+    }
+  }
+
+  /** The search has made `zero` of the old counting its new zero [full steps]: the edges are where they were. */
+  end(zero: number): void {
+    this.edges = this.edges.map((edge) => ({ ...edge, at: edge.at - zero }));
+    this.before = null;
+    this.revision += 1;
+  }
+}

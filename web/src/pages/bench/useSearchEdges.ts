@@ -1,0 +1,36 @@
+import { useEffect, useRef, useState } from "react";
+import type { Schemas } from "../../api/client";
+import { useFrame } from "../../live/useFrame";
+import { EdgeTrail, type SeenEdge } from "./edges";
+import type { LiveAxis } from "./live";
+import { lookAt } from "./useStage";
+
+/** The edges that the running search has passed, or the last one did; where the server tells of none by itself. */
+export function useSearchEdges(
+  live: LiveAxis,
+  microsteps: number,
+  search: Schemas["ReferenceSearchState"] | undefined,
+): readonly SeenEdge[] {
+  const [trail] = useState(() => new EdgeTrail());
+  const [edges, setEdges] = useState<readonly SeenEdge[]>([]);
+  const shown = useRef(0);
+  const state = search?.state;
+  const zero = search?.last_position ?? null;
+  const ran = useRef(false);
+  useEffect(() => {
+    if (state === "running") {
+      ran.current = true;
+      trail.begin();
+    } else if (ran.current) {
+      ran.current = false;
+      if (state === "done" && zero !== null) trail.end(zero / microsteps);
+    }
+  }, [trail, state, zero, microsteps]);
+  useFrame(() => {
+    if (state === "running") trail.look(lookAt(live, microsteps));
+    if (shown.current === trail.revision) return;
+    shown.current = trail.revision;
+    setEdges(trail.edges.slice());
+  });
+  return edges;
+}
