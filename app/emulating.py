@@ -96,6 +96,7 @@ def emulate_line(options: LineOptions, announce: Callable[[str], None]) -> None:
         control = listen(*host_and_port("--control", options.control)) if options.control else None
         if control is not None:
             stack.callback(control.close)
+            control.listen()  # whoever calls before the server behind it runs just waits
         try:
             server = stack.enter_context(LineServer(line, _ends(options)))
         except OSError as error:
