@@ -7,7 +7,7 @@ same for every 32-bit register chip in `register_chip`.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import cast
@@ -277,8 +277,8 @@ class Device(ABC):
         """Read one register, or a field by its own name, from the chip, past any cache."""
 
     @abstractmethod
-    async def read_all(self, axis: int | None = None) -> list[RegisterReading]:
-        """Every readable register; of one axis (and no global ones) where `axis` is given."""
+    async def read_all(self, axis: int | None = None, groups: Collection[str] = ()) -> list[RegisterReading]:
+        """Every readable register; with `axis` only of that axis (no global ones), with `groups` only of those."""
 
     @abstractmethod
     async def write(

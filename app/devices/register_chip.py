@@ -6,7 +6,7 @@ by the three hooks at the end.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from app.clock import Clock
 from app.devices.config import DeviceConfig
@@ -44,13 +44,15 @@ class RegisterChip(Device):
             self._saw_word(register, word)
         return _reading(register, part, word)
 
-    async def read_all(self, axis: int | None = None) -> list[RegisterReading]:
+    async def read_all(self, axis: int | None = None, groups: Collection[str] = ()) -> list[RegisterReading]:
         if axis is not None:
             self.axis(axis)
         self.require_connected()
         readings = []
         for register in self.table:
-            if register.access.readable and (axis is None or register.axis == axis):
+            if not register.access.readable or (groups and register.group not in groups):
+                continue
+            if axis is None or register.axis == axis:
                 # A turn each, not one for all: 120 questions must not keep other commands waiting.
                 word = await read_once_more(self.queue, register.address) & DATA_MASK
                 self._saw_word(register, word)

@@ -39,6 +39,10 @@ async def test_every_readable_register_is_listed(client: httpx.AsyncClient, devi
     assert [(r["name"], r["axis"]) for r in readings] == [(r.name, r.axis) for r in table if r.access.readable]
     of_axis = (await client.get(f"devices/{device}/registers", params={"axis": 0})).json()
     assert {reading["axis"] for reading in of_axis} == {0}
+    some = (await client.get(f"devices/{device}/registers", params={"group": ["motion", "chip"]})).json()
+    wanted = [r.name for r in table if r.access.readable and r.group in ("motion", "chip")]
+    assert wanted
+    assert [reading["name"] for reading in some] == wanted
 
 
 async def test_a_batch_is_written_in_order_and_ends_where_it_fails(client: httpx.AsyncClient) -> None:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter, Request
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request
 
 from app.api.abilities import CurrentStoringDevice
 from app.api.deps import AxisQuery, CurrentDevice, DeviceId, RegisterName, device_of
@@ -21,11 +23,18 @@ from app.links.errors import WriteRefused
 
 router = APIRouter(prefix="/devices/{device}", tags=["registers"])
 
+GroupQuery = Annotated[
+    list[str] | None,
+    Query(description="only these groups of the catalog's rows: a slow wire is not asked for more", max_length=64),
+]
+
 
 @router.get("/registers", responses=problems(*DEVICE_PROBLEMS))
-async def list_registers(device: CurrentDevice, axis: AxisQuery = None) -> list[RegisterReading]:
-    """Every readable register, from the chip; with `axis` only those of that axis."""
-    return [RegisterReading.model_validate(reading) for reading in await device.read_all(axis)]
+async def list_registers(
+    device: CurrentDevice, axis: AxisQuery = None, group: GroupQuery = None
+) -> list[RegisterReading]:
+    """Every readable register, from the device; with `axis` or `group` only those of that axis or those groups."""
+    return [RegisterReading.model_validate(reading) for reading in await device.read_all(axis, group or ())]
 
 
 @router.post("/registers", responses=problems(*DEVICE_PROBLEMS))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from app.devices.lookup import checked_fields
 from app.devices.pd42 import rows, units
@@ -48,7 +48,7 @@ class Parameters(Module):
             reading.name, reading.value, reading.unit = part.name, reading.fields[part.name], part.unit
         return reading
 
-    async def read_all(self, axis: int | None = None) -> list[RegisterReading]:
+    async def read_all(self, axis: int | None = None, groups: Collection[str] = ()) -> list[RegisterReading]:
         """Every parameter but those that a read would clear: these only somebody who asks for them by name gets."""
         if axis is not None:
             self.axis(axis)
@@ -56,7 +56,10 @@ class Parameters(Module):
         wanted = [
             register
             for register in self.table
-            if register.access.readable and not register.read_clears and (axis is None or register.axis == axis)
+            if register.access.readable
+            and not register.read_clears
+            and (axis is None or register.axis == axis)
+            and (not groups or register.group in groups)
         ]
         values = await self._values(wanted)
         return [

@@ -33,7 +33,7 @@ export interface paths {
         };
         /**
          * List Registers
-         * @description Every readable register, from the chip; with `axis` only those of that axis.
+         * @description Every readable register, from the device; with `axis` or `group` only those of that axis or those groups.
          */
         get: operations["list_registers"];
         put?: never;
@@ -4117,6 +4117,8 @@ export interface operations {
             query?: {
                 /** @description the axis, from 0; none for registers of the whole chip */
                 axis?: number | null;
+                /** @description only these groups of the catalog's rows: a slow wire is not asked for more */
+                group?: string[] | null;
             };
             header?: never;
             path: {

@@ -13,26 +13,28 @@ const OLD_MS = 2000;
 export type Live = ReturnType<typeof useRegisters>;
 
 /**
- * Catalog and live readings of a device, all registers in one look. A hidden page does not poll, and a slow link is
+ * Catalog and live readings of a device, all registers in one look, or those of some groups. A hidden page does not poll, and a slow link is
  * asked half of its time at most.
  */
-export function useRegisters(device: Device | undefined, paused: boolean) {
+export function useRegisters(device: Device | undefined, paused: boolean, groups: readonly string[] | null = null) {
   const catalog = useCatalogModel(device?.model);
   const tookMs = useRef(0);
   const connected = device?.state === "connected";
   const id = device?.id ?? "";
   const readings = useQuery({
-    queryKey: ["registers", id],
+    queryKey: groups === null ? ["registers", id] : ["registers", id, groups],
     queryFn: async ({ signal }) => {
       const asked = performance.now();
       const answer = await api.GET("/api/v1/devices/{device}/registers", {
-        params: { path: { device: id } },
+        params: { path: { device: id }, ...(groups === null ? {} : { query: { group: [...groups] } }) },
         signal,
       });
       tookMs.current = performance.now() - asked;
       return unwrap(answer);
     },
-    enabled: connected,
+    enabled: connected && groups?.length !== 0,
+    // What this device showed stays until other groups of it are read; another device's values never do.
+    placeholderData: (before, query) => (query?.queryKey[1] === id ? before : undefined),
     refetchInterval: paused ? false : () => Math.max(POLL_MS, 2 * tookMs.current),
     staleTime: 0,
     gcTime: 60_000,

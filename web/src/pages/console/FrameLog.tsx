@@ -5,12 +5,12 @@ import { IconListDetails, IconPlayerPause, IconPlayerPlay, IconSearch } from "@t
 import { useEffect, useMemo, useRef, useState } from "react";
 import type { Device } from "../../api/queries";
 import { EmptyState } from "../../lib/EmptyState";
-import { fixed } from "../../lib/format";
+import { duration, fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Section } from "../../lib/Section";
 import css from "./console.module.css";
 import { FrameDetail } from "./FrameDetail";
-import { asCsv, asText, clock, type Filter, type Frame, isBad, passes, type Show, spaced } from "./log";
+import { asCsv, asText, clock, type Filter, type Frame, isBad, passes, type Show } from "./log";
 import { useFrameLog } from "./useFrameLog";
 
 const ROW_PX = 22;
@@ -238,9 +238,9 @@ function List({ frames, handle, selected, onSelect }: ListProps) {
               <span className={css.logPriority}>{frame.priority}</span>
               <span className={css.logText}>{frame.error === null ? frame.text : `${frame.text}: ${frame.error}`}</span>
               <span className={css.logBytes}>
-                {spaced(frame.tx)} → {spaced(frame.rx) || "nothing"}
+                {frame.tx} → {frame.rx ?? "nothing"}
               </span>
-              <span className={css.logTook}>{frame.took_ms.toFixed(2)} ms</span>
+              <span className={css.logTook}>{duration(frame.took_ms / 1000)}</span>
             </div>
           ))}
         </div>

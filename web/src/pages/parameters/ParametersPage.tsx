@@ -3,7 +3,7 @@ import { useHotkeys } from "@mantine/hooks";
 import { IconAdjustments } from "@tabler/icons-react";
 import { type RefObject, useMemo, useRef, useState } from "react";
 import { Link } from "wouter";
-import { useDevices } from "../../api/queries";
+import { useCatalogModel, useDevices } from "../../api/queries";
 import { EmptyState } from "../../lib/EmptyState";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useRowState } from "../../lib/rows/actions";
@@ -38,14 +38,20 @@ export default function ParametersPage() {
   useHotkeys([["/", () => search.current?.focus()]]);
 
   const id = device?.id ?? "";
-  const live = useRegisters(device, paused);
+  const catalog = useCatalogModel(device?.model);
+  const rows = catalog.data?.rows;
+  const rowOf = useMemo(() => new Map<Key, RegisterRow>((rows ?? []).map((row) => [keyOf(row), row])), [rows]);
+  const groups = useMemo(() => subjectsOf(rows ?? [], query), [rows, query]);
   const staged = useStaged(id);
+  const isFolded = (key: string) => (query === "" ? (folded[key] ?? foldedAtFirst(key)) : false);
+  // A slow wire is asked only for what is looked at, for what edits wait in, and for what tells units.
+  const asking = new Set(["motor", "current"]);
+  for (const group of groups) if (!isFolded(group.key)) asking.add(group.key);
+  for (const edit of staged.edits) asking.add(rowOf.get(keyOf(edit))?.group ?? "motor");
+  const live = useRegisters(device, paused, rows ? [...asking].sort() : []);
   const { open, editing, selected: selectedKey, actions } = useRowState(id);
   const eeprom = useEeprom(id);
   const asked = useRead(id);
-  const rows = live.catalog.data?.rows;
-  const rowOf = useMemo(() => new Map<Key, RegisterRow>((rows ?? []).map((row) => [keyOf(row), row])), [rows]);
-  const groups = useMemo(() => subjectsOf(rows ?? [], query), [rows, query]);
 
   const of = (name: string) => live.byKey.get(keyOf({ name, axis }))?.value;
   const info = device?.axes[axis];
@@ -88,7 +94,6 @@ export default function ParametersPage() {
     );
 
   const selected = (selectedKey === null ? undefined : rowOf.get(selectedKey)) ?? null;
-  const isFolded = (key: string) => (query === "" ? (folded[key] ?? foldedAtFirst(key)) : false);
   const jump = (key: string) => {
     setFolded((now) => ({ ...now, [key]: false }));
     // after the rows are there

@@ -79,7 +79,7 @@ export function currentText(value: number, globalScaler: number | null): string 
   if (globalScaler === null) return share;
   const scaler = globalScaler === 0 ? 1 : globalScaler / 256;
   const amperes = (FULL_SCALE_A * scaler * (Math.floor(value / 8) + 1)) / 32;
-  return `${share} · ${withUnit(amperes, "A", 3)} peak · ${withUnit(amperes / Math.SQRT2, "A", 3)} RMS`;
+  return `${withUnit(amperes, "A", 3)} peak · ${share}`;
 }
 
 /** What numbers mean on this axis now. */
