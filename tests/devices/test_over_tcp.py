@@ -27,7 +27,7 @@ from tests.links.server import Server, serving
 @asynccontextmanager
 async def remote(model: str, timeout_s: float = 5.0) -> AsyncIterator[tuple[RampStops, EmulatedDevice, Server]]:
     """A device whose chip is behind a socket. The chip's time is the test's, the wire's is real."""
-    chip = build_emulator(model, VirtualClock())
+    chip = cast("EmulatedDevice", build_emulator(model, VirtualClock()))
 
     async def answer(frame: bytes, writer: asyncio.StreamWriter) -> None:
         writer.write(chip.exchange(frame))

@@ -29,7 +29,7 @@ from app.registers.tmcl import Status
 
 ROW_RATE_MAX_HZ = 1000.0
 CALLS_EMULATED_HZ = 10_000.0
-"""Questions a second that an emulated module in this process is good for beside everything else; measured."""
+"""Questions a second asked of an emulated module in this process: it answers 180,000, so they cost 6 % of a core."""
 CALLS_WIRE_HZ = 10_000.0
 """The same for a wire that sets no limit of its own (USB, a socket)."""
 SATURATED = 0.8
