@@ -99,7 +99,9 @@ LEFT_AT, RIGHT_AT, HOME_FROM, HOME_TO = range(33, 37)
 """Switches [rad of the shaft]."""
 E1, P1, E2, P2, ZERO, SLIP_I, SCALE_I, SLIP_E, SCALE_E = range(37, 46)
 """Encoders: errors and their phases, magnet's zero, slips [rad], counts a radian (signed)."""
-REALS = 46
+RATIO_I, BOUND_I, RATIO_E, BOUND_E = range(46, 50)
+"""Microsteps a count, and how far at most [microsteps] an encoder is from what the angle alone would say."""
+REALS = 50
 
 REGULATED, OPEN, SHORTED = range(3)
 RUN, RAMPING_DOWN, HOLD = range(3)
@@ -576,6 +578,30 @@ def _look_at(s: Cells, at: int, counts: int) -> int:
     return events
 
 
+@inlined
+def _clearly_fine(s: Cells, at: int, counts: float, ratio: float, bound: float) -> bool:
+    """Whether an encoder need not be worked out: no null is waited for, and the angle says that the limit is far."""
+    if s[at + E_NULL]:
+        return False
+    if s[at + E_LIMIT] == 0 or s[at + E_EXCEEDED]:
+        return True
+    deviation = s[X] - s[at + E_BASE] - (counts - s[at + E_BASE_COUNTS]) * ratio
+    return abs(deviation) + bound < s[at + E_LIMIT]
+
+
+@inlined
+def _look_at_both(s: Cells, f: Floats) -> int:
+    """Events of both encoders."""
+    events = 0
+    seen = (f[THETA] + f[SLIP_I] - f[ZERO]) * f[SCALE_I]
+    if not _clearly_fine(s, INTERNAL, seen, f[RATIO_I], f[BOUND_I]):
+        events = _look_at(s, INTERNAL, internal_counts(f))
+    seen = (f[THETA] + f[SLIP_E]) * f[SCALE_E]
+    if not _clearly_fine(s, EXTERNAL, seen, f[RATIO_E], f[BOUND_E]):
+        events |= _look_at(s, EXTERNAL, external_counts(f)) << 1
+    return events
+
+
 # --- time ----------------------------------------------------------------------------------------
 
 
@@ -640,7 +666,7 @@ def _tick(s: Cells, f: Floats, table: Floats) -> int:
                 _thresholds(s)
                 events |= _EV_STALL | _EV_STOPPED
     if s[ENCODERS]:
-        events |= _look_at(s, INTERNAL, internal_counts(f)) | _look_at(s, EXTERNAL, external_counts(f)) << 1
+        events |= _look_at_both(s, f)
     s[QUIET] = before == 0 and now == 0 and waiting == 0 and s[REST] and s[PHASE] == HOLD and events == 0
     return events
 
@@ -676,3 +702,8 @@ def refresh(s: Cells, f: Floats) -> None:
         s[at + E_TURN] = (internal_counts(f) if at == INTERNAL else external_counts(f)) // s[at + E_PER_TURN]
         if s[at + E_LIMIT] > 0 or s[at + E_NULL]:
             s[ENCODERS] = 1
+    f[RATIO_I] = s[INTERNAL + E_NUM] / s[INTERNAL + E_DEN]
+    f[RATIO_E] = s[EXTERNAL + E_NUM] / s[EXTERNAL + E_DEN]
+    # the harmonics, half a count of rounding, a microstep of rounding, and one of each to spare
+    f[BOUND_I] = ((abs(f[E1]) + abs(f[E2])) * f[SCALE_I] + 2.0) * abs(f[RATIO_I]) + 2.0
+    f[BOUND_E] = 2.0 * abs(f[RATIO_E]) + 2.0
