@@ -33,7 +33,7 @@ class Drive:
     out in ticks every `TICK_CLOCKS` = 256 clocks (16 us), counted from power-on: a register shows the last tick, and a
     write holds from the next one. So it makes no difference in how many pieces time is advanced.
 
-    Not modelled: DcStep, vhighfs and vhighchm, short circuits, pins and buses. StealthChop differs from SpreadCycle
+    Not modelled: DcStep, vhighfs and vhighchm, short circuits, ENCMODE's N events, pins and buses. StealthChop differs from SpreadCycle
     only in what the registers tell and in freewheeling; StallGuard2 tells 0 there.
 
     Nothing here is thread-safe; the kernel releases the GIL.
@@ -368,12 +368,7 @@ class Drive:
         dt = k.TICK_CLOCKS / options.clock_hz / options.steps_a_tick
         f[k.DT], f[k.DT_J] = dt, dt / options.inertia_kgm2
         f[k.DAMP] = 1 / (1 + motor.viscous_nms * dt / options.inertia_kgm2)
-        f[k.TEETH], f[k.KT], f[k.RES], f[k.TD] = (
-            motor.rotor_teeth,
-            motor.torque_constant,
-            motor.resistance_ohm,
-            motor.detent_torque_nm,
-        )
+        f[k.TEETH], f[k.KT], f[k.TD] = motor.rotor_teeth, motor.torque_constant, motor.detent_torque_nm
         f[k.KEEP] = math.exp(-motor.resistance_ohm * dt / motor.inductance_h)
         f[k.GAIN] = (1 - f[k.KEEP]) / motor.resistance_ohm
         f[k.ALPHA] = -math.expm1(-dt / options.regulator_s)

@@ -89,8 +89,8 @@ IA0, IB0, EMF_A, EMF_B = range(7, 11)
 """Currents before the last step and back-EMF in it: for whoever wants the voltages."""
 SUM_T, SUM_I2, MARK = range(11, 14)
 """StallGuard2's window: sums of torque and of current squared, electrical angle at its start."""
-TEETH, KT, RES, KEEP, GAIN, ALPHA, SUPPLY = range(14, 21)
-"""Rotor teeth, Kt, R; of a coil in one step: what is kept of a current, current a volt, share of the regulator."""
+TEETH, KT, KEEP, GAIN, ALPHA, SUPPLY = range(14, 20)
+"""Rotor teeth, Kt; of a coil in one step: what is kept of a current, current a volt, share of the regulator."""
 TD, LOAD, DT, DT_J, DAMP, FRICTION, STICTION = range(21, 28)
 """Detent, load torque, step, step over inertia, viscous factor, friction turning and at rest (as speed a step)."""
 FULL_SCALE, FS_A_V, S0, V_HALF, NOISE = range(28, 33)
