@@ -33,8 +33,8 @@ class Drive:
     out in ticks every `TICK_CLOCKS` = 256 clocks (16 us), counted from power-on: a register shows the last tick, and a
     write holds from the next one. So it makes no difference in how many pieces time is advanced.
 
-    Not modelled: DcStep, vhighfs and vhighchm, short circuits, ENCMODE's N events, pins and buses. StealthChop differs from SpreadCycle
-    only in what the registers tell and in freewheeling; StallGuard2 tells 0 there.
+    Not modelled: DcStep, vhighfs and vhighchm, short circuits, ENCMODE's N events, pins and buses. StealthChop differs
+    from SpreadCycle only in what the registers tell and in freewheeling; StallGuard2 tells 0 there.
 
     Nothing here is thread-safe; the kernel releases the GIL.
     """
