@@ -16,6 +16,7 @@ from pydantic import ValidationError
 from app import demo
 from app.api.app import make_app
 from app.api.bench import Bench
+from app.api.problems import findings
 from app.api.routes.ports import serial_ports
 from app.api.schemas import Port
 from app.calc.ramp import RampParameters, exact_ramp
@@ -81,8 +82,12 @@ def create_app(
             log.warning("the first start compiles the emulators, which takes some 15 s; later ones find it done")
         await compiling
         for config in saved.configs:
-            # Not waited for: hardware that is off must not keep the page from coming up.
-            await manager.add(config, wait=False)
+            try:
+                # Not waited for: hardware that is off must not keep the page from coming up.
+                await manager.add(config, wait=False)
+            except UsageError as error:  # neither must a link of another version of stepscope
+                store.keep_back(config)
+                log.warning("%s: %r is left out, and stays in the file: %s", store.path, config.name, error)
         if settings.demo or (settings.demo is None and not saved.configs):
             await demo.add(manager)
         opened.set()
@@ -109,12 +114,12 @@ def emulator_port(model: str, link: Link, clock: Clock, data_dir: Path | None = 
     eeprom = options.pop("eeprom", None) if model in TMCL_MODELS else None
     if eeprom is not None and not (isinstance(eeprom, str) and EEPROM_NAME.fullmatch(eeprom)):
         raise UsageError(f"eeprom is a name of small letters, digits and dashes, not {eeprom!r}")
-    try:
-        checked = options_of(model).model_validate(options)
-    except ValidationError as error:
-        raise UsageError(f"the emulator's options do not fit: {error}") from error
     path = data_dir / "emulators" / f"{eeprom}.json" if eeprom and data_dir else None
-    return EmulatorPort(build_emulator(model, clock, checked, path))
+    try:
+        # Building checks too: a motor may be none that can be worked out, though each of its numbers is one.
+        return EmulatorPort(build_emulator(model, clock, options_of(model).model_validate(options), path))
+    except ValidationError as error:
+        raise UsageError(f"the emulator's options do not fit: {findings(error)}") from error
 
 
 def bench_of(app: FastAPI) -> Bench:

@@ -20,7 +20,7 @@ from app.api.schemas_devices import (
     ModuleEmulatorLink,
     ModuleLink,
 )
-from app.api.schemas_tables import ChainBit, ChainTable, DriverSpecIn
+from app.api.schemas_tables import ChainBit, ChainTable, DriverSpecIn, ProfileRegister
 from app.calc.driver_chain import Chain, build_chain, decode_chain
 from app.calc.ram_words import unpack_words
 from app.devices import prediction, results
@@ -30,6 +30,7 @@ from app.devices.results import StopOutcome
 from app.links.errors import UsageError
 from app.links.registry import Link
 from app.registers.catalog import MODELS
+from app.registers.model import RegisterTable
 
 
 @contextmanager
@@ -144,6 +145,12 @@ def prediction_out(expected: prediction.Prediction | None) -> Prediction | None:
         velocity_pps=expected.velocity_pps.tolist(),
         phases=[Phase.model_validate(phase) for phase in expected.phases],
     )
+
+
+def profile_register(entry: results.ProfileEntry, table: RegisterTable) -> ProfileRegister:
+    register = ProfileRegister.model_validate(entry)
+    register.space = table.get(entry.name, entry.axis).space.value
+    return register
 
 
 def built_chain(drivers: Sequence[str | DriverSpecIn]) -> Chain:

@@ -57,6 +57,7 @@ class Probing:
     async def abort(self) -> ProbeState:
         """End it; returns when the port is free again."""
         if self.running and self._task is not None:
+            self._ending = "ended on request"
             self._task.cancel()
             await asyncio.wait({self._task})
         return self.state()
@@ -64,8 +65,6 @@ class Probing:
     async def _run(self, port: str, bauds: Sequence[int] | None, addresses: Sequence[int] | None) -> None:
         try:
             found = await probe(port, bauds, addresses, self._see)
-        except asyncio.CancelledError:
-            self._ending = "ended on request"
         except BenchError as error:
             self._ending = str(error)
         except Exception as error:  # a mistake of ours must be seen by whoever waits for the search

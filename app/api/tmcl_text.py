@@ -39,6 +39,8 @@ def parse_line(line: str) -> Command:
     text = line.partition(";")[0].strip()
     if not text:
         raise UsageError("an empty line is no command")
+    if not text.isascii():  # some letters have capitals of another length
+        raise UsageError(f"TMCL has no such letters: {text!r}")
     name = _name_at_start(text)
     opcode = _opcode(name.removeprefix("COMMAND "))
     row = BY_OPCODE.get(opcode)

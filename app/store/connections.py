@@ -32,6 +32,8 @@ class ConnectionStore:
         self._document = Document(data_dir / FILE_NAME)
         self._base: dict[str, Entry] = {}
         """What the file held when we last saw it: tells our own changes from another program's."""
+        self._kept_back: list[Entry] = []
+        """What this program cannot use, for a later start or another program that can."""
 
     @property
     def path(self) -> Path:
@@ -53,9 +55,16 @@ class ConnectionStore:
         self._base = _keyed([*(_entry(config) for config in configs), *unreadable])
         return Loaded(configs, warnings)
 
+    def keep_back(self, config: DeviceConfig) -> None:
+        """Leave `config` in the file although it is not among those to be saved.
+
+        For a link that this program has no use for: of a kind it does not know, or with options of another version.
+        """
+        self._kept_back.append(_entry(config))
+
     def save(self, configs: Sequence[DeviceConfig]) -> None:
-        """Make the file hold `configs`, and what another program put there meanwhile. Raises OSError."""
-        ours = _keyed([_entry(config) for config in configs if not config.demo])
+        """Make the file hold `configs`, what was kept back, and what another program put there. Raises OSError."""
+        ours = _keyed([*self._kept_back, *(_entry(config) for config in configs if not config.demo)])
         with self._document.locked():
             theirs = _keyed(self._entries()[0])
             kept = {key: self._kept(key, entry, theirs.get(key)) for key, entry in ours.items()}

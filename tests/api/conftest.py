@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
+import threading
+from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 
 import httpx
@@ -12,6 +13,10 @@ from fastapi import FastAPI
 from app.api.schemas import Port
 from app.clock import VirtualClock, WallClock
 from app.emulators.build import build_emulator
+from app.emulators.line.line import Line
+from app.emulators.line.server import serve_pty
+from app.emulators.pd42.module import EmulatedModule
+from app.emulators.pd42.options import Pd42Options
 from app.emulators.server import serve_tcp
 from app.main import create_app
 from app.settings import Settings
@@ -56,6 +61,28 @@ async def client(app: FastAPI) -> AsyncIterator[httpx.AsyncClient]:
     transport = httpx.ASGITransport(app)
     async with httpx.AsyncClient(transport=transport, base_url="http://127.0.0.1:8000/api/v1/") as client:
         yield client
+
+
+@pytest.fixture
+async def motor(client: httpx.AsyncClient) -> str:
+    """An emulated PD42-1241 beside the demo's chips: the address of its device."""
+    answer = await client.post("devices", json={"name": "Motor", "model": "pd42-1241", "link": {"kind": "emulator"}})
+    assert answer.status_code == 201, answer.text
+    assert answer.json()["state"] == "connected"
+    return "devices/motor"
+
+
+@pytest.fixture
+def far_line(tmp_path: Path) -> Iterator[str]:
+    """A serial line at 115200 baud with emulated modules at address 1 and 2, on the wall clock: its port."""
+    clock, port = WallClock(), tmp_path / "tty"
+    modules = [EmulatedModule(clock, Pd42Options(address=address, baud_code=7)) for address in (1, 2)]
+    with serve_pty(Line(modules, clock, baud=115_200, addresses=(1, 2)), port) as server:
+        serving = threading.Thread(target=server.run)
+        serving.start()
+        yield str(port)
+        server.stop()
+        serving.join()
 
 
 @pytest.fixture

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from app.api.convert import axis_config, built_chain, chain_table
+from app.api.convert import axis_config, built_chain, chain_table, profile_register
 from app.api.deps import CurrentDevice
 from app.api.problems import DEVICE_PROBLEMS, problems
-from app.api.schemas_tables import ChainTable, DriverChain, MicrostepTable, Profile, ProfileRegister
+from app.api.schemas_tables import ChainTable, DriverChain, MicrostepTable, Profile
 from app.links.errors import WriteRefused
 
 router = APIRouter(prefix="/devices/{device}", tags=["tables"])
@@ -49,7 +49,7 @@ async def get_profile(device: CurrentDevice) -> Profile:
         model=device.model,
         clock_hz=device.clock_hz,
         axes=[axis_config(axis.settings) for axis in device.axes],
-        registers=[ProfileRegister.model_validate(entry) for entry in document.registers],
+        registers=[profile_register(entry, device.family.table) for entry in document.registers],
         microstep_table=document.microstep_table,
         driver_chain=document.driver_chain,
     )

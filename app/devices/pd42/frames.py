@@ -44,8 +44,8 @@ def spelled(request: Request) -> str:
     name = f"command {request.opcode}" if row is None else row.mnemonic or row.name
     names = {} if row is None else {code: word for word, code in row.types.items()}
     operands = [names.get(request.type, str(request.type)), str(request.motor), str(request.value)]
-    if row is not None and not row.value and not request.value:
-        operands.pop()
-    if row is not None and not row.types and not row.type and not request.type:
-        operands.pop(0)
+    unused = [] if row is None else [0] * (not (row.types or row.type)) + [2] * (not row.value)
+    # All three where one that the command has no use for is there nevertheless: two could be read as others.
+    if not (0 in unused and request.type) and not (2 in unused and request.value):
+        operands = [operand for index, operand in enumerate(operands) if index not in unused]
     return f"{name} {', '.join(operands)}"

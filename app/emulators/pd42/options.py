@@ -19,7 +19,8 @@ Flag = Annotated[bool, Field(strict=True)]
 Forced = Flag | Literal["auto"]
 Level = Flag | Literal["open"]
 Rate = Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)]
-TimeScale = Annotated[float, Field(strict=True, ge=0, le=1000, allow_inf_nan=False)]
+TimeScale = Annotated[float, Field(strict=True, ge=0, le=20, allow_inf_nan=False)]
+"""A motor that turns is worked out 50 times as fast as it turns, or more; beyond that it would never be caught up."""
 
 
 class _Closed(BaseModel):

@@ -60,7 +60,7 @@ export const OPTIONS: readonly (readonly [title: string, rows: readonly OptionRo
   [
     "Module",
     [
-      option("Time runs at", "× real time", "time_scale", { minimum: 0, maximum: 1000, fallback: 1 }),
+      option("Time runs at", "× real time", "time_scale", { minimum: 0, maximum: 20, fallback: 1 }),
       option("Supply", "V", "supply_v", { minimum: 0, maximum: 60, fallback: 24 }),
       option("Seed of noise and faults", "", "seed", {
         minimum: 0,
