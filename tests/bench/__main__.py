@@ -1,4 +1,4 @@
-"""Measures what issue 2 promised and prints a table; 1 when something is below it. `--quick` is for a look."""
+"""Measures what the issues promised and prints a table; 1 when something is below it. `--quick` is for a look."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import platform
 import sys
 from collections.abc import Callable, Sequence
 
-from tests.bench import browser, calculators, emulation, serving
+from tests.bench import browser, calculators, emulation, motor, serving
 from tests.bench.table import Row, render
 
 MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
@@ -17,6 +17,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "get": lambda quick: [serving.measure_get(quick=quick)],
     "telemetry": lambda quick: serving.measure_telemetry(quick=quick),
     "plots": lambda quick: [browser.measure(quick=quick)],
+    "motor": lambda quick: [motor.measure(quick=quick)],
     "pmul": lambda quick: [calculators.measure(quick=quick)],
 }
 
