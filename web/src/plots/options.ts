@@ -18,7 +18,7 @@ const LOOKS: Record<"light" | "dark", Look> = {
 
 const FONT = '11px system-ui, -apple-system, "Segoe UI", Roboto, sans-serif';
 /** Fixed, so that plots above each other line up and nothing moves when a number gets longer. */
-const Y_AXIS_PX = 62;
+const Y_AXIS_PX = 68;
 const X_AXIS_PX = 24;
 
 function tickLabels(scale: PlotScale): uPlot.Axis.Values {

@@ -1,4 +1,4 @@
-import { SegmentedControl } from "@mantine/core";
+import { NativeSelect, SegmentedControl } from "@mantine/core";
 import { useHotkeys, useMediaQuery } from "@mantine/hooks";
 import { IconActivity } from "@tabler/icons-react";
 import { useState } from "react";
@@ -98,19 +98,7 @@ export function ScopeCard({ devices, main, axisName }: Props) {
         </div>
       </div>
       {cursors && <CursorReadout scope={scope} />}
-      {phone && scope.rows.length > 1 && (
-        <SegmentedControl
-          size="xs"
-          fullWidth
-          aria-label="Which plot"
-          data={scope.rows.map(({ row }) => ({
-            value: row.id,
-            label: row.id === "acceleration" ? "Accel." : row.title,
-          }))}
-          value={phoneRow}
-          onChange={setPhoneRow}
-        />
-      )}
+      {phone && scope.rows.length > 1 && <PlotChoice rows={scope.rows} value={phoneRow} onChange={setPhoneRow} />}
       {rows.length === 0 && (
         <EmptyState title="No plot is chosen" icon={<IconActivity size={22} />}>
           Choose plots with the sliders button above.
@@ -153,5 +141,31 @@ export function ScopeCard({ devices, main, axisName }: Props) {
         })}
       </div>
     </section>
+  );
+}
+
+/** Side by side a phone has room for five names. */
+const SIDE_BY_SIDE = 5;
+
+interface ChoiceProps {
+  rows: readonly ScopeRow[];
+  value: string;
+  onChange: (id: string) => void;
+}
+
+function PlotChoice({ rows, value, onChange }: ChoiceProps) {
+  const data = rows.map(({ row }) => ({ value: row.id, label: row.id === "acceleration" ? "Accel." : row.title }));
+  if (rows.length <= SIDE_BY_SIDE)
+    return (
+      <SegmentedControl size="xs" fullWidth aria-label="Which plot" data={data} value={value} onChange={onChange} />
+    );
+  return (
+    <NativeSelect
+      size="sm"
+      aria-label="Which plot"
+      data={data}
+      value={value}
+      onChange={(event) => onChange(event.currentTarget.value)}
+    />
   );
 }
