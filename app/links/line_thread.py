@@ -213,7 +213,9 @@ class LineThread:
             dialogue.ask_all(job.frames, job.must_end, job.timeout_s, job.answer, job.replies, job.answered_s)
         except LinkError as error:
             job.error = error
-        except OSError as error:
+        except (
+            Exception
+        ) as error:  # OSError, termios.error, and what drivers of adapters raise: nobody may wait for ever
             job.error = self._went_down(error)
         job.ended_s = time.monotonic()
         job.tell()
@@ -237,9 +239,9 @@ class LineThread:
         self._dialogue = Dialogue(self._name, stream, self._incidents, self._tell_event, self._byte_s(baud))
         return self._dialogue
 
-    def _went_down(self, error: OSError) -> LinkDown:
+    def _went_down(self, error: Exception) -> LinkDown:
         self._drop()
-        down = LinkDown(self._name, error.strerror or str(error) or "unplugged")
+        down = LinkDown(self._name, getattr(error, "strerror", None) or str(error) or type(error).__name__)
         if not self._closing:
             self._incidents.add("down", str(down))
         return down
@@ -277,7 +279,7 @@ class LineThread:
                     dialogue.hear(data)
         except LinkError:
             return  # noted as an incident; nobody waits for an answer
-        except OSError as error:
+        except Exception as error:
             down = self._went_down(error)
             if not self._closing:
                 self._tell_down(down)

@@ -181,7 +181,7 @@ def open_stream(name: str, url: str, baud: int) -> Stream:
             write_timeout=WRITE_TIMEOUT_S if is_device else None,
             exclusive=True if is_device and os.name == "posix" else None,
         )
-    except (OSError, ValueError) as error:  # SerialException is an OSError
+    except Exception as error:  # SerialException and other OSErrors, ValueError, termios.error
         raise LinkDown(name, _why(url, error)) from error
     by_fd = os.name == "posix" and (is_device or url.startswith("socket://"))
     try:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import os
 import select
 import tempfile
@@ -86,23 +85,45 @@ class Gate:
 
 
 class PtyModule:
-    """`behave` may be changed at any time; `seen` is every frame that came, in order."""
+    """`behave` may be changed at any time; `seen` is every frame that came, in order. `path` names it all its life."""
 
     def __init__(self, behave: Behaviour = right, addresses: tuple[int, ...] = (1,)) -> None:
         self.behave = behave
         self.addresses = addresses
         self.seen: list[bytes] = []
         self._lock = threading.Lock()
-        self._master, slave = os.openpty()
-        tty.setraw(slave)
-        self._slave = slave  # kept open, so that the terminal lives on between two openings of the port
         # A name of its own: those of terminals are used again at once, and a line is known by its name.
         self._folder = tempfile.TemporaryDirectory(prefix="stepscope-")
         self.path = f"{self._folder.name}/module"
-        os.symlink(os.ttyname(slave), self.path)
+        self._plugged = False
+        self.plug()
+
+    def plug(self) -> None:
+        """Be there, on a new terminal."""
+        self._master, self._slave = os.openpty()  # ours of both, so that the terminal outlives a closed port
+        tty.setraw(self._slave)
         self._end, self._end_write = os.pipe()
         self._thread = threading.Thread(target=self._run, name="pty module", daemon=True)
         self._thread.start()
+        os.symlink(os.ttyname(self._slave), self.path)
+        self._plugged = True
+
+    def unplug(self) -> None:
+        """Take the whole terminal away. A second call does nothing."""
+        if not self._plugged:
+            return
+        os.unlink(self.path)
+        os.write(self._end_write, b"!")
+        self._thread.join(5)
+        with self._lock:
+            self._plugged = False
+            for fd in (self._slave, self._master, self._end, self._end_write):
+                os.close(fd)
+
+    def close(self) -> None:
+        """For the end of the test."""
+        self.unplug()
+        self._folder.cleanup()
 
     def asked(self, *, but_versions: bool = True) -> list[bytes]:
         """The frames seen, without the questions that only keep the line in step."""
@@ -111,7 +132,7 @@ class PtyModule:
     def say(self, data: bytes) -> None:
         """Send bytes now, asked or not."""
         with self._lock:
-            if self._master >= 0:
+            if self._plugged:
                 os.write(self._master, data)
 
     def _run(self) -> None:
@@ -131,19 +152,6 @@ class PtyModule:
                 if reply:
                     self.say(reply)
 
-    def unplug(self) -> None:
-        """Take the whole terminal away. A second call does nothing."""
-        os.write(self._end_write, b"!")
-        self._thread.join(5)
-        with self._lock:
-            if self._master >= 0:
-                for fd in (self._slave, self._master):
-                    with contextlib.suppress(OSError):
-                        os.close(fd)
-                self._master = -1
-                os.close(self._end)
-                self._folder.cleanup()
-
 
 @contextmanager
 def pty_module(behave: Behaviour = right, addresses: tuple[int, ...] = (1,)) -> Iterator[PtyModule]:
@@ -151,8 +159,7 @@ def pty_module(behave: Behaviour = right, addresses: tuple[int, ...] = (1,)) -> 
     try:
         yield module
     finally:
-        module.unplug()
-        os.close(module._end_write)
+        module.close()
 
 
 async def until(true: Callable[[], bool], within_s: float = 5.0) -> None:
