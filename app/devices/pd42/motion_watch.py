@@ -63,6 +63,8 @@ class MotionWatch:
         self.under_way: UnderWay | None = None
         self.looked_s = float("-inf")
         """When the latest look was, device time [s]."""
+        self._ended_s = float("-inf")
+        """When the latest motion was seen to have ended, device time [s]."""
         self.wait_s = 0.0
         """How long the module may rest between two legs, of its ramp wait time [s]."""
 
@@ -86,7 +88,8 @@ class MotionWatch:
         self.looked_s = max(self.looked_s, look.time_s)
         motion = self.under_way
         if motion is None:
-            if look.speed:
+            # Looks come from several sides: one from before the end that another has seen is no new motion.
+            if look.speed and look.time_s - spread_s > self._ended_s:
                 self.began("unknown", look.time_s)
                 self.look(look)
             return
@@ -118,6 +121,7 @@ class MotionWatch:
         if motion is None:
             return
         rest = motion.rest
+        self._ended_s = motion.seen_s if rest is None else rest.time_s
         if rest is None:
             time_s, position = motion.seen_s, None if reason == "lost_link" else motion.position
         else:
