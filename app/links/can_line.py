@@ -10,10 +10,10 @@ message, and is asked for with eight.
 from __future__ import annotations
 
 import contextlib
-import importlib.util
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from importlib.util import find_spec
 from typing import Any
 
 from app.clock import Clock
@@ -180,7 +180,7 @@ def can_port(
     clock: Clock | None = None,
 ) -> CanPort:
     """A module on a bus of python-can, not yet open. Raises UsageError where python-can is not installed."""
-    if importlib.util.find_spec("can") is None:
+    if find_spec("can") is None:
         raise UsageError("CAN needs python-can: pip install 'stepscope[can]'")
     line = shared_line(_name(interface, channel), lambda: CanLine(interface, channel, bitrate))
     if line.bitrate != bitrate and not line.is_open:
