@@ -35,6 +35,8 @@ export interface LiveAxis {
   source: TelemetrySource | undefined;
   /** the newest value, NaN while there is none */
   read: (quantity: AxisQuantity) => number;
+  /** the value of a row of the buffer, NaN where there is none */
+  at: (quantity: AxisQuantity, row: number) => number;
   moving: () => boolean;
 }
 
@@ -44,8 +46,9 @@ export function useLiveAxis(device: string, axis: number): LiveAxis {
   return useMemo(() => {
     const source = sources.find((candidate) => candidate.request.device === device);
     const home = source?.request.channels.includes(`switch_home.${axis}`) ? "switch_home" : CHIP_HOME;
-    const read = (quantity: AxisQuantity) =>
-      source?.buffer.last(`${quantity === "switch_home" ? home : quantity}.${axis}`) ?? Number.NaN;
-    return { source, read, moving: () => Math.abs(read("velocity")) > 0 };
+    const nameOf = (quantity: AxisQuantity) => `${quantity === "switch_home" ? home : quantity}.${axis}`;
+    const read = (quantity: AxisQuantity) => source?.buffer.last(nameOf(quantity)) ?? Number.NaN;
+    const at = (quantity: AxisQuantity, row: number) => source?.buffer.column(nameOf(quantity))?.[row] ?? Number.NaN;
+    return { source, read, at, moving: () => Math.abs(read("velocity")) > 0 };
   }, [sources, device, axis]);
 }

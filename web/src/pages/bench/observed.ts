@@ -27,6 +27,17 @@ export class ObservedStage {
   revision = 0;
   private before: Look | null = null;
 
+  /** The device time of the newest look [s]; minus infinity before the first. */
+  get lookedAtS(): number {
+    return this.before?.timeS ?? Number.NEGATIVE_INFINITY;
+  }
+
+  /** Whether the counter was set anew between two looks: it has gone further than its speed explains. */
+  static jumped(before: Look, now: Look): boolean {
+    const speed = Math.max(Math.abs(before.speed) || 0, Math.abs(now.speed) || 0);
+    return Math.abs(now.position - before.position) > 1.5 * speed * (now.timeS - before.timeS) + SLACK_FULLSTEPS;
+  }
+
   look(now: Look): void {
     if (Number.isNaN(now.position)) return;
     const { before } = this;
@@ -41,8 +52,7 @@ export class ObservedStage {
       return;
     }
     const way = now.position - before.position;
-    const speed = Math.max(Math.abs(before.speed) || 0, Math.abs(now.speed) || 0);
-    if (Math.abs(way) > 1.5 * speed * (now.timeS - before.timeS) + SLACK_FULLSTEPS) {
+    if (ObservedStage.jumped(before, now)) {
       this.shift(way);
       return;
     }

@@ -3,7 +3,9 @@ import type { Schemas } from "../../api/client";
 import { useFrame } from "../../live/useFrame";
 import { EdgeTrail, type SeenEdge } from "./edges";
 import type { LiveAxis } from "./live";
-import { lookAt } from "./useStage";
+import { looksSince } from "./useStage";
+
+const ANSWERED_LATE_S = 0.3;
 
 /** The edges that the running search has passed, or the last one did; where the server tells of none by itself. */
 export function useSearchEdges(
@@ -20,14 +22,16 @@ export function useSearchEdges(
   useEffect(() => {
     if (state === "running") {
       ran.current = true;
-      trail.begin();
+      // the answer that says so is some looks late
+      trail.begin((live.source?.buffer.lastTime ?? 0) - ANSWERED_LATE_S);
     } else if (ran.current) {
       ran.current = false;
+      for (const look of looksSince(live, microsteps, trail.lookedAtS)) trail.look(look);
       if (state === "done" && zero !== null) trail.end(zero / microsteps);
     }
-  }, [trail, state, zero, microsteps]);
+  }, [trail, state, zero, microsteps, live]);
   useFrame(() => {
-    if (state === "running") trail.look(lookAt(live, microsteps));
+    if (state === "running") for (const look of looksSince(live, microsteps, trail.lookedAtS)) trail.look(look);
     if (shown.current === trail.revision) return;
     shown.current = trail.revision;
     setEdges(trail.edges.slice());

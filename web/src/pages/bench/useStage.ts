@@ -1,6 +1,7 @@
 import { useRef, useState } from "react";
 import type { Device } from "../../api/queries";
 import { useFrame } from "../../live/useFrame";
+import { lowerBound } from "../../plots/series";
 import { geometryOf, useCarriage } from "./carriage";
 import { emulatedAxis } from "./emulation";
 import type { LiveAxis } from "./live";
@@ -52,15 +53,24 @@ function observedStage(seen: ObservedStage, fullStepsPerTurn: number): Stage {
   return { from, to, left, right, homeFrom, homeTo, forced: NOT_FORCED, inferred: true, zero: 0 };
 }
 
-export function lookAt(live: LiveAxis, microsteps: number): Look {
-  return {
-    timeS: live.source?.buffer.lastTime ?? Number.NaN,
-    position: live.read("position") / microsteps,
-    speed: live.read("velocity") / microsteps,
-    left: live.read("switch_left"),
-    right: live.read("switch_right"),
-    home: live.read("switch_home"),
-  };
+/** Every look at the axis since `afterS`, from its samples: a frame may bring several, and an edge may be between. */
+export function looksSince(live: LiveAxis, microsteps: number, afterS: number): Look[] {
+  const times = live.source?.buffer.times();
+  if (!times) return [];
+  const looks: Look[] = [];
+  for (let row = lowerBound(times, afterS); row < times.length; row++) {
+    const timeS = times[row] as number;
+    if (timeS <= afterS) continue;
+    looks.push({
+      timeS,
+      position: live.at("position", row) / microsteps,
+      speed: live.at("velocity", row) / microsteps,
+      left: live.at("switch_left", row),
+      right: live.at("switch_right", row),
+      home: live.at("switch_home", row),
+    });
+  }
+  return looks;
 }
 
 /**
@@ -81,7 +91,7 @@ export function useStage(
   useCarriage(live, axis.index, emulator, axis.microsteps_per_full_step, place);
   useFrame(() => {
     if (device.emulated) return;
-    seen.look(lookAt(live, microsteps));
+    for (const look of looksSince(live, microsteps, seen.lookedAtS)) seen.look(look);
     if (revision.current !== seen.revision) {
       revision.current = seen.revision;
       const next = observedStage(seen, axis.full_steps_per_rev);

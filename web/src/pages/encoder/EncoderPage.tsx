@@ -21,7 +21,7 @@ import type { Direction } from "./angleMap";
 import classes from "./encoder.module.css";
 import { Harmonics } from "./Harmonics";
 import { HistogramView } from "./HistogramView";
-import { Counter, LIMIT, LIMIT_NAMES, Limits } from "./Limits";
+import { ACCELERATION, Counter, LIMIT, LIMIT_NAMES, Limits } from "./Limits";
 import { LivePlots } from "./LivePlots";
 import type { Curve } from "./Polar";
 import { SlowTurn } from "./SlowTurn";
@@ -164,6 +164,7 @@ function Encoder({ device, axis, encoders }: Props) {
             run={run}
             microstepsPerTurn={microstepsPerTurn}
             fullStepsPerTurn={fullSteps}
+            accelerationPps2={parameters.held(ACCELERATION)}
             rateHz={link.rateHz ?? rateHz}
             disabled={!connected}
           />

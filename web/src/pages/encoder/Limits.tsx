@@ -17,7 +17,8 @@ export const LIMIT: Record<Which, string> = {
 };
 const ALIAS: Record<Which, string> = { internal: "AP 212", external: "AP 218" };
 export const RESOLUTION = "external_encoder_resolution";
-export const LIMIT_NAMES = [LIMIT.internal, LIMIT.external, RESOLUTION] as const;
+export const ACCELERATION = "maximum_acceleration";
+export const LIMIT_NAMES = [LIMIT.internal, LIMIT.external, RESOLUTION, ACCELERATION] as const;
 const MOST = 2 ** 31 - 1;
 
 interface Props {

@@ -4,6 +4,7 @@ import { useState } from "react";
 import { duration } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { Section } from "../../lib/Section";
+import { durationOf, withRamps } from "../module/HeldRun";
 import { RunNote } from "../module/RunNote";
 import type { useHeldRun } from "../module/useHeldRun";
 import classes from "./encoder.module.css";
@@ -13,19 +14,21 @@ interface Props {
   run: ReturnType<typeof useHeldRun>;
   microstepsPerTurn: number;
   fullStepsPerTurn: number;
+  /** null while unknown */
+  accelerationPps2: number | null;
   /** of the samples */
   rateHz: number;
   disabled: boolean;
 }
 
 /** Turns the motor slowly, so that samples come from every angle. */
-export function SlowTurn({ run, microstepsPerTurn, fullStepsPerTurn, rateHz, disabled }: Props) {
+export function SlowTurn({ run, microstepsPerTurn, fullStepsPerTurn, accelerationPps2, rateHz, disabled }: Props) {
   const [rpm, setRpm] = useState(6);
   const [turns, setTurns] = useState(1);
   const [back, setBack] = useState(true);
-  const takes = (60 * turns * (back ? 2 : 1)) / rpm;
+  const legs = withRamps(turnLegs({ rpm, turns, back }, microstepsPerTurn, rateHz, fullStepsPerTurn), accelerationPps2);
   return (
-    <Section title="Slow turn" note={`takes ${duration(takes)}`}>
+    <Section title="Slow turn" note={`takes ${duration(Math.round(durationOf(legs)))}`}>
       <div className={classes.pair}>
         <NumberField
           label="Speed"
@@ -70,7 +73,7 @@ export function SlowTurn({ run, microstepsPerTurn, fullStepsPerTurn, rateHz, dis
             size="xs"
             leftSection={<IconRotateClockwise2 size={16} aria-hidden />}
             disabled={disabled}
-            onClick={() => run.start(turnLegs({ rpm, turns, back }, microstepsPerTurn, rateHz, fullStepsPerTurn))}
+            onClick={() => run.start(legs)}
             data-testid="slow-turn"
           >
             Turn

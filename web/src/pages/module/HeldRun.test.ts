@@ -1,5 +1,5 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import { HeldRun, type RunState, sweep } from "./HeldRun";
+import { durationOf, HeldRun, type RunState, sweep, withRamps } from "./HeldRun";
 
 describe("HeldRun", () => {
   let sent: string[];
@@ -109,6 +109,10 @@ describe("a sweep", () => {
   it("goes up and comes back, the fastest once", () => {
     expect(sweep(10, 30, 3, 2).map((leg) => leg.velocityPps)).toEqual([10, 20, 30, 20, 10]);
     expect(sweep(10, 20, 2, 1, true).map((leg) => leg.velocityPps)).toEqual([10, -10, 20, -20, 10, -10]);
+    const legs = withRamps(sweep(10, 20, 2, 1, true), 10);
+    expect(legs.map((leg) => leg.forS)).toEqual([2, 3, 4, 5, 4, 3]);
+    expect(durationOf(legs)).toBe(21);
+    expect(withRamps(legs, null)).toEqual(legs);
     expect(sweep(10, 30, 1, 2)).toEqual([{ velocityPps: 30, forS: 2 }]);
   });
 });

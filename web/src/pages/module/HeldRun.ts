@@ -101,6 +101,19 @@ export class HeldRun {
   }
 }
 
+/** The same legs, each longer by the ramp to its speed from the one before: `forS` is then the time at speed. */
+export function withRamps(legs: readonly Leg[], accelerationPps2: number | null): Leg[] {
+  if (accelerationPps2 === null || !(accelerationPps2 > 0)) return [...legs];
+  return legs.map((leg, index) => ({
+    ...leg,
+    forS: leg.forS + Math.abs(leg.velocityPps - (legs[index - 1]?.velocityPps ?? 0)) / accelerationPps2,
+  }));
+}
+
+export function durationOf(legs: readonly Leg[]): number {
+  return legs.reduce((sum, leg) => sum + leg.forS, 0);
+}
+
 /**
  * Speeds from `from` to `to` in `steps` equal steps and back again, each for so long. `bothWays`: each speed to one
  * side and then to the other, so that a carriage comes back to where it was.

@@ -153,7 +153,12 @@ function Load({ device, axis }: { device: Device; axis: Device["axes"][number] }
       </section>
       <div className={classes.page}>
         <div className={classes.side}>
-          <SweepSection run={run} microstepsPerTurn={microstepsPerTurn} disabled={!connected} />
+          <SweepSection
+            run={run}
+            microstepsPerTurn={microstepsPerTurn}
+            accelerationPps2={held(AP.unitMode) === 1 ? held(AP.acceleration) : null}
+            disabled={!connected}
+          />
           <Thresholds parameters={parameters} disabled={!connected} />
         </div>
         <div className={classes.views}>

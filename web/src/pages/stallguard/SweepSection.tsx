@@ -4,7 +4,7 @@ import { useState } from "react";
 import { duration } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { Section } from "../../lib/Section";
-import { sweep } from "../module/HeldRun";
+import { durationOf, sweep, withRamps } from "../module/HeldRun";
 import { RunNote } from "../module/RunNote";
 import type { useHeldRun } from "../module/useHeldRun";
 import classes from "./stallguard.module.css";
@@ -12,20 +12,23 @@ import classes from "./stallguard.module.css";
 interface Props {
   run: ReturnType<typeof useHeldRun>;
   microstepsPerTurn: number;
+  /** null while unknown: the time at speed is then shorter by the ramps */
+  accelerationPps2: number | null;
   disabled: boolean;
 }
 
 /** Through several speeds and back, so that the plot over speed fills. */
-export function SweepSection({ run, microstepsPerTurn, disabled }: Props) {
+export function SweepSection({ run, microstepsPerTurn, accelerationPps2, disabled }: Props) {
   const [from, setFrom] = useState(15);
   const [to, setTo] = useState(240);
   const [steps, setSteps] = useState(10);
   const [forS, setForS] = useState(1);
   const [bothWays, setBothWays] = useState(true);
   const locked = disabled || run.running;
-  const legs = () => sweep((from / 60) * microstepsPerTurn, (to / 60) * microstepsPerTurn, steps, forS, bothWays);
+  const pps = (rpm: number) => (rpm / 60) * microstepsPerTurn;
+  const legs = withRamps(sweep(pps(from), pps(to), steps, forS, bothWays), accelerationPps2);
   return (
-    <Section title="Speed sweep" note={`takes ${duration((2 * steps - 1) * forS * (bothWays ? 2 : 1))}`}>
+    <Section title="Speed sweep" note={`takes ${duration(durationOf(legs))}`}>
       <div className={classes.fields}>
         <NumberField label="From" unit="rpm" value={from} min={-3000} max={3000} disabled={locked} onChange={setFrom} />
         <NumberField label="To" unit="rpm" value={to} min={-3000} max={3000} disabled={locked} onChange={setTo} />
@@ -66,7 +69,7 @@ export function SweepSection({ run, microstepsPerTurn, disabled }: Props) {
           fullWidth
           leftSection={<IconStairs size={16} aria-hidden />}
           disabled={disabled}
-          onClick={() => run.start(legs())}
+          onClick={() => run.start(legs)}
           data-testid="sweep"
         >
           Sweep up and back

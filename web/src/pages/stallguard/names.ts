@@ -15,6 +15,7 @@ export const AP = {
   runCurrent: "maximum_current",
   scaler: "global_current_scaler",
   unitMode: "unit_mode",
+  acceleration: "maximum_acceleration",
 } as const;
 
 export const NAMES = Object.values(AP);

@@ -1,0 +1,140 @@
+"""The StallGuard page in a browser: load over speed as it gathers, thresholds by hand, and what a stall does."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+
+import httpx
+import pytest
+from playwright.sync_api import Locator, Page, expect
+
+from tests.e2e.conftest import DESKTOP, PHONE
+from tests.e2e.motor import Motor, a_motor, select, wait_for
+
+THRESHOLDS = ("stop_on_stall", "smartenergy_threshold_speed", "smartenergy_hysteresis_start", "smartenergy_hysteresis")
+
+
+@pytest.fixture(scope="module")
+def motor(api: httpx.Client) -> Iterator[Motor]:
+    with a_motor(api, "load motor") as running:
+        yield running
+
+
+@pytest.fixture
+def load(page: Page, motor: Motor) -> Page:
+    """The StallGuard page of a motor at rest, live; every threshold off."""
+    motor.stop()
+    for name in THRESHOLDS:
+        motor.write(name, 0)
+    select(page, motor)
+    page.goto("/stallguard")
+    expect(page.get_by_test_id("link-readout").first).to_contain_text("live")
+    expect(page.get_by_test_id("stop_on_stall")).to_have_value("0")
+    return page
+
+
+def samples(page: Page) -> int:
+    return int(re.sub(r"\D", "", page.get_by_test_id("speed-samples").inner_text()))
+
+
+def shown(page: Page, test_id: str) -> float:
+    text = page.get_by_test_id(test_id).inner_text()
+    return float(text) if re.fullmatch(r"[\d.]+", text) else float("nan")
+
+
+def over(page: Page, plot: str) -> Locator:
+    """The part of a plot that is drawn on, without its axes."""
+    return page.get_by_role("img", name=plot).locator(".u-over")
+
+
+def test_a_sweep_fills_the_plot_and_ends(load: Page, motor: Motor) -> None:
+    load.get_by_test_id("clear-speed").click()
+    wait_for(lambda: samples(load) == 0, "cleared: the page brings the samples of the last minutes with it")
+    for label, value in (("From rpm", "60"), ("To rpm", "180"), ("Speeds", "2"), ("Each for s", "0.5")):
+        field = load.get_by_label(label, exact=True)
+        field.fill(value)
+        field.press("Enter")
+    load.get_by_test_id("sweep").click()
+    wait_for(lambda: motor.axis()["velocity_pps"] > 0, "it turns")
+    wait_for(lambda: motor.axis()["velocity_pps"] < 0, "and back")
+    expect(load.get_by_test_id("run-note")).to_have_attribute("data-phase", "done", timeout=20_000)
+    wait_for(lambda: not motor.axis()["moving"], "at rest")
+    assert samples(load) > 100
+    load.get_by_test_id("clear-speed").click()
+    wait_for(lambda: samples(load) == 0, "cleared")
+
+
+def test_a_sweep_ends_with_its_button_and_with_the_page(load: Page, motor: Motor) -> None:
+    load.get_by_test_id("sweep").click()
+    wait_for(lambda: motor.axis()["moving"], "it turns")
+    load.get_by_test_id("sweep").click()
+    wait_for(lambda: not motor.axis()["moving"], "stopped", 5.0)
+    load.get_by_test_id("sweep").click()
+    wait_for(lambda: motor.axis()["moving"], "it turns again")
+    load.goto("/connections")
+    wait_for(lambda: not motor.axis()["moving"], "another page, and the motor stands", 5.0)
+
+
+def test_a_threshold_is_typed_staged_and_read_back(load: Page, motor: Motor) -> None:
+    field = load.get_by_test_id("smartenergy_hysteresis_start")
+    field.fill("4")
+    field.press("Enter")
+    expect(load.get_by_text("more current below 128")).to_be_visible()
+    assert motor.parameter("smartenergy_hysteresis_start") == 0
+    load.get_by_test_id("apply").click()
+    expect(load.get_by_text("No changes")).to_be_visible()
+    assert motor.parameter("smartenergy_hysteresis_start") == 4
+    load.get_by_test_id("smartenergy_hysteresis_start").fill("99")
+    load.get_by_test_id("smartenergy_hysteresis_start").press("Enter")
+    expect(load.get_by_text("0 to 15")).to_be_visible()
+    assert motor.parameter("smartenergy_hysteresis_start") == 4
+
+
+def test_a_threshold_is_dragged_in_the_plot(load: Page, motor: Motor) -> None:
+    motor.write("smartenergy_threshold_speed", 5000)
+    expect(load.get_by_test_id("smartenergy_threshold_speed")).to_have_value("5000", timeout=15_000)
+    load.get_by_test_id("clear-speed").click()
+    wait_for(lambda: samples(load) == 0, "cleared")
+    load.wait_for_timeout(300)
+    box = over(load, "Load value and current over speed").bounding_box()
+    assert box is not None
+    # before the first sample the plot goes to 10 000 pps: 5000 is in its middle
+    load.mouse.move(box["x"] + box["width"] * 0.5, box["y"] + 150)
+    load.mouse.down()
+    load.mouse.move(box["x"] + box["width"] * 0.8, box["y"] + 150, steps=8)
+    load.mouse.up()
+    wanted = int(load.get_by_test_id("smartenergy_threshold_speed").input_value())
+    assert wanted == pytest.approx(8000, abs=120)
+    assert motor.parameter("smartenergy_threshold_speed") == 5000
+    load.get_by_test_id("apply").click()
+    # the chip counts clocks a step: what it can hold is near
+    wait_for(lambda: motor.parameter("smartenergy_threshold_speed") == pytest.approx(wanted, rel=0.01), "applied")
+
+
+def test_load_lowers_the_value_and_a_stall_is_told(load: Page, motor: Motor) -> None:
+    motor.rotate(2)
+    wait_for(lambda: shown(load, "load") > 150, "a load value at speed")
+    free = shown(load, "load")
+    motor.write("stop_on_stall", 50_000)
+    motor.world(load_torque_nm=0.1)
+    try:
+        wait_for(lambda: shown(load, "load") < 0.85 * free, "load makes it smaller")
+        motor.world(load_torque_nm=0.6)
+        wait_for(lambda: "stall" in motor.reasons()[:2], "a stall stops the motor")
+        expect(load.get_by_test_id("stops")).to_contain_text("Stall")
+    finally:
+        motor.world(load_torque_nm=0)
+        motor.write("stop_on_stall", 0)
+        motor.stop()
+
+
+def test_the_page_is_open_to_everybody(load: Page, check_axe: Callable[[Page], None]) -> None:
+    for size in (DESKTOP, PHONE):
+        load.set_viewport_size(size)
+        for scheme in ("light", "dark"):
+            load.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
+            expect(load.get_by_test_id("stop-all")).to_be_in_viewport(ratio=1)
+            check_axe(load)
+        sideways = load.evaluate("document.scrollingElement.scrollWidth - document.documentElement.clientWidth")
+        assert sideways <= 0, f"{size} can be scrolled sideways by {sideways} px"
