@@ -66,7 +66,7 @@ class ConnectionStore:
         """Make the file hold `configs`, what was kept back, and what another program put there. Raises OSError."""
         ours = _keyed([*self._kept_back, *(_entry(config) for config in configs if not config.demo)])
         with self._document.locked():
-            theirs = _keyed(self._entries()[0])
+            theirs = _keyed(_whole(entry) for entry in self._entries()[0])
             kept = {key: self._kept(key, entry, theirs.get(key)) for key, entry in ours.items()}
             # What we never had is somebody else's; what we had and removed goes, unless somebody else changed it.
             kept |= {key: entry for key, entry in theirs.items() if key not in ours and entry != self._base.get(key)}
@@ -115,6 +115,14 @@ def _entry(config: DeviceConfig) -> Entry:
         "clock_hz": config.clock_hz,
         "axes": [asdict(axis) for axis in config.axes],
     }
+
+
+def _whole(entry: Entry) -> Entry:
+    """An entry with all its keys, as we write it: people leave out what goes without saying."""
+    try:
+        return _entry(_config(entry))
+    except (BenchError, TypeError, ValueError, KeyError):
+        return entry
 
 
 def _config(entry: Entry) -> DeviceConfig:

@@ -165,3 +165,30 @@ async def test_connections_outlive_the_server_and_the_demo_does_not(settings: Se
     app = create_app(with_demo, WallClock())
     async with app.router.lifespan_context(app):
         assert [device.id for device in app.state.bench.manager.devices] == ["my-axis", "bench", "slider"]
+
+
+async def test_a_link_that_this_version_cannot_use_does_not_stop_it_and_is_not_lost(
+    settings: Settings, caplog: pytest.LogCaptureFixture
+) -> None:
+    links: dict[str, dict[str, object]] = {
+        "far": {"kind": "usb-hid", "serial": "A1"},
+        "older": {"kind": "emulator", "wheels": 4},
+        "chip": {"kind": "emulator", "seed": 7},
+    }
+    models = {"chip": "tmc428"}
+    kept = [{"name": name, "model": models.get(name, "pd42-1241"), "link": link} for name, link in links.items()]
+    path = settings.data_dir / "connections.json"
+    path.parent.mkdir(parents=True)
+    path.write_text(json.dumps({"format": "stepscope-connections", "version": 1, "connections": kept}))
+    app = create_app(settings, VirtualClock(), list)
+    transport = httpx.ASGITransport(app)
+    async with (
+        app.router.lifespan_context(app),
+        httpx.AsyncClient(transport=transport, base_url="http://127.0.0.1:8000/api/v1/") as client,
+    ):
+        assert [device["id"] for device in (await client.get("devices")).json()] == ["chip"]
+        await client.patch("devices/chip", json={"name": "lift"})
+    for word in ("'far'", "usb-hid", "'older'", "wheels"):
+        assert word in caplog.text
+    now = {entry["name"]: entry["link"] for entry in json.loads(path.read_text())["connections"]}
+    assert now == {"far": links["far"], "older": links["older"], "lift": links["chip"]}

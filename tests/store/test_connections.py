@@ -89,6 +89,36 @@ def test_a_broken_file_is_set_aside_and_not_lost(tmp_path: Path, text: str) -> N
     assert str(aside[0]) in loaded.warnings[0]
 
 
+LINKS: list[dict[str, object]] = [
+    {"kind": "serial", "port": "/dev/ttyACM0", "baud": 115_200, "address": 3, "timeout_s": 0.5},
+    {"kind": "tcp", "host": "gateway", "port": 4001, "address": 2},
+    {"kind": "can", "interface": "socketcan", "channel": "can0", "bitrate": 500_000, "send_id": 3, "receive_id": 4},
+    {"kind": "emulator", "eeprom": "motor", "motor": {"rated_current_a": 1.0}, "stage": {"left_at_fullsteps": -50.0}},
+]
+
+
+def test_links_of_modules_survive(tmp_path: Path) -> None:
+    kept = [DeviceConfig(f"module {number}", "pd42-1241", link) for number, link in enumerate(LINKS)]
+    ConnectionStore(tmp_path).save(kept)
+    assert ConnectionStore(tmp_path).load().configs == kept
+
+
+def test_what_is_kept_back_stays_in_the_file(tmp_path: Path) -> None:
+    odd = DeviceConfig("odd", "pd42-1241", {"kind": "usb-hid", "serial": "A1"})
+    ConnectionStore(tmp_path).save([config("good"), odd])
+    store = ConnectionStore(tmp_path)
+    assert [one.name for one in store.load().configs] == ["good", "odd"]  # it knows no kinds of links
+    store.keep_back(odd)
+    store.save([config("good"), config("new", 2)])
+    store.save([config("new", 3), config("odd", 4)])
+    later = [(one.name, one.link) for one in ConnectionStore(tmp_path).load().configs]
+    assert sorted(later, key=str) == [
+        ("new", {"kind": "emulator", "seed": 3}),
+        ("odd", {"kind": "emulator", "seed": 4}),
+        ("odd", odd.link),
+    ]
+
+
 def test_one_bad_connection_does_not_take_the_others_with_it(tmp_path: Path) -> None:
     ConnectionStore(tmp_path).save([config("good"), config("bad")])
     path = tmp_path / FILE_NAME
