@@ -30,6 +30,7 @@ SILENCE_BYTES = 20
 SILENCE_MIN_S = 0.003
 DRAIN_MAX_S = 0.5
 """A line that does not fall silent for so long has somebody else on it [s]."""
+RFS_STOP = 1
 FOREIGN = "somebody else talks on the line"
 
 
@@ -89,7 +90,7 @@ class Dialogue:
                 unasked = read(0)
                 if unasked:
                     self._judge(self._listen(unasked))
-                    if address not in trusted and opcode != Opcode.MST:
+                    if address not in trusted and not _stops(frame):
                         raise self._not_sent()
                 write(frame)
                 reply = read(timeout_s)
@@ -106,16 +107,16 @@ class Dialogue:
                 # Nothing at all: then the time is up already.
                 reply = self._sort_out(frame, reply, timeout_s if reply else 0.0, timeout_s, answer)
             else:
-                if self._foreign and opcode != Opcode.MST:
+                if self._foreign and not _stops(frame):
                     raise self._not_sent()
-                if address not in trusted and opcode != Opcode.MST:
+                if address not in trusted and not _stops(frame):
                     self._get_in_step(frame, timeout_s)
                     if preempted():
                         break
                 unasked = read(0)
                 if unasked:
                     self._judge(self._listen(unasked))
-                    if self._foreign and opcode != Opcode.MST:
+                    if self._foreign and not _stops(frame):
                         raise self._not_sent()
                 write(frame)
                 reply = self._sort_out(
@@ -141,7 +142,7 @@ class Dialogue:
         """
         read = self._stream.read
         until_s = time.monotonic() + wait_s
-        stopping = frame[1] == Opcode.MST and frame[0] not in self._trusted
+        stopping = frame[0] not in self._trusted and _stops(frame)
         found: bytes | None = None
         while True:
             while len(data) >= FRAME_BYTES and not (stopping and found is not None):
@@ -337,3 +338,8 @@ class Dialogue:
                 self._incidents.add("foreign", f"{FOREIGN}: it does not fall silent")
                 raise BadReply(self._name, f"{FOREIGN}: it does not fall silent", data)
         self._to_drain = False
+
+
+def _stops(frame: bytes) -> bool:
+    """Whether `frame` ends a motion: MST, and RFS STOP without which a search goes on after MST."""
+    return frame[1] == Opcode.MST or (frame[1] == Opcode.RFS and frame[2] == RFS_STOP)

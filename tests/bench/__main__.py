@@ -8,7 +8,7 @@ import platform
 import sys
 from collections.abc import Callable, Sequence
 
-from tests.bench import browser, calculators, emulation, motor, serving
+from tests.bench import browser, calculators, emulation, motor, serving, tmcl_link
 from tests.bench.table import Row, render
 
 MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
@@ -18,6 +18,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "telemetry": lambda quick: serving.measure_telemetry(quick=quick),
     "plots": lambda quick: [browser.measure(quick=quick)],
     "motor": lambda quick: [motor.measure(quick=quick)],
+    "tmcl": tmcl_link.measure,
     "pmul": lambda quick: [calculators.measure(quick=quick)],
 }
 
