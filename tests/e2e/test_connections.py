@@ -5,7 +5,7 @@ from __future__ import annotations
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import httpx
@@ -13,7 +13,7 @@ import pytest
 from playwright.sync_api import Page, expect
 from server_process import ServerProcess, free_port
 
-from tests.e2e.conftest import Errors
+from tests.e2e.conftest import DESKTOP, PHONE, Errors
 
 NAME = "second"
 
@@ -33,6 +33,21 @@ def far_chip() -> Iterator[tuple[int, subprocess.Popen[bytes]]]:
     assert process.stdout is not None
     assert str(port).encode() in process.stdout.readline(), "it says where it listens when it does"
     yield port, process
+    process.send_signal(signal.SIGINT)
+    process.wait(10)
+    process.stdout.close()
+
+
+@pytest.fixture
+def far_modules() -> Iterator[int]:
+    """Two emulated modules on one line in another process, addresses 1 and 3: the port that they are behind."""
+    port = free_port()
+    program = str(Path(sys.executable).with_name("stepscope"))
+    command = [program, "emulate", "pd42-1241", "--tcp", f"127.0.0.1:{port}", "--address", "1", "--address", "3"]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE)
+    assert process.stdout is not None
+    assert str(port).encode() in process.stdout.readline(), "it says where it listens when it does"
+    yield port
     process.send_signal(signal.SIGINT)
     process.wait(10)
     process.stdout.close()
@@ -73,7 +88,7 @@ def test_a_chip_at_the_far_end_of_a_socket(
     port, process = far_chip
     open_form(page)
     page.get_by_text("TCP", exact=True).click()
-    page.get_by_label("Port").fill(str(port))
+    page.get_by_label("Port", exact=True).fill(str(port))
     page.get_by_role("button", name="Test the link").click()
     expect(page.get_by_role("form")).to_contain_text("It answers")
     page.get_by_role("button", name="Add and connect").click()
@@ -86,6 +101,92 @@ def test_a_chip_at_the_far_end_of_a_socket(
     expect(entry).not_to_have_attribute("data-state", "connected", timeout=20_000)
     expect(entry.get_by_role("alert")).to_be_visible(timeout=20_000)
     remove(page)
+
+
+def test_an_emulated_module_is_added_with_a_load_on_its_shaft(page: Page, api: httpx.Client) -> None:
+    open_form(page)
+    page.get_by_role("combobox", name="Model").click()
+    page.get_by_role("option", name="PD42-1241").click()
+    page.get_by_role("button", name="Emulator: motor").click()
+    page.get_by_label("Load torque [N m]").fill("99")
+    page.get_by_role("button", name="Add and connect").click()
+    expect(page.get_by_role("alert").filter(has_text="Not saved yet")).to_be_visible()
+    page.get_by_label("Load torque [N m]").fill("0.05")
+    page.get_by_role("button", name="Add and connect").click()
+    entry = page.get_by_role("region", name=NAME)
+    expect(entry).to_contain_text("connected")
+    expect(entry).to_contain_text("calls/s, no limit of the wire")
+    assert api.get(f"/devices/{NAME}").json()["link"]["load"] == {"torque_nm": 0.05}
+    entry.get_by_role("link", name="Parameters").click()
+    expect(page).to_have_title("Parameters · stepscope")
+    expect(page.get_by_role("rowheader", name="Target position")).to_be_visible()
+    page.goto("/connections")
+    remove(page)
+
+
+def test_modules_on_a_line_are_found_and_added(page: Page, api: httpx.Client, far_modules: int) -> None:
+    page.goto("/connections")
+    search = page.get_by_role("region", name="Look for modules")
+    search.get_by_role("button", name="Probe").click()
+    expect(search).to_contain_text("Choose a port")
+    search.get_by_label("Port or address").fill(f"socket://127.0.0.1:{far_modules}")
+    search.get_by_label("Addresses").fill("1-4")
+    search.get_by_role("button", name="Probe").click()
+    found = search.get_by_label("Modules found").get_by_role("listitem")
+    expect(found).to_have_count(2, timeout=20_000)
+    expect(found.nth(1)).to_contain_text("1241V144")
+    expect(search.get_by_role("button", name="Abort")).to_have_count(0, timeout=20_000)
+    found.nth(1).get_by_role("button", name="Add").click()
+    form = page.get_by_role("form", name="Add a device")
+    expect(form.get_by_label("Module address")).to_have_value("3")
+    form.get_by_label("Name", exact=True).fill(NAME)
+    form.get_by_role("button", name="Test the link").click()
+    expect(form).to_contain_text("It answers")
+    form.get_by_role("button", name="Add and connect").click()
+    entry = page.get_by_role("region", name=NAME)
+    expect(entry).to_have_attribute("data-state", "connected")
+    expect(entry).to_contain_text("address 3")
+    assert api.get(f"/devices/{NAME}/registers/gp0_66").json()["value"] == 3
+    remove(page)
+
+
+def test_a_search_is_aborted(page: Page, far_modules: int) -> None:
+    page.goto("/connections")
+    search = page.get_by_role("region", name="Look for modules")
+    search.get_by_label("Port or address").fill(f"socket://127.0.0.1:{far_modules}")
+    search.get_by_label("Addresses").fill("1-255")
+    search.get_by_role("button", name="Probe").click()
+    search.get_by_role("button", name="Abort").click()
+    expect(search.get_by_role("button", name="Abort")).to_have_count(0)
+    expect(search.get_by_role("button", name="Probe")).to_be_enabled()
+
+
+def test_a_port_that_is_not_there_is_told_with_a_way_out(page: Page, api: httpx.Client) -> None:
+    open_form(page)
+    page.get_by_role("combobox", name="Model").click()
+    page.get_by_role("option", name="PD42-1241").click()
+    page.get_by_text("Serial", exact=True).click()
+    form = page.get_by_role("form", name="Add a device")
+    form.get_by_label("Port or address").fill("/dev/ttyNOWHERE")
+    form.get_by_role("button", name="Test the link").click()
+    problem = form.get_by_role("alert").filter(has_text="The link does not work")
+    expect(problem).to_contain_text("/dev/ttyNOWHERE")
+    assert api.get(f"/devices/{NAME}").status_code == 404
+
+
+@pytest.mark.parametrize("kind", ["Serial", "TCP", "CAN", "Emulated here"])
+def test_every_kind_of_link_is_open_to_everybody(page: Page, check_axe: Callable[[Page], None], kind: str) -> None:
+    open_form(page)
+    page.get_by_role("combobox", name="Model").click()
+    page.get_by_role("option", name="PD42-1241").click()
+    page.get_by_text(kind, exact=True).click()
+    if kind == "Emulated here":
+        page.get_by_role("button", name="Emulator: motor").click()
+    for size in (DESKTOP, PHONE):
+        page.set_viewport_size(size)
+        check_axe(page)
+        sideways = page.evaluate("document.scrollingElement.scrollWidth - document.documentElement.clientWidth")
+        assert sideways <= 0
 
 
 def test_a_server_that_goes_and_comes_back(page: Page, errors: Errors, tmp_path: Path) -> None:

@@ -157,7 +157,7 @@ def test_the_page_is_open_to_everybody(page: Page, drive: str, check_axe: Callab
     for size in (DESKTOP, PHONE):
         page.set_viewport_size(size)
         for scheme in ("light", "dark"):
-            page.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
+            page.emulate_media(color_scheme=scheme)
             expect(row(page, "target_position")).to_be_visible()
             check_axe(page)
         sideways = page.evaluate("document.scrollingElement.scrollWidth - document.documentElement.clientWidth")
