@@ -96,7 +96,7 @@ def tstep(pps: Numbers, microsteps: int = 256, clock_hz: float = CLOCK_HZ) -> in
     speed = np.abs(np.asarray(pps, dtype=np.float64))
     if not np.all(np.isfinite(speed)):
         raise ValueError("the velocity is finite")
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore"):
         clocks = np.floor(_clock(clock_hz) / (speed * (TABLE_MICROSTEPS / microsteps)))
     return _rounded(np.minimum(clocks, TSTEP_MAX))
 
