@@ -133,7 +133,7 @@ def test_the_page_is_open_to_everybody(load: Page, check_axe: Callable[[Page], N
     for size in (DESKTOP, PHONE):
         load.set_viewport_size(size)
         for scheme in ("light", "dark"):
-            load.emulate_media(color_scheme=scheme)  # type: ignore[arg-type]
+            load.emulate_media(color_scheme=scheme)
             expect(load.get_by_test_id("stop-all")).to_be_in_viewport(ratio=1)
             check_axe(load)
         sideways = load.evaluate("document.scrollingElement.scrollWidth - document.documentElement.clientWidth")

@@ -1,4 +1,4 @@
-import { type Look, ObservedStage } from "./observed";
+import type { Look } from "./observed";
 
 export interface SeenEdge {
   which: "left" | "right" | "home";
@@ -17,13 +17,11 @@ export class EdgeTrail {
   /** device time up to which samples were looked at [s] */
   lookedAtS = Number.NEGATIVE_INFINITY;
   private before: Look | null = null;
-  private zeroed = false;
 
   /** A search begins; what was sampled before `atS` is none of it. */
   begin(atS: number): void {
     this.edges = [];
     this.before = null;
-    this.zeroed = false;
     this.lookedAtS = atS;
     this.revision += 1;
   }
@@ -33,9 +31,7 @@ export class EdgeTrail {
     if (Number.isNaN(now.position) || (before !== null && now.timeS <= before.timeS)) return;
     this.before = now;
     this.lookedAtS = now.timeS;
-    // the module has zeroed its counter: what comes is in the new counting, and no part of the search
-    if (before !== null && ObservedStage.jumped(before, now)) this.zeroed = true;
-    if (before === null || this.zeroed) return;
+    if (before === null) return;
     for (const which of SWITCHES) {
       const [was, is] = [before[which] > 0.5, now[which] > 0.5];
       if (Number.isNaN(before[which] + now[which]) || was === is) continue;

@@ -5,7 +5,7 @@ import { EdgeTrail, type SeenEdge } from "./edges";
 import type { LiveAxis } from "./live";
 import { looksSince } from "./useStage";
 
-const ANSWERED_LATE_S = 0.3;
+const ANSWERED_LATE_S = 1;
 
 /** The edges that the running search has passed, or the last one did; where the server tells of none by itself. */
 export function useSearchEdges(
