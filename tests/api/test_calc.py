@@ -9,6 +9,7 @@ import pytest
 
 from app.calc.pmul_pdiv import design
 from app.calc.ramp import RampParameters, exact_ramp
+from app.calc.sixpoint import SixPoint, position_plan
 
 RAMP: dict[str, Any] = {"v_min": 1, "v_max": 1000, "a_max": 172, "ramp_div": 7, "pulse_div": 2, "pmul": 35, "pdiv": 9}
 
@@ -181,3 +182,112 @@ async def test_names_of_a_custom_drivers_bits_come_back(client: httpx.AsyncClien
     custom = {"driver": "custom", "signals": ["Step", "Direction"], "bit_names": ["STP", "DIR"]}
     answer = (await client.post("calc/driver-chain", json={"drivers": ["tmc236", custom]})).json()
     assert [bit["bit_name"] for bit in answer["bits"]][-3:] == ["PHB", "STP", "DIR"]
+
+
+# --- a module's ramps and units -----------------------------------------------------------------
+
+SIXPOINT = {
+    "vstart": 100,
+    "a1": 50_000,
+    "v1": 20_000,
+    "amax": 20_000,
+    "vmax": 50_000,
+    "dmax": 30_000,
+    "d1": 60_000,
+    "vstop": 200,
+}
+
+
+async def test_a_sixpoint_ramp_is_the_planners(client: httpx.AsyncClient) -> None:
+    body = {"model": "sixpoint", "parameters": SIXPOINT, "distance": -100_000, "samples": 64}
+    answer = (await client.post("calc/ramp", json=body)).json()
+    ramp = SixPoint(v_max=50_000, a_max=20_000, d_max=30_000, v_start=100, a1=50_000, v1=20_000, d1=60_000, v_stop=200)
+    curve = position_plan(ramp, -100_000).curve(64)
+    assert answer["duration_s"] == curve.duration_s
+    assert answer["position"] == curve.position.tolist()
+    assert answer["velocity_pps"] == curve.velocity_pps.tolist()
+    assert [phase["name"] for phase in answer["phases"]] == [phase.name for phase in curve.phases]
+    assert len(answer["phases"]) == 5
+    assert answer["warnings"] == []
+
+
+async def test_a_sixpoint_ramp_from_any_velocity_waits_where_it_turns(client: httpx.AsyncClient) -> None:
+    parameters = {**SIXPOINT, "v_actual": 50_000, "t_zero_wait_s": 0.25}
+    body = {"model": "sixpoint", "parameters": parameters, "distance": 1000}
+    answer = (await client.post("calc/ramp", json=body)).json()
+    assert answer["overshoot_steps"] > 30_000
+    wait = next(phase for phase in answer["phases"] if phase["name"] == "wait")
+    assert wait["end_s"] - wait["start_s"] == pytest.approx(0.25)
+    assert answer["position"][-1] == 1000
+
+
+async def test_a_sixpoint_rotation_goes_on_until_the_distance_is_behind(client: httpx.AsyncClient) -> None:
+    parameters = {"amax": 20_000, "vmax": 50_000, "ramp_mode": "velocity"}
+    body = {"model": "sixpoint", "parameters": parameters, "distance": -100_000}
+    answer = (await client.post("calc/ramp", json=body)).json()
+    assert answer["position"][-1] == pytest.approx(-100_000)
+    assert answer["velocity_pps"][-1] == -50_000
+    assert [phase["name"] for phase in answer["phases"]] == ["acceleration AMAX", "constant velocity"]
+    stop = {**body, "parameters": {**parameters, "v_target": 0, "v_actual": 50_000}}
+    assert (await client.post("calc/ramp", json=stop)).json()["duration_s"] == pytest.approx(2.5)
+
+
+async def test_left_out_decelerations_are_the_accelerations(client: httpx.AsyncClient) -> None:
+    parameters = {"amax": 20_000, "vmax": 50_000, "v1": 10_000}
+    body = {"model": "sixpoint", "parameters": parameters, "distance": 50_000, "samples": 3}
+    spelled_out = {**body, "parameters": {**parameters, "a1": 20_000, "dmax": 20_000, "d1": 20_000}}
+    assert (await client.post("calc/ramp", json=body)).json() == (
+        await client.post("calc/ramp", json=spelled_out)
+    ).json()
+
+
+@pytest.mark.parametrize(
+    ("parameters", "words"),
+    [
+        ({"amax": 1000}, "vmax"),
+        ({"amax": 1000, "vmax": 0}, "v_max"),
+        ({"amax": 1000, "vmax": 1000, "pmul": 3}, "'pmul'"),
+        ({"amax": 1000, "vmax": 1000, "ramp_mode": "soft"}, "soft"),
+        ({"amax": 1000, "vmax": 1000, "vstart": 500}, "v_start"),
+        ({"amax": "fast", "vmax": 1000}, "'fast'"),
+    ],
+)
+async def test_a_sixpoint_ramp_that_cannot_be_is_422(
+    client: httpx.AsyncClient, parameters: dict[str, object], words: str
+) -> None:
+    answer = await client.post("calc/ramp", json={"model": "sixpoint", "parameters": parameters, "distance": 10})
+    assert answer.status_code == 422
+    assert words in answer.json()["detail"]
+
+
+@pytest.mark.sheet("004", "7.4")
+async def test_units_of_a_module(client: httpx.AsyncClient) -> None:
+    body = {
+        "model": "pd42-1241",
+        "velocity": {"value": 60, "unit": "rpm"},
+        "acceleration": {"value": 1, "unit": "rps2"},
+        "mechanics": {"microsteps_per_full_step": 256},
+    }
+    answer = (await client.post("calc/units", json=body)).json()
+    assert answer["velocity"]["pps"] == pytest.approx(51_200)
+    assert answer["velocity"]["rps"] == pytest.approx(1)
+    assert answer["velocity"]["chip"] == pytest.approx(53_687.0912)
+    assert answer["module"] == {
+        "velocity": 53_687,
+        "velocity_pps": pytest.approx(51_200, abs=0.5),
+        "acceleration": 440,
+        "acceleration_pps2": pytest.approx(51_200, abs=60),
+        "tstep": 312,
+    }
+    back = {"model": "pd42-1241", "velocity": {"value": 53_687, "unit": "chip"}}
+    assert (await client.post("calc/units", json=back)).json()["velocity"]["pps"] == answer["module"]["velocity_pps"]
+    beyond = {"model": "pd42-1241", "velocity": {"value": 9e6, "unit": "pps"}}
+    assert (await client.post("calc/units", json=beyond)).json()["module"]["velocity"] is None
+
+
+async def test_a_chip_needs_its_dividers_and_a_module_has_none(client: httpx.AsyncClient) -> None:
+    answer = await client.post("calc/units", json={"model": "tmc428", "velocity": {"value": 1, "unit": "pps"}})
+    assert answer.status_code == 422
+    assert "pulse_div" in answer.json()["detail"]
+    chip = {"model": "tmc428", "pulse_div": 2, "ramp_div": 7, "velocity": {"value": 1, "unit": "rps"}}
+    assert (await client.post("calc/units", json=chip)).json()["module"] is None

@@ -260,3 +260,46 @@ async def test_ten_readers_at_once_lose_nothing(server: str) -> None:
         steps_s = np.diff(np.concatenate([frame.time_s for frame in stream.frames]))
         np.testing.assert_allclose(steps_s, 1e-3, atol=1e-9)
         assert stream.frames[-1].dropped == 0
+
+
+async def until(stream: Stream, kind: str, **wanted: object) -> dict[str, Any]:
+    """Read on until a message of that kind, with these fields, has come."""
+    while True:
+        await stream.read(20)
+        for message in stream.messages:
+            if message["type"] == kind and wanted.items() <= message.items():
+                return message
+
+
+async def test_the_end_of_a_motion_is_told_with_its_reason(server: str, api: httpx.AsyncClient) -> None:
+    await api.post("devices", json={"name": "motor", "model": "pd42-1241", "link": {"kind": "emulator"}})
+    address = "devices/motor/telemetry?channels=position.0,velocity.0,deviation.0&rate_hz=200"
+    async with socket(server, address) as connection:
+        stream = Stream(connection)
+        await stream.message()
+        await api.post("devices/motor/axes/0/move", json={"target": 5000})
+        stopped = await until(stream, "stopped")
+        assert {"type": "stopped", "axis": 0, "reason": "target_reached", "position": 5000}.items() <= stopped.items()
+        first = (await api.get("devices/motor/axes/0/stops")).json()[0]
+        assert {
+            key: first[key] for key in ("axis", "reason", "time_s", "position", "detail")
+        }.items() <= stopped.items()
+        assert any(message["type"] == "move" for message in stream.messages)
+        status = await until(stream, "status", calls_per_s_possible=None)
+        assert status["row_spread_ms"] == 0  # an emulator answers all questions at one moment
+
+
+async def test_over_a_wire_the_status_tells_what_it_carries(server: str, api: httpx.AsyncClient, far_line: str) -> None:
+    link = {"kind": "serial", "port": far_line, "baud": 115_200}
+    made = (await api.post("devices", json={"name": "far", "model": "pd42-1241", "link": link})).json()
+    assert made["state"] == "connected", made["problem"]
+    address = "devices/far/telemetry?channels=position.0,velocity.0&rate_hz=100"
+    async with socket(server, address) as connection:
+        stream = Stream(connection)
+        assert not (await stream.message())["chip_timed"]
+        await until(stream, "status")
+        stream.messages.clear()
+        status = await until(stream, "status")
+        assert status["calls_per_s"] > 2 * 0.5 * status["achieved_rate_hz"]
+        assert status["row_spread_ms"] > 0
+        assert status["calls_per_s_possible"] in (None, pytest.approx(115_200 / 180))

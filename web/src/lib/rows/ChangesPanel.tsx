@@ -192,6 +192,7 @@ function Title({ row, axis, children }: { row: RegisterRow; axis: string; childr
   return (
     <div className={css.diffTitle}>
       <RegisterName name={row.name} strong />
+      {row.alias !== "" && <span className={css.axisTag}>{row.alias}</span>}
       {axis !== "" && <span className={css.axisTag}>{axis}</span>}
       <span className={css.grow} />
       {children}

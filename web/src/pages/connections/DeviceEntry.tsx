@@ -139,7 +139,10 @@ function stateText(device: Device): string {
 function Wire({ device }: { device: Device }) {
   const link = useLinkInfo(device);
   if (link.data === undefined) return null;
-  const incidents = Object.values(link.data.counts.incidents).reduce((sum, count) => sum + count, 0);
+  const incidents = Object.entries(link.data.counts.incidents).reduce(
+    (sum, [kind, count]) => (kind === "opened" ? sum : sum + count), // opening a port is none that anybody minds
+    0,
+  );
   return (
     <div className={css.wireFact}>
       <dt>Wire</dt>

@@ -65,7 +65,7 @@ export function ModuleLinkFields({ kind, draft, problem, onChange, more, onMore 
           onChange={(serialPort) => onChange({ serialPort })}
         />
         <div className={css.three}>
-          {typed("baud", "Baud (no meaning on USB)", BAUDS)}
+          {typed("baud", "Baud (not on USB)", BAUDS)}
           {numeric("address", "Module address")}
           {numeric("timeoutS", "Answer within", "s")}
         </div>

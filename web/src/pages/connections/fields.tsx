@@ -15,9 +15,14 @@ interface Props {
   placeholder?: string;
 }
 
+/** Thousands apart, decimals as they are. */
+function plain(value: number): string {
+  return Number.isInteger(value) ? compact(value) : String(value);
+}
+
 /** A number that may be left out: the placeholder shows what then holds. */
 export function OptionalNumber({ label, value, onChange, limits, unit, problem, cell = false, placeholder }: Props) {
-  const holds = placeholder ?? (limits.fallback === null ? "" : compact(limits.fallback));
+  const holds = placeholder ?? (limits.fallback === null ? "" : plain(limits.fallback));
   return (
     <TextInput
       size="xs"

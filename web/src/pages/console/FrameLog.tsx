@@ -194,7 +194,7 @@ function List({ frames, handle, selected, onSelect }: ListProps) {
   }
 
   return (
-    <div className={css.logFrame} ref={sized}>
+    <div className={css.logFrame} data-short={selected !== null} ref={sized}>
       <div
         ref={box}
         className={css.logBox}
