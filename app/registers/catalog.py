@@ -22,6 +22,8 @@ class Model:
     clock_hz_max: float
     kind: Literal["chip", "module"] = "chip"
     """A chip has registers; a module speaks TMCL and has parameters."""
+    datagram_bits: int = 32
+    """Length of one datagram on the wire of a chip; 0 for a module, whose frames TMCL tells."""
 
 
 MODELS = {
@@ -38,7 +40,9 @@ MODELS = {
             pd42.CLOCK_HZ,
             pd42.CLOCK_HZ,
             "module",
+            0,
         ),
     )
 }
-CHIPS = {name: model for name, model in MODELS.items() if model.kind == "chip"}
+CHIPS_32 = {name: model for name, model in MODELS.items() if model.datagram_bits == 32}
+"""TMC428 and TMC4210: one ramp generator, one kind of datagram, and so the same promises in most tests."""

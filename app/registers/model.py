@@ -10,6 +10,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from functools import reduce
+from operator import or_
 from types import MappingProxyType
 from typing import Literal
 
@@ -92,6 +94,10 @@ class Bits:
     """Allowed values (lowest, highest), inclusive; None stands for all that the width holds."""
     values: Mapping[int, str] = field(default_factory=dict)
     """Names of enumerated values."""
+    when: str = ""
+    """Non-empty: a second meaning of bits that another row or field already names, and when it holds."""
+    behaviour: str = ""
+    """Non-empty: readable and writable here, but not acted on by the emulator, and why."""
 
     def __post_init__(self) -> None:
         lowest, highest = self._width_range()
@@ -131,7 +137,11 @@ class Bits:
 
 @dataclass(frozen=True, slots=True)
 class Field(Bits):
-    """Some bits of a register that have a name of their own."""
+    """Some bits of a register that have a name of their own.
+
+    Fields do not overlap, but for those that say `when`: a TMC4361 gives some bits another meaning
+    with another driver chip or encoder, and a reader has to see both names.
+    """
 
     lsb: int = 0
     access: Access = Access.RW
@@ -183,13 +193,13 @@ class Register(Bits):
         super(Register, self).__post_init__()
         if not self.source:
             raise ValueError(f"{self.name}: a row without a source")
-        taken = 0
+        taken: dict[str, int] = {}
         for part in self.fields:
             if part.lsb + part.width > self.width:
                 raise ValueError(f"{self.name}.{part.name} leaves the register's {self.width} bits")
-            if taken & part.mask:
+            if taken.get(part.when, 0) & part.mask:
                 raise ValueError(f"{self.name}.{part.name} overlaps another field")
-            taken |= part.mask
+            taken[part.when] = taken.get(part.when, 0) | part.mask
         if self.reset is not None and not 0 <= self.reset < 1 << self.width:
             raise ValueError(f"{self.name}: reset {self.reset:#x} does not fit {self.width} bits")
 
@@ -203,7 +213,7 @@ class Register(Bits):
         """Every bit that means something: of a packed register, those of its fields."""
         if not self.fields:
             return (1 << self.width) - 1
-        return sum(part.mask for part in self.fields)
+        return reduce(or_, (part.mask for part in self.fields))
 
     @property
     def write_mask(self) -> int:
@@ -212,7 +222,7 @@ class Register(Bits):
             return 0
         if not self.fields:
             return self.mask
-        return sum(part.mask for part in self.fields if part.access.writable)
+        return reduce(or_, (part.mask for part in self.fields if part.access.writable), 0)
 
     def field_named(self, name: str) -> Field | None:
         """The field of that name, without regard to case, or None."""
@@ -225,25 +235,26 @@ class Register(Bits):
 
 
 class RegisterTable:
-    """All registers of one chip; names are matched without regard to case."""
+    """All registers of one chip; names are matched without regard to case.
+
+    One address may hold one register for reading and another for writing. Rows that say `when` are
+    further names of a word that has its row already: they answer to their names, not at their address.
+    """
 
     def __init__(self, chip: str, registers: tuple[Register, ...]) -> None:
         self.chip = chip
         self.registers = registers
         self._by_name: dict[tuple[str, int | None], Register] = {}
-        self._by_address: dict[tuple[Space, int], Register] = {}
+        self._by_address: dict[tuple[Space, int, bool], Register] = {}
         self._by_field: dict[tuple[str, int | None], tuple[Register, Field]] = {}
         for register in registers:
             key = (register.name.casefold(), register.axis)
             if key in self._by_name:
                 raise ValueError(f"{chip}: two rows are called {register.name} on axis {register.axis}")
-            place = (register.space, register.address)
-            if place in self._by_address:
-                raise ValueError(f"{chip}: two rows stand on address {register.address:#04x}")
             self._by_name[key] = register
-            self._by_address[place] = register
             if register.alias:
                 self._by_name[(register.alias, register.axis)] = register
+        self._place(registers)
         ambiguous: set[tuple[str, int | None]] = set()
         for register in registers:
             for part in register.fields:
@@ -254,15 +265,39 @@ class RegisterTable:
         for key in ambiguous:  # y_even of 32 table words: only the packed name tells which
             del self._by_field[key]
 
+    def _place(self, registers: tuple[Register, ...]) -> None:
+        """Give every address its register for reading and its register for writing."""
+        for register in registers:
+            for write in (False, True):
+                place = (register.space, register.address, write)
+                serves = register.access.writable if write else register.access.readable
+                if register.when or not serves:
+                    continue
+                if place in self._by_address:
+                    raise ValueError(f"{self.chip}: two rows stand on address {register.address:#04x}")
+                self._by_address[place] = register
+        for (space, address, write), register in list(self._by_address.items()):
+            self._by_address.setdefault((space, address, not write), register)
+        for register in registers:
+            if (register.space, register.address, False) not in self._by_address:
+                raise ValueError(f"{self.chip}: {register.name} is another name of a word that has no row")
+
     def __iter__(self) -> Iterator[Register]:
         return iter(self.registers)
 
     def __len__(self) -> int:
         return len(self.registers)
 
-    def at(self, address: int, space: Space = Space.REGISTER) -> Register | None:
-        """The register at that address, or None where the chip has none."""
-        return self._by_address.get((space, address))
+    def at(self, address: int, space: Space = Space.REGISTER, write: bool = False) -> Register | None:
+        """The register that a read (or a write) of that address reaches, or None where the chip has none.
+
+        An address with a register for one of the two only answers both with it.
+        """
+        return self._by_address.get((space, address, write))
+
+    def meanings(self, address: int, space: Space = Space.REGISTER) -> tuple[Register, ...]:
+        """Every row at that address: for reading, for writing, and those that hold only `when` they say."""
+        return tuple(row for row in self.registers if (row.space, row.address) == (space, address))
 
     def find(self, name: str, axis: int | None = None) -> tuple[Register, Field | None] | None:
         """A register, or a field by its own name, on `axis`; global ones answer on every axis.

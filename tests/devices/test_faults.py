@@ -9,11 +9,11 @@ import pytest
 from app.emulators.options import EmulatorPatch
 from app.links import datagram32
 from app.links.errors import LinkDown, LinkTimeout, WriteRefused, WrongState
-from app.registers.catalog import CHIPS
+from app.registers.catalog import CHIPS_32
 from tests.devices.bench import bench, state_of
 
 
-@pytest.mark.parametrize("model", list(CHIPS))
+@pytest.mark.parametrize("model", list(CHIPS_32))
 async def test_a_device_that_vanishes_during_a_move_comes_back_under_control(model: str) -> None:
     async with bench(model) as b:
         await b.device.move(0, 200_000)

@@ -7,10 +7,10 @@ import pytest
 from app.devices.results import AxisMove
 from app.links import datagram32
 from app.links.errors import OutOfRange, UnknownThing, UsageError, WrongState
-from app.registers.catalog import CHIPS
+from app.registers.catalog import CHIPS_32
 from tests.devices.bench import bench
 
-BOTH = pytest.mark.parametrize("model", list(CHIPS))
+BOTH = pytest.mark.parametrize("model", list(CHIPS_32))
 PPS_PER_UNIT = 16e6 / (2**4 * 2048 * 32)
 
 

@@ -19,7 +19,7 @@ from app.devices.start_up import AxisStart, start_up
 from app.emulators.build import build_emulator
 from app.emulators.device import EmulatedDevice
 from app.links.errors import LinkError, LinkTimeout
-from app.registers.catalog import CHIPS
+from app.registers.catalog import CHIPS_32
 from tests.devices.bench import KINDS, START, state_of
 from tests.links.server import Server, serving
 
@@ -46,7 +46,7 @@ def chip_clock(chip: EmulatedDevice) -> VirtualClock:
     return cast("VirtualClock", chip.clock.base)
 
 
-@pytest.mark.parametrize("model", list(CHIPS))
+@pytest.mark.parametrize("model", list(CHIPS_32))
 async def test_set_up_move_and_stop(model: str) -> None:
     async with remote(model) as (device, chip, server):
         assert device.state == "connected"

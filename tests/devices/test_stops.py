@@ -12,11 +12,11 @@ from app.devices.ramp_stops import RampStops
 from app.emulators.options import EmulatorPatch, FaultsChange
 from app.links.errors import LinkDown, LinkTimeout, WriteRefused, WrongState
 from app.links.port import FramePort
-from app.registers.catalog import CHIPS
+from app.registers.catalog import CHIPS_32
 from tests.devices.bench import START, bench, emulator_of
 from tests.links.gate import GatedPort, settle
 
-BOTH = pytest.mark.parametrize("model", list(CHIPS))
+BOTH = pytest.mark.parametrize("model", list(CHIPS_32))
 
 
 @BOTH

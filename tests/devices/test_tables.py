@@ -12,7 +12,7 @@ from app.devices.profile import is_configuration
 from app.devices.start_up import AxisStart, start_up
 from app.links import datagram32
 from app.links.errors import OutOfRange, UsageError, WriteRefused, WrongState
-from app.registers.catalog import CHIPS
+from app.registers.catalog import CHIPS_32
 from tests.devices.bench import bench
 
 
@@ -85,7 +85,7 @@ async def test_a_tmc4210_has_neither() -> None:
             await b.device.write_driver_chain([0], 0)
 
 
-@pytest.mark.parametrize("model", list(CHIPS))
+@pytest.mark.parametrize("model", list(CHIPS_32))
 async def test_a_profile_written_to_another_chip_makes_it_the_same(model: str) -> None:
     async with bench(model) as source, bench(model, started=False, seed=1) as target:
         await source.device.write("dx_ref_tolerance", 0, value=77)
@@ -111,7 +111,7 @@ async def test_a_profile_written_to_another_chip_makes_it_the_same(model: str) -
 
 
 @pytest.mark.sheet("001", "13")
-@pytest.mark.parametrize("model", list(CHIPS))
+@pytest.mark.parametrize("model", list(CHIPS_32))
 async def test_after_the_start_up_the_motor_runs(model: str) -> None:
     async with bench(model) as b:
         chain = b.wire.state().driver_chain

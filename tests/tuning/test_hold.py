@@ -5,11 +5,11 @@ from __future__ import annotations
 import pytest
 
 from app.links.errors import OutOfRange, WrongState
-from app.registers.catalog import CHIPS
+from app.registers.catalog import CHIPS_32
 from app.tuning.procedures import Procedures
 from tests.devices.bench import bench
 
-BOTH = pytest.mark.parametrize("model", list(CHIPS))
+BOTH = pytest.mark.parametrize("model", list(CHIPS_32))
 
 
 @BOTH

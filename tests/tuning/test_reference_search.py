@@ -10,13 +10,13 @@ import pytest
 
 from app.emulators.options import EmulatorPatch, SwitchChange
 from app.links.errors import OutOfRange, UnknownThing, WrongState
-from app.registers.catalog import CHIPS
+from app.registers.catalog import CHIPS_32
 from app.tuning.edges import Switch
 from app.tuning.procedures import Procedures
 from app.tuning.search import ReferenceSearchState
 from tests.devices.bench import Bench, bench
 
-BOTH = pytest.mark.parametrize("model", list(CHIPS))
+BOTH = pytest.mark.parametrize("model", list(CHIPS_32))
 STAGE = {"left_at_fullsteps": 0.0, "right_at_fullsteps": 700.0, "ref_from_fullsteps": 250.0, "ref_to_fullsteps": 350.0}
 """Short, so that a search takes seconds; the reference switch's middle is at full step 300."""
 

@@ -6,11 +6,11 @@ import pytest
 
 from app.emulators.options import EmulatorPatch
 from app.links.errors import OutOfRange
-from app.registers.catalog import CHIPS
+from app.registers.catalog import CHIPS_32
 from app.tuning.procedures import Procedures
 from tests.devices.bench import bench
 
-BOTH = pytest.mark.parametrize("model", list(CHIPS))
+BOTH = pytest.mark.parametrize("model", list(CHIPS_32))
 
 
 @BOTH
