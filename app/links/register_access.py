@@ -1,0 +1,189 @@
+"""What the driver of a register chip says to a port, and makes of the answer, by the kind of the link.
+
+Sans-io: frames to send in a row (`Turn.exchange_many`, one call a chain) and replies to judge. Over SPI
+the words come pipelined, so the frames of one call belong together: ports of such chips are `ChainPort`s
+and let nobody come between. Over an evaluation board every register is one TMCL command.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Protocol
+
+from app.links import datagram40, tmcl
+from app.links.errors import BadReply
+from app.registers.landungsbruecke import BoardOpcode
+
+
+class RegisterAccess(Protocol):
+    """Raw unsigned 32-bit words by address, as frames. Addresses and data that cannot be raise ValueError."""
+
+    @property
+    def frame_bytes(self) -> int:
+        """The length of every frame."""
+        ...
+
+    @property
+    def reply_bytes(self) -> int:
+        """The length of every reply, so that the joined replies of a sample can be cut (`cut`)."""
+        ...
+
+    def read_frames(self, addresses: Sequence[int]) -> tuple[bytes, ...]:
+        """The frames that read these registers in this order; none for none. Reading twice what reading clears
+        clears it twice: every address costs exactly one access, and what else is sent clears nothing."""
+        ...
+
+    def words(self, replies: Sequence[bytes]) -> list[int]:
+        """One word for each address asked, out of the replies to all of `read_frames`. Raises BadReply."""
+        ...
+
+    def status(self, replies: Sequence[bytes]) -> int | None:
+        """The SPI status byte of the last reply; None where the link brings none. Raises BadReply."""
+        ...
+
+    def write_frame(self, address: int, data: int) -> bytes:
+        """The one frame that writes `data`, 32 raw bits."""
+        ...
+
+    def write_frames(self, writes: Sequence[tuple[int, int]]) -> tuple[bytes, ...]:
+        """The frames that write (address, data) in this order such that `check_all` can tell whether every one
+        arrived; none for none."""
+        ...
+
+    def check(self, frame: bytes, reply: bytes) -> None:
+        """Raises BadReply where `reply` cannot be the reply to `frame`."""
+        ...
+
+    def check_all(self, frames: Sequence[bytes], replies: Sequence[bytes]) -> None:
+        """Raises BadReply where the replies cannot be those to `frames`, sent in a row and nobody between."""
+        ...
+
+
+class Spi40Access:
+    """40-bit datagrams (002, 5.1). `name` names the link in errors.
+
+    A reply alone shows nothing but its length. Writes show themselves in the reply after: `check_all`.
+    """
+
+    frame_bytes = datagram40.FRAME_BYTES
+    reply_bytes = datagram40.FRAME_BYTES
+
+    def __init__(self, name: str = "spi") -> None:
+        self.name = name
+
+    def read_frames(self, addresses: Sequence[int]) -> tuple[bytes, ...]:
+        return datagram40.read_chain(addresses)
+
+    def words(self, replies: Sequence[bytes]) -> list[int]:
+        for reply in replies:
+            self._check_length(reply)
+        return datagram40.words_of_chain(replies)
+
+    def status(self, replies: Sequence[bytes]) -> int | None:
+        if not replies:
+            return None
+        self._check_length(replies[-1])
+        return replies[-1][0]
+
+    def write_frame(self, address: int, data: int) -> bytes:
+        return datagram40.write(address, data)
+
+    def write_frames(self, writes: Sequence[tuple[int, int]]) -> tuple[bytes, ...]:
+        return (*(datagram40.write(address, data) for address, data in writes), datagram40.FETCH) if writes else ()
+
+    def check(self, frame: bytes, reply: bytes) -> None:
+        del frame  # the reply speaks of the frame before
+        self._check_length(reply)
+
+    def check_all(self, frames: Sequence[bytes], replies: Sequence[bytes]) -> None:
+        _check_count(self.name, frames, replies)
+        for reply in replies:
+            self._check_length(reply)
+        for frame, reply in zip(frames, replies[1:], strict=False):
+            if frame[0] & datagram40.WRITE_BIT and frame[1:] != reply[1:]:
+                address = frame[0] & datagram40.ADDRESS_MAX
+                raise BadReply(self.name, f"what {address:#04x} was written with came back otherwise", reply)
+
+    def _check_length(self, reply: bytes) -> None:
+        if len(reply) != datagram40.FRAME_BYTES:
+            raise BadReply(self.name, f"{len(reply)} bytes instead of {datagram40.FRAME_BYTES}", reply)
+
+
+class LandungsbrueckeAccess:
+    """Registers through an evaluation board: TMCL 146 writes and 148 reads the motion controller.
+
+    `motor` is the board's channel or the chip's axis, `address` the board's TMCL address. Twelve bits of register
+    address fit: the upper four go into the upper half of the motor byte.
+    """
+
+    frame_bytes = tmcl.FRAME_BYTES
+    reply_bytes = tmcl.FRAME_BYTES
+
+    def __init__(self, name: str = "landungsbruecke", motor: int = 0, address: int = 1) -> None:
+        if not 0 <= motor <= 0xF:
+            raise ValueError(f"motor is 0..15, not {motor}")
+        self.name = name
+        self.motor = motor
+        self.address = address
+
+    def read_frames(self, addresses: Sequence[int]) -> tuple[bytes, ...]:
+        return tuple(self._frame(BoardOpcode.READ_MC, address, 0) for address in addresses)
+
+    def words(self, replies: Sequence[bytes]) -> list[int]:
+        return [self._word(reply, BoardOpcode.READ_MC) for reply in replies]
+
+    def status(self, replies: Sequence[bytes]) -> int | None:
+        del replies  # the board keeps it to itself
+        return None
+
+    def write_frame(self, address: int, data: int) -> bytes:
+        if not 0 <= data <= datagram40.DATA_MASK:
+            raise ValueError(f"data is 32 bits, not {data:#x}")
+        return self._frame(BoardOpcode.WRITE_MC, address, data)
+
+    def write_frames(self, writes: Sequence[tuple[int, int]]) -> tuple[bytes, ...]:
+        return tuple(self.write_frame(address, data) for address, data in writes)
+
+    def check(self, frame: bytes, reply: bytes) -> None:
+        answer = tmcl.check_reply(self.name, frame, reply)
+        if not answer.ok:
+            raise BadReply(self.name, f"the board refuses: {answer.status_text}", reply)
+
+    def check_all(self, frames: Sequence[bytes], replies: Sequence[bytes]) -> None:
+        _check_count(self.name, frames, replies)
+        for frame, reply in zip(frames, replies, strict=True):
+            self.check(frame, reply)
+
+    def _frame(self, opcode: BoardOpcode, address: int, value: int) -> bytes:
+        if not 0 <= address <= 0xFFF:
+            raise ValueError(f"an address is 0x000..0xfff, not {address:#x}")
+        motor = self.motor | address >> 8 << 4
+        return tmcl.Request(self.address, opcode, address & 0xFF, motor, value).encode()
+
+    def _word(self, reply: bytes, opcode: BoardOpcode) -> int:
+        # The command that was asked need not be at hand: of it only address and command number matter here.
+        self.check(tmcl.Request(self.address, opcode).encode(), reply)
+        return int.from_bytes(reply[4:8], "big")
+
+
+def _check_count(name: str, frames: Sequence[bytes], replies: Sequence[bytes]) -> None:
+    if len(frames) != len(replies):
+        raise BadReply(name, f"{len(replies)} replies to {len(frames)} frames", b"".join(replies))
+
+
+def cut(access: RegisterAccess, joined: bytes) -> list[bytes]:
+    """The replies of one sample, taken apart again. Raises BadReply where they are no whole number."""
+    size = access.reply_bytes
+    if len(joined) % size:
+        raise BadReply("sample", f"{len(joined)} bytes are no whole number of {size}", joined)
+    return [joined[at : at + size] for at in range(0, len(joined), size)]
+
+
+def access_of(link: Mapping[str, object]) -> RegisterAccess:
+    """How registers are reached over `link`, whose options its port has already been made of: `kind` says it."""
+    kind = link.get("kind")
+    if kind == "landungsbruecke":
+        motor = link.get("motor", 0)
+        assert isinstance(motor, int)  # the factory of the port has checked it
+        return LandungsbrueckeAccess(f"landungsbruecke {link.get('port', '')}", motor=motor)
+    return Spi40Access(str(kind))
