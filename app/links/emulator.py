@@ -9,6 +9,7 @@ from __future__ import annotations
 import heapq
 from collections.abc import Callable, Sequence
 
+from app.links import datagram40
 from app.links.errors import LinkDown, LinkError, LinkTimeout
 from app.links.port import SampleSink, Wire
 
@@ -35,11 +36,12 @@ class _Sampling:
 
 
 class EmulatorPort:
-    """`SamplingPort` over a `Wire`."""
+    """`SamplingPort` and `ChainPort` over a `Wire`."""
 
     def __init__(self, wire: Wire, name: str = "") -> None:
         self.wire = wire
         self.samples_missed = 0
+        self.pipelined = wire.model in datagram40.MODELS
         self._name = name or f"emulated {wire.model}"
         self._server = wire.clock.base
         self._last_exchange_s = wire.clock.now()
@@ -61,7 +63,14 @@ class EmulatorPort:
 
     async def exchange(self, frame: bytes, timeout_s: float | None = None) -> bytes:
         """Answer at once. `timeout_s` has no meaning here: a silent emulator is known to be silent."""
+        return self._answer(frame, self.take_turn())
+
+    async def exchange_chain(self, frames: Sequence[bytes], timeout_s: float | None = None) -> list[bytes]:
+        """As `ChainPort` says: all of them at one instant of the chip, so that no sample falls due between."""
         at_s = self.take_turn()
+        return [self._answer(frame, at_s) for frame in frames]
+
+    def _answer(self, frame: bytes, at_s: float) -> bytes:
         try:
             reply = self.wire.exchange(frame, at_s)
         except TimeoutError as error:

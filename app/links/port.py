@@ -52,6 +52,22 @@ class FramePort(Protocol):
         ...
 
 
+class ChainPort(FramePort, Protocol):
+    """A port of a chip whose replies belong to the frame before: what is asked in a row must stay in a row."""
+
+    @property
+    def pipelined(self) -> bool:
+        """Whether that is so with the chip at this port; if not, it is a plain `FramePort`."""
+        ...
+
+    async def exchange_chain(self, frames: Sequence[bytes], timeout_s: float | None = None) -> list[bytes]:
+        """Send the frames one after another and return their replies; nobody else's frame comes between.
+
+        Raises what `exchange` raises; then none of the replies counts, and any of the frames may have arrived.
+        """
+        ...
+
+
 @dataclass(slots=True)
 class Batch:
     """What became of the frames of one call of `exchange_many`, also where it failed."""

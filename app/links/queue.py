@@ -5,6 +5,9 @@ between two frames of a turn: whoever is overtaken goes on afterwards, before it
 read-modify-write stays whole against other writers. Samples never hold up a command by more than
 one frame, and only a few may wait; more are refused and counted.
 
+Where replies belong to the frame before (`ChainPort`), what one call of `exchange_many` sends is a
+chain that nobody cuts: then a stop may have to wait for one chain.
+
 Devices that share a line share its arbiter. On an idle line nobody waits and no task switches.
 """
 
@@ -19,7 +22,7 @@ from typing import Self, cast
 from app.links.arbiter import Arbiter, Priority
 from app.links.errors import BadReply, LinkError, LinkTimeout, WrongState
 from app.links.frame_log import FrameLog
-from app.links.port import Answer, BatchPort, FramePort
+from app.links.port import Answer, BatchPort, ChainPort, FramePort
 from app.links.wire_budget import Meter
 
 __all__ = ["LinkQueue", "Priority", "QueueCounts", "SampleDropped", "Turn"]
@@ -67,6 +70,7 @@ class LinkQueue:
         self._samples_waiting_max = samples_waiting_max
         self._meter = Meter()
         self._batches = cast("BatchPort", port) if hasattr(port, "exchange_many") else None
+        self._chains = cast("ChainPort", port) if getattr(port, "pipelined", False) else None
         self._arbiter = Arbiter() if self._batches is None else self._batches.arbiter
 
     @property
@@ -137,6 +141,26 @@ class LinkQueue:
             raise
         self._went_well(priority, start_unix_s, (frame,), (reply,), (time.perf_counter() - start_s,))
         return reply
+
+    async def _send_chain(
+        self, port: ChainPort, frames: Sequence[bytes], priority: Priority, timeout_s: float | None
+    ) -> list[bytes]:
+        """All of the frames over a port that keeps them together."""
+        start_s, start_unix_s = time.perf_counter(), time.time()
+        try:
+            replies = await port.exchange_chain(frames, timeout_s)
+        except LinkError as error:
+            self.counts.frames[priority] += len(frames)
+            took_s = time.perf_counter() - start_s
+            unanswered = [b""] * (len(frames) - 1)
+            self.log.add(
+                priority, start_unix_s, frames, [*unanswered, _received(error)], [took_s] * len(frames), str(error)
+            )
+            self._failed(error)
+            raise
+        took_s = time.perf_counter() - start_s
+        self._went_well(priority, start_unix_s, frames, replies, [took_s] * len(frames))
+        return replies
 
     async def _send_batch(
         self, port: BatchPort, frames: Sequence[bytes], priority: Priority, timeout_s: float | None, answer: Answer
@@ -228,13 +252,16 @@ class Turn:
         return await queue._send(frame, self._priority, timeout_s, answer)
 
     async def exchange_many(self, frames: Sequence[bytes], timeout_s: float | None = None) -> list[bytes]:
-        """Send frames one after another and return the replies; only more urgent ones come between.
+        """Send frames one after another and return the replies; only more urgent ones come between, and nobody at all
+        over a `ChainPort`.
 
-        `timeout_s` [s] is for each frame. The first failure ends it and is raised.
+        `timeout_s` [s] is for each frame, or for the chain. The first failure ends it and is raised.
         """
         queue = self._queue
         if queue._batches is not None:
             return await self._pieces(queue._batches, frames, timeout_s, Answer.ALWAYS)
+        if queue._chains is not None:
+            return await self._chain(queue._chains, frames, timeout_s)
         replies = []
         first_s: float | None = None
         for frame in frames:
@@ -248,6 +275,14 @@ class Turn:
     def last_exchange_s(self) -> float:
         """When the latest frame of this turn was exchanged, device time [s]."""
         return self._queue.port.last_exchange_s
+
+    async def _chain(self, port: ChainPort, frames: Sequence[bytes], timeout_s: float | None) -> list[bytes]:
+        if not frames:
+            return []
+        await self._prepare()
+        replies = await self._queue._send_chain(port, frames, self._priority, timeout_s)
+        self.span_s = (port.last_exchange_s, port.last_exchange_s)
+        return replies
 
     async def _pieces(
         self, port: BatchPort, frames: Sequence[bytes], timeout_s: float | None, answer: Answer

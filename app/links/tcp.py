@@ -1,4 +1,4 @@
-"""A chip behind a TCP socket: raw 4-byte frames both ways (docs/tcp-link.md).
+"""A chip behind a TCP socket: raw frames both ways, each answered by one as long (docs/tcp-link.md).
 
 The wire has no sequence numbers, so an answer that comes late looks like the answer to the next
 question. Hence one rule: after anything unexpected (no answer, half an answer, a byte nobody asked
@@ -8,6 +8,7 @@ for) the connection is closed, and the next exchange starts a new one.
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Sequence
 from typing import cast
 
 from app.clock import Clock, WallClock
@@ -19,9 +20,10 @@ CONNECT_TIMEOUT_S = 3.0
 
 
 class TcpPort:
-    """`FramePort` over one TCP connection, opened when it is first needed.
+    """`ChainPort` over one TCP connection, opened when it is first needed.
 
-    `timeout_s` [s] bounds the wait for an answer, `connect_timeout_s` [s] that for a connection.
+    `timeout_s` [s] bounds the wait for an answer, `connect_timeout_s` [s] that for a connection. `frame_bytes` is
+    the length of a frame; with `pipelined` chains stay together, and cost one round trip.
     """
 
     def __init__(
@@ -31,9 +33,14 @@ class TcpPort:
         timeout_s: float = TIMEOUT_S,
         connect_timeout_s: float = CONNECT_TIMEOUT_S,
         clock: Clock | None = None,
+        *,
+        frame_bytes: int = FRAME_BYTES,
+        pipelined: bool = False,
     ) -> None:
         self.host = host
         self.port = port
+        self.frame_bytes = frame_bytes
+        self.pipelined = pipelined
         self.timeout_s = timeout_s
         self.connect_timeout_s = connect_timeout_s
         self.connections = 0
@@ -53,29 +60,38 @@ class TcpPort:
         return self._clock.now()
 
     async def exchange(self, frame: bytes, timeout_s: float | None = None) -> bytes:
-        """Send 4 bytes, return 4 bytes. Raises ValueError for another length, else as `FramePort` says."""
-        if len(frame) != FRAME_BYTES:
-            raise ValueError(f"a datagram has {FRAME_BYTES} bytes, not {len(frame)}")
+        """Send a frame, return one. Raises ValueError for another length, else as `FramePort` says."""
+        return (await self.exchange_chain((frame,), timeout_s))[0]
+
+    async def exchange_chain(self, frames: Sequence[bytes], timeout_s: float | None = None) -> list[bytes]:
+        """As `ChainPort` says: all frames go out at once, and all replies have to be there in `timeout_s` [s]."""
+        size = self.frame_bytes
+        for frame in frames:
+            if len(frame) != size:
+                raise ValueError(f"a datagram has {size} bytes, not {len(frame)}")
+        if not frames:
+            return []
         stream = self._stream
         if stream is None or not stream.trusted:
             stream = await self._open()
         wait_s = self.timeout_s if timeout_s is None else timeout_s
+        due = size * len(frames)
         sent_s = self._clock.now()
         try:
-            reply = await stream.ask(frame, wait_s)
+            replies = await stream.ask(b"".join(frames), due, wait_s)
         except BaseException:  # a cancelled caller too: the answer it left behind belongs to nobody
             self._drop()
             raise
-        if len(reply) != FRAME_BYTES:
+        if len(replies) != due:
             closed = stream.closed
             self._drop()
-            if reply:
-                raise BadReply(self.name, f"{len(reply)} bytes instead of {FRAME_BYTES}", reply)
+            if len(replies) % size or len(replies) > due:
+                raise BadReply(self.name, f"{len(replies)} bytes instead of {due}", replies)
             if closed is not None:
                 raise LinkDown(self.name, closed)
-            raise LinkTimeout(self.name, wait_s, f"frame {frame.hex(' ')}")
+            raise LinkTimeout(self.name, wait_s, f"frame {frames[len(replies) // size].hex(' ')}")
         self._last_exchange_s = (sent_s + self._clock.now()) / 2
-        return reply
+        return [replies[at : at + size] for at in range(0, due, size)]
 
     async def aclose(self) -> None:
         self._drop()
@@ -110,6 +126,7 @@ class _Stream(asyncio.Protocol):
         self.trusted = True
         self._loop = loop
         self._received = b""
+        self._due = 0
         self._answer: asyncio.Future[None] | None = None
         self._transport: asyncio.Transport | None = None
 
@@ -123,7 +140,7 @@ class _Stream(asyncio.Protocol):
             self.trusted = False
             return
         self._received += data
-        if len(self._received) >= FRAME_BYTES and not self._answer.done():
+        if len(self._received) >= self._due and not self._answer.done():
             self._answer.set_result(None)
 
     def eof_received(self) -> None:
@@ -138,19 +155,20 @@ class _Stream(asyncio.Protocol):
         if self._answer is not None and not self._answer.done():
             self._answer.set_result(None)
 
-    async def ask(self, frame: bytes, timeout_s: float) -> bytes:
-        """All bytes that came within `timeout_s` [s], or until the other side closed, or enough for a frame."""
+    async def ask(self, data: bytes, due: int, timeout_s: float) -> bytes:
+        """All bytes that came within `timeout_s` [s], or until the other side closed, or `due` bytes were there."""
         assert self._transport is not None
         self._received = b""
+        self._due = due
         self._answer = self._loop.create_future()
         timer = self._loop.call_later(timeout_s, self._give_up, self._answer)
         try:
-            self._transport.write(frame)
+            self._transport.write(data)
             await self._answer
         finally:
             timer.cancel()
             self._answer = None
-        if len(self._received) != FRAME_BYTES:
+        if len(self._received) != due:
             self.trusted = False
         return self._received
 
