@@ -27,7 +27,16 @@ from app.emulators.build import build_emulator, options_of, warm_up
 from app.links.emulator import EmulatorPort
 from app.links.errors import BenchError, UsageError
 from app.links.port import FramePort
-from app.links.registry import TMCL_MODELS, Link, PortFactory, can_factory, serial_factory, tcp_factory
+from app.links.registry import (
+    TMCL_MODELS,
+    Link,
+    PortFactory,
+    can_factory,
+    landungsbruecke_factory,
+    serial_factory,
+    spidev_factory,
+    tcp_factory,
+)
 from app.settings import Settings
 from app.store.connections import ConnectionStore
 from app.store.saver import Saver
@@ -60,6 +69,8 @@ def create_app(
         "tcp": tcp_factory,
         "serial": serial_factory,
         "can": can_factory,
+        "spidev": spidev_factory,
+        "landungsbruecke": landungsbruecke_factory,
     }
     opened = asyncio.Event()
 

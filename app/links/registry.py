@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import cast
 
 from app.clock import Clock
+from app.links import datagram32, datagram40, landungsbruecke, spidev_port
 from app.links.can_line import can_port
 from app.links.errors import OutOfRange, UnknownThing, UsageError
 from app.links.port import FramePort
@@ -20,6 +21,8 @@ PortFactory = Callable[[str, Link, Clock], FramePort]
 
 TMCL_MODELS = frozenset({"pd42-1241"})
 """Modules that speak TMCL: nine-byte frames, several on one line by address."""
+SPEED_HZ_MAX = 16_000_000
+"""Half of the fastest clock that any of the chips may have (002, 5.3)."""
 URL_SCHEMES = ("socket", "rfc2217", "spy")
 
 
@@ -30,11 +33,56 @@ def tcp_factory(model: str, link: Link, clock: Clock) -> FramePort:
     host = _text(link, "host")
     port = _whole(link, "port", None, 1, 65535)
     if not tmcl:
-        return TcpPort(host, port, timeout_s=_timeout_s(link) or TIMEOUT_S, clock=clock)
+        return TcpPort(
+            host,
+            port,
+            timeout_s=_timeout_s(link) or TIMEOUT_S,
+            clock=clock,
+            frame_bytes=frame_bytes_of(model),
+            pipelined=model in datagram40.MODELS,
+        )
     bracketed = f"[{host}]" if ":" in host else host
     if not all(character.isprintable() and character not in "/?#@ " for character in host):
         raise UsageError(f"no host can be called {host!r}")
     return serial_port(f"{SOCKET}{bracketed}:{port}", address=_address(link), timeout_s=_timeout_s(link), clock=clock)
+
+
+def frame_bytes_of(model: str) -> int:
+    """The length of a raw frame of the chip, which its answer has too."""
+    return datagram40.FRAME_BYTES if model in datagram40.MODELS else datagram32.FRAME_BYTES
+
+
+def spidev_factory(model: str, link: Link, clock: Clock) -> FramePort:
+    """`{"kind": "spidev", "bus", "device", "speed_hz"?, "mode"?}`: a chip select of this machine."""
+    if model not in datagram40.MODELS:
+        raise UsageError(f"a {model} has no spidev link; {', '.join(sorted(datagram40.MODELS))} has")
+    _only(link, "bus", "device", "speed_hz", "mode")
+    return spidev_port.SpidevPort(
+        _whole(link, "bus", None, 0, 255),
+        _whole(link, "device", None, 0, 255),
+        frame_bytes=frame_bytes_of(model),
+        speed_hz=_whole(link, "speed_hz", spidev_port.SPEED_HZ, 10_000, SPEED_HZ_MAX),
+        mode=_whole(link, "mode", spidev_port.MODE, 0, 3),
+        clock=clock,
+    )
+
+
+def landungsbruecke_factory(model: str, link: Link, clock: Clock) -> FramePort:
+    """`{"kind": "landungsbruecke", "port", "baud"?, "motor"?, "timeout_s"?}`; `port` is a device name or a URL.
+
+    `motor` is the axis of the chip on the board: `register_access.access_of` wants it.
+    """
+    if model not in landungsbruecke.MODELS:
+        boards = ", ".join(sorted(landungsbruecke.MODELS))
+        raise UsageError(f"a {model} has no landungsbruecke link; {boards} has")
+    _only(link, "port", "baud", "motor", "timeout_s")
+    _whole(link, "motor", 0, 0, 15)
+    return landungsbruecke.landungsbruecke_port(
+        port_url(_text(link, "port")),
+        baud=_whole(link, "baud", landungsbruecke.BAUD, 300, 4_000_000),
+        timeout_s=_timeout_s(link),
+        clock=clock,
+    )
 
 
 def serial_factory(model: str, link: Link, clock: Clock) -> FramePort:

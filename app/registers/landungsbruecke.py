@@ -52,19 +52,25 @@ STATUS_TEXTS: Mapping[int, str] = MappingProxyType(
     }
 )
 
-MODULE_NUMBERS: Mapping[int, str] = MappingProxyType(
-    {12: "Landungsbrücke", 16: "Startrampe", 26: "Landungsbrücke V3"}
-)
+MODULE_NUMBERS: Mapping[int, str] = MappingProxyType({12: "Landungsbrücke", 16: "Startrampe", 26: "Landungsbrücke V3"})
 """What a board calls itself: the four digits before the V of `0012V312` (command 136, type 0)."""
 
 CHANNEL_1_BOARDS: Mapping[int, str] = MappingProxyType(
-    {1: "TMC5241", 2: "TMC5031", 5: "TMC5130", 6: "TMC5041", 7: "TMC5072", 11: "TMC4361A", 13: "TMC4671",
+    {1: "TMC5241", 2: "TMC5031", 4: "TMC4361", 5: "TMC5130", 6: "TMC5041", 7: "TMC5072", 11: "TMC4361A", 13: "TMC4671",
      16: "TMC5160", 25: "TMC5062", 28: "TMC5240", 29: "TMC5272", 30: "TMC5262", 31: "TMC5271"}
 )  # fmt: skip
-"""Boards in the slot of the motion controller, by what command 143 says in its lowest byte."""
+"""Boards in the slot of the motion controller, by what global parameter 4 and command 143 say in the lowest byte."""
 
 CHANNEL_2_BOARDS: Mapping[int, str] = MappingProxyType(
     {1: "TMC2660", 3: "TMC2130", 4: "TMC2100", 6: "TMC2208", 7: "TMC2224", 8: "TMC2209", 11: "TMC2160",
      18: "TMC2225", 22: "TMC2226", 28: "TMC2240"}
 )  # fmt: skip
 """Boards in the slot of the driver, by the third byte."""
+
+
+class SlotState(IntEnum):
+    """What is known of a slot: the second and the fourth byte."""
+
+    DONE = 2
+    NO_ANSWER = 4
+    NOT_IN_FIRMWARE = 6
