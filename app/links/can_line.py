@@ -56,6 +56,12 @@ class CanStream:
     def fd(self) -> int | None:
         return None
 
+    def clear(self) -> bool:
+        return False  # looking is reading, which keeps what it finds
+
+    def send(self, data: bytes) -> None:
+        self.write(data)
+
     def write(self, data: bytes) -> None:
         route = self._routes().get(data[0])
         if route is None:

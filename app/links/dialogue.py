@@ -3,9 +3,10 @@
 The wire has no sequence numbers, so an answer that comes late looks like the answer to the next
 question. Hence a module is trusted only as long as everything went as it should. After anything else
 (silence, half an answer, a wrong checksum, an answer to something else) the line is drained until it is
-silent, and the module is asked for its version. Modules answer in order: whatever comes before that
-answer is old and thrown away. No position or speed can be mistaken for it. Only then comes the
-next question. This is called the fence.
+silent, and the module is asked something harmless. Modules answer in order: whatever comes before that
+answer is old and thrown away. Answers bear the number of the command, so the harmless question is one
+whose number no answer that is still owed can have: neither to what was asked before, nor to an earlier such
+question. Only then comes the next question. This is called the fence.
 
 A stop does not wait for a fence. It goes out at once, and the answer may be that to an earlier stop.
 
@@ -31,6 +32,15 @@ SILENCE_MIN_S = 0.003
 DRAIN_MAX_S = 0.5
 """A line that does not fall silent for so long has somebody else on it [s]."""
 RFS_STOP = 1
+FENCES = {
+    Opcode.GET_VERSION: 1,
+    Opcode.GET_STATUS: 0,
+    Opcode.GIO: 0,
+    Opcode.GGP: 0,
+    Opcode.GAP: 1,
+}
+"""Commands that change nothing whatever the module, and their types: each a fence against answers to the others.
+That a module does not know one of them is an answer too."""
 FOREIGN = "somebody else talks on the line"
 
 
@@ -52,10 +62,8 @@ class Dialogue:
         self._tell_event = tell_event
         self._trusted: set[int] = set()
         """Addresses that are in step. Nobody is at first: a module may owe an answer to whoever was here before."""
-        self._owing: set[int] = set()
-        """Addresses that owe an answer; it may still come."""
-        self._fences_lost: set[int] = set()
-        """Addresses that owe, or once owed, an answer to a fence."""
+        self._owed: dict[int, dict[int, None]] = {}
+        """Commands that each address has not answered and still may, the oldest first."""
         self._to_drain = False
         self._heard = b""
         """Came while nobody asked, and is not yet judged."""
@@ -78,6 +86,7 @@ class Dialogue:
         Raises LinkTimeout, BadReply, and OSError where the line has gone.
         """
         read, write, trusted, now = self._stream.read, self._stream.write, self._trusted, time.monotonic
+        clear, send = self._stream.clear, self._stream.send
         always = answer is Answer.ALWAYS
         if self._heard:
             self._judge(self._listen(b""))
@@ -87,12 +96,15 @@ class Dialogue:
             address, opcode = frame[0], frame[1]
             # The common case, as short as it can be: in step, a plain answer, in one piece, and right.
             if always and address in trusted and opcode < Opcode.STOP_APPLICATION:
-                unasked = read(0)
-                if unasked:
-                    self._judge(self._listen(unasked))
-                    if address not in trusted and not _stops(frame):
-                        raise self._not_sent()
-                write(frame)
+                if clear():
+                    send(frame)
+                else:
+                    unasked = read(0)
+                    if unasked:
+                        self._judge(self._listen(unasked))
+                        if address not in trusted and not _stops(frame):
+                            raise self._not_sent()
+                    write(frame)
                 reply = read(timeout_s)
                 if (
                     len(reply) == FRAME_BYTES
@@ -173,7 +185,7 @@ class Dialogue:
                 self._incidents.add("damaged", f"module {frame[0]} could not read what was sent: {frame.hex(' ')}")
             return found
         self._mistrust(frame[0])
-        self._owing.add(frame[0])
+        self._owes(frame[0], frame[1])
         if answer is not Answer.ALWAYS:
             return b""
         self._incidents.add("timeout", f"no answer to {frame.hex(' ')} in {timeout_s:g} s")
@@ -190,18 +202,18 @@ class Dialogue:
 
     def _is_old(self, head: bytes, frame: bytes = b"") -> bool:
         """Whether `head` is an answer that somebody owed us from before we asked `frame`."""
-        if not sound(head):
+        owed = self._owed.get(head[1])
+        if not owed or not sound(head):
             return False
-        module = head[1]
-        of_fence = head[3] == Opcode.GET_VERSION and module in self._fences_lost
-        if frame and module == frame[0]:  # in step by a fence, so nothing else can be old
-            return of_fence and frame[1] != Opcode.GET_VERSION
-        return of_fence or module in self._owing
+        # A stop goes out past the fence: of answers to stops nobody can tell which is which.
+        return head[3] in owed and head[3] != frame[1] if frame and head[1] == frame[0] else True
 
     def _wrong(self, frame: bytes, data: bytes, found: bytes | None) -> BadReply:
         """Note what is wrong with what came, and make the error of it. Everybody is out of step now."""
         kind, text = self._what_is_wrong(frame, data, found)
         self._mistrust()
+        if found is None:  # what came may have been something else's answer, and ours is still to come
+            self._owes(frame[0], frame[1])
         self._incidents.add(kind, f"{text} (got {data.hex(' ')} to {frame.hex(' ')})")
         return BadReply(self._name, text, data)
 
@@ -280,13 +292,26 @@ class Dialogue:
         else:
             self._trusted.discard(address)
 
+    def _owes(self, address: int, opcode: int) -> None:
+        """The answer to `opcode` may still come."""
+        owed = self._owed.setdefault(address, {})
+        owed.pop(opcode, None)
+        owed[opcode] = None
+
+    def _fence(self, address: int) -> Request:
+        """A question whose answer cannot be that to an earlier one; where all are owed, the one asked longest ago."""
+        owed = list(self._owed.get(address, ()))
+        opcode = min(FENCES, key=lambda fence: owed.index(fence) if fence in owed else -1)
+        return Request(address, opcode, FENCES[opcode])
+
     def _get_in_step(self, frame: bytes, timeout_s: float) -> None:
         """Drain, then the fence. Raises LinkTimeout or BadReply; `frame` was not sent then."""
         address = frame[0]
         drained = self._to_drain
         if drained:
             self._drain()
-        self._stream.write(Request(address, Opcode.GET_VERSION, 1).encode())
+        fence = self._fence(address)
+        self._stream.write(fence.encode())
         until_s, data = time.monotonic() + timeout_s, b""
         passed = False
         while True:
@@ -294,7 +319,9 @@ class Dialogue:
                 head = data[:FRAME_BYTES]
                 if is_event(head):
                     self._tell_event(head)
-                elif sound(head) and head[1] == address and head[3] == Opcode.GET_VERSION:
+                elif (
+                    sound(head) and head[1] == address and head[3] == fence.opcode and head[2] != Status.WRONG_CHECKSUM
+                ):
                     passed = True
                 else:
                     data = data[1:]  # old answers and garbage: frames may begin anywhere
@@ -309,15 +336,19 @@ class Dialogue:
             data += more
         if not passed:
             self._to_drain = True
-            self._fences_lost.add(address)
-            self._incidents.add("out of step", f"module {address} did not tell its version in {timeout_s:g} s")
+            self._owes(address, fence.opcode)
+            self._incidents.add(
+                "out of step", f"module {address} did not answer command {fence.opcode} in {timeout_s:g} s"
+            )
             raise LinkTimeout(
-                self._name, timeout_s, f"the version of module {address}; so frame {frame.hex(' ')} was not sent"
+                self._name,
+                timeout_s,
+                f"module {address}, asked command {fence.opcode} first; so frame {frame.hex(' ')} was not sent",
             )
         if data:
             raise self._wrong(frame, data, b"")
         self._trusted.add(address)
-        self._owing.discard(address)
+        self._owed.pop(address, None)
         if drained:
             self._incidents.add("resync", f"in step again with module {address}")
 

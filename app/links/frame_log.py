@@ -80,7 +80,8 @@ class FrameLog:
 
     def page(self, after: int = 0, limit: int = FRAMES_KEPT) -> LogPage:
         """Up to `limit` frames from number `after` on; the oldest there is where that one is gone."""
-        first = max(after, self._next - self._kept, 0)
+        oldest = max(self._next - self._kept, 0)
+        first = max(after, oldest)
         frames: list[LoggedFrame] = []
         for number, priority, start_unix_s, tx, rx, answered_s, error in self._batches:
             if number + len(tx) <= first:
@@ -99,5 +100,6 @@ class FrameLog:
                         )
                     )
                 before_s = at_s
-        following = frames[-1].seq + 1 if frames else max(first, min(after, self._next))
-        return LogPage(frames, following, max(0, first - after))
+        # Who asks for what is not there yet (a log that began anew) goes on with what comes next.
+        following = frames[-1].seq + 1 if frames else max(oldest, min(after, self._next))
+        return LogPage(frames, following, max(0, oldest - after))

@@ -29,6 +29,9 @@ READ_MAX = 4096
 SLICE_S = 0.05
 """How long a read waits at most before it looks whether the line is being closed [s]."""
 WRITE_TIMEOUT_S = 0.5
+PATIENT_S = 0.1
+"""The shortest wait that a terminal keeps by itself [s]: VTIME counts tenths of a second."""
+PIECE_BYTES = 64
 
 
 class Closing(ConnectionError):
@@ -41,6 +44,14 @@ class Stream(Protocol):
     @property
     def fd(self) -> int | None:
         """What `poll` may wait for; None where there is no such thing."""
+        ...
+
+    def clear(self) -> bool:
+        """Whether nothing came unasked, and the line takes a frame at once: `send` may follow."""
+        ...
+
+    def send(self, data: bytes) -> None:
+        """Send a frame right after `clear` said so: as short a way as there is."""
         ...
 
     def write(self, data: bytes) -> None:
@@ -61,7 +72,11 @@ class Stream(Protocol):
 
 
 class FdStream:
-    """A terminal or a socket that pyserial opened and set up, by its file descriptor."""
+    """A terminal or a socket that pyserial opened and set up, by its file descriptor.
+
+    A terminal's reads block, at most for `PATIENT_S`, as the terminal itself offers it (VMIN 0, VTIME): a
+    poll before each would cost a fifth of a transaction. So nothing is written before a poll said that there is room.
+    """
 
     def __init__(self, port: Any) -> None:
         self._port = port
@@ -70,20 +85,25 @@ class FdStream:
         self._readable = select.poll()
         self._readable.register(self._fd, select.POLLIN)
         self._poll = self._readable.poll
+        both = select.poll()
+        both.register(self._fd, select.POLLIN | select.POLLOUT)
+        self._poll_both = both.poll
+        self._is_clear = [(self._fd, select.POLLOUT)]
+        self._patient = os.isatty(self._fd) and _let_reads_block(self._fd)
 
     @property
     def fd(self) -> int | None:
         return self._fd
 
-    def write(self, data: bytes) -> None:
-        try:
-            sent = os.write(self._fd, data)
-        except BlockingIOError:
-            sent = 0
-        if sent < len(data):
-            self._write_rest(data[sent:])
+    def clear(self) -> bool:
+        return self._poll_both(0) == self._is_clear
 
-    def _write_rest(self, data: bytes) -> None:
+    def send(self, data: bytes) -> None:
+        sent = os.write(self._fd, data)
+        if sent < len(data):
+            self.write(data[sent:])
+
+    def write(self, data: bytes) -> None:
         until_s = time.monotonic() + WRITE_TIMEOUT_S
         writable = select.poll()
         writable.register(self._fd, select.POLLOUT)
@@ -95,9 +115,15 @@ class FdStream:
                 raise TimeoutError("the line takes no bytes")
             if writable.poll(min(left_s, SLICE_S) * 1000):
                 with contextlib.suppress(BlockingIOError):
-                    data = data[os.write(self._fd, data) :]
+                    # In pieces that there is room for where a poll says that there is some: none blocks.
+                    data = data[os.write(self._fd, data[:PIECE_BYTES]) :]
 
     def read(self, timeout_s: float) -> bytes:
+        if self._patient and timeout_s >= PATIENT_S:
+            data = os.read(self._fd, READ_MAX)
+            if data:
+                return data
+            timeout_s -= PATIENT_S  # or the line has gone: the poll will tell
         if timeout_s <= SLICE_S:
             ready = self._poll(timeout_s * 1000)
         else:
@@ -105,7 +131,7 @@ class FdStream:
         if not ready:
             return b""
         data = os.read(self._fd, READ_MAX)
-        if not data:
+        if not data and not (self._patient and ready[0][1] == select.POLLIN):
             raise ConnectionError("unplugged, or closed by the other side")
         return data
 
@@ -137,6 +163,12 @@ class ApiStream:
     @property
     def fd(self) -> int | None:
         return None
+
+    def clear(self) -> bool:
+        return not self._port.in_waiting
+
+    def send(self, data: bytes) -> None:
+        self.write(data)
 
     def write(self, data: bytes) -> None:
         try:
@@ -193,6 +225,20 @@ def open_stream(name: str, url: str, baud: int) -> Stream:
     except OSError as error:
         port.close()
         raise LinkDown(name, _why(url, error)) from error
+
+
+def _let_reads_block(fd: int) -> bool:
+    """Let a terminal's reads wait for `PATIENT_S` and no longer. False where it has no such thing."""
+    if sys.platform == "win32":
+        return False
+    try:
+        settings = termios.tcgetattr(fd)
+        settings[6][termios.VMIN], settings[6][termios.VTIME] = 0, round(PATIENT_S * 10)
+        termios.tcsetattr(fd, termios.TCSANOW, settings)
+    except termios.error:
+        return False
+    os.set_blocking(fd, True)
+    return True
 
 
 def _keep_others_out(fd: int, url: str) -> None:

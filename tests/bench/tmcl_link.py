@@ -131,7 +131,11 @@ class _Wire:
 
     @contextlib.contextmanager
     def watched(self) -> Iterator[None]:
-        write, read, events = FdStream.write, FdStream.read, self.events
+        send, write, read, events = FdStream.send, FdStream.write, FdStream.read, self.events
+
+        def noting_send(self: FdStream, data: bytes) -> None:
+            events.append((time.perf_counter(), data))
+            send(self, data)
 
         def noting_write(self: FdStream, data: bytes) -> None:
             events.append((time.perf_counter(), data))
@@ -143,11 +147,11 @@ class _Wire:
                 events.append((time.perf_counter(), b""))
             return data
 
-        FdStream.write, FdStream.read = noting_write, noting_read  # type: ignore[method-assign]
+        FdStream.send, FdStream.write, FdStream.read = noting_send, noting_write, noting_read  # type: ignore[method-assign]
         try:
             yield
         finally:
-            FdStream.write, FdStream.read = write, read  # type: ignore[method-assign]
+            FdStream.send, FdStream.write, FdStream.read = send, write, read  # type: ignore[method-assign]
 
 
 async def _telemetry(*, quick: bool) -> list[Row]:

@@ -12,6 +12,7 @@ import tty
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from app.links.dialogue import FENCES
 from app.links.serial_line import LinePort, serial_port
 from app.links.tmcl import Reply, Request
 from app.registers.tmcl import Opcode
@@ -125,9 +126,10 @@ class PtyModule:
         self.unplug()
         self._folder.cleanup()
 
-    def asked(self, *, but_versions: bool = True) -> list[bytes]:
-        """The frames seen, without the questions that only keep the line in step."""
-        return [frame for frame in self.seen if not but_versions or frame[1] != Opcode.GET_VERSION]
+    def asked(self) -> list[bytes]:
+        """The frames seen, without those that only keep the line in step (but for GAP: that one may be any)."""
+        fences = FENCES.keys() - {Opcode.GAP}
+        return [frame for frame in self.seen if frame[1] not in fences]
 
     def say(self, data: bytes) -> None:
         """Send bytes now, asked or not."""

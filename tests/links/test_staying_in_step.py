@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import itertools
 import random
 import threading
 from collections.abc import AsyncIterator
@@ -112,20 +113,52 @@ async def test_an_unanswered_fence_keeps_the_next_question_from_going_out() -> N
         module.behave = silent
         with pytest.raises(LinkTimeout):
             await value(port, 1, SHORT_S)
-        with pytest.raises(LinkTimeout, match=r"version of module 1; so frame 01 06 02 .* was not sent"):
+        with pytest.raises(LinkTimeout, match=r"asked command 136 first; so frame 01 06 02 .* was not sent"):
             await value(port, 2, SHORT_S)
         assert module.asked() == [gap(0), gap(1)]
-        # The answer to the lost fence comes while the next fence waits for its own; then one is left over.
+        # The answer to the lost fence comes while nobody asks.
         module.behave = right
         module.say(answer(Request(1, Opcode.GET_VERSION, 1).encode()))
         await until(lambda: kinds(port)[-1] == "late")
         assert await value(port, 3) == value_of(3)
 
-        def with_an_old_fence(module: PtyModule, frame: bytes) -> bytes:
-            return answer(Request(1, Opcode.GET_VERSION, 1).encode()) + right(module, frame)
 
-        module.behave = with_an_old_fence
+async def test_the_answer_to_a_lost_fence_is_not_that_to_the_next_one() -> None:
+    """Else the question behind it would get the answer that is still on its way to the first one."""
+    async with line() as (module, port):
+        module.behave = silent
+        for index in (1, 2):  # the question, then the fence before the second one
+            with pytest.raises(LinkTimeout):
+                await value(port, index, SHORT_S)
+
+        def one_behind(module: PtyModule, frame: bytes) -> bytes:
+            return answer(module.seen[-2])
+
+        module.behave = one_behind
+        with pytest.raises(LinkTimeout, match="was not sent"):
+            await value(port, 3, SHORT_S)
+        assert module.asked()[-1] != gap(3)
+
+        def both(module: PtyModule, frame: bytes) -> bytes:
+            module.behave = right
+            return one_behind(module, frame) + right(module, frame)
+
+        module.behave = both
         assert await value(port, 4) == value_of(4)
+
+
+async def test_a_module_that_stays_silent_is_asked_anew_each_time() -> None:
+    async with line() as (module, port):
+        module.behave = silent
+        for _ in range(8):
+            with pytest.raises(LinkTimeout):
+                await value(port, 1, SHORT_S)
+        fences = [frame[1] for frame in module.seen[3:]]  # in step at first; then a question
+        assert len(fences) == 7
+        assert len(set(fences)) > 3
+        assert all(first != second for first, second in itertools.pairwise(fences))
+        module.behave = right
+        assert await value(port, 1) == value_of(1)
 
 
 @pytest.mark.parametrize(
