@@ -10,12 +10,12 @@ from app.emulators.drive import kernel as k
 from app.emulators.drive.encoder import EncoderChannel
 from app.emulators.drive.events import Event, EventKind
 from app.emulators.drive.options import DriveOptions
+from app.emulators.drive.physics import set_physics, truth_of
 from app.emulators.drive.registers import ALIASES, CLEARED_BY_ONES, MAX_VMAX, READ_ONLY, WRITABLE
 from app.emulators.drive.table import currents, decode
 from app.emulators.drive.units import bits, signed, wrap32
 from app.emulators.drive.world import OT_C, OTPW_C, UNDERVOLTAGE_V, Switches, Truth, World
 
-_BRIDGES = {k.REGULATED: "regulated", k.OPEN: "open", k.SHORTED: "shorted"}
 _VELOCITIES = {"VSTART": k.VSTART, "V1": k.V1, "VMAX": k.VMAX, "VSTOP": k.VSTOP}
 # a deceleration of 0 would never end: it is taken for the least there is
 _ACCELERATIONS = {"A1": (k.A1, 0), "AMAX": (k.AMAX, 0), "DMAX": (k.DMAX, 1), "D1": (k.D1, 1)}
@@ -333,26 +333,7 @@ class Drive:
     @property
     def truth(self) -> Truth:
         """How motor and shaft really are."""
-        s, f, motor = self._s, self._f, self.options.motor
-        angle = float(f[k.TEETH] * f[k.THETA])
-        field = (int(s[k.LOOK]) + 0.5) * math.pi / 512
-        ia, ib, ia0, ib0 = (float(f[cell]) for cell in (k.IA, k.IB, k.IA0, k.IB0))
-        rise = motor.inductance_h / float(f[k.DT])
-        return Truth(
-            rotor_rad=float(f[k.THETA]),
-            rotor_fullsteps=angle / (math.pi / 2),
-            speed_rad_s=float(f[k.OMEGA]),
-            current_a_a=ia,
-            current_b_a=ib,
-            voltage_a_v=motor.resistance_ohm * (ia + ia0) / 2 + rise * (ia - ia0) + float(f[k.EMF_A]),
-            voltage_b_v=motor.resistance_ohm * (ib + ib0) / 2 + rise * (ib - ib0) + float(f[k.EMF_B]),
-            torque_nm=float(f[k.TORQUE]),
-            field_fullsteps=field / (math.pi / 2),
-            load_angle_deg=math.degrees(math.remainder(field - angle, 2 * math.pi)),
-            lost_fullsteps=4 * round((field - angle) / (2 * math.pi)),
-            current_scale=int(s[k.CS]),
-            bridges=_BRIDGES[int(s[k.BRIDGES])],
-        )
+        return truth_of(self._s, self._f, self.options.motor)
 
     @property
     def _toff(self) -> int:
@@ -363,24 +344,15 @@ class Drive:
         return self.world.supply_v < UNDERVOLTAGE_V
 
     def _set_constants(self) -> None:
-        options, motor, encoders, f = self.options, self.options.motor, self.options.encoders, self._f
-        self._s[k.SUBSTEPS], self._s[k.STALL_V] = options.steps_a_tick, -1
-        dt = k.TICK_CLOCKS / options.clock_hz / options.steps_a_tick
-        f[k.DT], f[k.DT_J] = dt, dt / options.inertia_kgm2
-        f[k.DAMP] = 1 / (1 + motor.viscous_nms * dt / options.inertia_kgm2)
-        f[k.TEETH], f[k.KT], f[k.TD] = motor.rotor_teeth, motor.torque_constant, motor.detent_torque_nm
-        f[k.KEEP] = math.exp(-motor.resistance_ohm * dt / motor.inductance_h)
-        f[k.GAIN] = (1 - f[k.KEEP]) / motor.resistance_ohm
-        f[k.ALPHA] = -math.expm1(-dt / options.regulator_s)
-        f[k.FULL_SCALE] = options.full_scale_a
-        f[k.S0], f[k.V_HALF] = options.stall_full_scale, options.stall_half_speed_fullsteps_per_s
-        f[k.NOISE] = options.stall_noise
+        options, encoders, f = self.options, self.options.encoders, self._f
+        set_physics(options, self._s, f, k.TICK_CLOCKS)
+        self._s[k.STALL_V] = -1
         f[k.P1], f[k.P2] = (
             math.radians(encoders.eccentricity_phase_deg),
             math.radians(encoders.second_harmonic_phase_deg),
         )
         f[k.E2] = math.radians(encoders.second_harmonic_deg)
-        f[k.ZERO] = encoders.internal_zero_fullsteps * math.pi / 2 / motor.rotor_teeth
+        f[k.ZERO] = encoders.internal_zero_fullsteps * math.pi / 2 / options.motor.rotor_teeth
         f[k.SCALE_I] = encoders.internal_counts / (2 * math.pi)
         f[k.SCALE_E] = 4 * encoders.external_lines / (2 * math.pi) * (-1 if encoders.external_reversed else 1)
 

@@ -103,7 +103,8 @@ RATIO_I, BOUND_I, RATIO_E, BOUND_E = range(46, 50)
 """Microsteps a count, and how far at most [microsteps] an encoder is from what the angle alone would say."""
 REALS = 50
 
-REGULATED, OPEN, SHORTED = range(3)
+REGULATED, OPEN, SHORTED, VOLTAGE = range(4)
+"""What the bridges do; the last: a PWM from outside sets their mean voltage, and the references are volts."""
 RUN, RAMPING_DOWN, HOLD = range(3)
 POSITION, FORWARD, BACKWARD, HOLD_MODE = range(4)
 
@@ -349,6 +350,8 @@ def _coil(f: Floats, i: float, goal: float, emf: float, bridges: int) -> float:
     reach = f[GAIN] * f[SUPPLY]
     if bridges == OPEN:
         wanted = 0.0
+    elif bridges == VOLTAGE:
+        wanted = free + f[GAIN] * goal
     else:
         wanted = i + f[ALPHA] * (goal - i)
         if abs(goal - wanted) < NANO_AMPERE:
@@ -357,7 +360,7 @@ def _coil(f: Floats, i: float, goal: float, emf: float, bridges: int) -> float:
 
 
 @compiled
-def _motor(s: Cells, f: Floats, ref_a: float, ref_b: float) -> None:
+def turn(s: Cells, f: Floats, ref_a: float, ref_b: float) -> None:
     """The physics of one tick, in `SUBSTEPS` steps of semi-implicit Euler; sets REST."""
     theta, omega, ia, ib = f[THETA], f[OMEGA], f[IA], f[IB]
     teeth, kt, td, load = f[TEETH], f[KT], f[TD], f[LOAD]
@@ -401,14 +404,14 @@ def _drive_motor(s: Cells, f: Floats, table: Floats) -> None:
     ref_a = scale * table[look & 1023]
     ref_b = scale * table[(look + 256) & 1023]
     if not s[REST] or ref_a != f[REF_A] or ref_b != f[REF_B]:
-        _motor(s, f, ref_a, ref_b)
+        turn(s, f, ref_a, ref_b)
 
 
 # --- StallGuard2 and CoolStep --------------------------------------------------------------------
 
 
 @inlined
-def _open_window(s: Cells, f: Floats) -> None:
+def open_window(s: Cells, f: Floats) -> None:
     """StallGuard2 begins to average anew."""
     f[MARK] = f[TEETH] * f[THETA]
     f[SUM_T] = f[SUM_I2] = 0.0
@@ -417,7 +420,7 @@ def _open_window(s: Cells, f: Floats) -> None:
 
 
 @compiled
-def _stall_guard(s: Cells, f: Floats) -> None:
+def stall_guard(s: Cells, f: Floats) -> None:
     """A new value at the end of a full step of the field.
 
     From the torque's share of what the current can hold, how much of the field's way the rotor has followed, and how
@@ -428,7 +431,7 @@ def _stall_guard(s: Cells, f: Floats) -> None:
     followed = (f[TEETH] * f[THETA] - f[MARK]) * 1024.0 / (turned * 2.0 * math.pi)
     current = math.sqrt(f[SUM_I2] / ticks)
     torque = abs(f[SUM_T]) / ticks
-    _open_window(s, f)
+    open_window(s, f)
     if s[STEALTH]:
         s[SG] = s[SG_VALID] = s[SG_COUNT] = s[SG_SUM] = 0
         s[COOL_CS] = s[IRUN]
@@ -536,12 +539,17 @@ def _switches_moved(s: Cells, f: Floats, pressed: int) -> None:
             s[ENC_LATCH] = position_of(s, EXTERNAL, external_counts(f))
 
 
+@inlined
+def internal_angle(f: Floats) -> float:
+    """The magnet's angle as the encoder sees it [rad], not wrapped."""
+    x = f[THETA] + f[SLIP_I] - f[ZERO]
+    return x + f[E1] * math.sin(x + f[P1]) + f[E2] * math.sin(2.0 * x + f[P2])
+
+
 @compiled
 def internal_counts(f: Floats) -> int:
-    """The magnet's angle in counts, not wrapped."""
-    x = f[THETA] + f[SLIP_I] - f[ZERO]
-    seen = x + f[E1] * math.sin(x + f[P1]) + f[E2] * math.sin(2.0 * x + f[P2])
-    return math.floor(seen * f[SCALE_I] + 0.5)
+    """The same in counts."""
+    return math.floor(internal_angle(f) * f[SCALE_I] + 0.5)
 
 
 @compiled
@@ -622,7 +630,7 @@ def _tick(s: Cells, f: Floats, table: Floats) -> int:
         if now == 0:
             events |= _EV_STOPPED
         elif before == 0:
-            _open_window(s, f)
+            open_window(s, f)
             s[SG_VALID] = s[SG_SUM] = s[SG_COUNT] = 0
             s[COOL_CS] = s[IRUN]
             s[COOL_DOWN] = 0
@@ -658,7 +666,7 @@ def _tick(s: Cells, f: Floats, table: Floats) -> int:
         f[SUM_I2] += f[IA] * f[IA] + f[IB] * f[IB]
         s[SG_TICKS] += 1
         if s[LOOK] >> 8 != whole:
-            _stall_guard(s, f)
+            stall_guard(s, f)
             if s[SW] & _SG_STOP and stalled(s) and stall_may_stop(s):
                 s[LATCHED] |= _STOP_SG
                 s[V] = s[ACC] = 0

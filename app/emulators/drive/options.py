@@ -125,7 +125,7 @@ class DriveOptions(_Closed):
     load: LoadOptions = LoadOptions()
     stage: StageSwitches = StageSwitches()
     encoders: EncoderOptions = EncoderOptions()
-    clock_hz: Annotated[float, Field(strict=True, ge=4e6, le=20e6, allow_inf_nan=False)] = Field(
+    clock_hz: Annotated[float, Field(strict=True, ge=4e6, le=32e6, allow_inf_nan=False)] = Field(
         default=16e6, description="fCLK, which all register units hang on [Hz]"
     )
     supply_v: Annotated[float, Field(strict=True, ge=0, le=60)] = Field(default=24.0, description="motor supply")
@@ -156,7 +156,11 @@ class DriveOptions(_Closed):
 
     @property
     def steps_a_tick(self) -> int:
-        """Physics steps in a tick of 256 clocks.
+        """Physics steps in a tick of 256 clocks."""
+        return self.steps_in(TICK_CLOCKS)
+
+    def steps_in(self, clocks: int) -> int:
+        """Physics steps in a tick of so many clocks.
 
         Each is at most a fifth of the regulator's time constant, and a twentieth of a radian of the fastest
         oscillation that the full current can bring about.
@@ -164,7 +168,7 @@ class DriveOptions(_Closed):
         motor = self.motor
         stiffness = motor.rotor_teeth * (motor.torque_constant * self.full_scale_a + 4 * abs(motor.detent_torque_nm))
         longest_s = min(self.regulator_s / 5, math.sqrt(self.inertia_kgm2 / stiffness) / 20)
-        return math.ceil(TICK_CLOCKS / self.clock_hz / longest_s)
+        return math.ceil(clocks / self.clock_hz / longest_s)
 
     @model_validator(mode="after")
     def _can_be_computed(self) -> DriveOptions:

@@ -51,7 +51,7 @@ class Truth:
     current_scale: int
     """CS that the driver uses now, 0..31."""
     bridges: str
-    """"regulated", "open" or "shorted"."""
+    """"regulated", "open", "shorted" or "voltage"."""
 
 
 class _Number:

@@ -1,0 +1,50 @@
+"""The motor's side of the cells: constants in, truth out. For every chip that turns this motor."""
+
+from __future__ import annotations
+
+import math
+
+from app.emulators.drive import kernel as k
+from app.emulators.drive.options import DriveOptions, MotorOptions
+from app.emulators.drive.world import Truth
+
+_BRIDGES = {k.REGULATED: "regulated", k.OPEN: "open", k.SHORTED: "shorted", k.VOLTAGE: "voltage"}
+
+
+def set_physics(options: DriveOptions, s: k.Cells, f: k.Floats, tick_clocks: int) -> None:
+    """What `kernel.turn` and `kernel.stall_guard` need of motor, load and driver, for ticks of `tick_clocks`."""
+    motor = options.motor
+    s[k.SUBSTEPS] = options.steps_in(tick_clocks)
+    dt = tick_clocks / options.clock_hz / int(s[k.SUBSTEPS])
+    f[k.DT], f[k.DT_J] = dt, dt / options.inertia_kgm2
+    f[k.DAMP] = 1 / (1 + motor.viscous_nms * dt / options.inertia_kgm2)
+    f[k.TEETH], f[k.KT], f[k.TD] = motor.rotor_teeth, motor.torque_constant, motor.detent_torque_nm
+    f[k.KEEP] = math.exp(-motor.resistance_ohm * dt / motor.inductance_h)
+    f[k.GAIN] = (1 - f[k.KEEP]) / motor.resistance_ohm
+    f[k.ALPHA] = -math.expm1(-dt / options.regulator_s)
+    f[k.FULL_SCALE] = options.full_scale_a
+    f[k.S0], f[k.V_HALF] = options.stall_full_scale, options.stall_half_speed_fullsteps_per_s
+    f[k.NOISE] = options.stall_noise
+
+
+def truth_of(s: k.Cells, f: k.Floats, motor: MotorOptions) -> Truth:
+    """How motor and shaft really are. The field is what LOOK says."""
+    angle = float(f[k.TEETH] * f[k.THETA])
+    field = (int(s[k.LOOK]) + 0.5) * math.pi / 512
+    ia, ib, ia0, ib0 = (float(f[cell]) for cell in (k.IA, k.IB, k.IA0, k.IB0))
+    rise = motor.inductance_h / float(f[k.DT])
+    return Truth(
+        rotor_rad=float(f[k.THETA]),
+        rotor_fullsteps=angle / (math.pi / 2),
+        speed_rad_s=float(f[k.OMEGA]),
+        current_a_a=ia,
+        current_b_a=ib,
+        voltage_a_v=motor.resistance_ohm * (ia + ia0) / 2 + rise * (ia - ia0) + float(f[k.EMF_A]),
+        voltage_b_v=motor.resistance_ohm * (ib + ib0) / 2 + rise * (ib - ib0) + float(f[k.EMF_B]),
+        torque_nm=float(f[k.TORQUE]),
+        field_fullsteps=field / (math.pi / 2),
+        load_angle_deg=math.degrees(math.remainder(field - angle, 2 * math.pi)),
+        lost_fullsteps=4 * round((field - angle) / (2 * math.pi)),
+        current_scale=int(s[k.CS]),
+        bridges=_BRIDGES[int(s[k.BRIDGES])],
+    )
