@@ -21,6 +21,10 @@ class FieldRow(Answer):
     unit: str
     help: str
     values: dict[str, str] = Field(description="names of enumerated values, by value")
+    when: str = Field(default="", description="of a second meaning of the same bits: when it holds")
+    behaviour: str = Field(
+        default="", description="readable and writable, but not acted on by the emulator, and why; empty: acted on"
+    )
 
 
 class RegisterRow(Answer):
@@ -49,6 +53,10 @@ class RegisterRow(Answer):
     read_clears: bool = Field(default=False, description="reading it sets it to zero")
     source: str
     values: dict[str, str]
+    when: str = Field(default="", description="of a second name of the same word: when it holds")
+    behaviour: str = Field(
+        default="", description="readable and writable, but not acted on by the emulator, and why; empty: acted on"
+    )
     fields: list[FieldRow]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from app.registers import pd42, tmc428, tmc4210
+from app.registers import pd42, tmc428, tmc4210, tmc4361
 from app.registers.model import RegisterTable
 
 
@@ -31,6 +31,16 @@ MODELS = {
     for model in (
         Model("tmc428", "TMC428", "three axes, SPI driver chain", tmc428.AXES, tmc428.TMC428, 16e6, 16e6),
         Model("tmc4210", "TMC4210", "one axis, step/direction", tmc4210.AXES, tmc4210.TMC4210, 16e6, 32e6),
+        Model(
+            "tmc4361",
+            "TMC4361",
+            "one axis, S-ramps, encoder and closed loop",
+            tmc4361.AXES,
+            tmc4361.TMC4361,
+            tmc4361.CLOCK_HZ_DEFAULT,
+            tmc4361.CLOCK_HZ_MAX,
+            datagram_bits=40,
+        ),
         Model(
             "pd42-1241",
             "PD42-1241",

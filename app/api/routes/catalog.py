@@ -91,4 +91,6 @@ def _bits(bits: Register | Field) -> dict[str, Any]:
         "unit": bits.unit,
         "help": bits.help,
         "values": {str(value): name for value, name in bits.values.items()},
+        "when": bits.when,
+        "behaviour": bits.behaviour,
     }
