@@ -35,7 +35,7 @@ CALLS_WIRE_HZ = 10_000.0
 SATURATED = 0.8
 """From this share of a wire on, rows are taken several at once: the way to the wire's thread and back costs a row of
 one question a tenth of its time."""
-AT_ONCE_S = 0.02
+AT_ONCE_S = 0.033
 """How long the rows taken at once last [s]: less than a beat of the screen later than they could be."""
 
 DIRECT: dict[str, tuple[Register, str]] = {

@@ -29,9 +29,9 @@ KEEP_UP_EVERY_S = 0.02
 """How often the modules live on while nobody asks [s]: often and a little, so that no question waits long."""
 KEEP_UP_SLICE_S = 0.05
 """Module time that is computed in one go [s]."""
-PUNCTUAL_S = 50e-6
+PUNCTUAL_S = 200e-6
 """How long before bytes are due the loop stops sleeping and looks at the clock instead [s]: a sleeper is late by
-about as much."""
+about as much, in a virtual machine more than on a bare one."""
 _PR_SET_TIMERSLACK = 29
 
 
