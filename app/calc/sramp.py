@@ -22,9 +22,14 @@ Source: 002 (TMC4361 data sheet), 8.2, 8.2.1, 8.2.2.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import replace
 
-from app.calc.sramp_plan import JerkPiece, LimitUse, RampWarning, SRampCurve, SRampMotion, SRampPlan
+import numpy as np
+
+from app.calc import sramp_kernel as kernel
+from app.calc.sramp_parameters import SRamp, default_bow
+from app.calc.sramp_plan import JerkPiece, LimitUse, RampWarning, SRampCurve, SRampMotion, SRampPlan, limits_of
+from app.calc.sramp_warnings import position_warnings, velocity_warnings
 
 __all__ = [
     "JerkPiece",
@@ -35,57 +40,111 @@ __all__ = [
     "SRampMotion",
     "SRampPlan",
     "default_bow",
+    "position_plan",
+    "velocity_plan",
+    "warm_up",
 ]
 
 POSITION_LIMIT = 1 << 32
+"""Microsteps between the ends of the chip's 32-bit positions."""
+
+_BOWS = {"B1": "bow1", "B2": "bow2", "B3": "bow3", "B4": "bow4"}
+# Relative to the whole motion: what lasts less comes of rounding.
+_NO_TIME = 1e-15
 
 
-@dataclass(frozen=True)
-class SRamp:
-    """The registers of an S-ramp in pps, pps^2 and pps^3; none negative, and vmax, amax, dmax and the bows above 0.
+def position_plan(p: SRamp, distance: float, v_actual: float = 0.0, a_actual: float = 0.0) -> SRampPlan:
+    """A move by `distance` [microsteps, signed] from velocity `v_actual` [pps] and acceleration `a_actual` [pps^2].
 
-    use_astart_and_vstart : a start with VSTART begins with ASTART and a bow B1, not with AMAX (GENERAL_CONF bit 0)
+    It ends at `distance` with acceleration 0, whatever DFINAL is (002, 8.2); with VSTOP the velocity there is at most
+    that. A motor that runs the wrong way, or too fast to stop within `distance`, comes back to the target.
 
-    Raises ValueError for a number below 0 or not finite, and for a 0 with which the motor never gets anywhere.
+    Raises ValueError: |distance| of 2^32 or more, anything not finite.
     """
-
-    vmax: float
-    amax: float
-    dmax: float
-    bow1: float
-    bow2: float
-    bow3: float
-    bow4: float
-    vstart: float = 0.0
-    vstop: float = 0.0
-    astart: float = 0.0
-    dfinal: float = 0.0
-    use_astart_and_vstart: bool = False
-
-    def __post_init__(self) -> None:
-        for field in fields(self):
-            number = getattr(self, field.name)
-            if not (math.isfinite(number) and number >= 0):
-                raise ValueError(f"{field.name} is finite and not below 0, got {number}")
-        if not self.vmax > 0:
-            raise ValueError(
-                "vmax is above 0: with VMAX = 0 alone an S-ramp in positioning mode cannot be stopped either; "
-                "change to velocity mode, or write VMAX = 1 first (002, 8.2.2)"
-            )
-        for name in ("amax", "dmax"):
-            if not getattr(self, name) > 0:
-                raise ValueError(f"{name} is above 0: with 0 the velocity never changes")
-        for name in ("bow1", "bow2", "bow3", "bow4"):
-            if not getattr(self, name) > 0:
-                raise ValueError(f"{name} is above 0: with 0 the acceleration never changes, and VMAX is out of reach")
+    check_distance(distance)
+    check_state(v_actual, a_actual)
+    rows = np.empty((kernel.MOST_ROWS, kernel.COLUMNS))
+    n, first_anchored = kernel.position(p.array, rows, float(distance), float(v_actual), float(a_actual))
+    pieces = _pieces(p, rows[:n].tolist(), first_anchored, float(distance))
+    plan = SRampPlan(
+        pieces=pieces,
+        duration_s=pieces[-1].end_s if pieces else 0.0,
+        end_position=float(distance),
+        end_velocity_pps=0.0,
+        target=float(distance),
+        limits=limits_of(pieces, p.vmax, p.amax, p.dmax),
+    )
+    return replace(plan, warnings=position_warnings(p, plan, v_actual, a_actual))
 
 
-def default_bow(amax: float, vmax: float) -> float:
-    """AMAX^2 / VMAX [pps^3]: the bow with which a slope from 0 to VMAX just touches AMAX, and B12 takes no time.
+def velocity_plan(p: SRamp, v_target: float, v_actual: float = 0.0, a_actual: float = 0.0) -> SRampPlan:
+    """From velocity `v_actual` [pps] and acceleration `a_actual` [pps^2] to `v_target` [pps, signed], and on at that.
 
-    Raises ValueError unless both are above 0 and finite.
+    `v_target` stands for VMAX, which has no other part here. With VSTOP a stop ends as soon as |v| is down to it;
+    without, with acceleration DFINAL.
+
+    Raises ValueError for anything not finite.
     """
-    for name, number in (("amax", amax), ("vmax", vmax)):
-        if not (number > 0 and math.isfinite(number)):
-            raise ValueError(f"{name} is above 0 and finite, got {number}")
-    return amax * amax / vmax
+    if not math.isfinite(v_target):
+        raise ValueError(f"v_target is finite, got {v_target}")
+    check_state(v_actual, a_actual)
+    rows = np.empty((kernel.MOST_ROWS, kernel.COLUMNS))
+    n = kernel.velocity(p.array, rows, float(v_target), float(v_actual), float(a_actual))
+    pieces = _pieces(p, rows[:n].tolist(), n, 0.0)
+    plan = SRampPlan(
+        pieces=pieces,
+        duration_s=pieces[-1].end_s if pieces else 0.0,
+        end_position=pieces[-1].position_at(pieces[-1].end_s) if pieces else 0.0,
+        end_velocity_pps=float(v_target),
+        limits=limits_of(pieces, abs(float(v_target)), p.amax, p.dmax),
+    )
+    return replace(plan, warnings=velocity_warnings(p, plan, v_actual, a_actual))
+
+
+def warm_up() -> None:
+    """Compile the kernel, or load it from numba's cache on disk: seconds once, milliseconds after that.
+
+    For a thread at start-up, so that the first request does not wait for it.
+    """
+    p = SRamp(1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
+    position_plan(p, 1.0)
+    velocity_plan(p, 1.0)
+
+
+def check_distance(distance: float) -> None:
+    """Raise ValueError unless it is finite and within the chip's positions."""
+    if not (math.isfinite(distance) and abs(distance) < POSITION_LIMIT):
+        raise ValueError(f"distance is below 2^32 microsteps, got {distance}")
+
+
+def check_state(v_actual: float, a_actual: float) -> None:
+    """Raise ValueError unless both are finite."""
+    for name, number in (("v_actual", v_actual), ("a_actual", a_actual)):
+        if not math.isfinite(number):
+            raise ValueError(f"{name} is finite, got {number}")
+
+
+def _pieces(p: SRamp, rows: list[list[float]], first_anchored: int, target: float) -> tuple[JerkPiece, ...]:
+    """The kernel's rows in time and place; those from `first_anchored` on end on the target."""
+    total = math.fsum(row[kernel.TIME] for row in rows)
+    kept = [(i, row) for i, row in enumerate(rows) if row[kernel.TIME] > _NO_TIME * total]
+    place = target
+    ends: dict[int, float] = {}
+    for i, row in reversed(kept):
+        ends[i] = place
+        place -= row[kernel.LENGTH]
+    pieces = []
+    start_s, place = 0.0, 0.0
+    for i, row in kept:
+        name = kernel.PHASES[int(row[kernel.PHASE])]
+        end_s = start_s + row[kernel.TIME]
+        bow = getattr(p, _BOWS[name]) if name in _BOWS else 0.0
+        jerk = math.copysign(bow, row[kernel.JERK]) if bow else 0.0
+        if i < first_anchored:
+            piece = JerkPiece(name, start_s, end_s, start_s, place, row[kernel.V0], row[kernel.A0], jerk)
+        else:
+            piece = JerkPiece(name, start_s, end_s, end_s, ends[i], row[kernel.V1], row[kernel.A1], jerk)
+        pieces.append(piece)
+        start_s = end_s
+        place += row[kernel.LENGTH]
+    return tuple(pieces)

@@ -6,6 +6,7 @@ Positions count microsteps from the start of the motion, times seconds from ther
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -234,6 +235,23 @@ class SRampPlan:
             settled=self.end_velocity_pps == 0,
             settling_s=self.duration_s - self.arrival_s,
         )
+
+
+_ACCELERATING = ("B1", "B12", "B2", "A1L", "A1")
+_BRAKING = ("B3", "B34", "B4", "A3", "A3L")
+
+
+def limits_of(pieces: Sequence[JerkPiece], vmax: float, amax: float, dmax: float) -> tuple[LimitUse, ...]:
+    """How much of VMAX [pps], AMAX and DMAX [pps^2] these pieces use."""
+    peak = {"VMAX": 0.0, "AMAX": 0.0, "DMAX": 0.0}
+    for piece in pieces:
+        ends = (piece.start_s, piece.end_s)
+        peak["VMAX"] = max(peak["VMAX"], *(abs(piece.velocity_at(t)) for t in ends))
+        limit = "AMAX" if piece.name in _ACCELERATING else "DMAX" if piece.name in _BRAKING else None
+        if limit:
+            peak[limit] = max(peak[limit], *(abs(piece.acceleration_at(t)) for t in ends))
+    limit_of = {"VMAX": (vmax, "pps"), "AMAX": (amax, "pps^2"), "DMAX": (dmax, "pps^2")}
+    return tuple(LimitUse(name, limit, peak[name], unit) for name, (limit, unit) in limit_of.items())
 
 
 def _crossing(piece: JerkPiece, place: float) -> float:
