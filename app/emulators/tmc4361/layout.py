@@ -42,6 +42,8 @@ FEEDBACK_CLOCKS = 128
 ADDRESSES = 128
 NEVER = 1 << 62
 """A tick that does not come."""
+SLOW_SLOPE_S = 20.0
+"""A trapezoid that takes so long to brake from its highest velocity runs over its target (002, 8.2.2) [s]."""
 
 # --- what the feedback unit tells the clockwork, in one word ---------------------------------------------------
 # `motor_and_encoder_tick` returns it. Bits that STATUS (0x0F) has stand where STATUS has them (13, 14, 15, 16, 17, 19,
@@ -135,11 +137,16 @@ REV_FRACTION = 24
 """CIRCULAR_DEC's share, collected over the turns."""
 LEFT_AT, RIGHT_AT, HOME_LOW, HOME_HIGH = range(25, 29)
 """The stage's switches [full steps of the shaft]."""
-TICKS_A_CLOCK = 29
-PLAN = 32
+P0, V0, A0 = range(29, 32)
+"""Where a plan starts."""
+END_T, END_P, END_V, END_A = range(32, 36)
+"""Where a plan under construction has got to."""
+BEFORE_P, BEFORE_V, BEFORE_A = range(36, 39)
+"""Where the running plan started: a write in the same tick starts there again."""
+PLAN = 40
 """Pieces of the plan, `PIECE_CELLS` each: when it begins [s since the plan's start], position, velocity, acceleration
 there, jerk."""
-PIECE_CELLS, MOST_PIECES = 5, 24
+PIECE_CELLS, MOST_PIECES = 5, 28
 P_T, P_P, P_V, P_A, P_J = range(PIECE_CELLS)
 PLAN_END = PLAN + PIECE_CELLS * MOST_PIECES
 """When the plan is over [s since its start]; infinite at constant velocity."""
