@@ -12,6 +12,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass
 from typing import cast
 
+from app.calc.mslut import MslutRegisters
 from app.clock import Clock
 from app.devices.config import AxisSettings, DeviceConfig
 from app.devices.prediction import Prediction
@@ -21,6 +22,7 @@ from app.devices.results import (
     BatchResult,
     ChainContents,
     DeviceState,
+    HeldMslut,
     MotionEnd,
     MoveStarted,
     ProfileDocument,
@@ -357,6 +359,14 @@ class Device(ABC):
     async def write_microstep_table(self, values: Sequence[int]) -> list[int]:
         """Write 64 values of 0..63 and return the read-back. Raises WrongState, UsageError, WriteRefused."""
         raise WrongState(f"a {self.family.title} has no microstep table", "its step/direction driver makes microsteps")
+
+    async def read_mslut(self) -> HeldMslut:
+        """The registers of a table of one-bit differences (MSLUT). Raises WrongState where the chip has none."""
+        raise WrongState(f"a {self.family.title} has no table of differences (MSLUT)", "")
+
+    async def write_mslut(self, registers: MslutRegisters) -> HeldMslut:
+        """Write MSLUT, MSLUTSEL and MSLUTSTART; what else shares a register (DAC_OFFSET) stays. Raises WrongState."""
+        raise WrongState(f"a {self.family.title} has no table of differences (MSLUT)", "")
 
     async def read_driver_chain(self) -> ChainContents:
         """The chain's RAM and LSMD. Raises WrongState where the chip drives no chain."""

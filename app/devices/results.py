@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
+from app.calc.mslut import MslutRegisters
 from app.links.errors import BenchError
 
 StopMode = Literal["ramp", "immediate"]
@@ -100,6 +101,9 @@ class AxisState:
     """Encoder less position, both of one moment."""
     external_encoder_position: int | None = None
     external_deviation: float | None = None
+    encoder_velocity_pps: float | None = None
+    load_angle_deg: float | None = None
+    """How far the field leads the rotor, electrical."""
 
 
 @dataclass(slots=True)
@@ -169,6 +173,30 @@ class MotionEnd:
 
 
 @dataclass(frozen=True, slots=True)
+class ChipEvents:
+    """What a chip's event register told at one look that it had not told before."""
+
+    axis: int
+    seq: int
+    """Counts on by one."""
+    time_s: float
+    """Device time of the look [s]."""
+    unix_s: float
+    names: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class EventPage:
+    """A stretch of the timeline, oldest first."""
+
+    events: tuple[ChipEvents, ...]
+    next: int
+    """What to ask from next."""
+    lost: int
+    """Entries that were asked for and are not kept any more."""
+
+
+@dataclass(frozen=True, slots=True)
 class TmclExchange:
     """One TMCL command in direct mode and its answer. A status of an error is an answer like any other."""
 
@@ -210,3 +238,19 @@ class ProfileDocument:
     microstep_table: list[int] | None
     driver_chain: list[int] | None
     """The 32 RAM words; LSMD is in the global register."""
+
+
+@dataclass(frozen=True, slots=True)
+class HeldMslut:
+    """A table of one-bit differences as the chip holds it, and what it shows of it at this moment.
+
+    The registers can be written only: they are those last written through this connection, or else those of power-on
+    (`written` False). What can be read is where the wave stands and both currents there: MSCNT and CURRENTA, CURRENTB
+    of one turn of the link, while the motor may move.
+    """
+
+    registers: MslutRegisters
+    written: bool
+    position: int
+    current_a: int
+    current_b: int

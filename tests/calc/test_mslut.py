@@ -1,7 +1,7 @@
 """The table's registers: decoded as real chips show it, encoded as public firmware does, refused with the place.
 
 The TMC4361 data sheet that we had ends before its chapter 11.2; what is held here are register dumps of real chips
-from public issue threads, and the vectors of public drivers (docs/microsteps.md names them).
+from public issue threads, and the vectors of public drivers and printer firmware.
 """
 
 from __future__ import annotations
