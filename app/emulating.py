@@ -10,6 +10,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from types import FrameType
 
 from app.clock import Clock, WallClock
 from app.emulators.line.ends import End
@@ -18,6 +19,7 @@ from app.emulators.line.server import LineServer
 from app.emulators.line.tcp import TcpEnd
 from app.emulators.pd42.module import EmulatedModule
 from app.emulators.pd42.options import Pd42Options
+from app.emulators.server import Served, serve_tcp
 from app.listening import CannotListen, host_and_port, listen, url_of, why
 
 GRACE_S = 0.3
@@ -27,34 +29,31 @@ GRACE_S = 0.3
 def emulate(
     model: str, address: str, options: Mapping[str, object], time_scale: float, announce: Callable[[str], None]
 ) -> None:
-    """Serve one emulated chip until Ctrl-C. Raises ValueError for options that cannot be, and CannotListen."""
+    """Serve one emulated chip until Ctrl-C or SIGTERM.
+
+    Raises ValueError for options that cannot be, and CannotListen.
+    """
     host, port = host_and_port("--tcp", address)
-    with contextlib.suppress(KeyboardInterrupt):
-        asyncio.run(_emulate(model, host, port, options, time_scale, announce))
+    with _killed_by_signals():
+        from app.emulators.build import build_emulator, options_of
+
+        device = build_emulator(model, WallClock(), options_of(model).model_validate(options))
+        device.clock.scale = time_scale
+        device.catch_up(0.0)  # compiles: whoever is told that we listen gets answers at once
+    asyncio.run(_emulate(device, host, port, announce))
 
 
-async def _emulate(
-    model: str,
-    host: str,
-    port: int,
-    options: Mapping[str, object],
-    time_scale: float,
-    announce: Callable[[str], None],
-) -> None:
-    from app.emulators.build import build_emulator
-    from app.emulators.options import EmulatorOptions
-    from app.emulators.server import serve_tcp
-
-    device = build_emulator(model, WallClock(), EmulatorOptions.model_validate(options))
-    device.clock.scale = time_scale
-    try:
-        server = await serve_tcp(device, host, port)
-    except OSError as error:
-        raise CannotListen(why(error, host, port)) from error
-    async with server:
+async def _emulate(device: Served, host: str, port: int, announce: Callable[[str], None]) -> None:
+    ended, loop = asyncio.Event(), asyncio.get_running_loop()
+    with _ended_by_signals(lambda: loop.call_soon_threadsafe(ended.set)):
+        try:
+            server = await serve_tcp(device, host, port)
+        except OSError as error:
+            raise CannotListen(why(error, host, port)) from error
         bound = server.sockets[0].getsockname()
-        announce(f"emulated {model} listens on tcp {bound[0]}:{bound[1]}  (Ctrl-C ends it)")
-        await server.serve_forever()
+        announce(f"emulated {device.model} listens on tcp {bound[0]}:{bound[1]}  (Ctrl-C ends it)")
+        await ended.wait()
+        server.close()  # clients that are still there are cut off as the loop ends
 
 
 @dataclass(frozen=True)
@@ -129,9 +128,25 @@ def _ends(options: LineOptions) -> list[End]:
 
 
 @contextlib.contextmanager
-def _ended_by_signals(stop: Callable[[], None]) -> Iterator[None]:
-    """Ctrl-C and SIGTERM call `stop`, and end nothing in the middle of a frame."""
-    before = {number: signal.signal(number, lambda *_: stop()) for number in (signal.SIGINT, signal.SIGTERM)}
+def _ended_by_signals(stop: Callable[[], object]) -> Iterator[None]:
+    """Ctrl-C and SIGTERM call `stop`, and end nothing in the middle of a frame.
+
+    Also where we were started to ignore Ctrl-C, as a shell starts what is to run in the background.
+    """
+    with _handling(lambda *_: stop()):
+        yield
+
+
+@contextlib.contextmanager
+def _killed_by_signals() -> Iterator[None]:
+    """Ctrl-C and SIGTERM end the process at once: while machine code is compiled, no handler of Python's would run."""
+    with _handling(signal.SIG_DFL):
+        yield
+
+
+@contextlib.contextmanager
+def _handling(handler: Callable[[int, FrameType | None], object] | signal.Handlers) -> Iterator[None]:
+    before = {number: signal.signal(number, handler) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield
     finally:
