@@ -7,7 +7,7 @@ from typing import Annotated, Protocol, runtime_checkable
 from fastapi import Depends
 
 from app.api.deps import CurrentDevice
-from app.devices.results import RegisterReading, TmclExchange
+from app.devices.results import EventPage, RegisterReading, TmclExchange
 from app.links.errors import WrongState
 
 
@@ -33,6 +33,21 @@ class StoringDevice(Protocol):
         ...
 
 
+@runtime_checkable
+class EventfulDevice(Protocol):
+    """Has an event register, whose edges are kept as a timeline."""
+
+    def events(self, axis: int, after: int = 0, limit: int = 1000, /) -> EventPage:
+        """The oldest `limit` entries behind number `after`. Raises UnknownThing for the axis."""
+        ...
+
+
+async def _eventful_device(device: CurrentDevice) -> EventfulDevice:
+    if not isinstance(device, EventfulDevice):
+        raise WrongState(f"a {device.family.title} has no event register", "its flags are in the axis's state")
+    return device
+
+
 async def _tmcl_device(device: CurrentDevice) -> TmclDevice:
     if not isinstance(device, TmclDevice):
         raise WrongState(f"a {device.family.title} speaks no TMCL", "send it a datagram: POST .../exchange")
@@ -45,5 +60,6 @@ async def _storing_device(device: CurrentDevice) -> StoringDevice:
     return device
 
 
+CurrentEventfulDevice = Annotated[EventfulDevice, Depends(_eventful_device)]
 CurrentTmclDevice = Annotated[TmclDevice, Depends(_tmcl_device)]
 CurrentStoringDevice = Annotated[StoringDevice, Depends(_storing_device)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from dataclasses import fields
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -11,8 +12,11 @@ from app.api.problems import findings, problem_of
 from app.api.schemas import AxisConfig, AxisInfo, ChannelInfo, DeviceInfo
 from app.api.schemas_axes import MotionEnd, Prediction, StopResult
 from app.api.schemas_calc import Phase
+from app.api.schemas_closed_loop import Recording, ResponseState, Score
 from app.api.schemas_devices import (
     AnyLink,
+    Chip40Create,
+    Chip40Link,
     ChipCreate,
     ChipLink,
     EmulatorLink,
@@ -27,10 +31,14 @@ from app.devices import prediction, results
 from app.devices.config import AxisSettings, slug, unique_slug
 from app.devices.device import Axis, Device
 from app.devices.results import StopOutcome
-from app.links.errors import UsageError
+from app.links import datagram40
+from app.links.emulator import EmulatorPort
+from app.links.errors import UsageError, WrongState
 from app.links.registry import Link
 from app.registers.catalog import MODELS
 from app.registers.model import RegisterTable
+from app.tuning import closed_loop_state
+from app.tuning.closed_loop_state import Load
 
 
 @contextmanager
@@ -42,14 +50,19 @@ def calculating() -> Iterator[None]:
         raise UsageError(str(error)) from error
 
 
-_LINKS: dict[str, TypeAdapter[AnyLink]] = {"chip": TypeAdapter(ChipLink), "module": TypeAdapter(ModuleLink)}
+_LINKS: dict[str, TypeAdapter[AnyLink]] = {
+    "chip": TypeAdapter(ChipLink),
+    "chip40": TypeAdapter(Chip40Link),
+    "module": TypeAdapter(ModuleLink),
+}
 
 
 def suited(link: AnyLink, model: str) -> AnyLink:
     """The link as that model understands it. Raises UsageError where it has no such link or option."""
     family = MODELS[model]
+    links = _LINKS["chip40" if model in datagram40.MODELS else family.kind]
     try:
-        return _LINKS[family.kind].validate_python(link.model_dump(exclude_unset=True) | {"kind": link.kind})
+        return links.validate_python(link.model_dump(exclude_unset=True) | {"kind": link.kind})
     except ValidationError as error:
         raise UsageError(f"this link does not suit a {family.title}: {findings(error)}") from error
 
@@ -66,7 +79,7 @@ def link_of(link: AnyLink, clock_hz: float | None) -> Link:
     return said
 
 
-def with_memory(link: Link, wanted: ChipCreate | ModuleCreate, others: Sequence[Device]) -> Link:
+def with_memory(link: Link, wanted: ChipCreate | Chip40Create | ModuleCreate, others: Sequence[Device]) -> Link:
     """An emulated module of a new connection gets a memory of its own, unless it was told another one."""
     if isinstance(wanted.link, ModuleEmulatorLink) and "eeprom" not in wanted.link.model_fields_set:
         taken = {str(other.link.get("eeprom")) for other in others}
@@ -145,6 +158,35 @@ def prediction_out(expected: prediction.Prediction | None) -> Prediction | None:
         velocity_pps=expected.velocity_pps.tolist(),
         phases=[Phase.model_validate(phase) for phase in expected.phases],
     )
+
+
+def response_out(state: closed_loop_state.ResponseState) -> ResponseState:
+    recording = state.recording
+    return ResponseState(
+        state=state.state,
+        phase=state.phase,
+        progress=state.progress,
+        message=state.message,
+        started_at_s=state.started_at_s,
+        recording=None if recording is None else _recording(recording),
+        score=None if state.score is None else Score.model_validate(state.score),
+    )
+
+
+def _recording(recording: closed_loop_state.Recording) -> Recording:
+    """NaN, which JSON does not know, becomes null."""
+    columns = {
+        field.name: [None if number != number else number for number in getattr(recording, field.name).tolist()]
+        for field in fields(recording)
+    }
+    return Recording.model_validate(columns)
+
+
+def load_of(device: Device, torque_nm: float) -> Load:
+    """How the emulated axis behind `device` is loaded with `torque_nm` [Nm]. Raises WrongState for hardware."""
+    if not isinstance(device.port, EmulatorPort):
+        raise WrongState(f"{device.name} is not emulated here", "leave load_torque_nm out, and load it by hand")
+    raise WrongState(f"{device.name} has no motor that a load could be put on")
 
 
 def profile_register(entry: results.ProfileEntry, table: RegisterTable) -> ProfileRegister:

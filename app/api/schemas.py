@@ -16,8 +16,11 @@ Flag = Annotated[bool, Field(strict=True)]
 Name = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=60, strip_whitespace=True)]
 AxisIndex = Annotated[int, Field(strict=True, ge=0, le=31)]
 ChipName = Literal["tmc428", "tmc4210"]
+"""Chips of 32-bit datagrams, whose ramps come from pmul and pdiv."""
+Chip40Name = Literal["tmc4361"]
+"""Chips of 40-bit datagrams."""
 ModuleName = Literal["pd42-1241"]
-ModelName = Literal["tmc428", "tmc4210", "pd42-1241"]
+ModelName = Literal["tmc428", "tmc4210", "tmc4361", "pd42-1241"]
 
 
 class Body(BaseModel):
@@ -73,7 +76,8 @@ class AxisConfig(Body):
     name: Name = "axis"
     full_steps_per_rev: Annotated[int, Field(strict=True, ge=1, le=100_000)] = 200
     driver_microsteps: Annotated[int, Field(strict=True, ge=1, le=256)] = Field(
-        default=16, description="microsteps per full step of the step/direction driver (TMC4210); TMC428 has usrs"
+        default=16,
+        description="microsteps per full step of the step/direction driver (TMC4210); others know theirs",
     )
     gear_ratio: Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False, strict=True)] = Field(
         default=1.0, description="motor turns per turn of the load"
@@ -111,7 +115,8 @@ class DeviceInfo(Answer):
     model: ModelName
     title: str
     link: dict[str, object] = Field(
-        description="`kind` and its options: emulator, tcp; for a PD42-1241 also serial and can. As in DeviceCreate"
+        description="`kind` and its options: emulator, tcp; for a TMC4361 also spidev and landungsbruecke, for a "
+        "PD42-1241 serial and can. As in DeviceCreate"
     )
     clock_hz: float
     state: DeviceState

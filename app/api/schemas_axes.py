@@ -29,6 +29,10 @@ class AxisStateOut(Answer):
     deviation: float | None = Field(description="encoder minus position, both of one moment [microsteps]")
     external_encoder_position: int | None = None
     external_deviation: float | None = None
+    encoder_velocity_pps: float | None = Field(default=None, description="TMC4361: filtered, V_ENC_MEAN")
+    load_angle_deg: float | None = Field(
+        default=None, description="TMC4361: how far the field leads the rotor, electrical; null without an encoder"
+    )
     position_reached: bool
     moving: bool
     mode: str
@@ -122,7 +126,9 @@ SearchMode = Literal[1, 2, 3, 4, 5, 6, 7, 8, 65, 66, 67, 68, 133, 134, 135, 136]
 class ReferenceSearchStart(Body):
     """Chips search `switch` at `velocity`. A PD42-1241 searches by itself, in one of its modes and at two speeds."""
 
-    switch: Literal["left", "right", "reference"] = "reference"
+    switch: Literal["left", "right", "reference", "home"] = Field(
+        default="reference", description='"home" is what a TMC4361 calls it (HOME_REF)'
+    )
     velocity: Annotated[float, Field(strict=True, gt=0, allow_inf_nan=False)] | None = Field(
         default=None, description="search speed [pps]; default a quarter of v_max"
     )

@@ -103,6 +103,7 @@ class Units(Body):
 
     The chips' units hang on `pulse_div` and `ramp_div`, which they need. A PD42-1241 has none: its unit "chip" is that
     of the TMC5160 inside, in which it counts where axis parameter 255 is 0; otherwise it counts in pps and pps2.
+    A TMC4361 counts in pps, pps2 and pps3 with a fixed point: its "chip" is the register's whole number.
     """
 
     model: ModelName = "tmc428"
@@ -117,6 +118,23 @@ class Units(Body):
         default=None, description="unit: chip, pps2, fullsteps_per_s2, rps2, rpm_per_s, rad_per_s2, mm_per_s2"
     )
     position: Quantity | None = Field(default=None, description="unit: microsteps, fullsteps, rev, deg, rad, mm")
+    bow: Quantity | None = Field(
+        default=None, description="TMC4361; unit: chip, pps3, fullsteps_per_s3, rps3, rpm_per_s2, rad_per_s3, mm_per_s3"
+    )
+    direct_acceleration: Flag = Field(default=False, description="TMC4361: GENERAL_CONF.direct_acc_val_en")
+    direct_bow: Flag = Field(default=False, description="TMC4361: GENERAL_CONF.direct_bow_val_en")
+
+
+class RampUnits(Answer):
+    """What the registers of a TMC4361 get: whole numbers, and what they really are."""
+
+    velocity: int | None = Field(description="VMAX (VSTART, VSTOP, VBREAK); null where the register cannot hold it")
+    velocity_pps: float | None = Field(description="that, back in pps")
+    acceleration: int | None = Field(description="AMAX, DMAX, ASTART, DFINAL, DSTOP")
+    acceleration_pps2: float | None = Field(description="that, back in pps^2")
+    bow: int | None = Field(description="BOW1 to BOW4")
+    bow_pps3: float | None = Field(description="that, back in pps^3")
+    limits: list[str] = Field(description="which limit each number that is null, or better kept away from, is beyond")
 
 
 class ModuleUnits(Answer):
@@ -140,6 +158,8 @@ class UnitsResult(Answer):
     acceleration_steps: float | None = Field(description="microsteps from rest to that velocity at that acceleration")
     acceleration_time_s: float | None
     module: ModuleUnits | None = Field(default=None, description="null for chips")
+    bow: dict[str, float | None] | None = None
+    ramp: RampUnits | None = Field(default=None, description="TMC4361 alone")
 
 
 class Ramp(Body):

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, RootModel, StringConstraints, Tag
 
-from app.api.schemas import AxisConfig, Body, ChipName, ModuleName, Name
+from app.api.schemas import AxisConfig, Body, Chip40Name, ChipName, ModuleName, Name
 from app.api.schemas_calc import ClockHz
 from app.api.schemas_links import Address, Baud
 from app.emulators.options import EmulatorOptions
@@ -31,7 +31,7 @@ class EmulatorLink(EmulatorOptions):
 
 
 class TcpLink(Body):
-    """A chip behind a TCP socket: raw 4-byte frames both ways, as `stepscope emulate` serves them."""
+    """A chip behind a TCP socket: raw frames both ways (TMC4361: 5 bytes, else 4), as by `stepscope emulate`."""
 
     kind: Literal["tcp"]
     host: Host = Field(description="name or address of the machine")
@@ -82,11 +82,43 @@ class ModuleCanLink(Body):
     timeout_s: Seconds = Field(default=0.25, description="how long to wait for an answer [s]")
 
 
+class SpidevLink(Body):
+    """A chip at an SPI bus of the server's machine, through Linux's spidev (the extra "spidev")."""
+
+    kind: Literal["spidev"]
+    bus: Annotated[int, Field(strict=True, ge=0, le=255)] = Field(description="B of /dev/spidevB.D")
+    device: Annotated[int, Field(strict=True, ge=0, le=255)] = Field(description="D: the chip select")
+    speed_hz: Annotated[int, Field(strict=True, ge=10_000, le=16_000_000)] = Field(
+        default=1_000_000, description="SPI clock [Hz]; a quarter of the chip's clock is safe"
+    )
+    mode: Annotated[int, Field(strict=True, ge=0, le=3)] = Field(default=3, description="SPI mode")
+
+
+class LandungsbrueckeLink(Body):
+    """A chip on an evaluation board with a base board (Landungsbruecke, Startrampe) on USB."""
+
+    kind: Literal["landungsbruecke"]
+    port: Text = Field(description="device name, or an address of pyserial: socket://, rfc2217://, spy://")
+    baud: Baud = Field(default=115_200, description="without meaning on USB")
+    motor: Annotated[int, Field(strict=True, ge=0, le=15)] = Field(default=0, description="the board's channel")
+    timeout_s: Seconds = Field(default=0.25, description="how long to wait for an answer, beyond its own time [s]")
+
+
 ChipLink = Annotated[EmulatorLink | TcpLink, Field(discriminator="kind")]
+Chip40Link = Annotated[TcpLink | SpidevLink | LandungsbrueckeLink, Field(discriminator="kind")]
 ModuleLink = Annotated[
     ModuleEmulatorLink | ModuleTcpLink | ModuleSerialLink | ModuleCanLink, Field(discriminator="kind")
 ]
-AnyLink = EmulatorLink | TcpLink | ModuleEmulatorLink | ModuleTcpLink | ModuleSerialLink | ModuleCanLink
+AnyLink = (
+    EmulatorLink
+    | TcpLink
+    | SpidevLink
+    | LandungsbrueckeLink
+    | ModuleEmulatorLink
+    | ModuleTcpLink
+    | ModuleSerialLink
+    | ModuleCanLink
+)
 Axes = Annotated[list[AxisConfig], Field(max_length=8)]
 
 
@@ -105,6 +137,13 @@ class ChipCreate(_Create):
     link: ChipLink
 
 
+class Chip40Create(_Create):
+    """A connection to a chip of 40-bit datagrams. An axis that is not given gets defaults."""
+
+    model: Chip40Name
+    link: Chip40Link
+
+
 class ModuleCreate(_Create):
     """A connection to a module. Axes that are not given get defaults."""
 
@@ -112,7 +151,7 @@ class ModuleCreate(_Create):
     link: ModuleLink
 
 
-class DeviceCreate(RootModel[Annotated[ChipCreate | ModuleCreate, Field(discriminator="model")]]):
+class DeviceCreate(RootModel[Annotated[ChipCreate | Chip40Create | ModuleCreate, Field(discriminator="model")]]):
     """A connection: the model, and a link that suits it."""
 
 
@@ -123,6 +162,13 @@ class ChipTrial(Body):
     link: ChipLink
 
 
+class Chip40Trial(Body):
+    """A link to a chip of 40-bit datagrams, to be tried."""
+
+    model: Chip40Name
+    link: Chip40Link
+
+
 class ModuleTrial(Body):
     """A link to a module, to be tried."""
 
@@ -130,7 +176,7 @@ class ModuleTrial(Body):
     link: ModuleLink
 
 
-class DeviceTrial(RootModel[Annotated[ChipTrial | ModuleTrial, Field(discriminator="model")]]):
+class DeviceTrial(RootModel[Annotated[ChipTrial | Chip40Trial | ModuleTrial, Field(discriminator="model")]]):
     """A link to be tried."""
 
 
@@ -159,6 +205,8 @@ class DeviceChange(Body):
         Annotated[
             Annotated[EmulatorLink, Tag("emulator")]
             | Annotated[TcpLink, Tag("tcp")]
+            | Annotated[SpidevLink, Tag("spidev")]
+            | Annotated[LandungsbrueckeLink, Tag("landungsbruecke")]
             | Annotated[ModuleEmulatorLink, Tag("module-emulator")]
             | Annotated[ModuleTcpLink, Tag("module-tcp")]
             | Annotated[ModuleSerialLink, Tag("serial")]

@@ -69,6 +69,16 @@ class TelemetryStopped(Answer):
     detail: str
 
 
+class TelemetryEvent(Answer):
+    """The chip has seen something happen (EVENTS): what is also in the timeline of its axis."""
+
+    type: Literal["event"] = "event"
+    axis: int
+    seq: int
+    time_s: float = Field(description="device time [s]")
+    names: list[str]
+
+
 class TelemetryProblem(Answer):
     """Why there is no stream, or no more of it; the socket closes with 4000 + the problem's status."""
 
@@ -76,7 +86,15 @@ class TelemetryProblem(Answer):
     problem: Problem
 
 
-TelemetryText = TelemetryStart | TelemetryStatus | TelemetryGap | TelemetryMove | TelemetryStopped | TelemetryProblem
+TelemetryText = (
+    TelemetryStart
+    | TelemetryStatus
+    | TelemetryGap
+    | TelemetryMove
+    | TelemetryStopped
+    | TelemetryEvent
+    | TelemetryProblem
+)
 
 
 class TelemetryMessage(RootModel[TelemetryText]):

@@ -14,15 +14,19 @@ from app.devices.results import Rotating
 from app.links.errors import WrongState
 from app.tuning import search as searches
 from app.tuning import shuttle
+from app.tuning.closed_loop import Calibration
+from app.tuning.closed_loop_state import NOT_CALIBRATED, NOT_RECORDED, CalibrationState, Load, ResponseState
 from app.tuning.edges import Switch
 from app.tuning.hold import Hold, check_hold
 from app.tuning.module_search import ModuleSearch
 from app.tuning.procedure import Procedure
 from app.tuning.reference_search import ReferenceSearch
+from app.tuning.response import Disturbance, Response, Shape, StepResponse
 from app.tuning.search import ReferenceSearchState, Search
 from app.tuning.shuttle import Shuttle, ShuttleState
 
 P = TypeVar("P", bound=Procedure)
+CLOSED_LOOP_MODELS = frozenset({"tmc4361"})
 
 
 class Procedures:
@@ -128,6 +132,113 @@ class Procedures:
             raise WrongState(f"nothing is held on axis {axis} of {device.name}", "begin with rotate and hold_s")
         return held.keep(hold_s)
 
+    # --- closed loop ----------------------------------------------------------------------------
+
+    def start_calibration(
+        self,
+        device: Device,
+        axis: int,
+        velocity_pps: float = 10_000.0,
+        settle_s: float = 0.1,
+        *,
+        switch_on: bool = True,
+    ) -> CalibrationState:
+        """Raises WrongState where there is no closed loop or another procedure runs, OutOfRange."""
+        _require_closed_loop(device)
+        return self._start(Calibration(device, axis, self._clock, velocity_pps, settle_s, switch_on=switch_on)).state
+
+    def calibration_state(self, device: Device, axis: int) -> CalibrationState:
+        """The present calibration, or the latest. Raises UnknownThing for the axis."""
+        latest = self._find(device, axis, Calibration)
+        return NOT_CALIBRATED if latest is None else latest.state
+
+    async def abort_calibration(self, device: Device, axis: int) -> CalibrationState:
+        """End it, regulation off, and stop the motor; the state afterwards."""
+        latest = self._find(device, axis, Calibration)
+        if latest is not None:
+            await latest.abort("aborted on request")
+        return self.calibration_state(device, axis)
+
+    def start_step_response(
+        self,
+        device: Device,
+        axis: int,
+        distance: int,
+        *,
+        shape: Shape = "ramp",
+        seconds: float = 1.0,
+        before_s: float = 0.05,
+        rate_hz: float = 1000.0,
+        band: float = 50.0,
+    ) -> ResponseState:
+        """Raises WrongState where there is no encoder channel or another procedure runs, OutOfRange."""
+        _require_closed_loop(device)
+        step = StepResponse(
+            device,
+            axis,
+            self._clock,
+            distance,
+            shape,
+            seconds=seconds,
+            before_s=before_s,
+            rate_hz=rate_hz,
+            band=band,
+        )
+        return self._start(step).state
+
+    def step_response_state(self, device: Device, axis: int) -> ResponseState:
+        """The present step response, or the latest. Raises UnknownThing for the axis."""
+        return self._response_state(device, axis, StepResponse)
+
+    async def abort_step_response(self, device: Device, axis: int) -> ResponseState:
+        """End it and stop the motor; the state afterwards."""
+        return await self._abort_response(device, axis, StepResponse)
+
+    def start_disturbance(
+        self,
+        device: Device,
+        axis: int,
+        load: Load | None,
+        *,
+        load_s: float | None = None,
+        seconds: float = 1.0,
+        before_s: float = 0.05,
+        rate_hz: float = 1000.0,
+        band: float = 50.0,
+    ) -> ResponseState:
+        """Raises WrongState where there is no encoder channel or another procedure runs, OutOfRange."""
+        _require_closed_loop(device)
+        disturbance = Disturbance(
+            device,
+            axis,
+            self._clock,
+            load,
+            load_s=load_s,
+            seconds=seconds,
+            before_s=before_s,
+            rate_hz=rate_hz,
+            band=band,
+        )
+        return self._start(disturbance).state
+
+    def disturbance_state(self, device: Device, axis: int) -> ResponseState:
+        """The present disturbance, or the latest. Raises UnknownThing for the axis."""
+        return self._response_state(device, axis, Disturbance)
+
+    async def abort_disturbance(self, device: Device, axis: int) -> ResponseState:
+        """End it and take the load away; the state afterwards."""
+        return await self._abort_response(device, axis, Disturbance)
+
+    def _response_state(self, device: Device, axis: int, kind: type[Response]) -> ResponseState:
+        latest = self._find(device, axis, kind)
+        return NOT_RECORDED if latest is None else latest.state
+
+    async def _abort_response(self, device: Device, axis: int, kind: type[Response]) -> ResponseState:
+        latest = self._find(device, axis, kind)
+        if latest is not None:
+            await latest.abort("aborted on request")
+        return self._response_state(device, axis, kind)
+
     # --- inside ---------------------------------------------------------------------------------
 
     def _start(self, procedure: P) -> P:
@@ -149,3 +260,8 @@ def _ramp_chip(device: Device) -> RampStops:
     if not isinstance(device, RampStops):
         raise WrongState(f"a {device.family.title} has no position latch to search with")
     return device
+
+
+def _require_closed_loop(device: Device) -> None:
+    if device.model not in CLOSED_LOOP_MODELS:
+        raise WrongState(f"a {device.family.title} has no closed loop", "a TMC4361 has one")

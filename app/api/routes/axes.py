@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from fastapi import APIRouter
+from typing import Annotated
 
+from fastapi import APIRouter, Query
+
+from app.api.abilities import CurrentEventfulDevice
 from app.api.convert import prediction_out, stops_out
 from app.api.deps import CurrentAxis, CurrentBench, CurrentDevice
 from app.api.problems import DEVICE_PROBLEMS, problems
@@ -18,6 +21,7 @@ from app.api.schemas_axes import (
     Rotate,
     Rotating,
 )
+from app.api.schemas_events import AxisEvents
 from app.devices.results import AxisMove
 from app.links.errors import OutOfRange, UnknownThing, WrongState
 
@@ -68,3 +72,14 @@ async def list_stops(device: CurrentDevice, axis: CurrentAxis) -> list[MotionEnd
 async def get_prediction(device: CurrentDevice, axis: CurrentAxis) -> Prediction | None:
     """The ramp expected for the present motion, on device time; null where there is none."""
     return prediction_out(device.prediction(axis.index))
+
+
+@router.get("/axes/{axis}/events", responses=problems(UnknownThing, WrongState))
+async def list_events(
+    device: CurrentEventfulDevice,
+    axis: CurrentAxis,
+    after: Annotated[int, Query(description="the highest `seq` that is known already", ge=0)] = 0,
+    limit: Annotated[int, Query(description="how many at the most", ge=1, le=2000)] = 500,
+) -> AxisEvents:
+    """What the chip's event register has told since this device is connected, oldest first; reading loses nothing."""
+    return AxisEvents.model_validate(device.events(axis.index, after, limit))

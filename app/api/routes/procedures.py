@@ -35,7 +35,7 @@ async def start_reference_search(
     state = bench.procedures.start_search(
         device,
         axis.index,
-        wanted.switch,
+        "reference" if wanted.switch == "home" else wanted.switch,
         wanted.velocity,
         wanted.max_travel,
         mode=wanted.mode,

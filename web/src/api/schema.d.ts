@@ -256,6 +256,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/devices/{device}/axes/{axis}/events": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Events
+         * @description What the chip's event register has told since this device is connected, oldest first; reading loses nothing.
+         */
+        get: operations["list_events"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/stop": {
         parameters: {
             query?: never;
@@ -461,6 +481,90 @@ export interface paths {
          * @description End the shuttle and stop the motor.
          */
         delete: operations["stop_shuttle"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/axes/{axis}/closed-loop-calibration": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Calibration
+         * @description How far the calibration is, or how the latest one ended.
+         */
+        get: operations["get_calibration"];
+        put?: never;
+        /**
+         * Start Calibration
+         * @description Turn to a full step, take the encoder's offset there and switch closed loop on. Answers when it has started.
+         */
+        post: operations["start_calibration"];
+        /**
+         * Abort Calibration
+         * @description End the calibration: regulation off, motor stopped.
+         */
+        delete: operations["abort_calibration"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/axes/{axis}/step-response": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Step Response
+         * @description The recording and its score, when it is done.
+         */
+        get: operations["get_step_response"];
+        put?: never;
+        /**
+         * Start Step Response
+         * @description Go by a distance and record how the encoder follows. Answers when it has started.
+         */
+        post: operations["start_step_response"];
+        /**
+         * Abort Step Response
+         * @description End the recording and stop the motor.
+         */
+        delete: operations["abort_step_response"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/axes/{axis}/disturbance": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Disturbance
+         * @description The recording and its score, when it is done.
+         */
+        get: operations["get_disturbance"];
+        put?: never;
+        /**
+         * Start Disturbance
+         * @description Load the axis for a while and record how it holds its place. Answers when it has started.
+         */
+        post: operations["start_disturbance"];
+        /**
+         * Abort Disturbance
+         * @description Take the load away and end the recording.
+         */
+        delete: operations["abort_disturbance"];
         options?: never;
         head?: never;
         patch?: never;
@@ -876,7 +980,7 @@ export interface components {
             full_steps_per_rev?: number;
             /**
              * Driver Microsteps
-             * @description microsteps per full step of the step/direction driver (TMC4210); TMC428 has usrs
+             * @description microsteps per full step of the step/direction driver (TMC4210); others know theirs
              * @default 16
              */
             driver_microsteps?: number;
@@ -891,6 +995,50 @@ export interface components {
              * @description travel of the load per turn of the load [mm]; null for a rotary axis
              */
             travel_mm_per_rev?: number | null;
+        };
+        /**
+         * AxisEvent
+         * @description What was new at one look: events since the look before, as far as it had been read then.
+         */
+        AxisEvent: {
+            /**
+             * Seq
+             * @description counts on by one; a page asks with the highest it has
+             */
+            seq: number;
+            /**
+             * Time S
+             * @description device time of the look that saw it [s]
+             */
+            time_s: number;
+            /**
+             * Unix S
+             * @description Unix time [s]
+             */
+            unix_s: number;
+            /**
+             * Names
+             * @description of the bits of EVENTS, e.g. TARGET_REACHED, STOPL_EVENT
+             */
+            names: string[];
+        };
+        /**
+         * AxisEvents
+         * @description A stretch of the timeline, oldest first.
+         */
+        AxisEvents: {
+            /** Events */
+            events: components["schemas"]["AxisEvent"][];
+            /**
+             * Next
+             * @description `after` of the next call
+             */
+            next: number;
+            /**
+             * Lost
+             * @description entries behind `after` that are not kept any more
+             */
+            lost: number;
         };
         /** AxisInfo */
         AxisInfo: {
@@ -969,6 +1117,16 @@ export interface components {
             external_encoder_position: number | null;
             /** External Deviation */
             external_deviation: number | null;
+            /**
+             * Encoder Velocity Pps
+             * @description TMC4361: filtered, V_ENC_MEAN
+             */
+            encoder_velocity_pps: number | null;
+            /**
+             * Load Angle Deg
+             * @description TMC4361: how far the field leads the rotor, electrical; null without an encoder
+             */
+            load_angle_deg: number | null;
             /** Position Reached */
             position_reached: boolean;
             /** Moving */
@@ -985,6 +1143,60 @@ export interface components {
              * @description when it was read: the device's own time for emulators, else the server's [s]
              */
             time_s: number;
+        };
+        /**
+         * CalibrationStart
+         * @description The motor turns to a full step, and there the chip takes the encoder's offset. It needs an encoder that counts
+         *     the right way, 256 microsteps per full step, and no load on the shaft.
+         */
+        CalibrationStart: {
+            /**
+             * Velocity Pps
+             * @description speed on the way to a full step [pps]
+             * @default 10000
+             */
+            velocity_pps?: number;
+            /**
+             * Settle S
+             * @description rest on the full step before the offset is taken, and as long until it is there [s]
+             * @default 0.1
+             */
+            settle_s?: number;
+            /**
+             * Switch On
+             * @description leave closed loop on when done; else the regulation is off
+             * @default true
+             */
+            switch_on?: boolean;
+        };
+        /**
+         * CalibrationState
+         * @description The calibration that runs, or the latest one.
+         */
+        CalibrationState: {
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "idle" | "running" | "done" | "failed" | "aborted";
+            /** Phase */
+            phase: string;
+            /** Progress */
+            progress: number;
+            /**
+             * Offset
+             * @description CL_OFFSET as the chip has taken it [microsteps]; null before
+             */
+            offset: number | null;
+            /** Offset Before */
+            offset_before: number | null;
+            /**
+             * Regulation
+             * @description what is on now; null before anything was seen
+             */
+            regulation: ("off" | "closed_loop" | "pid_around_zero" | "pid_around_velocity") | null;
+            /** Message */
+            message: string;
         };
         /** CatalogEntry */
         CatalogEntry: {
@@ -1156,6 +1368,41 @@ export interface components {
             unit: string;
         };
         /**
+         * Chip40Create
+         * @description A connection to a chip of 40-bit datagrams. An axis that is not given gets defaults.
+         */
+        Chip40Create: {
+            /** Name */
+            name: string;
+            /**
+             * Clock Hz
+             * @description the chip's clock [Hz]; null: 16 MHz
+             */
+            clock_hz?: number | null;
+            /** Axes */
+            axes?: components["schemas"]["AxisConfig"][] | null;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            model: "tmc4361";
+            /** Link */
+            link: components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"];
+        };
+        /**
+         * Chip40Trial
+         * @description A link to a chip of 40-bit datagrams, to be tried.
+         */
+        Chip40Trial: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            model: "tmc4361";
+            /** Link */
+            link: components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"];
+        };
+        /**
          * ChipCreate
          * @description A connection to a chip. Axes that are not given get defaults.
          */
@@ -1259,7 +1506,7 @@ export interface components {
             /** Name */
             name?: string | null;
             /** Link */
-            link?: components["schemas"]["EmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["ModuleEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"] | null;
+            link?: components["schemas"]["EmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["ModuleEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"] | null;
             /** Clock Hz */
             clock_hz?: number | null;
             /** Axes */
@@ -1269,7 +1516,7 @@ export interface components {
          * DeviceCreate
          * @description A connection: the model, and a link that suits it.
          */
-        DeviceCreate: components["schemas"]["ChipCreate"] | components["schemas"]["ModuleCreate"];
+        DeviceCreate: components["schemas"]["ChipCreate"] | components["schemas"]["Chip40Create"] | components["schemas"]["ModuleCreate"];
         /** DeviceInfo */
         DeviceInfo: {
             /** Id */
@@ -1280,12 +1527,12 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc428" | "tmc4210" | "pd42-1241";
+            model: "tmc428" | "tmc4210" | "tmc4361" | "pd42-1241";
             /** Title */
             title: string;
             /**
              * Link
-             * @description `kind` and its options: emulator, tcp; for a PD42-1241 also serial and can. As in DeviceCreate
+             * @description `kind` and its options: emulator, tcp; for a TMC4361 also spidev and landungsbruecke, for a PD42-1241 serial and can. As in DeviceCreate
              */
             link: {
                 [key: string]: unknown;
@@ -1321,7 +1568,48 @@ export interface components {
          * DeviceTrial
          * @description A link to be tried.
          */
-        DeviceTrial: components["schemas"]["ChipTrial"] | components["schemas"]["ModuleTrial"];
+        DeviceTrial: components["schemas"]["ChipTrial"] | components["schemas"]["Chip40Trial"] | components["schemas"]["ModuleTrial"];
+        /**
+         * DisturbanceStart
+         * @description Load the axis where it stands and record. On hardware nobody can but a hand: without `load_torque_nm` the
+         *     recording waits for none and applies none.
+         */
+        DisturbanceStart: {
+            /**
+             * Seconds
+             * @description length of the recording after the step or the load [s]
+             * @default 1
+             */
+            seconds?: number;
+            /**
+             * Before S
+             * @description length of the recording before it [s]
+             * @default 0.05
+             */
+            before_s?: number;
+            /**
+             * Rate Hz
+             * @description samples a second; less where the link carries no more
+             * @default 1000
+             */
+            rate_hz?: number;
+            /**
+             * Band
+             * @description how near the encoder has to stay to count as settled [microsteps]
+             * @default 50
+             */
+            band?: number;
+            /**
+             * Load Torque Nm
+             * @description emulated axes: torque of the load [Nm]
+             */
+            load_torque_nm?: number | null;
+            /**
+             * Load S
+             * @description how long it lasts [s]; null: half of `seconds`
+             */
+            load_s?: number | null;
+        };
         /** DriverChain */
         DriverChain: {
             /** Drivers */
@@ -1649,6 +1937,18 @@ export interface components {
             values: {
                 [key: string]: string;
             };
+            /**
+             * When
+             * @description of a second meaning of the same bits: when it holds
+             * @default
+             */
+            when: string;
+            /**
+             * Behaviour
+             * @description readable and writable, but not acted on by the emulator, and why; empty: acted on
+             * @default
+             */
+            behaviour: string;
         };
         /**
          * FrameEntry
@@ -1758,6 +2058,40 @@ export interface components {
              * @default 1
              */
             hold_s?: number;
+        };
+        /**
+         * LandungsbrueckeLink
+         * @description A chip on an evaluation board with a base board (Landungsbruecke, Startrampe) on USB.
+         */
+        LandungsbrueckeLink: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "landungsbruecke";
+            /**
+             * Port
+             * @description device name, or an address of pyserial: socket://, rfc2217://, spy://
+             */
+            port: string;
+            /**
+             * Baud
+             * @description without meaning on USB
+             * @default 115200
+             */
+            baud?: number;
+            /**
+             * Motor
+             * @description the board's channel
+             * @default 0
+             */
+            motor?: number;
+            /**
+             * Timeout S
+             * @description how long to wait for an answer, beyond its own time [s]
+             * @default 0.25
+             */
+            timeout_s?: number;
         };
         /**
          * LinkCounts
@@ -2690,7 +3024,7 @@ export interface components {
              * Model
              * @description null for a module that stepscope has no driver for
              */
-            model: ("tmc428" | "tmc4210" | "pd42-1241") | null;
+            model: ("tmc428" | "tmc4210" | "tmc4361" | "pd42-1241") | null;
             /**
              * Module
              * @description the number that the module calls itself by, e.g. 1241
@@ -2956,16 +3290,100 @@ export interface components {
             warnings: string[];
         };
         /**
+         * RampUnits
+         * @description What the registers of a TMC4361 get: whole numbers, and what they really are.
+         */
+        RampUnits: {
+            /**
+             * Velocity
+             * @description VMAX (VSTART, VSTOP, VBREAK); null where the register cannot hold it
+             */
+            velocity: number | null;
+            /**
+             * Velocity Pps
+             * @description that, back in pps
+             */
+            velocity_pps: number | null;
+            /**
+             * Acceleration
+             * @description AMAX, DMAX, ASTART, DFINAL, DSTOP
+             */
+            acceleration: number | null;
+            /**
+             * Acceleration Pps2
+             * @description that, back in pps^2
+             */
+            acceleration_pps2: number | null;
+            /**
+             * Bow
+             * @description BOW1 to BOW4
+             */
+            bow: number | null;
+            /**
+             * Bow Pps3
+             * @description that, back in pps^3
+             */
+            bow_pps3: number | null;
+            /**
+             * Limits
+             * @description which limit each number that is null, or better kept away from, is beyond
+             */
+            limits: string[];
+        };
+        /**
+         * Recording
+         * @description Columns of one length. `time_s` counts from the step, or from the beginning of the load.
+         */
+        Recording: {
+            /** Time S */
+            time_s: number[];
+            /**
+             * Target
+             * @description XTARGET [microsteps]
+             */
+            target: (number | null)[];
+            /**
+             * Commanded
+             * @description XACTUAL [microsteps]
+             */
+            commanded: (number | null)[];
+            /**
+             * Encoder
+             * @description ENC_POS [microsteps]
+             */
+            encoder: (number | null)[];
+            /**
+             * Deviation
+             * @description encoder - commanded [microsteps]
+             */
+            deviation: (number | null)[];
+            /** Velocity Pps */
+            velocity_pps: (number | null)[];
+            /** Encoder Velocity Pps */
+            encoder_velocity_pps: (number | null)[];
+            /**
+             * Load Angle Deg
+             * @description electrical
+             */
+            load_angle_deg: (number | null)[];
+            /**
+             * Load Torque Nm
+             * @description as it was applied; null where nobody knows it
+             */
+            load_torque_nm: (number | null)[];
+        };
+        /**
          * ReferenceSearchStart
          * @description Chips search `switch` at `velocity`. A PD42-1241 searches by itself, in one of its modes and at two speeds.
          */
         ReferenceSearchStart: {
             /**
              * Switch
+             * @description "home" is what a TMC4361 calls it (HOME_REF)
              * @default reference
              * @enum {string}
              */
-            switch?: "left" | "right" | "reference";
+            switch?: "left" | "right" | "reference" | "home";
             /**
              * Velocity
              * @description search speed [pps]; default a quarter of v_max
@@ -3160,6 +3578,18 @@ export interface components {
             values: {
                 [key: string]: string;
             };
+            /**
+             * When
+             * @description of a second name of the same word: when it holds
+             * @default
+             */
+            when: string;
+            /**
+             * Behaviour
+             * @description readable and writable, but not acted on by the emulator, and why; empty: acted on
+             * @default
+             */
+            behaviour: string;
             /** Fields */
             fields: components["schemas"]["FieldRow"][];
         };
@@ -3212,6 +3642,30 @@ export interface components {
             /** Note */
             note: string;
         };
+        /**
+         * ResponseState
+         * @description A step response or a disturbance: the one that runs, or the latest one.
+         */
+        ResponseState: {
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "idle" | "running" | "done" | "failed" | "aborted";
+            /** Phase */
+            phase: string;
+            /** Progress */
+            progress: number;
+            /** Message */
+            message: string;
+            /**
+             * Started At S
+             * @description device time of the step or the load [s]
+             */
+            started_at_s: number | null;
+            recording: components["schemas"]["Recording"] | null;
+            score: components["schemas"]["Score"] | null;
+        };
         /** Rotate */
         Rotate: {
             /** Velocity */
@@ -3238,6 +3692,54 @@ export interface components {
             velocity_pps: number;
             /** Warnings */
             warnings: string[];
+        };
+        /**
+         * Score
+         * @description How well the encoder did. Distances in microsteps, times in seconds from the step or the load.
+         */
+        Score: {
+            /**
+             * Overshoot
+             * @description farthest beyond the target; after a load: on the rebound
+             */
+            overshoot: number;
+            /**
+             * Overshoot Ratio
+             * @description of the distance; null for a load
+             */
+            overshoot_ratio: number | null;
+            /**
+             * Arrival S
+             * @description when the command was there; null for a load, or where it never was
+             */
+            arrival_s: number | null;
+            /**
+             * Settling S
+             * @description from when on the encoder stays within `band`; null where it does not
+             */
+            settling_s: number | null;
+            /**
+             * Rms
+             * @description of the deviation from the step or the load on
+             */
+            rms: number;
+            /**
+             * Peak
+             * @description largest |deviation|
+             */
+            peak: number;
+            /**
+             * Iae
+             * @description integral of |deviation| over time [microsteps s]
+             */
+            iae: number;
+            /**
+             * Final Error
+             * @description encoder - target at the end
+             */
+            final_error: number;
+            /** Band */
+            band: number;
         };
         /** SearchState */
         SearchState: {
@@ -3298,6 +3800,39 @@ export interface components {
             cycles: number;
             /** Message */
             message: string;
+        };
+        /**
+         * SpidevLink
+         * @description A chip at an SPI bus of the server's machine, through Linux's spidev (the extra "spidev").
+         */
+        SpidevLink: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "spidev";
+            /**
+             * Bus
+             * @description B of /dev/spidevB.D
+             */
+            bus: number;
+            /**
+             * Device
+             * @description D: the chip select
+             */
+            device: number;
+            /**
+             * Speed Hz
+             * @description SPI clock [Hz]; a quarter of the chip's clock is safe
+             * @default 1000000
+             */
+            speed_hz?: number;
+            /**
+             * Mode
+             * @description SPI mode
+             * @default 3
+             */
+            mode?: number;
         };
         /**
          * StageOptions
@@ -3411,6 +3946,48 @@ export interface components {
             /** Pulse Clocks */
             pulse_clocks: number;
         };
+        /**
+         * StepResponseStart
+         * @description Go by `distance` and record. "ramp" goes as the axis is set, "step" lets the command jump (hold mode at VMAX),
+         *     which an axis without closed loop follows only as far as its motor can.
+         */
+        StepResponseStart: {
+            /**
+             * Seconds
+             * @description length of the recording after the step or the load [s]
+             * @default 1
+             */
+            seconds?: number;
+            /**
+             * Before S
+             * @description length of the recording before it [s]
+             * @default 0.05
+             */
+            before_s?: number;
+            /**
+             * Rate Hz
+             * @description samples a second; less where the link carries no more
+             * @default 1000
+             */
+            rate_hz?: number;
+            /**
+             * Band
+             * @description how near the encoder has to stay to count as settled [microsteps]
+             * @default 50
+             */
+            band?: number;
+            /**
+             * Distance
+             * @description [microsteps], not 0
+             */
+            distance: number;
+            /**
+             * Shape
+             * @default ramp
+             * @enum {string}
+             */
+            shape?: "ramp" | "step";
+        };
         /** Stop */
         Stop: {
             /**
@@ -3472,7 +4049,7 @@ export interface components {
         };
         /**
          * TcpLink
-         * @description A chip behind a TCP socket: raw 4-byte frames both ways, as `stepscope emulate` serves them.
+         * @description A chip behind a TCP socket: raw frames both ways (TMC4361: 5 bytes, else 4), as by `stepscope emulate`.
          */
         TcpLink: {
             /**
@@ -3624,6 +4201,7 @@ export interface components {
          *
          *     The chips' units hang on `pulse_div` and `ramp_div`, which they need. A PD42-1241 has none: its unit "chip" is that
          *     of the TMC5160 inside, in which it counts where axis parameter 255 is 0; otherwise it counts in pps and pps2.
+         *     A TMC4361 counts in pps, pps2 and pps3 with a fixed point: its "chip" is the register's whole number.
          */
         Units: {
             /**
@@ -3631,7 +4209,7 @@ export interface components {
              * @default tmc428
              * @enum {string}
              */
-            model?: "tmc428" | "tmc4210" | "pd42-1241";
+            model?: "tmc428" | "tmc4210" | "tmc4361" | "pd42-1241";
             /**
              * Pulse Div
              * @description TMC428, TMC4210: needed there
@@ -3661,6 +4239,20 @@ export interface components {
             acceleration?: components["schemas"]["Quantity"] | null;
             /** @description unit: microsteps, fullsteps, rev, deg, rad, mm */
             position?: components["schemas"]["Quantity"] | null;
+            /** @description TMC4361; unit: chip, pps3, fullsteps_per_s3, rps3, rpm_per_s2, rad_per_s3, mm_per_s3 */
+            bow?: components["schemas"]["Quantity"] | null;
+            /**
+             * Direct Acceleration
+             * @description TMC4361: GENERAL_CONF.direct_acc_val_en
+             * @default false
+             */
+            direct_acceleration?: boolean;
+            /**
+             * Direct Bow
+             * @description TMC4361: GENERAL_CONF.direct_bow_val_en
+             * @default false
+             */
+            direct_bow?: boolean;
         };
         /**
          * UnitsResult
@@ -3688,6 +4280,12 @@ export interface components {
             acceleration_time_s: number | null;
             /** @description null for chips */
             module: components["schemas"]["ModuleUnits"] | null;
+            /** Bow */
+            bow: {
+                [key: string]: number | null;
+            } | null;
+            /** @description TMC4361 alone */
+            ramp: components["schemas"]["RampUnits"] | null;
         };
         /** Switches */
         app__api__schemas_axes__Switches: {
@@ -3920,6 +4518,28 @@ export interface components {
             unit: string;
         };
         /**
+         * TelemetryEvent
+         * @description The chip has seen something happen (EVENTS): what is also in the timeline of its axis.
+         */
+        TelemetryEvent: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "event";
+            /** Axis */
+            axis: number;
+            /** Seq */
+            seq: number;
+            /**
+             * Time S
+             * @description device time [s]
+             */
+            time_s: number;
+            /** Names */
+            names: string[];
+        };
+        /**
          * TelemetryGap
          * @description Samples are missing from here on, until the next ones come. A row of NaN stands at the place.
          */
@@ -4073,7 +4693,7 @@ export interface components {
          * TelemetryMessage
          * @description Any text message of the socket.
          */
-        TelemetryMessage: components["schemas"]["TelemetryStart"] | components["schemas"]["TelemetryStatus"] | components["schemas"]["TelemetryGap"] | components["schemas"]["TelemetryMove"] | components["schemas"]["TelemetryStopped"] | components["schemas"]["TelemetryProblem"];
+        TelemetryMessage: components["schemas"]["TelemetryStart"] | components["schemas"]["TelemetryStatus"] | components["schemas"]["TelemetryGap"] | components["schemas"]["TelemetryMove"] | components["schemas"]["TelemetryStopped"] | components["schemas"]["TelemetryEvent"] | components["schemas"]["TelemetryProblem"];
     };
     responses: never;
     parameters: never;
@@ -5309,6 +5929,72 @@ export interface operations {
             };
         };
     };
+    list_events: {
+        parameters: {
+            query?: {
+                /** @description the highest `seq` that is known already */
+                after?: number;
+                /** @description how many at the most */
+                limit?: number;
+            };
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["AxisEvents"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     stop_everything: {
         parameters: {
             query?: never;
@@ -6241,6 +6927,567 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["ShuttleState"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_calibration: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CalibrationState"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    start_calibration: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["CalibrationStart"] | null;
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CalibrationState"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    abort_calibration: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CalibrationState"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_step_response: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ResponseState"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    start_step_response: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["StepResponseStart"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ResponseState"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    abort_step_response: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ResponseState"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_disturbance: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ResponseState"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    start_disturbance: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["DisturbanceStart"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ResponseState"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    abort_disturbance: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ResponseState"];
                 };
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */

@@ -1,0 +1,195 @@
+"""Calibration of a closed loop: the chip learns how the encoder stands to the field.
+
+As Trinamic's firmware does it: stop, regulation off, in hold mode to the middle of a full step, where the
+rotor stands as the field does; there the chip takes the offset into CL_OFFSET (ENC_IN_CONF.cl_calibration_en),
+and regulation goes on. Full current meanwhile: closed loop scaling is off.
+
+Before that the encoder is looked at, which the firmware does not: one that counts the other way, or not at all, makes
+a closed loop run away, and with regulation off it can be seen by a single full step.
+"""
+
+from __future__ import annotations
+
+from app.clock import Clock
+from app.devices.device import Device
+from app.devices.results import RegisterReading
+from app.links.errors import OutOfRange, WrongState
+from app.tuning.closed_loop_state import REGULATIONS, CalibrationState, Regulation, State
+from app.tuning.procedure import POLL_S, Failed, Procedure
+
+PHASES = ("prepare", "regulation off", "look at the encoder", "to a full step", "take the offset", "switch on")
+FULL_STEP = 256
+"""Microsteps of a full step: closed loop needs MSTEP_PER_FS = 0."""
+MIDDLE = 128
+"""MSCNT modulo a full step where both coils have the same current: a full step position."""
+TRIES = 8
+REACH_S = 5.0
+"""How long a way of some full steps may take at the most, device time [s]."""
+HOLD_POSITIONING = 4
+"""RAMPMODE: positioning in steps of velocity."""
+VELOCITIES_PPS = (1.0, 1e6)
+SETTLE_S = (0.01, 10.0)
+
+
+class Calibration(Procedure):
+    """Calibrates `axis` of a TMC4361; at the end the axis stands on a full step with closed loop on, if wanted."""
+
+    kind = "closed-loop calibration"
+
+    def __init__(
+        self,
+        device: Device,
+        axis: int,
+        clock: Clock,
+        velocity_pps: float = 10_000.0,
+        settle_s: float = 0.1,
+        *,
+        switch_on: bool = True,
+    ) -> None:
+        super().__init__(device, axis, clock)
+        for name, value, (low, high) in (
+            ("velocity_pps", velocity_pps, VELOCITIES_PPS),
+            ("settle_s", settle_s, SETTLE_S),
+        ):
+            if not low <= value <= high:
+                raise OutOfRange(name, value, low, high)
+        self._velocity_pps = velocity_pps
+        self._settle_s = settle_s
+        self._switch_on = switch_on
+        self._how: State = "running"
+        self._phase = PHASES[0]
+        self._offset: int | None = None
+        self._offset_before: int | None = None
+        self._regulation: Regulation | None = None
+        self._borrowed: dict[str, int] = {}
+        """Registers and fields as they were before."""
+        self._disturbed = False
+        """Whether the regulation is not what it was."""
+
+    @property
+    def state(self) -> CalibrationState:
+        progress = 1.0 if self._how == "done" else PHASES.index(self._phase) / len(PHASES)
+        return CalibrationState(
+            self._how, self._phase, progress, self._offset, self._offset_before, self._regulation, self.message
+        )
+
+    def _over(self, how: str) -> None:
+        self._how = "done" if how == "done" else "failed" if how == "failed" else "aborted"
+
+    async def _run(self) -> None:
+        await self._prepare()
+        self._phase = PHASES[1]
+        self._disturbed = True
+        await self._regulate(0)
+        await self._hold_mode()
+        self._phase = PHASES[2]
+        await self._look_at_encoder()
+        self._phase = PHASES[3]
+        await self._to_full_step()
+        self._phase = PHASES[4]
+        await self._take_offset()
+        self._phase = PHASES[5]
+        if self._switch_on:
+            await self._regulate(1)
+            await self._pass(self._settle_s)
+            state = await self.device.axis_state(self.axis)
+            if state.deviation is not None and abs(state.deviation) > FULL_STEP:
+                await self._regulate(0)
+                raise Failed(
+                    f"with closed loop on the encoder stands {state.deviation:.0f} microsteps beside: it is off again"
+                )
+        self._disturbed = False
+        self.message = f"CL_OFFSET {self._offset}"
+
+    async def _prepare(self) -> None:
+        step = (await self._read("STEP_CONF")).fields
+        if step["mstep_per_fs"] != 0:
+            raise WrongState(
+                "closed loop needs 256 microsteps per full step", "write STEP_CONF.mstep_per_fs 0, then calibrate again"
+            )
+        await self.device.stop(self.axis)
+        await self._wait_for_rest()
+        self._offset_before = (await self._read("CL_OFFSET")).value
+        self._borrowed["closed_loop_scale_en"] = (await self._read("CURRENT_CONF")).fields["closed_loop_scale_en"]
+        if self._borrowed["closed_loop_scale_en"]:
+            await self.device.write("CURRENT_CONF", self.axis, fields={"closed_loop_scale_en": 0})
+
+    async def _hold_mode(self) -> None:
+        """Hold mode at the calibration's speed. The motor rests, and its target is where it is: nothing moves."""
+        device = self.device
+        self._borrowed["RAMPMODE"] = (await self._read("RAMPMODE")).raw
+        await device.write("XTARGET", self.axis, value=(await self._read("XACTUAL")).value)
+        await device.write("RAMPMODE", self.axis, value=HOLD_POSITIONING)
+        await device.write("VMAX", self.axis, value=round(self._velocity_pps * 256))
+
+    async def _look_at_encoder(self) -> None:
+        before = (await self._read("ENC_POS")).value
+        await self._go(FULL_STEP)
+        await self._pass(self._settle_s)
+        turned = (await self._read("ENC_POS")).value - before
+        await self._go(-FULL_STEP)
+        await self._pass(self._settle_s)
+        if turned < -FULL_STEP // 2:
+            raise Failed(f"the encoder counts the other way ({turned} microsteps): set ENC_IN_CONF.invert_enc_dir")
+        if not FULL_STEP // 2 < turned < 2 * FULL_STEP:
+            raise Failed(
+                f"the encoder went {turned} microsteps while the motor went {FULL_STEP}: is it connected, is "
+                "ENC_IN_RES the counts of a turn, and is the current on?"
+            )
+
+    async def _to_full_step(self) -> None:
+        for _ in range(TRIES):
+            away = MIDDLE - (await self._read("MSCNT")).value % FULL_STEP
+            if away == 0:
+                return
+            await self._go(away)
+        raise Failed(f"MSCNT does not come to a full step in {TRIES} moves")
+
+    async def _take_offset(self) -> None:
+        await self._pass(self._settle_s)  # the rotor swings for a while after the last step
+        await self.device.write("ENC_IN_CONF", self.axis, fields={"cl_calibration_en": 1})
+        await self._pass(self._settle_s)
+        self._offset = (await self._read("CL_OFFSET")).value
+        await self.device.write("ENC_IN_CONF", self.axis, fields={"cl_calibration_en": 0})
+
+    async def _regulate(self, modus: int) -> None:
+        fields: dict[str, int | str] = {"regulation_modus": modus, "cl_calibration_en": 0}
+        written = await self.device.write("ENC_IN_CONF", self.axis, fields=fields)
+        self._regulation = REGULATIONS[written.fields["regulation_modus"]]
+
+    async def _go(self, distance: int) -> None:
+        target = (await self._read("XACTUAL")).value + distance
+        await self.device.write("XTARGET", self.axis, value=target)
+        deadline_s = self.device.device_time_s() + REACH_S
+        while (await self._read("XACTUAL")).value != target:
+            if self.device.device_time_s() > deadline_s:
+                raise Failed(f"the motor did not get {distance} microsteps further within {REACH_S:g} s")
+            await self.clock.sleep(POLL_S)
+
+    async def _wait_for_rest(self) -> None:
+        deadline_s = self.device.device_time_s() + REACH_S
+        while (await self.device.axis_state(self.axis)).moving:
+            if self.device.device_time_s() > deadline_s:
+                raise Failed(f"the motor did not come to rest within {REACH_S:g} s")
+            await self.clock.sleep(POLL_S)
+
+    async def _pass(self, seconds: float) -> None:
+        """Return when so much device time has passed."""
+        until_s = self.device.device_time_s() + seconds
+        while self.device.device_time_s() < until_s:
+            await self.clock.sleep(POLL_S)
+
+    async def _read(self, name: str) -> RegisterReading:
+        return await self.device.read(name, self.axis)
+
+    async def _give_back(self) -> None:
+        if self._disturbed:  # half a calibration is none
+            await self._regulate(0)
+        scaled = self._borrowed.pop("closed_loop_scale_en", 0)
+        if scaled:
+            await self.device.write("CURRENT_CONF", self.axis, fields={"closed_loop_scale_en": scaled})
+        mode = self._borrowed.pop("RAMPMODE", None)
+        if mode is not None and not self._taken_over:
+            # A hold mode must not be what the next move finds; standing in velocity mode nothing moves.
+            await self.device.stop(self.axis)
+            await self.device.write("RAMPMODE", self.axis, value=mode)
