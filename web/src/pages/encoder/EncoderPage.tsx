@@ -27,7 +27,8 @@ import type { Curve } from "./Polar";
 import { SlowTurn } from "./SlowTurn";
 import { channelsFor, ENCODERS, encodersOf, useAngleMaps, type Which } from "./useEncoder";
 
-const RATE_HZ = 200;
+/** Odd on purpose: at a round rate and a round speed every turn would be sampled at the same few angles. */
+const RATE_HZ = 193.2;
 const KEEP_S = 120;
 
 /** What the encoder says of the shaft, against what the motor was told. */
