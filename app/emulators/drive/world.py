@@ -191,6 +191,11 @@ class World:
         """A full step of the rotor [rad]."""
         return math.pi / 2 / self._options.motor.rotor_teeth
 
+    def refit(self, options: DriveOptions) -> None:
+        """Another motor or load from now on; what was set here stays."""
+        self._options = options
+        self.push()
+
     def push(self) -> None:
         """Hand everything to the kernel."""
         f, numbers, motor, load = self._f, self.numbers, self._options.motor, self._options.load

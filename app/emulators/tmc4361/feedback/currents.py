@@ -195,8 +195,8 @@ def energise(fb: Floats, n: Cells, velocity_pps: float, ramp_state: int, clocks:
     else:
         _ramp_scale(n, speed, ramp_state, clocks)
     at = n[PHASE]
-    n[FS_ACTIVE] = not closed and bit(n[GENERAL_CONF], FS_EN) and n[VMIN_EMF] & 0xFFFFFF > 0 and speed >= (
-        n[VMIN_EMF] & 0xFFFFFF
+    n[FS_ACTIVE] = (
+        not closed and bit(n[GENERAL_CONF], FS_EN) and n[VMIN_EMF] & 0xFFFFFF > 0 and speed >= (n[VMIN_EMF] & 0xFFFFFF)
     )
     if n[FS_ACTIVE]:
         at = (at & ~0xFF) + 128

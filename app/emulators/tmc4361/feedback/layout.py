@@ -2,7 +2,7 @@
 
 `fb[0:k.REALS]` are the float cells of the drive's motor (app/emulators/drive/kernel.py, `k` here and below), so its
 physics works on this array as it is. The cells below follow. From `INTEGERS_AT` on the same memory holds int64 cells:
-`cells(fb)` is that view, `n` in all the code here. It begins with the drive's int64 cells, so `n` and `fb` are what the
+`n` in all the code here is that view. It begins with the drive's int64 cells, so `n` and `fb` are what the
 drive calls `s` and `f`.
 
 Register words are kept raw, by address, at `n[WORD + address]`, as they were written last.
@@ -50,7 +50,7 @@ SCALE, SCALE_CLOCKS, STILL, RUNNING, FREE, FS_ACTIVE = range(_I + 18, _I + 24)
 steps instead of microsteps."""
 CURRENT_A, CURRENT_B, CURRENT_A_SPI, CURRENT_B_SPI = range(_I + 24, _I + 28)
 COUNTS, NUM, DEN, BASE, BASE_COUNTS = range(_I + 28, _I + 33)
-"""Counter of the encoder unit; microsteps a count as a fraction (sign: direction); position, and the count it was at."""
+"""Counter of the encoder unit; microsteps a count as a fraction (sign: direction); position, and the count there."""
 N_LEVEL, LATCH, LATCH_FLAG, V_ENC, MEAN_Q16, V_AT, V_COUNTS, MEAN_AT, MOVED_AT, VEL0 = range(_I + 33, _I + 43)
 """N condition met; ENC_LATCH and whether it waits to be read; V_ENC [pps], V_ENC_MEAN [1/65536 pps]; clocks and count
 of their last updates; clock of the last count; the encoder stands."""
@@ -77,18 +77,12 @@ CURRENT_CONF, SCALE_VALUES, ENC_IN_CONF, ENC_IN_DATA, STEP_CONF = (WORD + a for 
 STDBY_DELAY, FREEWHEEL_DELAY, VDRV_SCALE_LIMIT, UP_SCALE_DELAY = (WORD + a for a in (0x15, 0x16, 0x17, 0x18))
 DOWN_SCALE_DELAY, DRV_SCALE_DELAY, BOOST_TIME, CL_ANGLES = (WORD + a for a in (0x19, 0x1A, 0x1B, 0x1C))
 PWM_FREQ, FREEZE, ENC_RESET_VAL, CL_TR_TOLERANCE, ENC_POS_DEV_TOL = (WORD + a for a in (0x1F, 0x4E, 0x51, 0x52, 0x53))
-SER_CLK, SSI_DELAY, SER_PTIME = WORD + 0x56, WORD + 0x57, WORD + 0x58
+ENC_IN_RES, SER_CLK, SSI_DELAY, SER_PTIME = WORD + 0x54, WORD + 0x56, WORD + 0x57, WORD + 0x58
 GAIN_P, GAIN_I, GAIN_D, I_CLIP_D_DIV, DV_CLIP, TOLERANCE = (WORD + a for a in (0x5A, 0x5B, 0x5C, 0x5D, 0x5E, 0x5F))
 """PID_P, PID_I, PID_D (CL_DELTA_P), their clips, PID_TOLERANCE (CL_TOLERANCE)."""
 VMIN_EMF, VADD_EMF, ENC_VEL_ZERO, ENC_VMEAN = WORD + 0x60, WORD + 0x61, WORD + 0x62, WORD + 0x63
 """VMIN_EMF is FS_VEL without closed loop; ENC_VMEAN is SER_ENC_VARIATION and CL_CYCLE with a serial encoder."""
 MS_OFFSET, ENC_COMP, START_SIN = WORD + 0x79, WORD + 0x7D, WORD + 0x7E
-
-
-@inlined
-def cells(fb: Floats) -> Cells:
-    """The int64 cells of `fb`."""
-    return fb[INTEGERS_AT:].view(np.int64)
 
 
 @inlined

@@ -1,0 +1,396 @@
+"""The encoder unit: from the shaft's angle to ENC_POS, N events, V_ENC and V_ENC_MEAN.
+
+Facts: tmc4361-encoder-closed-loop, sections 1..4 and 7. What they leave open is read like this:
+
+- ENC_CONST is rounded to its last bit; ENC_POS is the product of all counts and the constant, floored;
+- the N channel's pulse is one line long, from count 0 to count 3 of a turn, so polarities of A and B choose one count;
+  a level (sensitivity 0) latches and clears with every count as long as it is met; pol_n says which level is active;
+- an active N channel is an N event while clr_latch_cont_on_n or clr_latch_once_on_n is set: clear_on_n,
+  latch_enc_on_n and latch_x_on_n act on it, and so does home_event 0;
+- pulses of A and B that the input filter cannot see (level shorter than its FILT_L + 1 samples) are not counted;
+- V_ENC counts between updates and takes the time between the counts; while no count comes it falls with the time gone
+  by. With no_enc_vel_preproc it is counts over ENC_VMEAN_INT;
+- a serial encoder is asked every SER_PTIME or as often as its answer takes; V_ENC and V_ENC_MEAN follow its answers;
+- left_aligned_data: the position comes before the status bits, else after them;
+- SER_ENC_VARIATION 0 allows any difference; an answer beyond the limit is dropped and sets STATUS 17.
+"""
+
+# mypy: disable-error-code="no-any-return"
+
+from __future__ import annotations
+
+import math
+
+from app.emulators.drive import kernel as k
+from app.emulators.tmc4361.compiled import compiled, inlined
+from app.emulators.tmc4361.feedback.layout import (
+    ABN,
+    ANSWERED,
+    ASKED_AT,
+    BASE,
+    BASE_COUNTS,
+    CLK_FREQ,
+    COUNTS,
+    DATA_DONE,
+    DEN,
+    EDGE_AT,
+    ENC_COMP,
+    ENC_FLAGS,
+    ENC_IN_CONF,
+    ENC_IN_DATA,
+    ENC_IN_RES,
+    ENC_POS,
+    ENC_RESET_VAL,
+    ENC_VEL_ZERO,
+    ENC_VMEAN,
+    FAILED,
+    GENERAL_CONF,
+    GLITCH,
+    GRAY,
+    INPUT_FILT_CONF,
+    KIND,
+    LAST_EDGE,
+    LATCH,
+    LATCH_FLAG,
+    MEAN_AT,
+    MEAN_Q16,
+    MOVED_AT,
+    MULTI_BITS,
+    N_LEVEL,
+    NOW,
+    NUM,
+    PER_TURN,
+    PERIOD,
+    PLACE,
+    REQUEST_AT,
+    SER_CLK,
+    SER_PTIME,
+    SINGLE,
+    SINGLE_BITS,
+    SSI,
+    SSI_DELAY,
+    STATUS_BITS,
+    STATUS_WORD,
+    TURN,
+    TURNS,
+    V_AT,
+    V_COUNTS,
+    V_ENC,
+    VEL0,
+    Cells,
+    Floats,
+    bit,
+    wrap32,
+)
+from app.emulators.tmc4361.layout import FB_ENC_DONE, FB_LATCH_X, FB_N_EVENT, FB_SER_DONE, FB_SER_FAIL
+
+CLEAR_ON_N, CONTINUOUSLY, ONCE, POL_N, POL_A, POL_B, IGNORE_AB, LATCH_ENC, LATCH_X = 1, 2, 3, 4, 7, 8, 9, 10, 11
+MULTI_IN, MULTI_SIGNED, CALC_MULTI, MULTI_CYCLE, GRAY_EN, LEFT_ALIGNED, PREPROC_OR_LIMIT = 12, 13, 16, 17, 18, 19, 31
+"""Bits of ENC_IN_CONF."""
+CIRCULAR_ENC = 31
+"""Bit of REFERENCE_CONF; `PERIOD` says the same."""
+SSI_REPEAT_CLOCKS = 21e-6
+"""An SSI encoder's monoflop needs that long between two values [s]."""
+
+
+@compiled
+def true_place(fb: Floats) -> float:
+    """Where the encoder on the shaft really is [counts], not cut and not wrapped."""
+    if fb[k.E1] == 0.0 and fb[k.E2] == 0.0:
+        return (fb[k.THETA] + fb[k.SLIP_I] - fb[k.ZERO]) * fb[k.SCALE_I]
+    return k.internal_angle(fb) * fb[k.SCALE_I]
+
+
+@compiled
+def compensation(fb: Floats, n: Cells, position: int) -> int:
+    """What ENC_COMP adds at an encoder position: a triangle with one period a revolution (facts, section 4)."""
+    word = n[ENC_COMP]
+    if word == 0 or fb[TURN] <= 0.0:
+        return 0
+    turn = fb[TURN]
+    behind = position - (word & 0xFFFF) * turn / 65536.0
+    behind -= math.floor(behind / turn) * turn
+    half = turn / 2.0
+    share = behind / half if behind <= half else 2.0 - behind / half
+    lowest = ((word >> 16) + 128 & 0xFF) - 128
+    return math.floor(lowest + (word >> 24 & 0xFF) * share + 0.5)
+
+
+@compiled
+def position_at(fb: Floats, n: Cells, counts: int) -> int:
+    """ENC_POS at a count: scaled, compensated, wrapped to 32 bits or to the circular range."""
+    position = n[BASE] + (counts - n[BASE_COUNTS]) * n[NUM] // n[DEN]
+    position += compensation(fb, n, position)
+    period = fb[PERIOD]
+    if period > 0.0:
+        return position - math.floor(math.floor((position + period / 2.0) / period) * period + 0.5)
+    return wrap32(position)
+
+
+@inlined
+def _n_condition(n: Cells, counts: int) -> bool:
+    """Whether N, A and B are as pol_n, pol_a_for_n and pol_b_for_n ask."""
+    conf = n[ENC_IN_CONF]
+    if (counts % n[PER_TURN] < 4) != bit(conf, POL_N):
+        return False
+    if bit(conf, IGNORE_AB):
+        return True
+    state = counts & 3  # forward, A rises first: 00, A, AB, B
+    return bit(conf, POL_A) == (state == 1 or state == 2) and bit(conf, POL_B) == (state >= 2)
+
+
+@inlined
+def _n_event(fb: Floats, n: Cells, counts: int) -> int:
+    """Latch and clear, as armed."""
+    conf = n[ENC_IN_CONF]
+    if not bit(conf, CONTINUOUSLY) and not bit(conf, ONCE):
+        return 0
+    word = FB_N_EVENT
+    if bit(conf, LATCH_ENC):
+        n[LATCH] = position_at(fb, n, counts)
+        n[LATCH_FLAG] = 1
+        word |= FB_ENC_DONE
+    if bit(conf, LATCH_X):
+        word |= FB_LATCH_X
+    if bit(conf, CLEAR_ON_N):
+        n[BASE] = wrap32(n[ENC_RESET_VAL])
+        n[BASE_COUNTS] = counts
+    n[ENC_IN_CONF] = conf & ~(1 << ONCE)
+    return word
+
+
+@compiled
+def pass_counts(fb: Floats, n: Cells, old: int, new: int) -> int:
+    """What the N channel makes of the counts between two ticks."""
+    conf = n[ENC_IN_CONF]
+    per_turn = n[PER_TURN]
+    way = 1 if new > old else -1
+    low = min(old, new)
+    if bit(conf, POL_N) and low % per_turn >= 4 and low % per_turn + abs(new - old) < per_turn:
+        n[N_LEVEL] = 0  # far from the pulse
+        return 0
+    sensitivity = conf >> 5 & 3
+    word = 0
+    at = old
+    if abs(new - old) > 2 * per_turn:  # turned by hand: the last two turns tell everything
+        at = new - way * 2 * per_turn
+    while at != new:
+        at += way
+        met = _n_condition(n, at)
+        was = n[N_LEVEL] != 0
+        n[N_LEVEL] = met
+        if sensitivity == 0:
+            happens = met
+        else:
+            happens = (met and not was and sensitivity != 2) or (was and not met and sensitivity != 1)
+        if happens:
+            word |= _n_event(fb, n, at)
+    return word
+
+
+@inlined
+def _filtered_out(n: Cells, delta: int, clocks: int) -> bool:
+    """Whether A and B change too fast for INPUT_FILT_CONF: each holds a level for two counts."""
+    filtering = n[INPUT_FILT_CONF]
+    needed = ((filtering >> 4 & 7) + 1) << (filtering & 7)
+    return needed > 1 and abs(delta) * needed > 2 * clocks
+
+
+@compiled
+def _incremental(fb: Floats, n: Cells, clocks: int) -> int:
+    """A tick of an ABN encoder."""
+    place = fb[PLACE] if n[k.REST] else true_place(fb)
+    counts = math.floor(place + 0.5)
+    delta = counts - n[COUNTS]
+    word = 0
+    if delta != 0:
+        if n[KIND] != ABN or _filtered_out(n, delta, clocks):
+            n[BASE_COUNTS] += delta
+            n[V_COUNTS] += delta
+        else:
+            word = pass_counts(fb, n, n[COUNTS], counts)
+            # when it counted last, by how far the shaft has gone on since
+            border = counts - 0.5 if delta > 0 else counts + 0.5
+            since = (place - border) / (place - fb[PLACE]) if place != fb[PLACE] else 0.0
+            fb[EDGE_AT] = n[NOW] - min(max(since, 0.0), 1.0) * clocks
+            n[MOVED_AT] = n[NOW]
+            n[VEL0] = 0
+        n[COUNTS] = counts
+        fb[ENC_POS] = position_at(fb, n, counts)
+    fb[PLACE] = place
+    _speed(fb, n)
+    return word
+
+
+@inlined
+def _speed(fb: Floats, n: Cells) -> None:
+    """V_ENC every ENC_VMEAN_INT, V_ENC_MEAN every ENC_VMEAN_WAIT, both zero after ENC_VEL_ZERO without a count."""
+    if n[VEL0]:
+        n[V_AT] = n[MEAN_AT] = n[NOW]
+        return
+    now = n[NOW]
+    word = n[ENC_VMEAN]
+    interval = max(word >> 16 & 0xFFFF, 256)
+    gone = now - n[V_AT]
+    if gone >= interval:
+        counted = n[COUNTS] - n[V_COUNTS]
+        scale = n[NUM] / n[DEN] * fb[CLK_FREQ]
+        if bit(n[ENC_IN_CONF], PREPROC_OR_LIMIT):
+            n[V_ENC] = math.floor(counted * scale / gone + 0.5)
+        elif counted != 0:
+            lasted = fb[EDGE_AT] - fb[LAST_EDGE]
+            n[V_ENC] = math.floor(counted * scale / lasted + 0.5) if lasted > 0.0 else 0
+            fb[LAST_EDGE] = fb[EDGE_AT]
+        elif now - fb[LAST_EDGE] > 0.0:
+            most = math.floor(abs(scale) / (now - fb[LAST_EDGE]))
+            n[V_ENC] = min(max(n[V_ENC], -most), most)
+        n[V_COUNTS] = n[COUNTS]
+        n[V_AT] = now
+    wait = max(word & 0xFF, 32)
+    while now - n[MEAN_AT] >= wait:
+        n[MEAN_AT] += wait
+        _filter(n)
+    if now - n[MOVED_AT] >= n[ENC_VEL_ZERO] & 0xFFFFFF:
+        n[VEL0] = 1
+        n[V_ENC] = n[MEAN_Q16] = 0
+
+
+@inlined
+def _filter(n: Cells) -> None:
+    """One step of V_ENC_MEAN."""
+    n[MEAN_Q16] += (n[V_ENC] * 65536 - n[MEAN_Q16]) >> (n[ENC_VMEAN] >> 8 & 15)
+
+
+@inlined
+def _frame(n: Cells, turns: int, single: int) -> int:
+    """The bits that the encoder sends: turns, place in the turn, status, first bit highest."""
+    value = (turns & ((1 << n[MULTI_BITS]) - 1)) << n[SINGLE_BITS] | single
+    if n[GRAY]:
+        value ^= value >> 1
+    return value << n[STATUS_BITS] | n[STATUS_WORD]
+
+
+@inlined
+def _from_gray(value: int) -> int:
+    """Gray code to number."""
+    shift = 1
+    while shift < 64:
+        value ^= value >> shift
+        shift <<= 1
+    return value
+
+
+@compiled
+def _answer(fb: Floats, n: Cells) -> int:
+    """The bits that the chip clocks in, and what the encoder on the shaft sends then. A wrong kind sends zeros."""
+    if n[KIND] != n[GENERAL_CONF] >> 10 & 3:
+        return 0
+    data, conf = n[ENC_IN_DATA], n[ENC_IN_CONF]
+    wanted = (data & 31) + 1 + (data >> 10 & 3)
+    if bit(conf, MULTI_IN):
+        wanted += (data >> 5 & 31) + 1
+    counts = math.floor(true_place(fb) + 0.5)
+    turns = counts // n[PER_TURN]
+    frame = _frame(n, turns, counts - turns * n[PER_TURN])
+    spare = n[SINGLE_BITS] + n[MULTI_BITS] + n[STATUS_BITS] - wanted
+    frame = frame >> spare if spare >= 0 else frame << -spare
+    frame ^= n[GLITCH] & ((1 << wanted) - 1)
+    n[GLITCH] = 0
+    return frame
+
+
+@compiled
+def _ask(fb: Floats, n: Cells) -> int:
+    """One request of a serial encoder: ENC_POS and the velocities from its answer."""
+    conf, data = n[ENC_IN_CONF], n[ENC_IN_DATA]
+    flags_wide = data >> 10 & 3
+    single_wide = (data & 31) + 1
+    multi_wide = (data >> 5 & 31) + 1 if bit(conf, MULTI_IN) else 0
+    word = _answer(fb, n)
+    if bit(conf, MULTI_CYCLE) and n[GENERAL_CONF] >> 10 & 3 == SSI and word != _answer(fb, n):
+        n[FAILED] = 1
+        return FB_SER_FAIL
+    wide = single_wide + multi_wide
+    if bit(conf, LEFT_ALIGNED):
+        n[ENC_FLAGS] = word & ((1 << flags_wide) - 1)
+        value = word >> flags_wide
+    else:
+        n[ENC_FLAGS] = word >> wide & ((1 << flags_wide) - 1)
+        value = word & ((1 << wide) - 1)
+    if bit(conf, GRAY_EN):
+        value = _from_gray(value)
+    turn = 1 << single_wide
+    single = value & (turn - 1)
+    turns = value >> single_wide
+    if multi_wide and bit(conf, MULTI_SIGNED) and turns >> (multi_wide - 1):
+        turns -= 1 << multi_wide
+    moved = single - n[SINGLE]
+    moved -= (moved * 2 + turn) // (2 * turn) * turn  # the shorter way around
+    if multi_wide:
+        moved = turns * turn + single - n[COUNTS]
+    if not n[ANSWERED]:
+        moved = 0
+    limit = n[ENC_VMEAN] & 0xFF
+    if bit(conf, PREPROC_OR_LIMIT) and limit and abs(moved) * 2048 > limit * (n[ENC_IN_RES] & 0x7FFFFFFF):
+        n[FAILED] = 1
+        return FB_SER_FAIL
+    n[FAILED] = 0
+    if not multi_wide:
+        if bit(conf, CALC_MULTI) and n[ANSWERED]:
+            turns = (n[SINGLE] + n[TURNS] * turn + moved) // turn
+        else:
+            turns = n[TURNS] if bit(conf, CALC_MULTI) else 0
+    n[SINGLE], n[TURNS] = single, turns
+    n[COUNTS] = turns * turn + single
+    gone = n[NOW] - n[ASKED_AT]
+    if n[ANSWERED] and gone > 0:
+        n[V_ENC] = math.floor(moved * (n[NUM] / n[DEN]) * fb[CLK_FREQ] / gone + 0.5)
+        _filter(n)
+    n[ANSWERED] = 1
+    n[ASKED_AT] = n[NOW]
+    fb[ENC_POS] = position_at(fb, n, n[COUNTS])
+    if moved != 0:
+        n[MOVED_AT] = n[NOW]
+        n[VEL0] = 0
+    elif n[NOW] - n[MOVED_AT] >= n[ENC_VEL_ZERO] & 0xFFFFFF:
+        n[VEL0] = 1
+        n[V_ENC] = n[MEAN_Q16] = 0
+    return 0
+
+
+@inlined
+def _request_period(fb: Floats, n: Cells) -> int:
+    """Clocks from one request to the next: SER_PTIME, unless the answer takes longer."""
+    data, conf = n[ENC_IN_DATA], n[ENC_IN_CONF]
+    wide = (data & 31) + 1 + (data >> 10 & 3)
+    if bit(conf, MULTI_IN):
+        wide += (data >> 5 & 31) + 1
+    a_bit = (n[SER_CLK] & 0xFFFF) + (n[SER_CLK] >> 16 & 0xFFFF)
+    lasts = wide * a_bit
+    if n[GENERAL_CONF] >> 10 & 3 == SSI:
+        lasts += n[SSI_DELAY] & 0xFFFF
+        if bit(conf, MULTI_CYCLE):
+            lasts += lasts + (n[SSI_DELAY] >> 16 & 0xFFFF)
+        lasts += math.ceil(SSI_REPEAT_CLOCKS * fb[CLK_FREQ])
+    return max(n[SER_PTIME] & 0xFFFFF, lasts)
+
+
+@inlined
+def _serial(fb: Floats, n: Cells) -> int:
+    """A tick of an SSI or SPI encoder."""
+    word = 0
+    if n[NOW] >= n[REQUEST_AT]:
+        word = _ask(fb, n)
+        n[REQUEST_AT] = max(n[REQUEST_AT] + _request_period(fb, n), n[NOW])
+        if n[DATA_DONE]:
+            n[DATA_DONE] = 0
+            word |= FB_SER_DONE
+    return word
+
+
+@compiled
+def encode(fb: Floats, n: Cells, clocks: int) -> int:
+    """A tick of the encoder unit; answers the "now" bits of the feedback's word."""
+    if n[GENERAL_CONF] >> 10 & 3 == ABN:
+        return _incremental(fb, n, clocks)
+    return _serial(fb, n)

@@ -1,0 +1,226 @@
+"""The feedback unit's part of the clockwork: two functions, called every FEEDBACK_CLOCKS by the chip's kernel.
+
+What the ramp generator sends goes to the sequencer, from there as currents to the driver and the motor with its load;
+the encoder on its shaft comes back into ENC_POS and the regulation. Motor and driver are the drive's
+(app/emulators/drive), worked out every 128 clocks here.
+"""
+
+# mypy: disable-error-code="no-any-return"
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from app.emulators.drive import kernel as k
+from app.emulators.tmc4361.compiled import compiled, inlined
+from app.emulators.tmc4361.feedback.currents import FROZEN, LONGEST, MOVING, energise
+from app.emulators.tmc4361.feedback.encoder import encode
+from app.emulators.tmc4361.feedback.layout import (
+    ABN,
+    ASKED_AT,
+    CL_OFFSET,
+    CL_TR_TOLERANCE,
+    CLOSED_LOOP,
+    COMMANDED,
+    DEV,
+    DIRECTION,
+    ENC_FLAGS,
+    ENC_IN_CONF,
+    ENC_POS,
+    ENC_POS_DEV_TOL,
+    FAILED,
+    FREEWHEEL_DELAY,
+    FRESH,
+    FS_ACTIVE,
+    GENERAL_CONF,
+    HOT,
+    INTEGERS_AT,
+    LATCH_FLAG,
+    MOVED_AT,
+    N_LEVEL,
+    NOW,
+    OPEN_LOOP,
+    PHASE,
+    PID_DIFF,
+    PID_E,
+    PID_VEL,
+    REQUEST_AT,
+    SATURATED,
+    SCALE_CLOCKS,
+    SHAFT_FULLSTEPS,
+    STDBY_DELAY,
+    STILL,
+    TOLERANCE,
+    VEL0,
+    X_NEW,
+    Cells,
+    Floats,
+    bit,
+    wrap10,
+    wrap32,
+)
+from app.emulators.tmc4361.feedback.regulation import (
+    BACKLOG,
+    CLR_XACT,
+    VELOCITY_MODE_EN,
+    commutate,
+    error_of,
+    pid,
+)
+from app.emulators.tmc4361.layout import (
+    FB_CL_FIT,
+    FB_CL_MAX,
+    FB_ENC_FAIL,
+    FB_ENC_LATCH,
+    FB_ENC_VEL0,
+    FB_FS_ACTIVE,
+    FB_MULTI_FAIL,
+    FB_N_ACTIVE,
+    FB_QUIET,
+    FB_SET_X,
+    FB_STALL,
+    FB_TARGET_OK,
+)
+
+CALIBRATION_EN = 24
+"""Bit of ENC_IN_CONF."""
+STANDSTILL_CLOCKS = 1 << 20
+"""Without a step for so long, a TMC26x tells standstill (STST)."""
+STST = 1 << 31
+
+
+@compiled
+def regulation_tick(fb: Floats, x_actual: int, velocity_pps: float) -> float:
+    """Velocity of the step output [pps]: the ramp generator's, the PID's (modus 2) or their sum (modus 3)."""
+    n = fb[INTEGERS_AT:].view(np.int64)
+    if n[ENC_IN_CONF] >> 22 & 3 <= CLOSED_LOOP:
+        return velocity_pps
+    return pid(fb, n, x_actual, velocity_pps)
+
+
+@inlined
+def _sequence(fb: Floats, n: Cells, commanded: int, velocity_pps: float, clocks: int) -> None:
+    """The coils' phase: by the steps, or by the closed loop. Leaving the loop, the steps go on from where it was."""
+    if n[FRESH]:
+        n[FRESH] = 0
+        n[COMMANDED] = commanded
+    if n[ENC_IN_CONF] >> 22 & 3 == CLOSED_LOOP:
+        commutate(fb, n, velocity_pps, clocks)
+    else:
+        n[PHASE] += n[DIRECTION] * (commanded - n[COMMANDED])
+        n[SATURATED] = 0
+    n[COMMANDED] = commanded
+
+
+@inlined
+def _stall_guard(fb: Floats, n: Cells, velocity_pps: float, before: int) -> None:
+    """StallGuard2 of the driver, worked out as the TMC5160's."""
+    velocity = int(velocity_pps * 256.0)
+    if velocity == 0:
+        n[k.V] = n[k.SG_VALID] = 0
+        return
+    if n[k.V] == 0:
+        k.open_window(n, fb)
+        n[k.SG_SUM] = n[k.SG_COUNT] = 0
+    n[k.V] = velocity
+    fb[k.SUM_T] += fb[k.TORQUE]
+    fb[k.SUM_I2] += fb[k.IA] * fb[k.IA] + fb[k.IB] * fb[k.IB]
+    n[k.SG_TICKS] += 1
+    if n[k.LOOK] >> 8 != before >> 8:
+        k.stall_guard(n, fb)
+
+
+@inlined
+def _corrected_x(fb: Floats, n: Cells) -> bool:
+    """Whether XACTUAL has to follow the encoder, and to where."""
+    conf, error = n[ENC_IN_CONF], n[DEV]
+    position = math.floor(fb[ENC_POS])
+    if bit(conf, CLR_XACT) and abs(error) > n[ENC_POS_DEV_TOL] & 0x7FFFFFFF:
+        fb[X_NEW] = position
+        return True
+    if conf >> 22 & 3 == CLOSED_LOOP and bit(conf, VELOCITY_MODE_EN) and abs(error) > BACKLOG:
+        fb[X_NEW] = wrap32(position + (BACKLOG if error > 0 else -BACKLOG))
+        return True
+    return False
+
+
+@inlined
+def _levels(fb: Floats, n: Cells) -> int:
+    """The levels of the feedback's word."""
+    error = abs(n[DEV])
+    mode = n[ENC_IN_CONF] >> 22 & 3
+    word = (n[ENC_FLAGS] & 15) << 20 | n[HOT] << 24
+    if mode == OPEN_LOOP or error <= n[CL_TR_TOLERANCE] & 0x7FFFFFFF:
+        word |= FB_TARGET_OK
+    if error > n[ENC_POS_DEV_TOL] & 0x7FFFFFFF:
+        word |= FB_ENC_FAIL
+    if mode == CLOSED_LOOP:
+        if error <= n[TOLERANCE] & 0xFF:
+            word |= FB_CL_FIT
+        if n[SATURATED]:
+            word |= FB_CL_MAX
+    if n[FS_ACTIVE]:
+        word |= FB_FS_ACTIVE
+    if n[N_LEVEL]:
+        word |= FB_N_ACTIVE
+    if n[LATCH_FLAG]:
+        word |= FB_ENC_LATCH
+    if n[FAILED]:
+        word |= FB_MULTI_FAIL
+    if n[VEL0]:
+        word |= FB_ENC_VEL0
+    if k.stalled(n):
+        word |= FB_STALL
+    if n[STILL] >= STANDSTILL_CLOCKS:
+        word |= STST
+    return word
+
+
+@inlined
+def _quiet(n: Cells, moved: bool, ramp_state: int) -> bool:
+    """Whether nothing here will change by itself."""
+    if moved or not n[k.REST] or ramp_state & (MOVING | FROZEN) == MOVING or not n[VEL0]:
+        return False
+    if n[SCALE_CLOCKS] or n[STILL] < min(n[STDBY_DELAY] + n[FREEWHEEL_DELAY] + STANDSTILL_CLOCKS, LONGEST):
+        return False
+    if n[ENC_IN_CONF] >> 22 & 3 > CLOSED_LOOP and (n[PID_E] or n[PID_VEL] or n[PID_DIFF]):
+        return False
+    # a serial encoder has been asked since it moved
+    return n[GENERAL_CONF] >> 10 & 3 == ABN or (n[ASKED_AT] > n[MOVED_AT] and n[REQUEST_AT] > n[NOW])
+
+
+@compiled
+def motor_and_encoder_tick(
+    fb: Floats,
+    commanded_position_256ths: int,
+    velocity_pps: float,
+    clocks: int,
+    x_actual: int,
+    ramp_state: int,
+) -> int:
+    """One tick of sequencer, driver, motor and encoder; answers the word that app/emulators/tmc4361/layout.py lists.
+
+    `commanded_position_256ths` is what the steps sent so far ask of the field [1/256 full step], `velocity_pps` the
+    step output's, `clocks` those since the last call, `ramp_state` RAMP_STATE_F | 4 while VACTUAL is not 0 | 8 while
+    frozen.
+    """
+    n = fb[INTEGERS_AT:].view(np.int64)
+    n[NOW] += clocks
+    phase, look = n[PHASE], n[k.LOOK]
+    _sequence(fb, n, commanded_position_256ths, velocity_pps, clocks)
+    energise(fb, n, velocity_pps, ramp_state, clocks)
+    _stall_guard(fb, n, velocity_pps, look)
+    fb[SHAFT_FULLSTEPS] = fb[k.THETA] * fb[k.TEETH] / (math.pi / 2.0)
+    word = encode(fb, n, clocks)
+    n[DEV] = error_of(fb, x_actual)
+    conf = n[ENC_IN_CONF]
+    if bit(conf, CALIBRATION_EN) and conf >> 22 & 3 == OPEN_LOOP:
+        n[CL_OFFSET] = wrap10(n[PHASE] - n[DIRECTION] * math.floor(fb[ENC_POS]))
+    if _corrected_x(fb, n):
+        word |= FB_SET_X
+    word |= _levels(fb, n)
+    if _quiet(n, n[PHASE] != phase, ramp_state):
+        word |= FB_QUIET
+    return word

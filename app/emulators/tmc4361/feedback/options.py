@@ -1,0 +1,87 @@
+"""What hangs on an emulated TMC4361: motor with load, current driver, encoder."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, model_validator
+
+from app.emulators.drive import DriveOptions, EncoderOptions, LoadOptions, MotorOptions
+from app.emulators.drive.options import FullSteps
+
+EncoderKind = Literal["abn", "ssi", "spi"]
+
+
+class _Closed(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+class ShaftEncoder(_Closed):
+    """The encoder on the motor's shaft. It sees theta + e1 sin(theta + p1), cut into whole counts."""
+
+    kind: EncoderKind = Field(default="abn", description="incremental with N channel, or absolute over SSI or SPI")
+    lines: Annotated[int, Field(strict=True, ge=1, le=1 << 22)] = Field(
+        default=10_000, description="abn: lines a turn, four counts each"
+    )
+    single_turn_bits: Annotated[int, Field(strict=True, ge=2, le=24)] = Field(
+        default=13, description="ssi, spi: bits of the place in the turn"
+    )
+    multi_turn_bits: Annotated[int, Field(strict=True, ge=0, le=24)] = Field(
+        default=12, description="ssi, spi: bits of the turns counted"
+    )
+    gray: Annotated[bool, Field(strict=True)] = Field(default=False, description="ssi, spi: answers in Gray code")
+    status_bits: Annotated[int, Field(strict=True, ge=0, le=3)] = Field(
+        default=0, description="ssi, spi: status bits after the position"
+    )
+    zero_fullsteps: FullSteps = Field(
+        default=37.3, description="mounting offset: place of the rotor at which the encoder counts 0 (N pulse)"
+    )
+    reversed: Annotated[bool, Field(strict=True)] = Field(default=False, description="counts down as the motor goes up")
+    eccentricity_deg: Annotated[float, Field(strict=True, ge=0, le=10)] = Field(
+        default=0.0, description="amplitude e1 of the once-a-turn error [deg of the shaft]"
+    )
+    eccentricity_phase_deg: Annotated[float, Field(strict=True, ge=-360, le=360)] = 0.0
+
+    @property
+    def counts(self) -> int:
+        """Counts a turn."""
+        return 4 * self.lines if self.kind == "abn" else 1 << self.single_turn_bits
+
+
+class FeedbackOptions(_Closed):
+    """Everything behind the ramp generator of an emulated TMC4361."""
+
+    motor: MotorOptions = MotorOptions()
+    load: LoadOptions = LoadOptions()
+    encoder: ShaftEncoder = ShaftEncoder()
+    supply_v: Annotated[float, Field(strict=True, ge=0, le=60)] = Field(default=24.0, description="motor supply")
+    full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30)] = Field(
+        default=2.1, description="peak coil current at scale 255: the default motor's holding torque"
+    )
+    regulator_s: Annotated[float, Field(strict=True, ge=2e-5, le=1e-3)] = Field(
+        default=1e-4, description="time constant of the chopper, taken as a first-order lag"
+    )
+    stall_threshold: Annotated[int, Field(strict=True, ge=-64, le=63)] = Field(
+        default=0, description="SGT of the driver's StallGuard2"
+    )
+    start_fullsteps: FullSteps = Field(default=0.0, description="where the rotor stands at first")
+    seed: Annotated[int, Field(strict=True, ge=0, le=2**32 - 1)] = Field(default=4361, description="of the noise")
+
+    def drive(self, clock_hz: float) -> DriveOptions:
+        """The same as the drive's physics takes it, for a chip clocked with `clock_hz`."""
+        return DriveOptions(
+            motor=self.motor,
+            load=self.load,
+            encoders=EncoderOptions(eccentricity_deg=self.encoder.eccentricity_deg),
+            clock_hz=clock_hz,
+            supply_v=self.supply_v,
+            full_scale_a=self.full_scale_a,
+            regulator_s=self.regulator_s,
+            start_fullsteps=self.start_fullsteps,
+            seed=self.seed,
+        )
+
+    @model_validator(mode="after")
+    def _can_be_computed(self) -> FeedbackOptions:
+        self.drive(4.2e6)  # the slowest clock has the longest ticks
+        return self

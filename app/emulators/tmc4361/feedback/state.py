@@ -1,0 +1,99 @@
+"""What the feedback unit tells about motor and encoder, and what may be done to them: parts of REST documents."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from app.emulators.drive.options import FullSteps
+from app.emulators.tmc4361.feedback.options import EncoderKind
+
+
+class MotorState(BaseModel):
+    connected: bool
+    temperature_c: float = Field(description="of the driver's bridges [deg C]")
+    fullsteps_per_turn: int
+    torque_constant_nm_a: float = Field(description="of one phase, peak values; also back-EMF constant [V s/rad]")
+    holding_torque_nm: float = Field(description="both coils at rated current [N m]")
+    rated_current_a: float = Field(description="in both coils [A]")
+    full_scale_a: float = Field(description="peak coil current at current scale 255 [A]")
+    inertia_kgm2: float = Field(description="rotor and load")
+
+
+class EncoderState(BaseModel):
+    kind: EncoderKind
+    counts_per_turn: int
+    counts: int = Field(description="since the start, not wrapped: what no register tells")
+    slip_fullsteps: float = Field(description="how far it has slipped on the shaft in all")
+    zero_fullsteps: float = Field(description="mounting offset: place of the rotor at which it counts 0")
+    eccentricity_deg: float = Field(description="amplitude of its once-a-turn error [deg of the shaft]")
+    eccentricity_phase_deg: float
+    status_bits: int = Field(description="what an absolute encoder's status bits are")
+
+
+class PwmState(BaseModel):
+    """STPOUT_PWMA and DIROUT_PWMB while pwm_out_en is set."""
+
+    frequency_hz: float = Field(description="fCLK / PWM_FREQ")
+    duty_a: float
+    duty_b: float
+
+
+class FeedbackTruth(BaseModel):
+    """How motor and shaft really are: what no register tells."""
+
+    rotor_rad: float = Field(description="shaft angle, not wrapped [rad]")
+    rotor_fullsteps: float = Field(description="the same in full steps")
+    field_fullsteps: float = Field(description="where an ideal unloaded rotor would stand [full steps]")
+    speed_rad_s: float
+    load_angle_deg: float = Field(description="field minus rotor [deg electrical]; more than 90 does not hold")
+    current_a_a: float = Field(description="coil A [A]")
+    current_b_a: float = Field(description="coil B [A]")
+    torque_nm: float
+    lost_fullsteps: int = Field(description="full steps between field and rotor, in multiples of four")
+    current_scale: int = Field(description="current scale in use, 0..255")
+    bridges: str = Field(description='"regulated", "open", or "voltage" while PWM drives them')
+
+
+class FeedbackState(BaseModel):
+    motor: MotorState
+    load_torque_nm: float
+    blocked: bool
+    friction_nm: float = Field(description="Coulomb friction on top of the motor's own [N m]")
+    inertia_kgm2: float = Field(description="of the load [kg m^2]")
+    supply_v: float
+    encoder: EncoderState
+    pwm: PwmState | None
+    truth: FeedbackTruth
+
+
+class _Patch(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+
+class EncoderPatch(_Patch):
+    """Whatever is not given stays."""
+
+    slip_fullsteps: FullSteps | None = Field(default=None, description="how far it has slipped on the shaft in all")
+    eccentricity_deg: Annotated[float, Field(ge=0, le=10)] | None = None
+    eccentricity_phase_deg: Annotated[float, Field(ge=-360, le=360)] | None = None
+    zero_fullsteps: FullSteps | None = Field(default=None, description="mounts it anew on the shaft")
+    status_bits: Annotated[int, Field(ge=0, le=7)] | None = None
+    spoil_next: Annotated[int, Field(ge=0, lt=1 << 48)] | None = Field(
+        default=None, description="bits of an absolute encoder's next answer that arrive wrong"
+    )
+
+
+class FeedbackPatch(_Patch):
+    """Whatever is not given stays."""
+
+    load_torque_nm: Annotated[float, Field(ge=-50, le=50)] | None = None
+    friction_nm: Annotated[float, Field(ge=0, le=50)] | None = None
+    inertia_kgm2: Annotated[float, Field(ge=0, le=1)] | None = None
+    blocked: bool | None = None
+    connected: bool | None = Field(default=None, description="whether the motor is plugged in")
+    supply_v: Annotated[float, Field(ge=0, le=60)] | None = None
+    temperature_c: Annotated[float, Field(ge=-55, le=250)] | None = None
+    rotor_fullsteps: FullSteps | None = Field(default=None, description="turns the shaft by hand to there")
+    encoder: EncoderPatch | None = None
