@@ -1,4 +1,4 @@
-"""Ramps over time: from the named parameters of the contract to the three calculators, and back as samples."""
+"""Ramps over time: from the named parameters of the contract to the calculators, and back as samples."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 
 from app.api.convert import calculating
 from app.api.schemas_calc import Phase, Ramp, RampResult
+from app.api.sramp_calculator import s_ramp
 from app.calc.ramp import RampParameters, exact_ramp
 from app.calc.ramp_curve import RampCurve
 from app.calc.ramp_trapezoid import trapezoid_ramp
@@ -31,6 +32,8 @@ SIXPOINT = {
 
 def ramp(body: Ramp) -> RampResult:
     with calculating():
+        if body.model == "s_ramp":
+            return s_ramp(body)
         curve = _CURVES.get(body.model, _exact)(body)
     return RampResult(
         duration_s=curve.duration_s,

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict, Discriminator, Field, Tag
 
 from app.api.schemas import Answer, Body, ChipName, Flag, ModelName, Number
+from app.api.schemas_mslut import MslutDesign
+from app.api.schemas_sramp import RampFinding, RampLimit, RampRegister, RampRival
 from app.api.schemas_tables import DriverChain, TableValue
 
 Divider = Annotated[int, Field(strict=True, ge=0, le=13)]
@@ -170,9 +172,16 @@ class Ramp(Body):
     "sixpoint" is the ramp of a PD42-1241 (TMC5160): amax, vmax, dmax, and vstart, a1, v1, d1, vstop, all in pps and
     pps^2; v1 = 0 makes a trapezoid. `v_actual` is the velocity at the beginning (a move that is changed under way),
     `t_zero_wait_s` the pause before a reversal [s]. `ramp_mode` "velocity" goes to `v_target` by amax alone.
+
+    "s_ramp" is the ramp of a TMC4361: vmax, amax, dmax, bow1 to bow4, vstart, vstop, astart, dfinal, in pps, pps^2 and
+    pps^3; dmax is amax and bow2 to bow4 are bow1 where they are left out. `ramp_mode` is "position", "velocity" (to
+    `v_target`) or "hold" (no ramp at all). `v_actual` and `a_actual` are the state at the beginning. `shape`
+    "trapezoid" has no bows but `vbreak`, below which astart and dfinal hold. With `rounding` "registers" the curve is
+    that of what the registers hold, at `clock_hz` and with `direct_acc_val_en`, `direct_bow_val_en` (0 or 1).
+    `use_astart_and_vstart` (0 or 1) lets a start with VSTART begin with ASTART.
     """
 
-    model: Literal["tmc428", "tmc4210", "trapezoid", "sixpoint"]
+    model: Literal["tmc428", "tmc4210", "trapezoid", "sixpoint", "s_ramp"]
     parameters: dict[str, Number | str]
     distance: Number
     samples: Annotated[int, Field(strict=True, ge=2, le=100_000)] = 500
@@ -193,6 +202,11 @@ class RampResult(Answer):
     acceleration_pps2: list[float]
     overshoot_steps: int
     warnings: list[str]
+    jerk_pps3: list[float] = Field(default=[], description="s_ramp alone")
+    limits: list[RampLimit] = Field(default=[], description="s_ramp: how much of VMAX, AMAX and DMAX it uses")
+    findings: list[RampFinding] = Field(default=[], description="s_ramp: `warnings` with the parameters they are about")
+    registers: list[RampRegister] = Field(default=[], description="s_ramp: what goes into the chip")
+    rivals: list[RampRival] = Field(default=[], description="s_ramp: other ways to make the same move, from rest")
 
 
 class MicrostepDesign(Body):
@@ -208,6 +222,17 @@ class MicrostepDesign(Body):
         default=None, description="a table drawn by hand: only its datagrams and metrics are wanted"
     )
     usrs: Annotated[int, Field(strict=True, ge=0, le=6)] = 6
+
+
+def _chip_of(body: object) -> str:
+    chip = body.get("chip", "tmc428") if isinstance(body, dict) else getattr(body, "chip", "")
+    return "quarter" if chip == "tmc428" else "mslut"
+
+
+AnyMicrostepDesign = Annotated[
+    Annotated[MicrostepDesign, Tag("quarter")] | Annotated[MslutDesign, Tag("mslut")], Discriminator(_chip_of)
+]
+"""64 values of 6 bits for a TMC428; 256 one-bit differences for a TMC4361."""
 
 
 class MicrostepMetrics(Answer):
@@ -236,6 +261,7 @@ class SequencerRow(Answer):
 
 
 class MicrostepResult(Answer):
+    chip: Literal["tmc428"] = "tmc428"
     values: list[int]
     datagrams: list[str]
     metrics: MicrostepMetrics
