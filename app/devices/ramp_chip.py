@@ -12,23 +12,25 @@ from app.devices.config import DeviceConfig
 from app.devices.motion import Setting, distance
 from app.devices.prediction import Prediction
 from app.devices.register_chip import RegisterChip
-from app.devices.results import (
-    AxisState,
-    Switches,
-)
+from app.devices.results import AxisState, RawExchange, Switches
 from app.devices.ticked_prediction import TickedBook
 from app.devices.words import Words
-from app.links.datagram32 import status_flags
+from app.links.access32 import SPI32
+from app.links.datagram32 import FRAME_BYTES, Request, status_flags
+from app.links.errors import OutOfRange
 from app.links.port import FramePort
 from app.links.queue import Priority
 from app.registers.model import Access, Register
 
 
 class RampChip(RegisterChip):
-    """A chip whose axes are ramp generators of this kind."""
+    """A chip of 32-bit datagrams whose axes are ramp generators of this kind."""
+
+    status_names: tuple[str, ...]
+    """Names of the status bits of each reply, bit 0 first, "" where unused."""
 
     def __init__(self, device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> None:
-        super().__init__(device_id, config, port, clock)
+        super().__init__(device_id, config, port, clock, SPI32)
         self.rows = tuple(self._axis_rows(axis) for axis in range(self.family.axes))
         self._books = tuple(TickedBook() for _ in self.rows)
         self._known: dict[int, int] = {}
@@ -198,3 +200,36 @@ class RampChip(RegisterChip):
     def predictions(self, axis: int) -> TickedBook:
         """For sample plans: what was expected at any recent time."""
         return self._books[axis]
+
+    # --- raw ------------------------------------------------------------------------------------
+
+    async def exchange(self, frame: bytes) -> RawExchange:
+        if len(frame) != FRAME_BYTES:
+            raise OutOfRange("frame length", len(frame), FRAME_BYTES, FRAME_BYTES, "bytes")
+        self.require_connected()
+        request = Request.decode(frame)
+        register = self.table.at(request.address)
+        async with self._command(register.axis if register and not request.read else None) as turn:
+            reply = await turn.exchange(frame)
+        status, data = reply[0], int.from_bytes(reply[1:], "big")
+        if register is not None:
+            if request.read:
+                self._saw_word(register, data)
+            else:
+                self._sent(register, request.data)
+                await self._after_write(register)
+        shown = data if request.read else request.data
+        return RawExchange(
+            reply,
+            {
+                "address": request.address,
+                "register": register.name if register else None,
+                "axis": register.axis if register else None,
+                "rw": "read" if request.read else "write",
+                "data": data,
+                "value": register.decode(shown) if register else None,
+                "fields": register.unpack(shown) if register else {},
+                "status": status,
+                "flags": status_flags(status, self.status_names),
+            },
+        )

@@ -12,7 +12,7 @@ from app.devices.prediction import wrapped
 from app.devices.ramp_stops import RampStops
 from app.devices.sample_plan import Channel, DatagramPlan, Decoder, FloatArray, SamplePlan
 from app.devices.ticked_prediction import POSITION_BITS, TickedBook
-from app.devices.words import READ_FRAMES
+from app.links.access32 import READ_FRAMES
 from app.links.errors import UnknownThing, UsageError
 from app.registers.model import Register
 

@@ -1,34 +1,39 @@
-"""Reading and writing the registers of a 32-bit register chip: every write is read back and judged.
+"""Reading and writing the registers of a chip: every write that can be is read back and judged.
 
 What a family knows beyond its table (which writes act, which values change on their own) comes in
-by the three hooks at the end.
+by the hooks at the end; how its words travel (datagrams of 32 or 40 bits, an evaluation board), by `access`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
+from functools import reduce
+from operator import or_
 
 from app.clock import Clock
 from app.devices.config import DeviceConfig
 from app.devices.device import Device
 from app.devices.lookup import Changes, Lookup, checked_fields, modify, word_of_value
-from app.devices.results import BatchResult, RawExchange, RegisterReading, RegisterWritten, WriteItem
+from app.devices.results import BatchResult, RegisterReading, RegisterWritten, WriteItem
 from app.devices.words import Words, read_once_more
-from app.links.datagram32 import DATA_MASK, FRAME_BYTES, Request, status_flags
-from app.links.errors import BenchError, OutOfRange, UsageError, WriteRefused, WrongState
+from app.links.errors import BadReply, BenchError, UsageError, WriteRefused, WrongState
 from app.links.port import FramePort
 from app.links.queue import Priority, Turn
+from app.links.register_access import RegisterAccess
 from app.registers.model import Access, Field, Register
 
 
 class RegisterChip(Device):
-    """A chip of which everything is a register of 24 bits behind 4-byte datagrams."""
+    """A chip of which everything is a register."""
 
-    status_names: tuple[str, ...]
-    """Names of the status bits of each reply, bit 0 first, "" where unused."""
+    READ_AT_ONCE = 1
+    """How many registers `read_all` asks for in one turn: a stop has to wait for no more."""
 
-    def __init__(self, device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> None:
+    def __init__(
+        self, device_id: str, config: DeviceConfig, port: FramePort, clock: Clock, access: RegisterAccess
+    ) -> None:
         super().__init__(device_id, config, port, clock)
+        self.access = access
         self.table = self.family.table
         self.find = Lookup(self.table, self.family.axes)
 
@@ -39,25 +44,37 @@ class RegisterChip(Device):
         if not register.access.readable:
             raise WrongState(f"{register.name} is write only")
         self.require_connected()
-        word = await read_once_more(self.queue, register.address) & DATA_MASK
+        word = await self._read_alone(register)
         if register.address in self._remembered:
             self._saw_word(register, word)
-        return _reading(register, part, word)
+        return reading(register, part, word)
 
     async def read_all(self, axis: int | None = None, groups: Collection[str] = ()) -> list[RegisterReading]:
         if axis is not None:
             self.axis(axis)
         self.require_connected()
+        wanted = [
+            register
+            for register in self.table
+            if register.access.readable
+            and not register.read_clears
+            and not register.when  # another name of a word that is read anyway
+            and (not groups or register.group in groups)
+            and (axis is None or register.axis == axis)
+        ]
         readings = []
-        for register in self.table:
-            if not register.access.readable or (groups and register.group not in groups):
-                continue
-            if axis is None or register.axis == axis:
-                # A turn each, not one for all: 120 questions must not keep other commands waiting.
-                word = await read_once_more(self.queue, register.address) & DATA_MASK
+        for first in range(0, len(wanted), self.READ_AT_ONCE):
+            # A turn each, not one for all: 120 questions must not keep other commands waiting.
+            some = wanted[first : first + self.READ_AT_ONCE]
+            async with self.queue.turn(Priority.COMMAND) as turn:
+                held = await self.words(turn).read_many(some)
+            for register, word in zip(some, held, strict=True):
                 self._saw_word(register, word)
-                readings.append(_reading(register, None, word))
+                readings.append(reading(register, None, word))
         return readings
+
+    async def _read_alone(self, register: Register) -> int:
+        return await read_once_more(self.queue, register.address, self.access)
 
     # --- writing --------------------------------------------------------------------------------
 
@@ -81,10 +98,9 @@ class RegisterChip(Device):
             word = word_of_value(register, value)
         self.require_connected()
         async with self._command(register.axis) as turn:
-            words = Words(turn)
-            written = await self._write(words, register, word, changes)
+            done = await self._write(self.words(turn), register, word, changes)
         await self._after_write(register)
-        return _renamed(written, part)
+        return _renamed(done, part)
 
     async def write_many(self, items: Sequence[WriteItem]) -> BatchResult:
         done: list[RegisterWritten] = []
@@ -98,14 +114,13 @@ class RegisterChip(Device):
     async def _write(self, words: Words, register: Register, word: int, changes: Changes | None) -> RegisterWritten:
         """Write within a turn: `changes` over what the chip holds, or the whole `word`."""
         if changes is not None:
-            held = await words.read(register) if _needs_old(register, changes) else 0
+            held = await self._held(words, register) if _needs_old(register, changes) else 0
             word = modify(register, self._as_written(register, held), changes)
         notes = await self._before_write(words, register, word)
-        await words.write(register, word)
+        arrived = await words.write(register, word)
         self._sent(register, word)
         if not register.access.readable:
-            reading = _reading(register, None, 0)
-            return _written(reading, word, None, "; ".join([*notes, register.write_note]))
+            return self._written_blind(register, word, arrived, notes)
         back = await words.read(register)
         verified, note = await self._judge(words, register, word, back)
         if note is None:
@@ -119,13 +134,19 @@ class RegisterChip(Device):
         self._saw_word(register, back)
         if note:
             notes.append(note)
-        return _written(_reading(register, None, back), word, verified, "; ".join(notes))
+        return written(reading(register, None, back), word, verified, "; ".join(notes))
+
+    def _written_blind(self, register: Register, word: int, arrived: bool, notes: Sequence[str]) -> RegisterWritten:
+        """The answer to a write to a register that cannot be read."""
+        if not arrived:
+            raise BadReply(self.port.name, f"what was sent to {register.name} may have arrived otherwise", b"")
+        return written(reading(register, None, 0), word, None, "; ".join([*notes, register.write_note]))
 
     async def _judge(self, words: Words, register: Register, word: int, back: int) -> tuple[bool | None, str | None]:
         """Whether the chip took `word`: (verified, note), or (False, None) where it did not and nothing explains it."""
         expected = self._expected_back(register, word)
-        flags = sum(part.mask for part in register.fields if part.access is Access.R_W1C)
-        fixed = sum(part.mask for part in register.fields if not part.access.writable)
+        flags = _bits(part for part in register.fields if part.access is Access.R_W1C)
+        fixed = _bits(part for part in register.fields if not part.access.writable)
         differs = (expected ^ back) & register.mask & ~flags & ~fixed
         if differs:
             explained = await self._explain(words, register, word, back)
@@ -138,40 +159,11 @@ class RegisterChip(Device):
             return True, f"{', '.join(kept)}: read only, not changed"
         return True, ""
 
-    # --- raw ------------------------------------------------------------------------------------
-
-    async def exchange(self, frame: bytes) -> RawExchange:
-        if len(frame) != FRAME_BYTES:
-            raise OutOfRange("frame length", len(frame), FRAME_BYTES, FRAME_BYTES, "bytes")
-        self.require_connected()
-        request = Request.decode(frame)
-        register = self.table.at(request.address)
-        async with self._command(register.axis if register and not request.read else None) as turn:
-            reply = await turn.exchange(frame)
-        status, data = reply[0], int.from_bytes(reply[1:], "big")
-        if register is not None:
-            if request.read:
-                self._saw_word(register, data)
-            else:
-                self._sent(register, request.data)
-                await self._after_write(register)
-        shown = data if request.read else request.data
-        return RawExchange(
-            reply,
-            {
-                "address": request.address,
-                "register": register.name if register else None,
-                "axis": register.axis if register else None,
-                "rw": "read" if request.read else "write",
-                "data": data,
-                "value": register.decode(shown) if register else None,
-                "fields": register.unpack(shown) if register else {},
-                "status": status,
-                "flags": status_flags(status, self.status_names),
-            },
-        )
-
     # --- turns ----------------------------------------------------------------------------------
+
+    def words(self, turn: Turn) -> Words:
+        """The chip's words over a turn."""
+        return Words(turn, self.access)
 
     def _command(self, axis: int | None) -> Turn:
         """A turn for a command; one that touches an axis gives up when a stop of that axis overtakes it."""
@@ -195,6 +187,10 @@ class RegisterChip(Device):
     async def _after_write(self, register: Register) -> None:
         """A write to `register` has happened, and its turn is over."""
 
+    async def _held(self, words: Words, register: Register) -> int:
+        """What the chip holds, before some fields of it are written."""
+        return await words.read(register) if register.access.readable else 0
+
     def _as_written(self, register: Register, held: int) -> int:
         """The word that, written, would make the chip hold `held`."""
         return held
@@ -211,11 +207,16 @@ class RegisterChip(Device):
 
 
 def _needs_old(register: Register, changes: Changes) -> bool:
-    given = sum(part.mask for part, _ in changes)
-    return bool(register.write_mask & ~given)
+    return bool(register.write_mask & ~_bits(part for part, _ in changes))
 
 
-def _reading(register: Register, part: Field | None, word: int) -> RegisterReading:
+def _bits(parts: Iterable[Field]) -> int:
+    """All bits of some fields, which may overlap where they mean one thing or another."""
+    return reduce(or_, (part.mask for part in parts), 0)
+
+
+def reading(register: Register, part: Field | None, word: int) -> RegisterReading:
+    """A word as the API tells it; with `part` that field by its own name."""
     raw = word & register.mask
     fields = register.unpack(raw) if register.fields else {}
     if part is not None:
@@ -225,23 +226,24 @@ def _reading(register: Register, part: Field | None, word: int) -> RegisterReadi
     )
 
 
-def _written(reading: RegisterReading, word: int, verified: bool | None, note: str) -> RegisterWritten:
+def written(back: RegisterReading, word: int, verified: bool | None, note: str) -> RegisterWritten:
+    """The read-back of a write, as the API tells it."""
     return RegisterWritten(
-        reading.name,
-        reading.address,
-        reading.axis,
-        reading.raw,
-        reading.value,
-        reading.fields,
-        reading.unit,
+        back.name,
+        back.address,
+        back.axis,
+        back.raw,
+        back.value,
+        back.fields,
+        back.unit,
         written=word,
         verified=verified,
         note=note,
     )
 
 
-def _renamed(written: RegisterWritten, part: Field | None) -> RegisterWritten:
+def _renamed(done: RegisterWritten, part: Field | None) -> RegisterWritten:
     """As the caller named it: a field asked for by its own name answers with its own value."""
     if part is not None:
-        written.name, written.value, written.unit = part.name, written.fields[part.name], part.unit
-    return written
+        done.name, done.value, done.unit = part.name, done.fields[part.name], part.unit
+    return done

@@ -12,7 +12,7 @@ from app.devices.ramp_samples import Frames, IntArray, RampSamples
 from app.devices.results import ProfileDocument
 from app.devices.sample_plan import Decoder, FloatArray
 from app.devices.words import Words, read_once_more
-from app.links.datagram32 import DATA_MASK, STATUS_TMC4210
+from app.links.datagram32 import STATUS_TMC4210
 from app.links.errors import WrongState
 from app.links.port import FramePort
 from app.registers.tmc4210 import TYPE_VERSION
@@ -47,7 +47,7 @@ class Tmc4210(RampSamples):
         )
 
     async def probe(self) -> str:
-        kind = await read_once_more(self.queue, self._type.address) & DATA_MASK
+        kind = await read_once_more(self.queue, self._type.address)
         if kind != TYPE_VERSION:
             raise WrongState(
                 f"no TMC4210 answers here: the type register reads {kind:#08x} instead of {TYPE_VERSION:#08x}",
@@ -57,7 +57,7 @@ class Tmc4210(RampSamples):
 
     async def refresh(self) -> None:
         await super().refresh()
-        self._saw_word(self._global, await read_once_more(self.queue, self._global.address) & DATA_MASK)
+        self._saw_word(self._global, await read_once_more(self.queue, self._global.address))
 
     def _microsteps(self, axis: int) -> int | None:
         return self.axes[axis].settings.driver_microsteps

@@ -15,7 +15,7 @@ from app.devices.ramp_samples import Frames, IntArray, RampSamples
 from app.devices.results import ChainContents, ProfileDocument
 from app.devices.sample_plan import Decoder, FloatArray
 from app.devices.words import Words, read_once_more
-from app.links.datagram32 import DATA_MASK, STATUS_TMC428
+from app.links.datagram32 import STATUS_TMC428
 from app.links.errors import OutOfRange, UsageError, WriteRefused, WrongState
 from app.links.port import FramePort
 from app.links.queue import Priority
@@ -64,15 +64,17 @@ class Tmc428(RampSamples):
         )
 
     async def probe(self) -> str:
-        kind = await read_once_more(self.queue, TYPE_ADDRESS) & DATA_MASK
+        kind = await read_once_more(self.queue, TYPE_ADDRESS)
         if kind == TYPE_VERSION:
             raise WrongState("a TMC4210 or TMC429 answers here, not a TMC428", "choose the model TMC4210")
-        settings = await read_once_more(self.queue, self._global.address)
-        return f"a TMC428 answers; global parameters {settings & DATA_MASK:#08x}, status {settings >> 24:#04x}"
+        async with self.queue.turn() as turn:
+            words = self.words(turn)
+            settings = await words.read(self._global)
+        return f"a TMC428 answers; global parameters {settings:#08x}, status {words.status:#04x}"
 
     async def refresh(self) -> None:
         await super().refresh()
-        self._saw_word(self._global, await read_once_more(self.queue, self._global.address) & DATA_MASK)
+        self._saw_word(self._global, await read_once_more(self.queue, self._global.address))
 
     def _microsteps(self, axis: int) -> int | None:
         rows = self.rows[axis]
@@ -188,7 +190,7 @@ class Tmc428(RampSamples):
     async def read_driver_chain(self) -> ChainContents:
         self.require_connected()
         ram_words = await self._read_ram(RAM_CHAIN)
-        word = await read_once_more(self.queue, self._global.address) & DATA_MASK
+        word = await read_once_more(self.queue, self._global.address)
         return ChainContents(ram_words, self._lsmd.unpack(word))
 
     async def write_driver_chain(self, ram_words: Sequence[int], lsmd: int) -> ChainContents:

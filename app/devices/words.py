@@ -1,35 +1,36 @@
-"""Register words over one turn of the link: frames in, numbers out."""
+"""Register words over one turn of the link: frames in, numbers out, whatever carries them (`RegisterAccess`)."""
 
 from __future__ import annotations
 
-from app.links import datagram32
-from app.links.datagram32 import DATA_MASK
-from app.links.errors import LinkTimeout
+from collections.abc import Sequence
+
+from app.links.access32 import SPI32
+from app.links.errors import BadReply, LinkTimeout
 from app.links.queue import LinkQueue, Turn
+from app.links.register_access import RegisterAccess
 from app.registers.model import Register, to_raw
 
-READ_FRAMES = tuple(datagram32.read(address) for address in range(128))
-"""Made once: a read of one register costs no encoding."""
 
-
-async def read_once_more(queue: LinkQueue, address: int) -> int:
-    """The whole 32-bit reply to a read. Asked again once after no reply: a read moves nothing."""
-    frame = READ_FRAMES[address]
+async def read_once_more(queue: LinkQueue, address: int, access: RegisterAccess = SPI32) -> int:
+    """One word. Asked again once after no reply: a read moves nothing."""
+    frames = access.read_frames((address,))
     try:
-        reply = await queue.exchange(frame)
+        replies = await queue.exchange_many(frames)
     except LinkTimeout:
-        reply = await queue.exchange(frame)
-    return int.from_bytes(reply, "big")
+        replies = await queue.exchange_many(frames)
+    return access.words(replies)[0]
 
 
 class Words:
-    """One turn's view of the chip: 24-bit data by register, and the status bits of the latest reply."""
+    """One turn's view of the chip: words by register, and the status bits of the latest reply."""
 
-    __slots__ = ("_turn", "status")
+    __slots__ = ("_access", "_turn", "status")
 
-    def __init__(self, turn: Turn) -> None:
+    def __init__(self, turn: Turn, access: RegisterAccess = SPI32) -> None:
         self._turn = turn
+        self._access = access
         self.status = 0
+        """Of the latest reply; stays 0 over a link that brings none."""
 
     @property
     def time_s(self) -> float:
@@ -37,25 +38,53 @@ class Words:
         return self._turn.last_exchange_s
 
     async def read(self, register: Register) -> int:
-        """24 data bits, as they came. Asked again once after LinkTimeout."""
-        frame = READ_FRAMES[register.address]
+        """All data bits, as they came. Asked again once after LinkTimeout."""
+        return (await self.read_many((register,)))[0]
+
+    async def read_many(self, registers: Sequence[Register]) -> list[int]:
+        """Words of several registers, over a pipelined link in one chain. Asked again once after LinkTimeout."""
+        frames = self._access.read_frames([register.address for register in registers])
         try:
-            reply = await self._turn.exchange(frame)
+            replies = await self._turn.exchange_many(frames)
         except LinkTimeout:
-            reply = await self._turn.exchange(frame)
-        word = int.from_bytes(reply, "big")
-        self.status = word >> 24
-        return word & DATA_MASK
+            replies = await self._turn.exchange_many(frames)
+        self._saw_status(replies)
+        return self._access.words(replies)
 
     async def value(self, register: Register) -> int:
         """The register's value, signed where it is."""
         return register.decode(await self.read(register))
 
-    async def write(self, register: Register, word: int) -> None:
-        """Send raw bits once. Never again: it may have happened although no reply came."""
-        reply = await self._turn.exchange(datagram32.write(register.address, word))
-        self.status = reply[0]
+    async def values(self, registers: Sequence[Register]) -> list[int]:
+        """Values of several registers."""
+        words = await self.read_many(registers)
+        return [register.decode(word) for register, word in zip(registers, words, strict=True)]
+
+    async def write(self, register: Register, word: int) -> bool:
+        """Send raw bits once: `write_many`."""
+        return await self.write_many(((register, word),))
+
+    async def write_many(self, writes: Sequence[tuple[Register, int]]) -> bool:
+        """Send raw bits, each once and in this order. Never again: it may have happened although no reply came.
+
+        Returns whether the link showed no difference between what was sent and what arrived. That is no
+        proof where it does not show what arrived (32-bit datagrams), and no proof of a failure either: the
+        answer may be all that was garbled. Reading back tells.
+        """
+        frames = self._access.write_frames([(register.address, word) for register, word in writes])
+        replies = await self._turn.exchange_many(frames)
+        self._saw_status(replies)
+        try:
+            self._access.check_all(frames, replies)
+        except BadReply:
+            return False
+        return True
 
     async def put(self, register: Register, value: int) -> None:
         """Send a value that is in the register's range."""
         await self.write(register, to_raw(value, register.width))
+
+    def _saw_status(self, replies: Sequence[bytes]) -> None:
+        status = self._access.status(replies)
+        if status is not None:
+            self.status = status
