@@ -8,43 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import numpy as np
-
-from app.calc.ramp_curve import RampCurve
 from app.calc.sixpoint import MotionPlan, SixPoint, position_plan, velocity_plan
 from app.devices.pd42 import rows
-from app.devices.prediction import FloatArray, Prediction, wrapped
 
-POSITION_BITS = 32
 RAMP_WAIT_S = 512 / 16e6
 """Unit of the ramp wait time, AP 21 (5160: TZEROWAIT) [s]."""
-
-
-class PlannedMotion(Prediction):
-    """A motion by its plan, exact at any time."""
-
-    def __init__(self, axis: int, started_at_s: float, start_position: int, plan: MotionPlan) -> None:
-        super().__init__(axis, started_at_s, start_position, POSITION_BITS)
-        self.plan = plan
-
-    @property
-    def duration_s(self) -> float:
-        return self.plan.duration_s
-
-    @property
-    def ends(self) -> bool:
-        return self.plan.end_velocity_pps == 0
-
-    def _ramp(self, samples: int) -> RampCurve:
-        return self.plan.curve(samples)
-
-    def at(self, times_s: FloatArray) -> tuple[FloatArray, FloatArray]:
-        motion = self.plan.at(times_s - self.started_at_s)
-        outside = times_s < self.started_at_s
-        if self.ended_at_s is not None:
-            outside |= times_s >= self.ended_at_s
-        position = wrapped(self.start_position + motion.position, POSITION_BITS)
-        return np.where(outside, np.nan, position), np.where(outside, np.nan, motion.velocity_pps)
 
 
 def sixpoint(known: Mapping[int, int], speed_unit: float, acceleration_unit: float) -> SixPoint | None:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import asyncio
 import contextlib
 
+from app.devices.motion_watch import POLL_S, Look, UnderWay
 from app.devices.pd42 import rows
 from app.devices.pd42.calls import Calls
 from app.devices.pd42.motion import STATUS
-from app.devices.pd42.motion_watch import POLL_S, Look, UnderWay
 from app.devices.pd42.stops import Stops
 from app.devices.results import AxisState, DeviceState, StopReason, Switches
 from app.links.errors import BadReply, BenchError, LinkDown, LinkError, LinkTimeout

@@ -11,13 +11,14 @@ from app.clock import Clock
 from app.devices.axis_units import CHIP, SPELLINGS, to_position
 from app.devices.config import DeviceConfig
 from app.devices.device import MotionStarted
+from app.devices.motion_watch import Kind, MotionWatch
 from app.devices.pd42 import rows
 from app.devices.pd42.calls import Calls
 from app.devices.pd42.console import Console
-from app.devices.pd42.foresight import RAMP_WAIT_S, PlannedMotion, move_plan, sixpoint, turn_plan
+from app.devices.pd42.foresight import RAMP_WAIT_S, move_plan, sixpoint, turn_plan
 from app.devices.pd42.frames import spelled, writing
-from app.devices.pd42.motion_watch import Kind, MotionWatch
 from app.devices.pd42.refusals import limits
+from app.devices.planned_motion import PlannedMotion
 from app.devices.prediction import Prediction, PredictionBook
 from app.devices.results import AxisMove, MotionEnd, MoveStarted, RegisterWritten, Rotating
 from app.links.errors import BenchError, LinkError, OutOfRange, UsageError, WriteRefused, WrongState

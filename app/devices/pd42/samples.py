@@ -13,11 +13,11 @@ from typing import ClassVar
 
 import numpy as np
 
+from app.devices.motion_watch import Look
 from app.devices.pd42 import rows
-from app.devices.pd42.foresight import POSITION_BITS
 from app.devices.pd42.frames import reading
-from app.devices.pd42.motion_watch import Look
 from app.devices.pd42.searches import Searches
+from app.devices.planned_motion import POSITION_BITS
 from app.devices.prediction import wrapped
 from app.devices.sample_plan import Channel, FloatArray, SamplePlan, Taken
 from app.links.errors import BadReply, LinkTimeout, UnknownThing, UsageError

@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from app.devices.device import MotionStarted
+from app.devices.motion_watch import Look
 from app.devices.pd42 import rows
 from app.devices.pd42.looks import Looks
 from app.devices.pd42.motion import START, STATUS
-from app.devices.pd42.motion_watch import Look
 from app.links.errors import WrongState
 from app.links.tmcl import Request
 from app.registers.tmcl import Opcode
