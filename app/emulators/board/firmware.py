@@ -1,0 +1,213 @@
+"""Commands of the board: nine bytes to nine bytes, at the time that the chip's registers are told.
+
+As the published firmware answers, where that can be seen:
+- another module's address is not answered; the address is 1, the host's 2, and neither can be changed;
+- a frame with a wrong checksum is answered with status 1 and value 0, and with the module and command of the frame
+  before it (0 and 0 at first);
+- a value that has no meaning in an answer is the one that was sent.
+Open there, and decided here: the motor of commands 1..6 must be 0; setting up a chip that was reset takes no time.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+
+from app.emulators.board.refusal import Refusal, invalid_command, invalid_value, wrong_type
+from app.emulators.board.registers import ChipRegisters
+from app.emulators.board.tmc4361 import BOARD_ID, DRIVER_ID, MOTORS, Tmc4361Board
+from app.registers.landungsbruecke import ADDRESS, REGISTER_ADDRESS_BITS, BoardOpcode, SlotState
+from app.registers.tmcl import MAGIC, Opcode, Status
+
+HOST = 2
+MODULE = 12
+VERSION_MAJOR, VERSION_MINOR = 3, 10
+VERSION_STRING = b"%04dV%d%02d" % (MODULE, VERSION_MAJOR, VERSION_MINOR)
+VERSION_BINARY = MODULE // 100 << 24 | MODULE % 100 << 16 | VERSION_MAJOR << 8 | VERSION_MINOR
+SLOTS = BOARD_ID | SlotState.DONE << 8 | DRIVER_ID << 16 | SlotState.DONE << 24
+"""Channel 1, its state, channel 2, its state, from the lowest byte on."""
+SUPPLY_DECIVOLTS = 240
+SPI_HZ = (2_000_000, 2_000_000)
+Handler = Callable[[int, int, int], int]
+"""(type, motor or bank, value) to the value of the answer. Raises Refusal."""
+_BODY = struct.Struct(">BBBBi")
+_UF_WRITE, _UF_READ = 69, 70
+_INFO = {
+    0: MODULE,
+    1: VERSION_MAJOR << 16 | VERSION_MINOR,
+    2: 2,  # speaks TMCL
+    3: 0,  # a public release
+    20: 8,  # bits of an axis parameter's number
+    21: REGISTER_ADDRESS_BITS,
+    200: 0,  # patch
+    201: BOARD_ID << 16 | DRIVER_ID,
+    202: 0xFFFF_FFFF,  # versions of the boards: unknown
+}
+
+
+class Firmware:
+    """One board between two power-offs. `reset_chip` pulses the chip's reset pin."""
+
+    def __init__(self, registers: ChipRegisters, reset_chip: Callable[[], None]) -> None:
+        self._registers = registers
+        self._reset_chip = reset_chip
+        self.power_on()
+
+    def power_on(self) -> None:
+        """Start the microcontroller: it finds the boards, resets the chip and sets it up."""
+        self._board = Tmc4361Board(self._registers)
+        self._globals = {1: 0, 2: 1, 3: 0, 5: 0, 7: SPI_HZ[0], 8: SPI_HZ[1], 9: 3, 10: 3, 11: 243, 12: 9600}
+        """Errors, drivers enabled, debug mode, hardware, SPI clocks [Hz] and modes, bulk bytes, UART's baud rate."""
+        self._heard = (0, 0)
+        self._reset_board()
+
+    def receive(self, frame: bytes) -> bytes | None:
+        """Obey one 9-byte frame; None where it is for another module."""
+        if sum(frame[:8]) & 0xFF != frame[8]:
+            return _pack(self._heard[0], Status.WRONG_CHECKSUM, self._heard[1], 0)
+        module, opcode, type_, motor, value = _BODY.unpack_from(frame)
+        self._heard = (module, opcode)
+        if module != ADDRESS:
+            return None
+        if opcode == Opcode.GET_VERSION and type_ == 0:
+            return bytes((HOST,)) + VERSION_STRING
+        try:
+            return _pack(module, Status.OK, opcode, self._obey(opcode, type_, motor, value))
+        except Refusal as refusal:
+            return _pack(module, refusal.status, opcode, value)
+
+    def _obey(self, opcode: int, type_: int, motor: int, value: int) -> int:
+        """The value of the answer. Raises Refusal."""
+        address = motor >> 4 << 8 | type_
+        if opcode in (BoardOpcode.READ_MC, _UF_READ):
+            return self._registers.read(address)
+        if opcode in (BoardOpcode.WRITE_MC, _UF_WRITE):
+            self._registers.write(address, value)
+            return value
+        if opcode <= Opcode.GAP:
+            return self._axis(opcode, type_, motor, value)
+        handlers: dict[int, Handler] = {
+            Opcode.SGP: self._set_global,
+            Opcode.GGP: self._get_global,
+            Opcode.GIO: self._input,
+            Opcode.UF0: self._enable_drivers,
+            Opcode.GET_VERSION: self._version,
+            Opcode.RESET_MODULE: self._restart,
+            BoardOpcode.GET_IDS: self._assign,
+            BoardOpcode.USER_FUNCTION_MC: self._user_function,
+            BoardOpcode.BOARD_ERROR: self._errors,
+            BoardOpcode.BOARD_RESET: self._board_reset,
+            BoardOpcode.GET_INFO: self._info,
+        }
+        if opcode not in handlers:
+            raise invalid_command()
+        return handlers[opcode](type_, motor, value)
+
+    def _axis(self, opcode: int, type_: int, motor: int, value: int) -> int:
+        board = self._board
+        if motor >= MOTORS:
+            raise wrong_type()
+        if opcode in (Opcode.ROR, Opcode.ROL, Opcode.MST):
+            board.rotate({Opcode.ROR: value, Opcode.ROL: -value}.get(Opcode(opcode), 0))
+        elif opcode == Opcode.MVP and type_ == 0:
+            board.move_to(value)
+        elif opcode == Opcode.MVP and type_ == 1:
+            return board.move_by(value)
+        elif opcode == Opcode.MVP and type_ == 2:
+            raise invalid_command()
+        elif opcode == Opcode.SAP:
+            board.set(type_, value)
+        elif opcode == Opcode.GAP:
+            return board.get(type_)
+        else:
+            raise wrong_type()
+        return value
+
+    # --- the board itself ------------------------------------------------------------------------
+
+    def _get_global(self, type_: int, motor: int, value: int) -> int:
+        del motor, value
+        if type_ == 4:
+            return SLOTS
+        if type_ not in self._globals:
+            raise wrong_type()
+        return self._globals[type_]
+
+    def _set_global(self, type_: int, motor: int, value: int) -> int:
+        del motor
+        if type_ not in self._globals or type_ == 5:
+            raise wrong_type()
+        if (type_ == 3 and value not in (0, 1)) or (type_ in (9, 10) and not 0 <= value <= 3):
+            raise invalid_value()
+        if type_ == 2:
+            value = int(value != 0)
+        if type_ != 1:  # sets which errors count, and reads which there are: none here
+            self._globals[type_] = value
+        return value
+
+    def _enable_drivers(self, type_: int, motor: int, value: int) -> int:
+        del type_, motor
+        self._globals[2] = int(value != 0)
+        return value
+
+    def _input(self, type_: int, motor: int, value: int) -> int:
+        """Analog inputs: 0 with nothing at them; 5 and 6 are the motor supply."""
+        del motor, value
+        if type_ > 7:
+            raise wrong_type()
+        return SUPPLY_DECIVOLTS if type_ in (5, 6) else 0
+
+    def _version(self, type_: int, motor: int, value: int) -> int:
+        del motor
+        return {1: VERSION_BINARY, 4: 0x0202, 5: VERSION_MAJOR * 100 + VERSION_MINOR, 6: MOTORS}.get(type_, value)
+
+    def _info(self, type_: int, motor: int, value: int) -> int:
+        del motor, value
+        if type_ not in _INFO:
+            raise wrong_type()
+        return _INFO[type_]
+
+    def _errors(self, type_: int, motor: int, value: int) -> int:
+        del motor, value
+        if type_ > 1:
+            raise wrong_type()
+        return 0
+
+    def _assign(self, type_: int, motor: int, value: int) -> int:
+        """Command 143: 0 looks for the boards anew, which resets the chip; 4 and 5 only tell; no board of another kind
+        can be put into the slots."""
+        del motor, value
+        if type_ == 0:
+            self._reset_board()
+        elif type_ not in (4, 5):
+            raise wrong_type() if type_ > 5 else invalid_value()
+        return SLOTS
+
+    def _board_reset(self, type_: int, motor: int, value: int) -> int:
+        del motor
+        if type_ > 2:
+            raise wrong_type()
+        if type_ != 1:  # the driver board alone: it has no registers here
+            self._reset_board()
+        return value
+
+    def _user_function(self, type_: int, motor: int, value: int) -> int:
+        del motor
+        return self._board.user_function(type_, value)
+
+    def _restart(self, type_: int, motor: int, value: int) -> int:
+        del type_, motor
+        if value == MAGIC:
+            heard = self._heard
+            self.power_on()
+            self._heard = heard  # the answer goes out before the restart
+        return value
+
+    def _reset_board(self) -> None:
+        self._reset_chip()
+        self._board.set_up()
+
+
+def _pack(module: int, status: int, opcode: int, value: int) -> bytes:
+    body = _BODY.pack(HOST, module, status, opcode, (value + (1 << 31)) % (1 << 32) - (1 << 31))
+    return body + bytes((sum(body) & 0xFF,))
