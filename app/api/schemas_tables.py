@@ -4,15 +4,35 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, StringConstraints
+from pydantic import Discriminator, Field, StringConstraints, Tag
 
 from app.api.schemas import Answer, AxisConfig, Body, Flag, Int, Space
+from app.api.schemas_mslut import MslutHeld, MslutWrite
+from app.calc.mslut import ENTRIES as MSLUT_ENTRIES
 
 TableValue = Annotated[int, Field(strict=True, ge=0, le=63)]
 
 
 class MicrostepTable(Body):
     values: Annotated[list[TableValue], Field(min_length=64, max_length=64)]
+
+
+def _which(body: object) -> str:
+    if isinstance(body, dict):
+        values = body.get("values")
+        mslut = "registers" in body or "mirror" in body or (isinstance(values, list) and len(values) == MSLUT_ENTRIES)
+    else:
+        mslut = isinstance(body, MslutWrite | MslutHeld)
+    return "mslut" if mslut else "quarter"
+
+
+AnyTableIn = Annotated[
+    Annotated[MicrostepTable, Tag("quarter")] | Annotated[MslutWrite, Tag("mslut")], Discriminator(_which)
+]
+"""64 values of 0..63 for a TMC428; 256 values or the registers for a chip with an MSLUT."""
+AnyTable = Annotated[
+    Annotated[MicrostepTable, Tag("quarter")] | Annotated[MslutHeld, Tag("mslut")], Discriminator(_which)
+]
 
 
 class DriverSpecIn(Body):

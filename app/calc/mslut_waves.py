@@ -79,12 +79,12 @@ class Formula:
 class WantedWave:
     """A wave before anybody asked whether it can be encoded.
 
-    `ideal` is the value before rounding, shape (256,) [counts]; `wave` the rounded one. `refusal` tells of a formula
-    that no quarter wave can hold; then `ideal` and `wave` are its symmetric part, which is the nearest in the sense of
-    least squares over the period.
+    `ideal` is the value before rounding, shape (256,) [counts], None for a wave that no formula made; `wave` the
+    rounded one. `refusal` tells of a formula that no quarter wave can hold; then `ideal` and `wave` are its symmetric
+    part, which is the nearest in the sense of least squares over the period.
     """
 
-    ideal: NDArray[np.float64]
+    ideal: NDArray[np.float64] | None
     wave: Wave
     refusal: Refusal | None
     warnings: tuple[str, ...]

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from app.api import calculators, ramp_calculators, unit_calculators
+from app.api import calculators, mslut_tables, ramp_calculators, unit_calculators
 from app.api.problems import problems
 from app.api.schemas_calc import (
+    AnyMicrostepDesign,
     ChainRequest,
-    MicrostepDesign,
     MicrostepResult,
     PmulPdiv,
     PmulPdivResult,
@@ -19,6 +19,7 @@ from app.api.schemas_calc import (
     Units,
     UnitsResult,
 )
+from app.api.schemas_mslut import MslutDesign, MslutResult
 from app.api.schemas_tables import ChainDesign
 from app.links.errors import UsageError
 
@@ -50,9 +51,12 @@ def calculate_ramp(body: Ramp) -> RampResult:
 
 
 @router.post("/microstep-table")
-def design_microstep_table(body: MicrostepDesign) -> MicrostepResult:
-    """A microstep table from a formula (or drawn by hand), its datagrams, metrics and sequence."""
-    return calculators.microstep_table(body)
+def design_microstep_table(body: AnyMicrostepDesign) -> MicrostepResult | MslutResult:
+    """A microstep table from a formula (or drawn by hand), as it goes to the chip, and its figures.
+
+    For a TMC4361 a wave that cannot be encoded is answered too: with the places and reasons, and the nearest wave.
+    """
+    return mslut_tables.design(body) if isinstance(body, MslutDesign) else calculators.microstep_table(body)
 
 
 @router.post("/driver-chain")
