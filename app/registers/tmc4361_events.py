@@ -10,9 +10,17 @@ TMC26X = "motor driver TMC26x or TMC2130"
 TMC24X = "motor driver TMC23x or TMC24x"
 
 
-def _events(purpose: str = "") -> tuple[Field, ...]:
-    """One field an event; `purpose` is put before its meaning."""
-    return tuple(Field(name, 1, f"{purpose}{meaning}", lsb=bit) for bit, (name, meaning) in EVENTS.items())
+def _events() -> tuple[Field, ...]:
+    return tuple(Field(name, 1, meaning, lsb=bit) for bit, (name, meaning) in EVENTS.items())
+
+
+def _selection(purpose: str) -> tuple[Field, ...]:
+    """One field an event, with `purpose` before its meaning, and the bit that selects nothing.
+
+    That one is there because "all events" is written as 0xFFFFFFFF, and the word is kept as it is.
+    """
+    selected = tuple(Field(part.name, 1, f"{purpose}: {part.help}", lsb=part.lsb) for part in _events())
+    return (*selected, Field("reserved", 1, "no event has this bit", lsb=22))
 
 
 def _flag(name: str, lsb: int, meaning: str, when: str = "") -> Field:
@@ -28,7 +36,7 @@ EVENT_ROWS = (
         reset=0x82029805,
         group="events",
         source=f"002, 7.2; {TOM_STEPPYR}",
-        fields=_events("show: "),
+        fields=_selection("show"),
     ),
     Register(
         "EVENT_CLEAR_CONF",
@@ -37,7 +45,7 @@ EVENT_ROWS = (
         address=0x0C,
         group="events",
         source=f"002, 7.2; {TOM_TBONE_STEPPYR}",
-        fields=_events("keep: "),
+        fields=_selection("keep"),
     ),
     Register(
         "INTR_CONF",
@@ -46,7 +54,7 @@ EVENT_ROWS = (
         address=0x0D,
         group="events",
         source=f"002, 7.2; {TOM_TBONE_STEPPYR}",
-        fields=_events("interrupt: "),
+        fields=_selection("interrupt"),
     ),
     Register(
         "EVENTS",

@@ -86,7 +86,7 @@ _SPI_OUT_CONF = Register(
         Field("sck_low_before_csn", 1, "clock before chip select", lsb=4, when=_NO_TMC, behaviour=ONE_DRIVER),
         Field("new_out_bit_at_rise", 1, "clock edge of new bits", lsb=5, when=_NO_TMC, behaviour=ONE_DRIVER),
         Field("dac_cmd_length", 5, "bits of a DAC command", lsb=7, when="SPI DAC", behaviour=NO_DAC),
-        Field("cover_data_length", 7, "bits of a cover datagram; 0 for those of TMC drivers", lsb=13, range=(0, 64)),
+        Field("cover_data_length", 7, "bits of a cover datagram, up to 64; 0 for those of TMC drivers", lsb=13),
         Field("spi_out_low_time", 4, "low time of the clock", unit=CLOCKS, lsb=20),
         Field("spi_out_high_time", 4, "high time of the clock", unit=CLOCKS, lsb=24),
         Field("spi_out_block_time", 4, "rest between datagrams", unit=CLOCKS, lsb=28),
