@@ -72,6 +72,19 @@ def test_the_demo_bench_is_there(bench: Page) -> None:
     expect(bench.get_by_test_id("mode")).to_have_text(re.compile("ramp", re.IGNORECASE))
 
 
+def test_another_family_is_one_click_away(bench: Page, api: httpx.Client) -> None:
+    bench.get_by_role("button", name="Add an emulated PD42-1241").click()
+    try:
+        expect(bench.get_by_test_id("server-status")).to_have_text("3 of 3 connected")
+        expect(bench.get_by_role("link", name="Encoder")).to_be_visible()
+        expect(bench.get_by_test_id("link-readout").first).to_contain_text("live")
+        expect(bench.get_by_role("button", name="Add an emulated PD42-1241")).to_have_count(0)
+    finally:
+        for device in api.get("/devices").raise_for_status().json():
+            if not device["demo"]:
+                api.delete(f"/devices/{device['id']}").raise_for_status()
+
+
 def test_a_move_moves_the_motor_and_the_page_follows(bench: Page, api: httpx.Client) -> None:
     bench.get_by_test_id("move-target").fill("4000")
     bench.get_by_test_id("move-go").click()

@@ -10,6 +10,7 @@ import classes from "./bench.module.css";
 import { endDemo, startDemo } from "./demo";
 import { shuttleKey } from "./motion/ShuttleSection";
 import { useAction } from "./motion/useAction";
+import { TryModels } from "./TryModels";
 
 const NEXT: readonly (readonly [href: string, name: string, what: string])[] = [
   ["/ramps", "Ramps", "design one and send it"],
@@ -72,9 +73,12 @@ export function DemoBanner({ devices }: { devices: readonly Device[] }) {
           ))}
         </Group>
       ) : (
-        <Text size="sm" className={classes.next}>
-          {axes.length} emulated axes are ready. They run the chips' own ramp law, and nothing can break.
-        </Text>
+        <Group gap="4px 14px" className={classes.next}>
+          <Text size="sm">
+            {axes.length} emulated axes are ready. They run the chips' own ramp law, and nothing can break.
+          </Text>
+          <TryModels devices={devices} />
+        </Group>
       )}
       <ActionIcon
         variant="subtle"
