@@ -82,46 +82,50 @@ FB_STALL = 1 << 24
 """Level: the driver's stall flag, STATUS 24."""
 
 # --- cells of `s` ----------------------------------------------------------------------------------------------
-TICK, CLOCK, DIRTY, IDLE, WAKE = range(5)
-"""Ticks done, clocks done; registers or the world have changed since the last tick; nothing moves; first tick at which
-a timer ends."""
-X, FIELD, FEEDBACK = range(5, 8)
+TICK, CLOCK, IDLE, WAKE = range(4)
+"""Ticks done, clocks done; nothing moves; tick at which a timer ends that then."""
+X, FIELD, FEEDBACK = range(4, 7)
 """XACTUAL (signed); where the microsteps sent have turned the field [1/256 full step]; last word of the feedback."""
-EVENTS, STATUS, FLAGS = range(8, 11)
-"""EVENTS; STATUS; conditions whose rising edges are events, by event bit."""
-KIND, PLAN_TICK, PIECES, PIECE, STEPPED, GOAL = range(11, 17)
-"""What the running plan is for (`IDLING`...), its first tick, its pieces, the one it is in, steps sent since its start,
-steps at its end."""
-DIR, DIR_READY, HELD, STEPS, EDGES, TOO_FAST, TURNS = range(17, 24)
-"""DIROUT (+1, -1), tick from which steps may go out after it changed, steps held back till then; step pulses sent in
-all, STPOUT edges, pulses sent faster than the pulse length lets a driver see, direction changes."""
-INPUTS, SEEN, RAW, RAW_CLOCK = range(24, 28)
-"""Input pins as they are (`PIN_...`), after the filters, and where each began to differ: see `io.py`."""
+EVENTS, STATUS, FLAGS, PULSES = range(7, 11)
+"""EVENTS; STATUS; conditions whose rising edges are events, by event bit (and the selected driver flags from bit 32);
+events of this tick that are no conditions."""
+KIND, PLAN_TICK, PIECES, PIECE, STEPPED = range(11, 16)
+"""What the running plan is for (`IDLING`...), its first tick, its pieces, the one it is in, steps since its start."""
+CORRECTS, CLOSED = range(16, 18)
+"""The next ramp corrects one that missed; directions that a stop has closed (1 negative, 2 positive)."""
+DIR, READY, HELD, FREE, DRAIN = range(18, 23)
+"""DIROUT (+1, -1), clock from which steps may go out after it changed, steps held back, clock from
+which the next pulse may begin, steps held back by DIR_SETUP_TIME are still going out."""
+STEPS, TOO_FAST, TURNS = range(23, 26)
+"""Step pulses sent since power-on, pulses that merged with the one before, changes of direction."""
+INPUTS, SEEN = range(26, 28)
+"""Input pins as they are (`PIN_...`), and after the filters."""
 LBLOCK, RBLOCK, VLBLOCK, VRBLOCK, STALLED, FROZEN = range(28, 34)
-"""Directions that a stop has closed; stopped on stall; frozen until reset."""
-X_LATCH, REV_CNT, X_RANGE = range(34, 37)
-START_AT, STARTED, START_OUT, BUSY, MISSED = range(37, 42)
+"""Stops that still close their direction (until the event is cleared); stopped on stall; frozen until reset."""
+X_LATCH, REV_CNT, X_RANGE, SURPLUS = range(34, 38)
+"""Latched XACTUAL; turns of circular motion, half its range, steps made on the seam that XACTUAL does not count."""
+START_AT, STARTED, START_OUT, MISSED = range(38, 42)
 """Tick of the start that is under way (`NEVER`: none), starts so far, tick at which the START output ends, starts
 till the shadow registers are taken."""
 PENDING = 42
 """Bits of start_en whose register waits for a start."""
-P_XTARGET, P_VMAX, P_RAMPMODE, P_GEAR = range(43, 47)
-"""What is acted on while the register waits."""
-EXT_LEFT, EXT_LEVEL = 47, 48
+ACT_XTARGET, ACT_VMAX, ACT_RAMPMODE, ACT_GEAR = range(43, 47)
+"""What is acted on (raw words, XTARGET signed): the registers, unless they wait."""
+EXT_LEFT = 47
 """Pulses that the external step source still has to give (signed)."""
-ZERO_WAIT = 49
+ZERO_WAIT = 48
 """Tick until which the ramp generator rests after a stop (TZEROWAIT)."""
-HOME_SIDE, HOME_FROM, HOME_MARK = range(50, 53)
-"""Home tracking: the last level, XACTUAL at the rising edge of the zone, whether one was seen."""
-STANDBY, GATED, GATE_AT, STANDBY_AT = range(53, 57)
-"""In standby, clock stopped, and the ticks at which that happens."""
-FORCE, FORCED = 57, 58
+HOME_ENTERED, HOME_AT = 49, 50
+"""Home tracking by the centre: the zone was entered, and where."""
+STANDBY, STANDBY_AT, GATED, GATE_AT = range(51, 55)
+"""In standby, clocks stopped, and the ticks at which that happens."""
+FORCE, FORCED = 55, 56
 """Which pins are forced, and to what."""
-COVER_DONE, DEFERRED = 59, 60
-REACHED_ONCE = 61
-FILTER = 62
-"""From here: pins with a change on its way, four cells (`PIN` order): clock at which it counts, or `NEVER`."""
-INTEGERS = 80
+COVER_AT = 57
+"""Tick at which the cover datagram is through."""
+FILTER = 64
+"""From here, for each pin (in bit order): clock at which a change counts, or `NEVER`."""
+INTEGERS = 72
 
 # --- cells of `f` ----------------------------------------------------------------------------------------------
 V, A, P = range(3)
@@ -132,17 +136,18 @@ VMAX, VSTART, VSTOP, VBREAK, AMAX, DMAX, ASTART, DFINAL, DSTOP = range(5, 14)
 BOW1, BOW2, BOW3, BOW4, DFREEZE = range(14, 19)
 """The ramp registers in pps, pps^2, pps^3; VMAX signed."""
 EXTRA, GEAR, GEAR_SUM, EXT_RATE, EXT_PHASE = range(19, 24)
-"""Fraction of a 1/256 full step that regulation has added; GEAR_RATIO and its accumulator; the external source."""
-REV_FRACTION = 24
-"""CIRCULAR_DEC's share, collected over the turns."""
+"""Fraction of a 1/256 full step that regulation has added; GEAR_RATIO and its accumulator; external pulses a tick, and
+what is left of one."""
+REV_SURPLUS = 24
+"""Microsteps that a turn of circular motion has more than its range (CIRCULAR_DEC)."""
 LEFT_AT, RIGHT_AT, HOME_LOW, HOME_HIGH = range(25, 29)
 """The stage's switches [full steps of the shaft]."""
 P0, V0, A0 = range(29, 32)
 """Where a plan starts."""
 END_T, END_P, END_V, END_A = range(32, 36)
 """Where a plan under construction has got to."""
-BEFORE_P, BEFORE_V, BEFORE_A = range(36, 39)
-"""Where the running plan started: a write in the same tick starts there again."""
+BEFORE_P, BEFORE_V, BEFORE_A, GOAL = range(36, 40)
+"""Where the running plan started: a write in the same tick starts there again. Where it ends [pulses]."""
 PLAN = 40
 """Pieces of the plan, `PIECE_CELLS` each: when it begins [s since the plan's start], position, velocity, acceleration
 there, jerk."""
@@ -153,10 +158,21 @@ PLAN_END = PLAN + PIECE_CELLS * MOST_PIECES
 REALS = PLAN_END + 2
 
 # --- kinds of plans --------------------------------------------------------------------------------------------
-IDLING, MOVING, STOPPING, TO_ZERO, FREEZING, EXTERNAL = range(6)
-"""At rest; what RAMPMODE asks for; a stop's linear slope; to standstill first and then what RAMPMODE asks for; frozen;
-the step input has control."""
+IDLING, MOVING, TO_ZERO, STOPPING, FREEZING, EXTERNAL = range(6)
+"""At rest; what RAMPMODE asks for; to standstill first and then what RAMPMODE asks for; a stop's linear slope; the
+same of NFREEZE; the step input has control."""
 
 # --- pins (bits of INPUTS, SEEN, FORCE, FORCED) ----------------------------------------------------------------
 PIN_STOPL, PIN_HOME, PIN_STOPR, PIN_START, PIN_FREEZE = (1 << n for n in range(5))
 PINS = 5
+
+# --- register addresses -------------------------------------------------------------------------------------------
+GENERAL_CONF, REFERENCE_CONF, START_CONF, INPUT_FILT_CONF, STEP_CONF = 0x00, 0x01, 0x02, 0x03, 0x0A
+SPI_STATUS_SELECTION, EVENT_CLEAR_CONF, INTR_CONF, R_EVENTS, R_STATUS = 0x0B, 0x0C, 0x0D, 0x0E, 0x0F
+STP_LENGTH, START_OUT_ADD, GEAR_RATIO, START_DELAY, CLK_GATING_DELAY, STDBY_DELAY = range(0x10, 0x16)
+HOME_SAFETY_MARGIN, RAMPMODE, XACTUAL, VACTUAL, AACTUAL = 0x1E, 0x20, 0x21, 0x22, 0x23
+R_VMAX, R_VSTART, R_VSTOP, R_VBREAK, R_AMAX, R_DMAX, R_ASTART, R_DFINAL, R_DSTOP = range(0x24, 0x2D)
+R_BOW1, R_BOW2, R_BOW3, R_BOW4, CLK_FREQ, POS_COMP, VIRT_STOP_LEFT, VIRT_STOP_RIGHT = range(0x2D, 0x35)
+X_HOME, R_X_LATCH, XTARGET, X_PIPE0, SH_REG0, FREEZE, RESET_CLK_GATING = 0x35, 0x36, 0x37, 0x38, 0x40, 0x4E, 0x4F
+VSTALL_LIMIT, COVER_LOW, COVER_HIGH, COVER_DRV_LOW, COVER_DRV_HIGH = 0x67, 0x6C, 0x6D, 0x6E, 0x6F
+TZEROWAIT, CIRCULAR_DEC, VERSION = 0x7B, 0x7C, 0x7F

@@ -97,9 +97,7 @@ def _square_root(x: float) -> float:
 
 
 @compiled
-def _bows(
-    s: Cells, f: Floats, d: float, change: float, limit: float, rise: float, fall: float, last: float
-) -> None:
+def _bows(s: Cells, f: Floats, d: float, change: float, limit: float, rise: float, fall: float, last: float) -> None:
     """Change the velocity by `change` >= 0 in direction `d` and end with acceleration `last` >= 0 in it.
 
     The acceleration, not negative in that direction, goes by `rise` up to at most `limit`, stays, and goes by `fall`.
@@ -339,6 +337,13 @@ def to_position(s: Cells, f: Floats, shape: int, goal: float, from_rest: bool, f
                 if e * _cut(s, f, goal, e) <= f[VSTOP] * (1.0 + 1e-9):
                     return goal
                 ahead = -1.0
+            elif low < natural < high:
+                # Two slopes with a smooth turn between them are longer than one: between standstill and the velocity
+                # to which the acceleration tends, the way over a peak has no one root. The higher one is the faster.
+                if e * (goal - _attempt(s, f, shape, e * natural, False, 0.0, 0.0)) >= 0.0:
+                    low = natural
+                else:
+                    high = natural
         else:
             ahead = -1.0
         if ahead < 0.0:  # to zero, and from there to wherever the target is

@@ -1,0 +1,98 @@
+"""What an emulated TMC4361 tells about itself, its motor and the world behind its pins."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import BaseModel, Field
+
+from app.emulators.tmc4361.feedback.state import EncoderState, FeedbackTruth, MotorState, PwmState
+
+
+class StageState(BaseModel):
+    """Where switches and carriage are [full steps of the rotor]."""
+
+    left_at_fullsteps: float
+    right_at_fullsteps: float
+    home_from_fullsteps: float
+    home_to_fullsteps: float
+    position_fullsteps: float = Field(description="where the carriage really is")
+
+
+class LevelState(BaseModel):
+    active: bool = Field(description="the pin is high: polarity and filters do not enter")
+    forced: bool | None = Field(description="null while nobody forces it")
+
+
+class SwitchesState(BaseModel):
+    left: LevelState
+    right: LevelState
+    home: LevelState
+
+
+class PinsState(BaseModel):
+    """Pins besides those of the switches, as levels: true is high."""
+
+    start: LevelState = Field(description="START as an input")
+    freeze: LevelState = Field(description="NFREEZE")
+    start_out: bool = Field(description="the chip gives a start pulse at START")
+    intr: bool = Field(description="INTR")
+    target_reached: bool = Field(description="TARGET_REACHED")
+    step: bool = Field(description="STPOUT at rest")
+    direction: bool = Field(description="DIROUT")
+    standby: bool = Field(description="STDBY_CLK while it tells standby; false while it does not")
+
+
+class StepOutputState(BaseModel):
+    """The step output since power-on."""
+
+    steps_sent: int = Field(description="step pulses that left the chip")
+    steps_merged: int = Field(description="steps whose pulse merged with the one before: the driver missed them")
+    steps_held: int = Field(description="steps that wait for the direction's setup time or the pulse before")
+    direction_changes: int
+    pulse_clocks: int
+    microsteps_256: int = Field(description="microsteps sent, in 1/256 full step")
+
+
+class RampState(BaseModel):
+    """The ramp generator, finer than its registers."""
+
+    kind: Literal["rest", "ramp", "to standstill", "stop", "freeze", "step input"]
+    velocity_pps: float
+    acceleration_pps2: float
+    position: float = Field(description="XACTUAL with the fraction of a step")
+    starts: int = Field(description="start signals so far")
+    frozen: bool
+    standby: bool
+    clocks_gated: bool
+
+
+class FaultsState(BaseModel):
+    silence: bool
+    unplugged: bool
+    bit_error_rate: float
+
+
+class Tmc4361State(BaseModel):
+    """Everything that GET .../emulator answers for a TMC4361."""
+
+    model: Literal["tmc4361"] = "tmc4361"
+    time_scale: float
+    chip_time_s: float
+    clock_hz: float
+    motor: MotorState
+    load_torque_nm: float
+    blocked: bool
+    friction: float = Field(description="friction on top of the motor's own [N m]")
+    inertia: float = Field(description="of the load [kg m^2]")
+    supply_v: float = Field(description="motor supply [V]")
+    stage: StageState
+    switches: SwitchesState
+    pins: PinsState
+    encoder: EncoderState
+    pwm: PwmState | None
+    ramp: RampState
+    step_output: StepOutputState
+    driver_words: dict[str, int] = Field(description="what cover datagrams have written into the motor driver")
+    faults: FaultsState
+    truth: FeedbackTruth

@@ -1,0 +1,145 @@
+"""The bench around a chip: what a patch does to it, and what there is to tell."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from app.emulators.drive.options import StageSwitches
+from app.emulators.tmc4361 import layout as c
+from app.emulators.tmc4361.options import Forced, StageChange, Tmc4361Patch
+from app.emulators.tmc4361.registers import Chip
+from app.emulators.tmc4361.state import (
+    FaultsState,
+    LevelState,
+    PinsState,
+    RampState,
+    StageState,
+    StepOutputState,
+    SwitchesState,
+    Tmc4361State,
+)
+from app.links.errors import OutOfRange
+
+_PLACES = {
+    "left_at_fullsteps": c.LEFT_AT,
+    "right_at_fullsteps": c.RIGHT_AT,
+    "home_from_fullsteps": c.HOME_LOW,
+    "home_to_fullsteps": c.HOME_HIGH,
+}
+_KINDS: dict[int, Literal["rest", "ramp", "to standstill", "stop", "freeze", "step input"]] = {
+    c.IDLING: "rest",
+    c.MOVING: "ramp",
+    c.TO_ZERO: "to standstill",
+    c.STOPPING: "stop",
+    c.FREEZING: "freeze",
+    c.EXTERNAL: "step input",
+}
+
+
+def place(chip: Chip, stage: StageSwitches) -> None:
+    """Set up the stage's switches."""
+    for name, cell in _PLACES.items():
+        chip.f[cell] = getattr(stage, name)
+
+
+def check_stage(chip: Chip, wanted: StageChange) -> None:
+    """Raises OutOfRange where switches would change places."""
+    places = {
+        name: float(chip.f[cell]) if getattr(wanted, name) is None else getattr(wanted, name)
+        for name, cell in _PLACES.items()
+    }
+    for low, high, touching in (
+        ("left_at_fullsteps", "right_at_fullsteps", False),
+        ("home_from_fullsteps", "home_to_fullsteps", True),
+    ):
+        if places[low] > places[high] or (places[low] == places[high] and not touching):
+            raise OutOfRange(low, places[low], None, places[high], f"{high} lies to the right of it")
+
+
+def change(chip: Chip, wanted: Tmc4361Patch, clock_hz: float) -> None:
+    """Everything that is not the feedback unit's; the stage has been checked."""
+    for name, cell in _PLACES.items():
+        where = getattr(wanted.stage, name)
+        if where is not None:
+            chip.f[cell] = where
+    for pin, forced in (
+        (c.PIN_STOPL, wanted.switches.left),
+        (c.PIN_STOPR, wanted.switches.right),
+        (c.PIN_HOME, wanted.switches.home),
+        (c.PIN_START, wanted.pins.start),
+        (c.PIN_FREEZE, wanted.pins.freeze),
+    ):
+        if forced is not None:
+            _force(chip, pin, forced)
+    if wanted.step_dir is not None:
+        chip.s[c.EXT_LEFT] += wanted.step_dir.pulses
+        chip.f[c.EXT_RATE] = wanted.step_dir.rate_hz * c.TICK_CLOCKS / clock_hz
+    chip.settle()
+
+
+def _force(chip: Chip, pin: int, forced: Forced) -> None:
+    s = chip.s
+    s[c.FORCE] = int(s[c.FORCE]) & ~pin if forced == "auto" else int(s[c.FORCE]) | pin
+    s[c.FORCED] = int(s[c.FORCED]) | pin if forced is True else int(s[c.FORCED]) & ~pin
+
+
+def describe(
+    chip: Chip, faults: FaultsState, *, time_scale: float, chip_time_s: float, clock_hz: float
+) -> Tmc4361State:
+    """The chip and its bench as the API tells them."""
+    r, s, f = chip.r, chip.s, chip.f
+    behind = chip.feedback.describe()
+
+    def level(pin: int) -> LevelState:
+        forced = bool(int(s[c.FORCED]) & pin) if int(s[c.FORCE]) & pin else None
+        return LevelState(active=bool(int(s[c.INPUTS]) & pin), forced=forced)
+
+    return Tmc4361State(
+        time_scale=time_scale,
+        chip_time_s=chip_time_s,
+        clock_hz=clock_hz,
+        motor=behind.motor,
+        load_torque_nm=behind.load_torque_nm,
+        blocked=behind.blocked,
+        friction=behind.friction_nm,
+        inertia=behind.inertia_kgm2,
+        supply_v=behind.supply_v,
+        stage=StageState(
+            **{name: float(f[cell]) for name, cell in _PLACES.items()},
+            position_fullsteps=behind.truth.rotor_fullsteps,
+        ),
+        switches=SwitchesState(left=level(c.PIN_STOPL), right=level(c.PIN_STOPR), home=level(c.PIN_HOME)),
+        pins=PinsState(
+            start=level(c.PIN_START),
+            freeze=level(c.PIN_FREEZE),
+            start_out=bool(s[c.START_OUT] > s[c.TICK]),
+            intr=chip.intr,
+            target_reached=chip.target_reached,
+            step=chip.step_level,
+            direction=chip.direction_level,
+            standby=chip.standby_level,
+        ),
+        encoder=behind.encoder,
+        pwm=behind.pwm,
+        ramp=RampState(
+            kind=_KINDS[int(s[c.KIND])],
+            velocity_pps=float(f[c.V]),
+            acceleration_pps2=float(f[c.A]),
+            position=int(s[c.X]) + float(f[c.P]) - int(s[c.STEPPED]),
+            starts=int(s[c.STARTED]),
+            frozen=bool(s[c.FROZEN]),
+            standby=bool(s[c.STANDBY]),
+            clocks_gated=bool(s[c.GATED]),
+        ),
+        step_output=StepOutputState(
+            steps_sent=int(s[c.STEPS]),
+            steps_merged=int(s[c.TOO_FAST]),
+            steps_held=int(s[c.HELD]),
+            direction_changes=int(s[c.TURNS]),
+            pulse_clocks=(int(r[c.STP_LENGTH]) & 0xFFFF) + 1,
+            microsteps_256=int(s[c.FIELD]),
+        ),
+        driver_words=dict(chip.driver.words),
+        faults=faults,
+        truth=behind.truth,
+    )
