@@ -639,12 +639,14 @@ export interface paths {
         };
         /**
          * Read Microstep Table
-         * @description The 64 values of the quarter wave that the chip holds.
+         * @description The quarter wave that the chip holds: 64 values of a TMC428; of a chip with an MSLUT 256, and its registers.
          */
         get: operations["read_microstep_table"];
         /**
          * Write Microstep Table
-         * @description Write all 64 values, also while the motor runs; answers with the read-back.
+         * @description Write a whole table, also while the motor runs; answers with what the chip then holds.
+         *
+         *     A wave that an MSLUT cannot hold is refused, naming the entry and the reason.
          */
         put: operations["write_microstep_table"];
         post?: never;
@@ -813,7 +815,9 @@ export interface paths {
         put?: never;
         /**
          * Design Microstep Table
-         * @description A microstep table from a formula (or drawn by hand), its datagrams, metrics and sequence.
+         * @description A microstep table from a formula (or drawn by hand), as it goes to the chip, and its figures.
+         *
+         *     For a TMC4361 a wave that cannot be encoded is answered too: with the places and reasons, and the nearest wave.
          */
         post: operations["design_microstep_table"];
         delete?: never;
@@ -936,6 +940,37 @@ export interface paths {
 export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
+        /**
+         * AngleCorrection
+         * @description A turn of the current vector by degrees * sin(order * angle + phase).
+         */
+        AngleCorrection: {
+            /**
+             * Order
+             * @description 4, 8 or 12, times the electrical angle
+             */
+            order: number;
+            /**
+             * Degrees
+             * @description electrical, -45..45
+             */
+            degrees: number;
+            /**
+             * Phase Deg
+             * @description 0 or 180; anything else is refused as asymmetric
+             * @default 0
+             */
+            phase_deg?: number;
+        };
+        /** AngleOrderOut */
+        AngleOrderOut: {
+            /** Order */
+            order: number;
+            /** Amplitude Deg */
+            amplitude_deg: number;
+            /** Amplitude Microsteps */
+            amplitude_microsteps: number;
+        };
         /**
          * ApplicationState
          * @description The program in the module. It is stored and its run state kept; nothing executes it.
@@ -2005,6 +2040,28 @@ export interface components {
              */
             lost: number;
         };
+        /**
+         * Harmonic
+         * @description A harmonic of the current.
+         */
+        Harmonic: {
+            /**
+             * Order
+             * @description 3, 5, 7, 9 or 11
+             */
+            order: number;
+            /**
+             * Amplitude
+             * @description relative to the wave's amplitude, -1..1
+             */
+            amplitude: number;
+            /**
+             * Phase Deg
+             * @description 0 or 180; anything else is refused as asymmetric
+             * @default 0
+             */
+            phase_deg?: number;
+        };
         /** Health */
         Health: {
             /**
@@ -2334,6 +2391,12 @@ export interface components {
         };
         /** MicrostepResult */
         MicrostepResult: {
+            /**
+             * Chip
+             * @default tmc428
+             * @constant
+             */
+            chip: "tmc428";
             /** Values */
             values: number[];
             /** Datagrams */
@@ -2758,6 +2821,333 @@ export interface components {
         Moves: {
             /** Moves */
             moves: components["schemas"]["AxisMove"][];
+        };
+        /**
+         * MslutDesign
+         * @description A wave from a formula; or from `values` drawn by hand, or `registers` of a chip, of which the rest is figures.
+         *
+         *     The formula is amplitude * (shape(sigma)^exponent + harmonics), at an angle turned by `corrections`.
+         */
+        MslutDesign: {
+            /**
+             * Chip
+             * @constant
+             */
+            chip: "tmc4361";
+            /**
+             * Sigma
+             * @default 0
+             */
+            sigma?: number;
+            /**
+             * Exponent
+             * @description f of the sin^f linearity correction, 0.2..5
+             * @default 1
+             */
+            exponent?: number;
+            /**
+             * Thousandths
+             * @description instead of `exponent`, as printer firmware has it: f = 1 + thousandths / 1000
+             */
+            thousandths?: number | null;
+            /**
+             * Harmonics
+             * @default []
+             */
+            harmonics?: components["schemas"]["Harmonic"][];
+            /**
+             * Corrections
+             * @default []
+             */
+            corrections?: components["schemas"]["AngleCorrection"][];
+            /**
+             * Amplitude
+             * @description the grid's own where null: 248, 248, 247
+             */
+            amplitude?: number | null;
+            /**
+             * Full Scale
+             * @description stretch a box (sigma > 0) until it reaches the amplitude
+             * @default false
+             */
+            full_scale?: boolean;
+            /**
+             * Grid
+             * @description where angles are taken and what the negative half is: complement (as after power-on), opposite (the truest), whole_step (as printer firmware); null: whole_step with an exponent, else complement
+             */
+            grid?: ("complement" | "opposite" | "whole_step") | null;
+            /**
+             * Values
+             * @description a quarter wave drawn by hand, encodable or not
+             */
+            values?: number[] | null;
+            /**
+             * Mirror
+             * @description with `values`: the negative half is mirror - value: -1 its bitwise complement, as after power-on, 0 the exact opposite
+             * @default -1
+             */
+            mirror?: number;
+            registers?: components["schemas"]["MslutWords"] | null;
+            /**
+             * Norm
+             * @description what the nearest encodable wave is nearest by
+             * @default least_squares
+             * @enum {string}
+             */
+            norm?: "least_squares" | "minimax";
+        };
+        /**
+         * MslutFigures
+         * @description Figures over the electrical period; angles are electrical, microsteps 1/1024 of the period.
+         */
+        MslutFigures: {
+            /** Amplitude Min */
+            amplitude_min: number;
+            /** Amplitude Mean */
+            amplitude_mean: number;
+            /** Amplitude Max */
+            amplitude_max: number;
+            /**
+             * Torque Ripple
+             * @description (max - min) / mean of the vector length; null without current
+             */
+            torque_ripple: number | null;
+            /** Torque Ripple Rms */
+            torque_ripple_rms: number | null;
+            /**
+             * Angle Error Deg
+             * @description at positions 0..255; the other quarters repeat it
+             */
+            angle_error_deg: number[] | null;
+            /** Vector Length */
+            vector_length: number[];
+            /** Angle Error Max Deg */
+            angle_error_max_deg: number | null;
+            /** Angle Error Rms Deg */
+            angle_error_rms_deg: number | null;
+            /** Angle Error Max Microsteps */
+            angle_error_max_microsteps: number | null;
+            /** Angle Error Rms Microsteps */
+            angle_error_rms_microsteps: number | null;
+            /** Worst Position */
+            worst_position: number | null;
+            /**
+             * Angle Orders
+             * @description sine parts of the angle error, 4 to 16 a period
+             */
+            angle_orders: components["schemas"]["AngleOrderOut"][] | null;
+            /** Largest Step Ratio */
+            largest_step_ratio: number | null;
+            /** Smallest Step Ratio */
+            smallest_step_ratio: number | null;
+            /**
+             * Quantisation Max
+             * @description from the formula's value [counts]; null without a formula
+             */
+            quantisation_max: number | null;
+            /** Quantisation Rms */
+            quantisation_rms: number | null;
+            /**
+             * Harmonics
+             * @description of the current, 1 to 15, relative to the first
+             */
+            harmonics: number[] | null;
+            /** Thd */
+            thd: number | null;
+            /** Warnings */
+            warnings: string[];
+        };
+        /**
+         * MslutHeld
+         * @description The table that a chip holds.
+         *
+         *     Its registers can be written only, so they are what was last written through this connection, or those of power-on.
+         *     What the chip shows of it is `position` (MSCNT) and both currents; `current_*_expected` is what the table has there.
+         */
+        MslutHeld: {
+            /**
+             * Values
+             * @description the quarter wave, 256 values of 0..255
+             */
+            values: number[];
+            /**
+             * Mirror
+             * @description the negative half is mirror - value: -1 its bitwise complement, as after power-on, 0 the exact opposite
+             */
+            mirror: number;
+            /** Registers */
+            registers: components["schemas"]["MslutRegister"][];
+            /** Segments */
+            segments: components["schemas"]["MslutSegment"][];
+            /**
+             * Written
+             * @description false: nothing was written yet, the power-on wave is assumed
+             */
+            written: boolean;
+            /** Position */
+            position: number;
+            /** Current A */
+            current_a: number;
+            /** Current B */
+            current_b: number;
+            /** Current A Expected */
+            current_a_expected: number;
+            /** Current B Expected */
+            current_b_expected: number;
+            /**
+             * Agrees
+             * @description at rest; of a moving motor the three readings may belong to different microsteps
+             */
+            agrees: boolean;
+        };
+        /**
+         * MslutNearest
+         * @description The encodable wave nearest to a wanted one that is not.
+         */
+        MslutNearest: {
+            /**
+             * Norm
+             * @enum {string}
+             */
+            norm: "least_squares" | "minimax";
+            table: components["schemas"]["MslutTable"];
+            /**
+             * Distance Rms
+             * @description from the wanted wave [counts]
+             */
+            distance_rms: number;
+            /** Distance Max */
+            distance_max: number;
+            metrics: components["schemas"]["MslutFigures"];
+        };
+        /**
+         * MslutRefusal
+         * @description Why a wave cannot be encoded at entry `index`.
+         */
+        MslutRefusal: {
+            /** Index */
+            index: number;
+            /**
+             * Reason
+             * @enum {string}
+             */
+            reason: "value" | "zero_crossing" | "difference" | "segments" | "negative_half" | "asymmetric";
+            /** Detail */
+            detail: string;
+        };
+        /**
+         * MslutRegister
+         * @description One register to write.
+         */
+        MslutRegister: {
+            /** Name */
+            name: string;
+            /** Address */
+            address: number;
+            /** Value */
+            value: number;
+            /** Hex */
+            hex: string;
+        };
+        /**
+         * MslutResult
+         * @description A wave as it was wanted; its registers, or why there are none and which wave is nearest.
+         */
+        MslutResult: {
+            /**
+             * Chip
+             * @constant
+             */
+            chip: "tmc4361";
+            /** Encodable */
+            encodable: boolean;
+            /**
+             * Values
+             * @description as wanted, rounded; 256 values that need not be encodable
+             */
+            values: number[];
+            /** Mirror */
+            mirror: number;
+            /**
+             * Ideal
+             * @description before rounding; null without a formula
+             */
+            ideal: number[] | null;
+            table: components["schemas"]["MslutTable"] | null;
+            /**
+             * Refusals
+             * @description from left to right; empty for an encodable wave
+             */
+            refusals: components["schemas"]["MslutRefusal"][];
+            nearest: components["schemas"]["MslutNearest"] | null;
+            /** @description of the wave as wanted */
+            metrics: components["schemas"]["MslutFigures"];
+            /** Warnings */
+            warnings: string[];
+        };
+        /**
+         * MslutSegment
+         * @description Entries first..last differ from the one before by `low` or `low` + 1; W of MSLUTSEL is `width`.
+         */
+        MslutSegment: {
+            /** First */
+            first: number;
+            /** Last */
+            last: number;
+            /** Low */
+            low: number;
+            /** Width */
+            width: number;
+        };
+        /**
+         * MslutTable
+         * @description A wave that can be encoded, and its registers.
+         */
+        MslutTable: {
+            /**
+             * Values
+             * @description the quarter wave, 256 values of 0..255
+             */
+            values: number[];
+            /**
+             * Mirror
+             * @description the negative half is mirror - value: -1 its bitwise complement, as after power-on, 0 the exact opposite
+             */
+            mirror: number;
+            /** Registers */
+            registers: components["schemas"]["MslutRegister"][];
+            /** Segments */
+            segments: components["schemas"]["MslutSegment"][];
+        };
+        /**
+         * MslutWords
+         * @description The registers as they are.
+         */
+        MslutWords: {
+            /** Mslut */
+            mslut: number[];
+            /** Mslutsel */
+            mslutsel: number;
+            /**
+             * Mslutstart
+             * @description START_SIN 7:0, START_SIN90 23:16; DAC_OFFSET 31:24 is not touched
+             */
+            mslutstart: number;
+        };
+        /**
+         * MslutWrite
+         * @description A table for the chip: its values, or the registers themselves. One of the two.
+         */
+        MslutWrite: {
+            /** Values */
+            values?: number[] | null;
+            /**
+             * Mirror
+             * @description with `values`: the negative half is mirror - value: -1 its bitwise complement, as after power-on, 0 the exact opposite
+             * @default -1
+             */
+            mirror?: number;
+            registers?: components["schemas"]["MslutWords"] | null;
         };
         /**
          * Pd42Patch
@@ -3185,13 +3575,20 @@ export interface components {
          *     "sixpoint" is the ramp of a PD42-1241 (TMC5160): amax, vmax, dmax, and vstart, a1, v1, d1, vstop, all in pps and
          *     pps^2; v1 = 0 makes a trapezoid. `v_actual` is the velocity at the beginning (a move that is changed under way),
          *     `t_zero_wait_s` the pause before a reversal [s]. `ramp_mode` "velocity" goes to `v_target` by amax alone.
+         *
+         *     "s_ramp" is the ramp of a TMC4361: vmax, amax, dmax, bow1 to bow4, vstart, vstop, astart, dfinal, in pps, pps^2 and
+         *     pps^3; dmax is amax and bow2 to bow4 are bow1 where they are left out. `ramp_mode` is "position", "velocity" (to
+         *     `v_target`) or "hold" (no ramp at all). `v_actual` and `a_actual` are the state at the beginning. `shape`
+         *     "trapezoid" has no bows but `vbreak`, below which astart and dfinal hold. With `rounding` "registers" the curve is
+         *     that of what the registers hold, at `clock_hz` and with `direct_acc_val_en`, `direct_bow_val_en` (0 or 1).
+         *     `use_astart_and_vstart` (0 or 1) lets a start with VSTART begin with ASTART.
          */
         Ramp: {
             /**
              * Model
              * @enum {string}
              */
-            model: "tmc428" | "tmc4210" | "trapezoid" | "sixpoint";
+            model: "tmc428" | "tmc4210" | "trapezoid" | "sixpoint" | "s_ramp";
             /** Parameters */
             parameters: {
                 [key: string]: number | string;
@@ -3203,6 +3600,24 @@ export interface components {
              * @default 500
              */
             samples?: number;
+        };
+        /**
+         * RampFinding
+         * @description Something that the data sheet warns of, or that makes a parameter idle.
+         */
+        RampFinding: {
+            /**
+             * Code
+             * @description stable, for programs
+             */
+            code: string;
+            /**
+             * Parameter
+             * @description which parameter to look at, as in `parameters`; null for none alone
+             */
+            parameter: string | null;
+            /** Text */
+            text: string;
         };
         /**
          * RampInverse
@@ -3270,6 +3685,59 @@ export interface components {
             /** Warnings */
             warnings: string[];
         };
+        /**
+         * RampLimit
+         * @description How much of a limit a ramp uses: both magnitudes.
+         */
+        RampLimit: {
+            /**
+             * Name
+             * @description the register: VMAX, AMAX, DMAX
+             */
+            name: string;
+            /** Limit */
+            limit: number;
+            /** Peak */
+            peak: number;
+            /** Unit */
+            unit: string;
+            /** Reached */
+            reached: boolean;
+        };
+        /**
+         * RampRegister
+         * @description What a parameter becomes in its register.
+         */
+        RampRegister: {
+            /** Parameter */
+            parameter: string;
+            /**
+             * Name
+             * @description the register
+             */
+            name: string;
+            /** Raw */
+            raw: number;
+            /**
+             * Value
+             * @description what the register then stands for [unit]
+             */
+            value: number;
+            /**
+             * Least
+             * @description the step from one value to the next [unit]
+             */
+            least: number;
+            /**
+             * Highest
+             * @description the greatest that it can stand for [unit]
+             */
+            highest: number;
+            /** Why Highest */
+            why_highest: string;
+            /** Unit */
+            unit: string;
+        };
         /** RampResult */
         RampResult: {
             /** Duration S */
@@ -3288,6 +3756,62 @@ export interface components {
             overshoot_steps: number;
             /** Warnings */
             warnings: string[];
+            /**
+             * Jerk Pps3
+             * @description s_ramp alone
+             * @default []
+             */
+            jerk_pps3: number[];
+            /**
+             * Limits
+             * @description s_ramp: how much of VMAX, AMAX and DMAX it uses
+             * @default []
+             */
+            limits: components["schemas"]["RampLimit"][];
+            /**
+             * Findings
+             * @description s_ramp: `warnings` with the parameters they are about
+             * @default []
+             */
+            findings: components["schemas"]["RampFinding"][];
+            /**
+             * Registers
+             * @description s_ramp: what goes into the chip
+             * @default []
+             */
+            registers: components["schemas"]["RampRegister"][];
+            /**
+             * Rivals
+             * @description s_ramp: other ways to make the same move, from rest
+             * @default []
+             */
+            rivals: components["schemas"]["RampRival"][];
+        };
+        /**
+         * RampRival
+         * @description Another way to make the same move, to compare with.
+         */
+        RampRival: {
+            /**
+             * Name
+             * @description "trapezoid", "motor_trapezoid", "motor_limit"
+             */
+            name: string;
+            /** Text */
+            text: string;
+            /** Duration S */
+            duration_s: number;
+            /**
+             * Saved S
+             * @description how much sooner than that the ramp is done; negative: later [s]
+             */
+            saved_s: number;
+            /** Vmax Pps */
+            vmax_pps: number;
+            /** Amax Pps2 */
+            amax_pps2: number;
+            /** Dmax Pps2 */
+            dmax_pps2: number;
         };
         /**
          * RampUnits
@@ -7741,7 +8265,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["MicrostepTable"];
+                    "application/json": components["schemas"]["MicrostepTable"] | components["schemas"]["MslutHeld"];
                 };
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
@@ -7812,7 +8336,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["MicrostepTable"];
+                "application/json": components["schemas"]["MicrostepTable"] | components["schemas"]["MslutWrite"];
             };
         };
         responses: {
@@ -7822,7 +8346,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["MicrostepTable"];
+                    "application/json": components["schemas"]["MicrostepTable"] | components["schemas"]["MslutHeld"];
                 };
             };
             /** @description The body is not JSON (/problems/undecodable-body) */
@@ -8541,7 +9065,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["MicrostepDesign"];
+                "application/json": components["schemas"]["MicrostepDesign"] | components["schemas"]["MslutDesign"];
             };
         };
         responses: {
@@ -8551,7 +9075,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["MicrostepResult"];
+                    "application/json": components["schemas"]["MicrostepResult"] | components["schemas"]["MslutResult"];
                 };
             };
             /** @description The body is not JSON (/problems/undecodable-body) */
