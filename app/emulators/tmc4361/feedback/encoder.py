@@ -197,9 +197,9 @@ def _filtered_out(n: Cells, delta: int, clocks: int) -> bool:
 
 
 @compiled
-def _incremental(fb: Floats, n: Cells, clocks: int) -> int:
+def _incremental(fb: Floats, n: Cells, clocks: int, rested: bool) -> int:
     """A tick of an ABN encoder."""
-    place = fb[PLACE] if n[k.REST] else true_place(fb)
+    place = fb[PLACE] if rested else true_place(fb)
     counts = math.floor(place + 0.5)
     delta = counts - n[COUNTS]
     word = 0
@@ -389,8 +389,8 @@ def _serial(fb: Floats, n: Cells) -> int:
 
 
 @compiled
-def encode(fb: Floats, n: Cells, clocks: int) -> int:
-    """A tick of the encoder unit; answers the "now" bits of the feedback's word."""
+def encode(fb: Floats, n: Cells, clocks: int, rested: bool) -> int:
+    """A tick of the encoder unit, the shaft having `rested` or not; answers the "now" bits of the feedback's word."""
     if n[GENERAL_CONF] >> 10 & 3 == ABN:
-        return _incremental(fb, n, clocks)
+        return _incremental(fb, n, clocks, rested)
     return _serial(fb, n)

@@ -208,12 +208,12 @@ def motor_and_encoder_tick(
     """
     n = fb[INTEGERS_AT:].view(np.int64)
     n[NOW] += clocks
-    phase, look = n[PHASE], n[k.LOOK]
+    phase, look, rested = n[PHASE], n[k.LOOK], n[k.REST] != 0
     _sequence(fb, n, commanded_position_256ths, velocity_pps, clocks)
     energise(fb, n, velocity_pps, ramp_state, clocks)
     _stall_guard(fb, n, velocity_pps, look)
     fb[SHAFT_FULLSTEPS] = fb[k.THETA] * fb[k.TEETH] / (math.pi / 2.0)
-    word = encode(fb, n, clocks)
+    word = encode(fb, n, clocks, rested and n[k.REST] != 0)
     n[DEV] = error_of(fb, x_actual)
     conf = n[ENC_IN_CONF]
     if bit(conf, CALIBRATION_EN) and conf >> 22 & 3 == OPEN_LOOP:
