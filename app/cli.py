@@ -84,9 +84,10 @@ def serve(
 
 @cli.command()
 def emulate(
-    model: Annotated[str, typer.Argument(help="pd42-1241, tmc428 or tmc4210")],
+    model: Annotated[str, typer.Argument(help="pd42-1241, landungsbruecke, tmc428, tmc4210 or tmc4361")],
+    chip: Annotated[str | None, typer.Option(help="Landungsbruecke: the chip in its slot. [default: tmc4361]")] = None,
     pty: Annotated[
-        Path | None, typer.Option(metavar="PATH", help="Module: a serial port under this name (a symbolic link).")
+        Path | None, typer.Option(metavar="PATH", help="Line: a serial port under this name (a symbolic link).")
     ] = None,
     tcp: Annotated[
         str | None, typer.Option(metavar="HOST:PORT", help="Where to listen; port 0 picks a free one.")
@@ -95,39 +96,42 @@ def emulate(
         list[int] | None, typer.Option(help="Module: its address; more than one put several on the line. [default: 1]")
     ] = None,
     baud: Annotated[
-        int | None, typer.Option(help="Module: model the time on the wire. [default: no wire time]", min=300)
+        int | None, typer.Option(help="Line: model the time on the wire. [default: no wire time]", min=300)
     ] = None,
     shared_bus: Annotated[
-        bool, typer.Option("--shared-bus", help="Module: every TCP client hears everything, as on RS485.")
+        bool, typer.Option("--shared-bus", help="Line: every TCP client hears everything, as on RS485.")
     ] = False,
     data_dir: Annotated[
         Path | None, typer.Option(help="Module: where its EEPROM is kept. [default: forgotten at the end]")
     ] = None,
     control: Annotated[
-        str | None, typer.Option(metavar="HOST:PORT", help="Module: REST port for faults; see `stepscope fault`.")
+        str | None, typer.Option(metavar="HOST:PORT", help="Line: REST port for faults; see `stepscope fault`.")
     ] = None,
     seed: Annotated[int | None, typer.Option(help="Of everything random: RAM noise, bit errors.", min=0)] = None,
     clock_hz: Annotated[float | None, typer.Option(help="Chip: its clock [Hz].")] = None,
     time_scale: Annotated[float, typer.Option(help="How much faster than real time.", min=0.0, max=1000.0)] = 1.0,
     wiring: Annotated[str | None, typer.Option(help="Chip: how the reference switches are wired.")] = None,
 ) -> None:
-    """Serve one emulated chip (4-byte frames) or a line of modules (TMCL) to any client. Ctrl-C ends it."""
-    of_chip: dict[str, object] = {"clock_hz": clock_hz, "wiring": wiring}
-    of_line: dict[str, object] = {
-        "pty": pty,
-        "baud": baud,
-        "data_dir": data_dir,
-        "control": control,
-        "address": address,
-        "shared_bus": shared_bus or None,
-    }
+    """Serve one emulated chip (raw frames), or a line (TMCL) of modules or with an evaluation board, to any client.
+
+    Ctrl-C ends it.
+    """
+    of_modules: dict[str, object] = {"address": address, "data_dir": data_dir}
+    of_line: dict[str, object] = {"pty": pty, "baud": baud, "control": control, "shared_bus": shared_bus or None}
     with _told():
-        is_module = model == "pd42-1241"
-        _refuse(of_chip if is_module else of_line, model)
         from app import emulating
 
-        if is_module:
+        is_board, is_line = model == emulating.BOARD, model in emulating.LINES
+        _refuse({} if is_line else of_line, model)
+        _refuse({} if model == emulating.MODULE else of_modules, model)
+        _refuse({} if is_board else {"chip": chip}, model)
+        _refuse({"clock_hz": clock_hz} if model == emulating.MODULE else {}, model)
+        _refuse({"wiring": wiring} if is_line else {}, model)
+        if is_line:
             options = emulating.LineOptions(
+                model=model,
+                chip=chip or emulating.LineOptions.chip,
+                clock_hz=clock_hz,
                 pty=pty,
                 tcp=tcp,
                 addresses=address or (1,),
@@ -142,7 +146,8 @@ def emulate(
         else:
             if tcp is None:
                 raise ValueError("say where: --tcp HOST:PORT")
-            given = {name: value for name, value in {"seed": seed, **of_chip}.items() if value is not None}
+            of_chip = {"seed": seed, "clock_hz": clock_hz, "wiring": wiring}
+            given = {name: value for name, value in of_chip.items() if value is not None}
             emulating.emulate(model, tcp, given, time_scale, typer.echo)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import math
 import signal
 import socket
 import threading
@@ -11,10 +12,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
+from typing import TYPE_CHECKING
 
 from app.clock import Clock, WallClock
 from app.emulators.line.ends import End
-from app.emulators.line.line import Line
+from app.emulators.line.line import GAP_S, Line
+from app.emulators.line.module import LineModule
 from app.emulators.line.server import LineServer
 from app.emulators.line.tcp import TcpEnd
 from app.emulators.pd42.module import EmulatedModule
@@ -22,6 +25,12 @@ from app.emulators.pd42.options import Pd42Options
 from app.emulators.server import Served, serve_tcp
 from app.listening import CannotListen, host_and_port, listen, url_of, why
 
+if TYPE_CHECKING:
+    from fastapi import FastAPI
+
+MODULE, BOARD = "pd42-1241", "landungsbruecke"
+LINES = (MODULE, BOARD)
+"""What hangs on a serial line; all other models are chips with raw frames."""
 GRACE_S = 0.3
 """How long requests of the control port may take to end after Ctrl-C [s]."""
 
@@ -58,8 +67,14 @@ async def _emulate(device: Served, host: str, port: int, announce: Callable[[str
 
 @dataclass(frozen=True)
 class LineOptions:
-    """An emulated line as the command line describes it. `addresses` are those of its modules."""
+    """An emulated line as the command line describes it. `addresses` are those of its modules.
 
+    `model` is what hangs on it: pd42-1241, or one landungsbruecke with a `chip` that has `clock_hz`.
+    """
+
+    model: str = MODULE
+    chip: str = "tmc4361"
+    clock_hz: float | None = None
     pty: Path | None = None
     tcp: str | None = None
     addresses: Sequence[int] = (1,)
@@ -72,7 +87,7 @@ class LineOptions:
 
 
 def emulate_line(options: LineOptions, announce: Callable[[str], None]) -> None:
-    """Serve PD42-1241 modules on one line until Ctrl-C or SIGTERM.
+    """Serve PD42-1241 modules, or an evaluation board, on one line until Ctrl-C or SIGTERM.
 
     Raises ValueError for options that cannot be, CannotListen for an address or a path that cannot be had.
     """
@@ -81,14 +96,16 @@ def emulate_line(options: LineOptions, announce: Callable[[str], None]) -> None:
     if len(set(options.addresses)) != len(options.addresses):
         raise ValueError("every module of a line needs an address of its own")
     clock = WallClock()
-    modules = {address: _module(address, clock, options) for address in options.addresses}
+    with _killed_by_signals():  # loading the emulators, or compiling them, takes its time
+        far = _board(clock, options) if options.model == BOARD else _modules(clock, options)
     line = Line(
-        list(modules.values()),
+        far.on_line,
         clock,
         baud=options.baud,
         shared_bus=options.shared_bus,
         addresses=options.addresses,
         seed=options.seed,
+        gap_s=far.gap_s,
     )
     with contextlib.ExitStack() as stack:
         # The control port first: a client may set a fault as soon as the line is there.
@@ -100,13 +117,33 @@ def emulate_line(options: LineOptions, announce: Callable[[str], None]) -> None:
             server = stack.enter_context(LineServer(line, _ends(options)))
         except OSError as error:
             raise CannotListen(str(error)) from error
-        said = [f"emulated pd42-1241 at {', '.join(end.name for end in server.ends)}"]
+        said = [f"emulated {options.model} at {', '.join(end.name for end in server.ends)}"]
         if control is not None:
-            stack.enter_context(_controlling(server, modules, control))
+            stack.enter_context(_controlling(far.make_control(server), control))
             said.append(f"control at {url_of(*control.getsockname()[:2])}")
         stack.enter_context(_ended_by_signals(server.stop))
         announce(f"{'; '.join(said)}  (Ctrl-C ends it)")
         server.run()
+
+
+@dataclass(frozen=True)
+class _Far:
+    """What hangs on the line, and the control port for it (an import of its own: most lines need none)."""
+
+    on_line: Sequence[LineModule]
+    make_control: Callable[[LineServer], FastAPI]
+    gap_s: float = GAP_S
+
+
+def _modules(clock: Clock, options: LineOptions) -> _Far:
+    modules = {address: _module(address, clock, options) for address in options.addresses}
+
+    def make_control(server: LineServer) -> FastAPI:
+        from app.api.line_control import Controlled, make_control_app
+
+        return make_control_app(Controlled(server, modules))
+
+    return _Far(list(modules.values()), make_control)
 
 
 def _module(address: int, clock: Clock, options: LineOptions) -> EmulatedModule:
@@ -114,6 +151,20 @@ def _module(address: int, clock: Clock, options: LineOptions) -> EmulatedModule:
     named = {"address": address, "time_scale": options.time_scale, "seed": options.seed + address}
     eeprom = None if options.data_dir is None else options.data_dir / "emulators" / f"pd42-1241-{address}.json"
     return EmulatedModule(clock, Pd42Options.model_validate(named), eeprom)
+
+
+def _board(clock: Clock, options: LineOptions) -> _Far:
+    from app.emulators.board.build import build_board
+
+    given = {"clock_hz": options.clock_hz, "seed": options.seed, "time_scale": options.time_scale}
+    board = build_board(options.chip, clock, {name: value for name, value in given.items() if value is not None})
+
+    def make_control(server: LineServer) -> FastAPI:
+        from app.api.board_control import make_board_control_app
+
+        return make_board_control_app(server, board)
+
+    return _Far([board], make_control, gap_s=math.inf)  # its firmware waits for nine bytes however long it takes
 
 
 def _ends(options: LineOptions) -> list[End]:
@@ -150,20 +201,18 @@ def _handling(handler: Callable[[int, FrameType | None], object] | signal.Handle
     try:
         yield
     finally:
-        for number, handler in before.items():
-            signal.signal(number, handler)
+        for number, earlier in before.items():
+            signal.signal(number, earlier)
 
 
 @contextlib.contextmanager
-def _controlling(server: LineServer, modules: Mapping[int, EmulatedModule], listener: socket.socket) -> Iterator[None]:
-    """The control port, in a thread of its own, as long as the block runs. `server` has to run meanwhile."""
+def _controlling(app: FastAPI, listener: socket.socket) -> Iterator[None]:
+    """The control port, in a thread of its own, as long as the block runs. The line's server has to run meanwhile."""
     import uvicorn  # a quarter of a second that most lines need not wait for
-
-    from app.api.line_control import Controlled, make_control_app
 
     web = uvicorn.Server(
         uvicorn.Config(
-            make_control_app(Controlled(server, modules)),
+            app,
             log_level="warning",
             access_log=False,
             lifespan="off",

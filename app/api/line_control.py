@@ -25,12 +25,19 @@ from app.links.errors import OutOfRange, UnknownThing, WrongState
 BODY_LIMIT_BYTES = 64 * 1024
 
 
-class Controlled:
-    """A line that another thread serves, and its modules by the address that they were started with."""
+class Served:
+    """A line that another thread serves. `call` runs a function there, between two frames."""
 
-    def __init__(self, server: LineServer, modules: Mapping[int, EmulatedModule]) -> None:
+    def __init__(self, server: LineServer) -> None:
         self.line = server.line
         self.call = server.call
+
+
+class Controlled(Served):
+    """A line, and its modules by the address that they were started with."""
+
+    def __init__(self, server: LineServer, modules: Mapping[int, EmulatedModule]) -> None:
+        super().__init__(server)
         self.modules = modules
 
     def module(self, address: int | None) -> EmulatedModule:
@@ -46,6 +53,13 @@ class Controlled:
 
 
 router = APIRouter(tags=["emulator"])
+line_router = APIRouter(tags=["line"])
+
+
+async def _served(request: Request) -> Served:
+    served = request.app.state.controlled
+    assert isinstance(served, Served)
+    return served
 
 
 async def _controlled(request: Request) -> Controlled:
@@ -54,52 +68,58 @@ async def _controlled(request: Request) -> Controlled:
     return controlled
 
 
-CurrentLine = Annotated[Controlled, Depends(_controlled)]
+CurrentModules = Annotated[Controlled, Depends(_controlled)]
+CurrentLine = Annotated[Served, Depends(_served)]
 Address = Annotated[int, Path(description="the address that the module was started with", ge=1, le=255)]
 REFUSED = responses(UnknownThing, WrongState, OutOfRange)
 
 
 # Plain functions, which run in a thread of their own: each waits until the line is between two frames.
 @router.get("/emulator", responses=REFUSED)
-def get_emulator(far: CurrentLine) -> Pd42State:
+def get_emulator(far: CurrentModules) -> Pd42State:
     """The one module of this line, its motor and its faults."""
     return far.call(far.module(None).state)
 
 
 @router.patch("/emulator", responses=REFUSED)
-def change_emulator(far: CurrentLine, body: Pd42Patch) -> Pd42State:
+def change_emulator(far: CurrentModules, body: Pd42Patch) -> Pd42State:
     """Cause faults, load the shaft, force switches; what is left out stays."""
     module = far.module(None)
     return far.call(lambda: module.patch(body))
 
 
 @router.get("/emulator/{address}", responses=REFUSED)
-def get_emulator_at(far: CurrentLine, address: Address) -> Pd42State:
+def get_emulator_at(far: CurrentModules, address: Address) -> Pd42State:
     """One of several modules."""
     return far.call(far.module(address).state)
 
 
 @router.patch("/emulator/{address}", responses=REFUSED)
-def change_emulator_at(far: CurrentLine, address: Address, body: Pd42Patch) -> Pd42State:
+def change_emulator_at(far: CurrentModules, address: Address, body: Pd42Patch) -> Pd42State:
     """The same for one of several modules."""
     module = far.module(address)
     return far.call(lambda: module.patch(body))
 
 
-@router.get("/line")
+@line_router.get("/line")
 def get_line(far: CurrentLine) -> LineState:
     """Baud rate, modules and faults of the line itself."""
     return far.call(far.line.state)
 
 
-@router.patch("/line")
+@line_router.patch("/line")
 def change_line(far: CurrentLine, body: LinePatch) -> LineState:
     """Faults of the cable, which hit every module and questions too; the baud rate of the wire."""
     return far.call(lambda: far.line.patch(body))
 
 
 def make_control_app(controlled: Controlled, allowed_hosts: tuple[str, ...] = ()) -> FastAPI:
-    """The control port over a line, with the guard and the problems of the dashboard's API."""
+    """The control port over a line of modules, with the guard and the problems of the dashboard's API."""
+    return control_app(controlled, router, allowed_hosts)
+
+
+def control_app(served: Served, emulators: APIRouter, allowed_hosts: tuple[str, ...] = ()) -> FastAPI:
+    """A control port with the routes of what is on the line, and those of the line."""
     app = FastAPI(
         title="stepscope emulator",
         version=__version__,
@@ -108,9 +128,10 @@ def make_control_app(controlled: Controlled, allowed_hosts: tuple[str, ...] = ()
         redoc_url=None,
         redirect_slashes=False,
     )
-    app.state.controlled = controlled
+    app.state.controlled = served
     app.state.allowed_methods = openapi.allowed_methods(app)
-    app.include_router(router)
+    app.include_router(emulators)
+    app.include_router(line_router)
     problems.install(app)
     app.add_middleware(Guard, allowed_hosts=allowed_hosts, body_limit_bytes=BODY_LIMIT_BYTES)
     return app

@@ -12,6 +12,7 @@ from contextlib import asynccontextmanager
 
 import pytest
 
+from app.links.dialogue import FENCES
 from app.links.errors import BadReply, LinkTimeout
 from app.links.incidents import IncidentKind
 from app.links.queue import LinkQueue
@@ -411,5 +412,6 @@ async def test_a_thousand_corrupt_answers() -> None:
         assert bad > 300
         assert len(port.incidents.list()) == 200
         assert sum(port.incidents.counts.values()) > 1000
-        assert not [frame for frame in module.seen if frame[1] not in (Opcode.GAP, Opcode.GET_VERSION)]
+        # GAP is one of them; and a busy machine may lose a fence, and then another one is sent
+        assert {frame[1] for frame in module.seen} <= FENCES.keys()
         assert len(module.asked()) <= 1 + 1000 + 4  # nothing was asked twice

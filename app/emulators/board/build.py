@@ -1,0 +1,23 @@
+"""Where emulated boards come from."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from app.clock import Clock
+from app.emulators.board.board import EmulatedBoard
+from app.emulators.tmc4361 import EmulatedTmc4361, Tmc4361Options
+from app.links.errors import UnknownThing
+
+CHIPS = ("tmc4361",)
+"""Chips that an emulated board may have in its slot."""
+
+
+def build_board(chip: str, clock: Clock, options: Mapping[str, object]) -> EmulatedBoard:
+    """A board with an emulated `chip` that lives by `clock`; `options` are those of the chip.
+
+    Raises UnknownThing for a chip that has no board here, ValueError for options that cannot be.
+    """
+    if chip not in CHIPS:
+        raise UnknownThing("chip on a landungsbruecke", chip, list(CHIPS))
+    return EmulatedBoard(EmulatedTmc4361(clock, Tmc4361Options.model_validate(options)))

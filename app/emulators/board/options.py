@@ -1,0 +1,54 @@
+"""What can be said to an emulated board from outside: the world around it, its faults, and those of its chip."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from app.emulators.line.faults import Late, Rate, Switch
+from app.emulators.tmc4361.options import Tmc4361Patch
+from app.emulators.tmc4361.state import Tmc4361State
+
+Flag = Annotated[bool, Field(strict=True)]
+
+
+class _Closed(BaseModel):
+    model_config = ConfigDict(extra="forbid")
+
+
+class BoardFaults(_Closed):
+    """Between the board and its line. Faults of the SPI are the chip's."""
+
+    silence: Switch = Field(default=False, description="the board obeys and says nothing")
+    late_reply_s: Late = Field(default=0.0, description="how much too late every answer comes [s]")
+    bit_error_rate: Rate = Field(default=0.0, description="probability that a bit of an answer is flipped")
+    half_frame_rate: Rate = Field(default=0.0, description="probability that an answer breaks off after 1..8 bytes")
+    unplugged: Switch = Field(default=False, description="the USB cable is out")
+
+
+class BoardFaultsChange(_Closed):
+    """A change of some of the faults."""
+
+    silence: Switch | None = None
+    late_reply_s: Late | None = None
+    bit_error_rate: Rate | None = None
+    half_frame_rate: Rate | None = None
+    unplugged: Switch | None = None
+
+
+class BoardPatch(_Closed):
+    """A change to a running board; what is left out stays. A power cycle comes first."""
+
+    faults: BoardFaultsChange = Field(default_factory=BoardFaultsChange)
+    power_cycle: Flag = Field(default=False, description="board and chip off and on again; motor and stage stay")
+    chip: Tmc4361Patch = Field(default_factory=Tmc4361Patch, description="the chip in the slot and the world around it")
+
+
+class BoardState(_Closed):
+    """An emulated board and the chip in its slot."""
+
+    model: Literal["landungsbruecke"] = "landungsbruecke"
+    version: str
+    faults: BoardFaults
+    chip: Tmc4361State
