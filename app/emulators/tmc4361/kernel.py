@@ -5,7 +5,7 @@ to get there, stops and compare positions are looked at, starts happen, flags be
 motor have every second tick. Where nothing moves and nothing is due the ticks are passed over, which changes no bit;
 so it makes no difference in how many pieces time is advanced.
 
-A write takes effect at once (`settle`), from the state of the latest tick: no time passes between two datagrams of a
+A write takes effect at once, from the state of the latest tick: no time passes between two datagrams of a
 test, and a flag read after a write is of after the write.
 """
 
@@ -23,12 +23,13 @@ from app.emulators.tmc4361.feedback import layout as fl
 from app.emulators.tmc4361.feedback.kernel import motor_and_encoder_tick, regulation_tick
 from app.emulators.tmc4361.layout import (
     ACT_RAMPMODE,
-    ACT_VMAX,
     ACT_XTARGET,
     CLK_GATING_DELAY,
     CLOCK,
     CLOSED,
     COVER_AT,
+    DFREEZE,
+    DSTOP,
     DT,
     EVENTS,
     EXT_LEFT,
@@ -69,6 +70,7 @@ from app.emulators.tmc4361.layout import (
     POS_COMP,
     PULSES,
     REFERENCE_CONF,
+    REPLAN,
     RESET_CLK_GATING,
     REV_CNT,
     SEEN,
@@ -112,12 +114,13 @@ from app.emulators.tmc4361.pins import (
     virtual_stops,
 )
 from app.emulators.tmc4361.plan import TRAPEZOID
-from app.emulators.tmc4361.ramp import count, decide, distance, external_steps, freeze, go_on, stop
+from app.emulators.tmc4361.ramp import count, decide, distance, external_steps, go_on, slow_down
 from app.emulators.tmc4361.starts import follow, is_due, start, trigger
 from app.emulators.tmc4361.units import signed, take_over
 
 _EV_POS_COMP, _EV_FROZEN, _EV_ENC_DONE, _EV_SER_FAIL, _EV_SER_DONE = 1 << 1, 1 << 10, 1 << 20, 1 << 21, 1 << 23
 _EV_COVER_DONE, _EV_STALL, _EV_MOTOR = 1 << 25, 1 << 29, 1 << 30
+_FB_PULSES = FB_ENC_DONE | FB_SER_FAIL | FB_SER_DONE | FB_LATCH_X | FB_N_EVENT | FB_SET_X
 
 
 @inlined
@@ -200,48 +203,39 @@ def flags(r: Cells, s: Cells, f: Floats, fb: Floats, pins: int, virtual: int) ->
 # --- writes ------------------------------------------------------------------------------------------------------
 
 
-@compiled
-def settle(r: Cells, s: Cells, f: Floats, fb: Floats, ramp: bool) -> None:
+@inlined
+def _settle(r: Cells, s: Cells, f: Floats, fb: Floats, ramp: bool) -> None:
     """Take over what Python wrote into the cells. `ramp`: into something that the ramp generator goes by."""
     s[IDLE] = 0
+    s[INPUTS] = levels(r, s, f, fb)
     if s[GATED]:
-        s[INPUTS] = levels(r, s, f, fb)
         return
     follow(r, s)
     take_over(r, s, f)
-    s[INPUTS] = levels(r, s, f, fb)
-    changed = filtered(r, s, s[CLOCK])
-    _inputs_changed(r, s, f, changed)
     if r[RESET_CLK_GATING] & 7 == 7 and r[GENERAL_CONF] >> 17 & 1 and s[GATE_AT] == NEVER:
         s[GATE_AT] = s[TICK] + 1 + r[CLK_GATING_DELAY] // TICK_CLOCKS
-    pins = stop_pins(r, s)
-    virtual = virtual_stops(r, s, _heading(f))
-    closing = closed(r, s, pins, virtual)
     if not r[REFERENCE_CONF] >> 26 & 1 or (r[REFERENCE_CONF] >> 27 & 1 and not s[EVENTS] & _EV_STALL):
         s[STALLED] = 0
-    released = closing != s[CLOSED]
-    s[CLOSED] = closing
-    if ramp or released or s[KIND] == IDLING:
-        decide(r, s, f)
-    flags(r, s, f, fb, pins, virtual)
-
-
-@compiled
-def _inputs_changed(r: Cells, s: Cells, f: Floats, changed: int) -> None:
-    if changed == 0:
-        return
-    latch(r, s, changed)
-    track_home(r, s, changed, _heading(f), False)
-    if changed & PIN_START:
-        trigger(r, s, True, 0)
-    if changed & PIN_FREEZE and not s[SEEN] & PIN_FREEZE and not s[FROZEN]:
-        freeze(r, s, f)
+    if ramp or s[KIND] == IDLING:
+        s[REPLAN] = 1
 
 
 # --- time --------------------------------------------------------------------------------------------------------
 
 
-@compiled
+@inlined
+def _inputs_changed(r: Cells, s: Cells, f: Floats, changed: int) -> None:
+    """What switches, START and NFREEZE do when their filters let a change pass."""
+    latch(r, s, changed)
+    track_home(r, s, changed, _heading(f), False)
+    if changed & PIN_START:
+        trigger(r, s, True, 0)
+    if changed & PIN_FREEZE and not s[SEEN] & PIN_FREEZE and not s[FROZEN]:
+        s[FROZEN] = 1
+        slow_down(r, s, f, f[DFREEZE], FREEZING)
+
+
+@inlined
 def _feed_back(r: Cells, s: Cells, f: Floats, fb: Floats) -> None:
     """The feedback unit's turn."""
     v = f[V]
@@ -255,90 +249,44 @@ def _feed_back(r: Cells, s: Cells, f: Floats, fb: Floats) -> None:
     state = _ramp_state(f) | (4 if v != 0.0 else 0) | (8 if s[FROZEN] else 0)
     word = motor_and_encoder_tick(fb, s[FIELD], out, FEEDBACK_CLOCKS, s[X], state)
     s[FEEDBACK] = word
-    if word & FB_ENC_DONE:
-        s[PULSES] |= _EV_ENC_DONE
-    if word & FB_SER_FAIL:
-        s[PULSES] |= _EV_SER_FAIL
-    if word & FB_SER_DONE:
-        s[PULSES] |= _EV_SER_DONE
-    if word & FB_LATCH_X:
-        s[X_LATCH] = s[X]
-        s[PULSES] |= XLATCH_DONE
-    if word & FB_N_EVENT:
-        track_home(r, s, 0, _heading(f), True)
-    if word & FB_SET_X:
-        s[X] = int(fb[fl.X_NEW])
-        decide(r, s, f)
-    if s[SEEN] != s[INPUTS] or levels(r, s, f, fb) != s[INPUTS]:
-        s[INPUTS] = levels(r, s, f, fb)
+    if word & _FB_PULSES:
+        if word & FB_ENC_DONE:
+            s[PULSES] |= _EV_ENC_DONE
+        if word & FB_SER_FAIL:
+            s[PULSES] |= _EV_SER_FAIL
+        if word & FB_SER_DONE:
+            s[PULSES] |= _EV_SER_DONE
+        if word & FB_LATCH_X:
+            s[X_LATCH] = s[X]
+            s[PULSES] |= XLATCH_DONE
+        if word & FB_N_EVENT:
+            track_home(r, s, 0, _heading(f), True)
+        if word & FB_SET_X:
+            s[X] = int(fb[fl.X_NEW])
+            s[REPLAN] = 1
+    s[INPUTS] = levels(r, s, f, fb)
 
 
-@compiled
+@inlined
 def _stops(r: Cells, s: Cells, f: Floats, pins: int, virtual: int) -> None:
     """Stops of switches, virtual stops and stalls."""
     conf = r[REFERENCE_CONF]
     closing = closed(r, s, pins, virtual)
-    released = s[CLOSED] & ~closing
+    if s[KIND] == IDLING and s[CLOSED] & ~closing:
+        s[REPLAN] = 1
     s[CLOSED] = closing
-    kind = s[KIND]
     heading = _heading(f)
-    if heading != 0 and kind in (MOVING, TO_ZERO):
-        ahead = 1 if heading < 0 else 2
-        if closing & ahead:
-            by_pin = pins >> 1 | pins << 1 if conf >> 4 & 1 else pins
-            soft = conf >> 5 & 1 != 0 if by_pin & ahead else conf >> 8 & 3 == 2
-            stop(r, s, f, soft)
-    if s[STATUS] >> 11 & 1 and conf >> 26 & 1 and not s[STALLED] and heading != 0 and kind != FREEZING:
+    if heading == 0 or s[KIND] not in (MOVING, TO_ZERO):
+        return
+    ahead = 1 if heading < 0 else 2
+    if s[STATUS] >> 11 & 1 and conf >> 26 & 1 and not s[STALLED]:
         s[STALLED] = 1
         s[PULSES] |= _EV_STALL
-        stop(r, s, f, False)
-    if released and s[KIND] == IDLING:
-        decide(r, s, f)
-
-
-@compiled
-def _tick(r: Cells, s: Cells, f: Floats, fb: Floats) -> None:
-    s[TICK] += 1
-    tick = s[TICK]
-    if s[GATED] and not (s[SEEN] ^ s[INPUTS]) & PIN_START:
-        _asleep(r, s, f, fb)
-        return
-    s[GATED] = 0
-    if s[SEEN] != s[INPUTS]:
-        _inputs_changed(r, s, f, filtered(r, s, tick * TICK_CLOCKS))
-    beyond = _compared(r, s, fb)
-    if s[KIND] != IDLING or s[EXT_LEFT] != 0 or s[HELD] != 0:
-        _move(r, s, f)
-    if tick & 1 == 0:
-        _feed_back(r, s, f, fb)
-    now_beyond = _compared(r, s, fb)
-    if (beyond < 0 < now_beyond or now_beyond < 0 < beyond) and abs(now_beyond - beyond) < 1 << 16:
-        s[PULSES] |= _EV_POS_COMP  # passed within the tick
-    pins = stop_pins(r, s)
-    virtual = virtual_stops(r, s, _heading(f))
-    _stops(r, s, f, pins, virtual)
-    if tick >= s[COVER_AT]:
-        s[COVER_AT] = NEVER
-        s[PULSES] |= _EV_COVER_DONE
-    new = flags(r, s, f, fb, pins, virtual)
-    if new & 7:
-        trigger(r, s, False, new)
-    if s[START_AT] <= tick and is_due(r, s):
-        start(r, s)
-        take_over(r, s, f)
-        decide(r, s, f)
-        flags(r, s, f, fb, pins, virtual)
-    if s[KIND] == IDLING:
-        _idle(r, s, f, fb)
-
-
-@inlined
-def _asleep(r: Cells, s: Cells, f: Floats, fb: Floats) -> None:
-    """With clocks stopped only the motor lives on. A change at START wakes the chip (a choice, as for datagrams)."""
-    if s[TICK] & 1 == 0:
-        _feed_back(r, s, f, fb)
-    if s[FEEDBACK] & FB_QUIET:
-        s[IDLE], s[WAKE] = 1, NEVER
+        slow_down(r, s, f, 0.0, STOPPING)
+    elif closing & ahead:
+        by_pin = pins >> 1 | pins << 1 if conf >> 4 & 1 else pins
+        soft = conf >> 5 & 1 != 0 if by_pin & ahead else conf >> 8 & 3 == 2
+        slow_down(r, s, f, f[DSTOP] if soft else 0.0, STOPPING)
 
 
 @inlined
@@ -349,8 +297,7 @@ def _move(r: Cells, s: Cells, f: Floats) -> None:
     if s[EXT_LEFT] != 0 or kind == EXTERNAL:
         steps = external_steps(r, s, f)
         if kind != EXTERNAL:
-            if steps != 0:  # sd_indirect_control: the target has moved
-                decide(r, s, f)
+            s[REPLAN] |= steps != 0  # sd_indirect_control: the target has moved
             steps = 0
     if kind != IDLING and kind != EXTERNAL:
         steps = go_on(r, s, f)
@@ -358,61 +305,112 @@ def _move(r: Cells, s: Cells, f: Floats) -> None:
         count(r, s, f, steps)
     if steps != 0 or s[HELD] != 0:
         send(r, s, steps)
-    if kind != IDLING and s[KIND] == IDLING:
-        _arrived(r, s, f, kind)
+    if kind != IDLING and s[KIND] == IDLING:  # the end of a plan
+        s[STANDBY_AT] = s[TICK] + 1 + r[STDBY_DELAY] // TICK_CLOCKS
+        s[REPLAN] = 1
+        if kind == MOVING and r[REFERENCE_CONF] >> 21 & 1 and s[ACT_RAMPMODE] & 4 and distance(r, s, f) == 0:
+            s[PULSES] |= 1  # clr_pos_at_target: XACTUAL is no longer there when flags are looked at
+            s[X] = 0
 
 
 @inlined
-def _arrived(r: Cells, s: Cells, f: Floats, kind: int) -> None:
-    """The end of a plan: the next one follows where there is still a way to go."""
-    s[STANDBY_AT] = s[TICK] + 1 + r[STDBY_DELAY] // TICK_CLOCKS
-    if kind == MOVING and r[REFERENCE_CONF] >> 21 & 1 and s[ACT_RAMPMODE] & 4 and distance(r, s, f) == 0:
-        s[PULSES] |= 1  # clr_pos_at_target: XACTUAL is no longer there when flags are looked at
-        s[X] = 0
-    if kind != FREEZING:
-        decide(r, s, f)
-
-
-@compiled
-def _idle(r: Cells, s: Cells, f: Floats, fb: Floats) -> None:
-    """At rest: timers, and whether all that follows can be passed over."""
+def _tick(r: Cells, s: Cells, f: Floats, fb: Floats) -> None:
+    """One tick, but for what comes of it."""
+    s[TICK] += 1
     tick = s[TICK]
-    if s[ZERO_WAIT] == tick:
-        decide(r, s, f)
-        if s[KIND] != IDLING:
-            return
-    if tick == s[STANDBY_AT]:
+    if s[GATED] and (s[SEEN] ^ s[INPUTS]) & PIN_START:
+        s[GATED] = 0  # a change at START wakes the chip: a choice, as for datagrams
+    awake = not s[GATED]
+    beyond = 0
+    if awake:
+        beyond = _compared(r, s, fb)
+        if s[KIND] != IDLING or s[EXT_LEFT] != 0 or s[HELD] != 0:
+            _move(r, s, f)
+        if tick == s[ZERO_WAIT]:
+            s[REPLAN] = 1
+        if tick >= s[COVER_AT]:
+            s[COVER_AT] = NEVER
+            s[PULSES] |= _EV_COVER_DONE
+    if tick & 1 == 0:  # the motor lives on with stopped clocks, too
+        _feed_back(r, s, f, fb)
+    if awake:
+        now_beyond = _compared(r, s, fb)
+        if (beyond < 0 < now_beyond or now_beyond < 0 < beyond) and abs(now_beyond - beyond) < 1 << 16:
+            s[PULSES] |= _EV_POS_COMP  # passed within the tick
+
+
+@inlined
+def _rest(r: Cells, s: Cells) -> None:
+    """At rest: standby, clocks that stop, and whether all that follows can be passed over."""
+    tick = s[TICK]
+    if tick >= s[STANDBY_AT]:
         s[STANDBY] = 1
     if tick >= s[GATE_AT] and (not r[GENERAL_CONF] >> 18 & 1 or s[STANDBY]):
         s[GATED] = 1
     if not s[FEEDBACK] & FB_QUIET or s[HELD] != 0 or s[EXT_LEFT] != 0:
         return
-    wake = min(s[START_AT], s[COVER_AT])
-    for due in (s[START_OUT], s[ZERO_WAIT], s[STANDBY_AT], s[GATE_AT]):
-        if tick < due:
-            wake = min(wake, due)
-    if s[SEEN] != s[INPUTS]:
-        for n in range(PINS):
-            wake = min(wake, (s[FILTER + n] + TICK_CLOCKS - 1) // TICK_CLOCKS)
-        if wake <= tick:
-            return
-    s[IDLE] = 1
-    s[WAKE] = wake
+    wake = NEVER
+    if not s[GATED]:
+        wake = min(s[START_AT], s[COVER_AT])
+        for due in (s[START_OUT], s[ZERO_WAIT], s[STANDBY_AT], s[GATE_AT]):
+            if tick < due:
+                wake = min(wake, due)
+        if s[SEEN] != s[INPUTS]:
+            for n in range(PINS):
+                wake = min(wake, (s[FILTER + n] + TICK_CLOCKS - 1) // TICK_CLOCKS)
+    if wake > tick:
+        s[IDLE] = 1
+        s[WAKE] = wake
 
 
 @compiled
-def advance(r: Cells, s: Cells, f: Floats, fb: Floats, until: int) -> None:
-    """Bring the chip to clock `until`."""
+def advance(r: Cells, s: Cells, f: Floats, fb: Floats, until: int, written: int) -> None:
+    """Take over what Python has written (`written`: 0 nothing, 1 something, 2 something that the ramp goes by), then
+    bring the chip to clock `until`.
+    """
     end = until // TICK_CLOCKS
-    while s[TICK] < end:
-        if s[IDLE]:
-            last = min(s[WAKE] - 1, end)
-            if last > s[TICK]:
-                s[TICK] = last
-                continue
-            s[IDLE] = 0
-        _tick(r, s, f, fb)
+    if written:
+        _settle(r, s, f, fb, written > 1)
+    while written or s[TICK] < end:
+        clock = s[CLOCK]
+        if not written:
+            if s[IDLE]:
+                last = min(s[WAKE] - 1, end)
+                if last > s[TICK]:
+                    s[TICK] = last
+                    continue
+                s[IDLE] = 0
+            _tick(r, s, f, fb)
+            clock = s[TICK] * TICK_CLOCKS
+        written = 0
+        if s[GATED]:
+            if s[FEEDBACK] & FB_QUIET:
+                s[IDLE], s[WAKE] = 1, NEVER
+            continue
+        if s[SEEN] != s[INPUTS]:
+            changed = filtered(r, s, clock)
+            if changed:
+                _inputs_changed(r, s, f, changed)
+        pins = stop_pins(r, s)
+        virtual = virtual_stops(r, s, _heading(f))
+        _stops(r, s, f, pins, virtual)
+        while True:
+            if s[REPLAN]:
+                s[REPLAN] = 0
+                decide(r, s, f)
+                if s[KIND] != IDLING:
+                    s[STANDBY], s[STANDBY_AT] = 0, NEVER
+            new = flags(r, s, f, fb, pins, virtual)
+            if new & 7:
+                trigger(r, s, False, new)
+            if s[START_AT] > s[TICK] or not is_due(r, s):
+                break
+            start(r, s)
+            take_over(r, s, f)
+            s[REPLAN] = 1
+        if s[KIND] == IDLING:
+            _rest(r, s)
     s[CLOCK] = until
 
 
-__all__ = ["ACT_VMAX", "STOPPING", "advance", "flags", "settle"]
+__all__ = ["advance"]

@@ -123,6 +123,8 @@ FORCE, FORCED = 55, 56
 """Which pins are forced, and to what."""
 COVER_AT = 57
 """Tick at which the cover datagram is through."""
+REPLAN = 58
+"""The ramp generator has to plan anew before the next tick."""
 FILTER = 64
 """From here, for each pin (in bit order): clock at which a change counts, or `NEVER`."""
 INTEGERS = 72

@@ -215,6 +215,3 @@ def home_error(r: Cells, s: Cells) -> bool:
         return level != (drawn & 1 if away > 0 else drawn >> 3 & 1)
     zone = 1 if drawn in (2, 4, 6) else 0
     return level == zone
-
-
-__all__ = ["closed", "filtered", "home_error", "latch", "levels", "stop_pins", "track_home", "virtual_stops"]

@@ -19,8 +19,6 @@ from app.emulators.tmc4361.layout import (
     BEFORE_V,
     CLOSED,
     CORRECTS,
-    DFREEZE,
-    DSTOP,
     DT,
     END_P,
     EXT_LEFT,
@@ -64,7 +62,6 @@ from app.emulators.tmc4361.layout import (
     TO_ZERO,
     TZEROWAIT,
     V0,
-    VBREAK,
     VMAX,
     VSTART,
     X_RANGE,
@@ -252,19 +249,6 @@ def slow_down(r: Cells, s: Cells, f: Floats, deceleration: float, kind: int) -> 
 
 
 @compiled
-def stop(r: Cells, s: Cells, f: Floats, soft: bool) -> None:
-    """What a switch does to a ramp."""
-    slow_down(r, s, f, f[DSTOP] if soft else 0.0, STOPPING)
-
-
-@compiled
-def freeze(r: Cells, s: Cells, f: Floats) -> None:
-    """NFREEZE: the stop of DFREEZE, and nothing else until reset."""
-    s[FROZEN] = 1
-    slow_down(r, s, f, f[DFREEZE], FREEZING)
-
-
-@compiled
 def go_on(r: Cells, s: Cells, f: Floats) -> int:
     """One tick of the plan; the steps made in it."""
     tick = s[TICK] - s[PLAN_TICK]
@@ -348,17 +332,3 @@ def external_steps(r: Cells, s: Cells, f: Floats) -> int:
     f[V] = direction * f[EXT_RATE] / f[DT] * f[GEAR] * (2.0 if mode == 3 else 1.0)
     f[A] = 0.0
     return steps
-
-
-__all__ = [
-    "VBREAK",
-    "circular",
-    "count",
-    "decide",
-    "distance",
-    "external_steps",
-    "freeze",
-    "go_on",
-    "slow_down",
-    "stop",
-]

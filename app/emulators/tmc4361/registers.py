@@ -116,20 +116,21 @@ class Chip:
         # A pin that is active from the start has no edge, but a freeze is one.
         s[c.INPUTS] = levels(r, s, f, self.feedback.fb)
         s[c.SEEN] = int(s[c.INPUTS]) | c.PIN_FREEZE
-        kernel.settle(r, s, f, self.feedback.fb, True)
+        self.settle(True)
         s[c.EVENTS] = 1 << 31
         self._select()
 
     def advance(self, clock: int) -> None:
         """Catch up to `clock` clocks; never back."""
         if clock > self.s[c.CLOCK]:
-            kernel.advance(self.r, self.s, self.f, self.feedback.fb, clock)
+            kernel.advance(self.r, self.s, self.f, self.feedback.fb, clock, 0)
             if self.r[c.GENERAL_CONF] != self._general_told:  # the pipeline has changed it
                 self._tell(c.GENERAL_CONF)
 
     def settle(self, ramp: bool = False) -> None:
         """Take over what was changed from outside."""
-        kernel.settle(self.r, self.s, self.f, self.feedback.fb, ramp)
+        clock = int(self.s[c.CLOCK])
+        kernel.advance(self.r, self.s, self.f, self.feedback.fb, clock, 2 if ramp else 1)
 
     # --- datagrams -------------------------------------------------------------------------------
 
