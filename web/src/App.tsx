@@ -2,13 +2,14 @@ import { Center, Loader } from "@mantine/core";
 import { type ComponentType, lazy, Suspense } from "react";
 import { Redirect, Route, Switch } from "wouter";
 import { OtherFamily } from "./lib/OtherFamily";
-import { PAGES, type PageEntry, pageAt } from "./shell/pages";
+import { insteadOf, PAGES, type PageEntry } from "./shell/pages";
 import { Shell } from "./shell/Shell";
 
 const COMPONENTS: Record<string, ComponentType> = {
   "/": lazy(() => import("./pages/bench/BenchPage")),
   "/registers": lazy(() => import("./pages/registers/RegistersPage")),
   "/ramps": lazy(() => import("./pages/ramps/RampsPage")),
+  "/sramp": lazy(() => import("./pages/sramp/SRampPage")),
   "/microsteps": lazy(() => import("./pages/microsteps/MicrostepsPage")),
   "/chain": lazy(() => import("./pages/chain/ChainPage")),
   "/parameters": lazy(() => import("./pages/parameters/ParametersPage")),
@@ -48,13 +49,8 @@ export function App() {
 function Entry({ entry }: { entry: PageEntry }) {
   const Page = COMPONENTS[entry.path];
   if (Page === undefined) return null;
-  if (entry.family === null) return <Page />;
   return (
-    <OtherFamily
-      page={entry.label}
-      family={entry.family}
-      instead={{ href: entry.instead, label: pageAt(entry.instead)?.label ?? "Bench" }}
-    >
+    <OtherFamily page={entry.label} families={entry.families} instead={(family) => insteadOf(entry, family)}>
       <Page />
     </OtherFamily>
   );

@@ -1,23 +1,48 @@
 import type { Device } from "../api/queries";
 
-/** Chips hold registers; modules hold parameters, and speak commands. */
-export type Family = "chip" | "module";
+/**
+ * Who is served by the same pages. "pmul": chips whose ramps hang on pmul and pdiv (TMC428, TMC4210). "sramp": the
+ * TMC4361, with bows, encoder and closed loop. "module": parameters instead of registers, and commands.
+ */
+export type Family = "pmul" | "sramp" | "module";
 
-export function familyOf(model: Device["model"] | undefined): Family | null {
-  if (model === undefined) return null;
-  return model === "pd42-1241" ? "module" : "chip";
-}
-
-/** The models whose ramps, microsteps and driver chains the pages design. */
-export type ChipModel = Exclude<Device["model"], "pd42-1241">;
-
-/** The model of a chip; of a module, and without a device, null. */
-export function chipModel(device: Device | undefined): ChipModel | null {
-  return device === undefined || device.model === "pd42-1241" ? null : device.model;
-}
-
-/** How people call what belongs to a family. */
-export const FAMILY_WORDS: Record<Family, { one: string; holds: string }> = {
-  chip: { one: "a chip", holds: "registers" },
-  module: { one: "a module", holds: "parameters" },
+const FAMILIES: Readonly<Record<string, Family>> = {
+  tmc428: "pmul",
+  tmc4210: "pmul",
+  tmc4361: "sramp",
+  "pd42-1241": "module",
 };
+
+export function familyOf(model: string | undefined): Family | null {
+  return model === undefined ? null : (FAMILIES[model] ?? null);
+}
+
+/** The models with registers. */
+export type ChipModel = Exclude<Device["model"], "pd42-1241">;
+/** The models whose ramps are designed with pmul and pdiv. */
+export type PmulModel = "tmc428" | "tmc4210";
+
+/** The model of a chip whose ramps hang on pmul and pdiv; of any other device, and without one, null. */
+export function pmulModel(device: Device | undefined): PmulModel | null {
+  return device?.model === "tmc428" || device?.model === "tmc4210" ? device.model : null;
+}
+
+export const CHIPS: readonly Family[] = ["pmul", "sramp"];
+
+/** How people call what belongs to a family: the one they have, and those that a page is for. */
+const WORDS: Record<Family, { one: string; many: string; add: string }> = {
+  pmul: { one: "a chip that ramps by pmul and pdiv", many: "chips that ramp by pmul and pdiv", add: "a TMC428" },
+  sramp: { one: "a chip with S-ramps and an encoder", many: "chips with S-ramps", add: "a TMC4361" },
+  module: { one: "a module with parameters", many: "modules with parameters", add: "a module" },
+};
+
+export function wordsOf(family: Family): { one: string; add: string } {
+  return WORDS[family];
+}
+
+/** "chips with registers", "modules with parameters": whom a page of these families is for. */
+export function wordsFor(families: readonly Family[]): string {
+  if (families.length === CHIPS.length && CHIPS.every((family) => families.includes(family)))
+    return "motion controller chips with registers";
+  return families.map((family) => WORDS[family].many).join(" and ");
+}

@@ -21,10 +21,17 @@ const SYMBOLS: Record<string, string> = {
   mm_per_s: "mm/s",
   pps2: "pps²",
   "pps^2": "pps²",
+  pps3: "pps³",
+  "pps^3": "pps³",
   fullsteps_per_s2: "fs/s²",
+  fullsteps_per_s3: "fs/s³",
   rpm_per_s: "rpm/s",
   rad_per_s2: "rad/s²",
   mm_per_s2: "mm/s²",
+  mm_per_s3: "mm/s³",
+  deg_per_s: "°/s",
+  deg_per_s2: "°/s²",
+  deg_per_s3: "°/s³",
 };
 
 export function symbolOf(unit: string): string {
@@ -55,7 +62,7 @@ export function scaleOf(axis: Schemas["AxisInfo"] | undefined, clockHz: number |
   };
 }
 
-type Motion = "position" | "velocity" | "acceleration";
+export type Motion = "position" | "velocity" | "acceleration" | "jerk";
 
 interface UnitRow {
   motion: Motion;
@@ -76,6 +83,7 @@ function part(value: number | null, divisor: number | null): number | null {
 const fullStep = (scale: AxisScale) => scale.microstepsPerFullStep;
 const radian = (scale: AxisScale) => part(perRev(scale), 2 * Math.PI);
 const millimetre = (scale: AxisScale) => part(perRev(scale), scale.travelMmPerRev);
+const degree = (scale: AxisScale) => part(perRev(scale), 360);
 const perMinute = (scale: AxisScale) => part(perRev(scale), 60);
 
 /** pps of one unit of a velocity register: f / (2^pulse_div * 2048 * 32), TMC428 data sheet 8.14. */
@@ -94,7 +102,7 @@ const ROWS: Record<string, UnitRow> = {
   microsteps: { motion: "position", factor: () => 1 },
   fullsteps: { motion: "position", factor: fullStep },
   rev: { motion: "position", factor: perRev },
-  deg: { motion: "position", factor: (scale) => part(perRev(scale), 360) },
+  deg: { motion: "position", factor: degree },
   rad: { motion: "position", factor: radian },
   mm: { motion: "position", factor: millimetre },
   pps: { motion: "velocity", factor: () => 1 },
@@ -108,6 +116,12 @@ const ROWS: Record<string, UnitRow> = {
   rpm_per_s: { motion: "acceleration", factor: perMinute },
   rad_per_s2: { motion: "acceleration", factor: radian },
   mm_per_s2: { motion: "acceleration", factor: millimetre },
+  deg_per_s: { motion: "velocity", factor: degree },
+  deg_per_s2: { motion: "acceleration", factor: degree },
+  pps3: { motion: "jerk", factor: () => 1 },
+  fullsteps_per_s3: { motion: "jerk", factor: fullStep },
+  mm_per_s3: { motion: "jerk", factor: millimetre },
+  deg_per_s3: { motion: "jerk", factor: degree },
 };
 
 /**
@@ -135,8 +149,8 @@ export function toSteps(value: number, unit: string, scale: AxisScale, motion: M
   return factor === null ? Number.NaN : value * factor;
 }
 
-/** The units in which this axis can express a motion, chip units first. */
-export function unitsFor(motion: Motion, scale: AxisScale): string[] {
+/** The units in which this axis can express a motion, chip units first. Jerk has its units by the position's. */
+export function unitsFor(motion: Exclude<Motion, "jerk">, scale: AxisScale): string[] {
   const all =
     motion === "position"
       ? ["microsteps", "fullsteps", "rev", "deg", "mm"]

@@ -1,12 +1,14 @@
 import { describe, expect, it } from "vitest";
-import { PAGES, pageAt, pagesFor } from "./pages";
+import type { Family } from "../lib/family";
+import { insteadOf, PAGES, pageAt, pagesFor } from "./pages";
 
-const names = (family: "chip" | "module" | null) => pagesFor(family).map((entry) => entry.label);
+const FAMILIES: readonly Family[] = ["pmul", "sramp", "module"];
+const names = (family: Family | null) => pagesFor(family).map((entry) => entry.label);
 
 describe("pages", () => {
   it("shows each family its own", () => {
     expect(names("module")).toEqual(["Bench", "Parameters", "Encoder", "StallGuard", "Console", "Connections"]);
-    expect(names("chip")).toEqual([
+    expect(names("pmul")).toEqual([
       "Bench",
       "Registers",
       "Ramps",
@@ -15,14 +17,22 @@ describe("pages", () => {
       "Console",
       "Connections",
     ]);
-    expect(names(null)).toEqual(["Bench", "Ramps", "Microsteps", "Driver chain", "Connections"]);
+    for (const own of ["Bench", "Registers", "S-ramp", "Microsteps", "Console", "Connections"])
+      expect(names("sramp")).toContain(own);
+    for (const other of ["Ramps", "Driver chain", "Parameters", "Encoder", "StallGuard"])
+      expect(names("sramp")).not.toContain(other);
+    for (const alone of ["Bench", "Ramps", "S-ramp", "Microsteps", "Driver chain", "Connections"])
+      expect(names(null)).toContain(alone);
   });
 
-  it("leads from a page of one family to one that the other has", () => {
+  it("leads from a page of other families to one that this one has", () => {
     for (const entry of PAGES) {
-      if (entry.family === null) continue;
-      const instead = pageAt(entry.instead);
-      expect(instead?.family ?? null).not.toBe(entry.family);
+      if (entry.families.length === 0) continue;
+      for (const family of FAMILIES.filter((candidate) => !entry.families.includes(candidate))) {
+        const { href, label } = insteadOf(entry, family);
+        expect(pagesFor(family)).toContain(pageAt(href));
+        expect(label).toBe(pageAt(href)?.label);
+      }
     }
   });
 });

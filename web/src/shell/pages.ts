@@ -8,9 +8,10 @@ import {
   IconRotateClockwise2,
   IconTableColumn,
   IconTerminal2,
+  IconVectorSpline,
   IconWaveSine,
 } from "@tabler/icons-react";
-import type { Family } from "../lib/family";
+import { CHIPS, type Family } from "../lib/family";
 
 export interface PageEntry {
   path: string;
@@ -18,24 +19,49 @@ export interface PageEntry {
   /** for the bar of a phone */
   short: string;
   Icon: typeof IconActivity;
-  /** of which devices the page tells; null: of every one */
-  family: Family | null;
+  /** of which devices the page tells; none: of every one */
+  families: readonly Family[];
   /** it says something without a device, too */
   alone: boolean;
-  /** what does that for the other family */
-  instead: string;
+  /** what does that for another family; the bench where nothing does */
+  instead: Partial<Record<Family, string>>;
 }
+
+const MODULE: readonly Family[] = ["module"];
 
 /** The pages, in the order of the navigation. */
 export const PAGES: readonly PageEntry[] = [
   page("/", "Bench", "Bench", IconActivity, { alone: true }),
-  page("/registers", "Registers", "Registers", IconTableColumn, { family: "chip", instead: "/parameters" }),
-  page("/ramps", "Ramps", "Ramps", IconChartLine, { family: "chip", alone: true, instead: "/parameters" }),
-  page("/microsteps", "Microsteps", "µsteps", IconWaveSine, { family: "chip", alone: true, instead: "/parameters" }),
-  page("/chain", "Driver chain", "Chain", IconBinaryTree, { family: "chip", alone: true, instead: "/parameters" }),
-  page("/parameters", "Parameters", "Params", IconAdjustments, { family: "module", instead: "/registers" }),
-  page("/encoder", "Encoder", "Encoder", IconRotateClockwise2, { family: "module" }),
-  page("/stallguard", "StallGuard", "Stall", IconGauge, { family: "module" }),
+  page("/registers", "Registers", "Registers", IconTableColumn, {
+    families: CHIPS,
+    instead: { module: "/parameters" },
+  }),
+  page("/ramps", "Ramps", "Ramps", IconChartLine, {
+    families: ["pmul"],
+    alone: true,
+    instead: { module: "/parameters", sramp: "/sramp" },
+  }),
+  page("/sramp", "S-ramp", "S-ramp", IconVectorSpline, {
+    families: ["sramp"],
+    alone: true,
+    instead: { module: "/parameters", pmul: "/ramps" },
+  }),
+  page("/microsteps", "Microsteps", "µsteps", IconWaveSine, {
+    families: CHIPS,
+    alone: true,
+    instead: { module: "/parameters" },
+  }),
+  page("/chain", "Driver chain", "Chain", IconBinaryTree, {
+    families: ["pmul"],
+    alone: true,
+    instead: { module: "/parameters", sramp: "/registers" },
+  }),
+  page("/parameters", "Parameters", "Params", IconAdjustments, {
+    families: MODULE,
+    instead: { pmul: "/registers", sramp: "/registers" },
+  }),
+  page("/encoder", "Encoder", "Encoder", IconRotateClockwise2, { families: MODULE }),
+  page("/stallguard", "StallGuard", "Stall", IconGauge, { families: MODULE }),
   page("/console", "Console", "Console", IconTerminal2, {}),
   page("/connections", "Connections", "Links", IconPlugConnected, { alone: true }),
 ];
@@ -45,16 +71,24 @@ function page(
   label: string,
   short: string,
   Icon: typeof IconActivity,
-  more: Partial<Pick<PageEntry, "family" | "alone" | "instead">>,
+  more: Partial<Pick<PageEntry, "families" | "alone" | "instead">>,
 ): PageEntry {
-  return { path, label, short, Icon, family: null, alone: false, instead: "/", ...more };
+  return { path, label, short, Icon, families: [], alone: false, instead: {}, ...more };
 }
 
 /** The pages that make sense for a device of that family; without a device (null), those that say something alone. */
 export function pagesFor(family: Family | null): PageEntry[] {
-  return PAGES.filter((entry) => (family === null ? entry.alone : entry.family === null || entry.family === family));
+  return PAGES.filter(({ families, alone }) =>
+    family === null ? alone : families.length === 0 || families.includes(family),
+  );
 }
 
 export function pageAt(path: string): PageEntry | undefined {
   return PAGES.find((entry) => entry.path === path);
+}
+
+/** Where somebody with a device of that family goes from a page that is not for it. */
+export function insteadOf(entry: PageEntry, family: Family): { href: string; label: string } {
+  const href = entry.instead[family] ?? "/";
+  return { href, label: pageAt(href)?.label ?? "Bench" };
 }

@@ -15,6 +15,8 @@ export function field(name: string, lsb: number, width: number, more: Partial<Fi
     unit: "",
     help: `help of ${name}`,
     values: {},
+    when: "",
+    behaviour: "",
     ...more,
   };
 }
@@ -43,6 +45,8 @@ export function register(name: string, width: number, more: Partial<RegisterRow>
     read_clears: false,
     source: "001, 8",
     values: {},
+    when: "",
+    behaviour: "",
     fields: [],
     ...more,
   };

@@ -57,7 +57,7 @@ export function DeviceEntry({ device, selected, edited, onUse, onEdit, onRemoved
           <dt>Link</dt>
           <dd>{linkText(device.link)}</dd>
         </div>
-        {familyOf(device.model) === "chip" && (
+        {familyOf(device.model) !== "module" && (
           <div>
             <dt>Clock</dt>
             <dd className="num">{frequency(device.clock_hz)}</dd>

@@ -70,6 +70,7 @@ export const WIRINGS = [
 const CLOCK: Record<ChipModel, Limits> = {
   tmc428: { minimum: 0, above: true, maximum: 16, fallback: 16 },
   tmc4210: { minimum: 0, above: true, maximum: 32, fallback: 16 },
+  tmc4361: { minimum: 4.194304, maximum: 32, fallback: 16 },
 };
 
 export function clockLimits(model: ChipModel): Limits {

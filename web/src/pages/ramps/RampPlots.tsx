@@ -11,9 +11,9 @@ import type { Calculation } from "../../lib/useCalc";
 import { useScheme } from "../../lib/useScheme";
 import { Plot } from "../../plots/Plot";
 import type { PlotHandle } from "../../plots/types";
+import { type Band, usePlotBands } from "../../plots/usePlotBands";
 import type { RampMode } from "./design";
 import classes from "./Ramps.module.css";
-import { type Band, usePlotBands } from "./usePlotBands";
 
 export type Ramp = Schemas["RampResult"];
 

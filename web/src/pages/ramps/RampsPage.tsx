@@ -3,7 +3,7 @@ import { useQuery } from "@tanstack/react-query";
 import { useEffect, useMemo, useState } from "react";
 import { api, type Schemas, unwrap } from "../../api/client";
 import { type Device, useDevices } from "../../api/queries";
-import { chipModel } from "../../lib/family";
+import { pmulModel } from "../../lib/family";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Page } from "../../lib/Section";
 import { type AxisScale, scaleOf } from "../../lib/units";
@@ -60,7 +60,7 @@ function useChipRamp(device: Device | undefined, axis: number) {
     enabled: connected,
     refetchInterval: 1000,
   });
-  const model = chipModel(device) ?? "tmc428";
+  const model = pmulModel(device) ?? "tmc428";
   const chip = useMemo(() => (readings.data ? fromReadings(model, readings.data) : null), [model, readings.data]);
   return { connected, readings, chip: connected ? chip : null };
 }
@@ -74,7 +74,7 @@ function useRamp(model: Model, body: { parameters: Record<string, number | strin
 }
 
 function Designer({ device, axis }: Props) {
-  const model: Model = chipModel(device) ?? "tmc428";
+  const model: Model = pmulModel(device) ?? "tmc428";
   const clockHz = device?.clock_hz ?? 16e6;
   const info = device?.axes[axis];
   const { connected, readings, chip } = useChipRamp(device, axis);

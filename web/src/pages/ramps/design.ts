@@ -1,7 +1,7 @@
 import type { Schemas } from "../../api/client";
-import type { ChipModel } from "../../lib/family";
+import type { PmulModel } from "../../lib/family";
 
-export type Model = ChipModel;
+export type Model = PmulModel;
 export type Reading = Schemas["RegisterReading"];
 export type BatchItem = Schemas["RegisterBatchItem"];
 

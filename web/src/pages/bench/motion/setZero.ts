@@ -30,10 +30,29 @@ const OF_MODULE: Write[] = [
   { name: "encoder_position", value: 0 },
 ];
 
-const WRITES: Record<Device["model"], Write[]> = {
-  tmc428: ofChip("rm"),
-  tmc4210: ofChip("RAMP_MODE"),
-  "pd42-1241": OF_MODULE,
+/**
+ * A TMC4361 follows its target while it positions, and turns at VMAX while it does not: with VMAX 0 it does neither.
+ * The encoder counts along, but not in a closed loop: there the motor is commutated by what it says.
+ */
+async function of4361(device: string): Promise<Write[]> {
+  const read = async (name: string) =>
+    unwrap(await api.GET("/api/v1/devices/{device}/registers/{name}", { params: { path: { device, name } } }));
+  const [vmax, encoder] = await Promise.all([read("VMAX"), read("ENC_IN_CONF")]);
+  const open = (encoder.fields.regulation_modus ?? 0) === 0;
+  return [
+    { name: "VMAX", value: 0 },
+    { name: "XACTUAL", value: 0 },
+    { name: "XTARGET", value: 0 },
+    ...(open ? [{ name: "ENC_POS", value: 0 }] : []),
+    { name: "VMAX", value: vmax.value },
+  ];
+}
+
+const WRITES: Record<Device["model"], (device: string) => Promise<Write[]> | Write[]> = {
+  tmc428: () => ofChip("rm"),
+  tmc4210: () => ofChip("RAMP_MODE"),
+  tmc4361: of4361,
+  "pd42-1241": () => OF_MODULE,
 };
 
 /** Calls the present position zero; the motor does not move. */
@@ -48,10 +67,11 @@ export async function setZero({ device, axis }: AxisAddress, model: Device["mode
       facts: {},
       instance: null,
     });
+  const writes = await WRITES[model](device);
   const result = unwrap(
     await api.POST("/api/v1/devices/{device}/registers", {
       params: { path: { device } },
-      body: { writes: WRITES[model].map((write) => ({ ...write, axis })) },
+      body: { writes: writes.map((write) => ({ ...write, axis })) },
     }),
   );
   if (result.failed) throw new ApiError(result.failed);

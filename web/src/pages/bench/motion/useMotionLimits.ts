@@ -2,15 +2,22 @@ import { useQuery } from "@tanstack/react-query";
 import { api, unwrap } from "../../../api/client";
 import type { AxisAddress } from "../../../api/motion";
 import type { Device } from "../../../api/queries";
-import { familyOf } from "../../../lib/family";
+import { type Family, familyOf } from "../../../lib/family";
 import { type AxisScale, toSteps } from "../../../lib/units";
+
+/** The register of the highest velocity by family; a TMC4361's counts 1/256 pps whatever else is set (002, 8). */
+const TOP: Record<Family, { name: string; pps?: number }> = {
+  pmul: { name: "V_MAX" },
+  sramp: { name: "VMAX", pps: 1 / 256 },
+  module: { name: "maximum_positioning_speed" },
+};
 
 /** Where neither the register nor the dividers are known yet: slow enough for any motor. */
 const CAREFUL_PPS = 1000;
 
-/** The fastest that the axis is set to go [pps]: V_MAX of a chip, AP 4 of a module; looked at now and then. */
+/** The fastest that the axis is set to go [pps]: V_MAX or VMAX of a chip, AP 4 of a module; looked at now and then. */
 export function useTopSpeed(at: AxisAddress, model: Device["model"], scale: AxisScale, enabled: boolean): number {
-  const name = familyOf(model) === "module" ? "maximum_positioning_speed" : "V_MAX";
+  const { name, pps: unit } = TOP[familyOf(model) ?? "pmul"];
   const register = useQuery({
     queryKey: ["register", at.device, at.axis, name],
     queryFn: async () =>
@@ -23,6 +30,7 @@ export function useTopSpeed(at: AxisAddress, model: Device["model"], scale: Axis
     refetchInterval: 5000,
   });
   const value = register.data?.value ?? Number.NaN;
-  const pps = register.data?.unit === "pps" ? value : toSteps(value, "chip", scale, "velocity");
+  const chip = unit === undefined ? toSteps(value, "chip", scale, "velocity") : Math.abs(value) * unit;
+  const pps = register.data?.unit === "pps" ? value : chip;
   return Number.isFinite(pps) && pps > 0 ? pps : CAREFUL_PPS;
 }

@@ -1,6 +1,6 @@
 import { type RefObject, useEffect, useRef } from "react";
 import type uPlot from "uplot";
-import type { PlotHandle } from "../../plots/types";
+import type { PlotHandle } from "./types";
 
 /** A shaded stretch of x. */
 export interface Band {

@@ -1,0 +1,99 @@
+import { type RefObject, useEffect, useMemo, useRef } from "react";
+import { Plot } from "../../plots/Plot";
+import type { PlotData } from "../../plots/series";
+import type { Overlay, PlotHandle, PlotScale, PlotSeries } from "../../plots/types";
+import { type Band, usePlotBands } from "../../plots/usePlotBands";
+import { CalmFrame } from "./CalmFrame";
+import type { Parameter } from "./design";
+import { HandleLayer, type Reach } from "./HandleLayer";
+import type { Handle } from "./handles";
+import { engineering } from "./scales";
+import classes from "./sramp.module.css";
+
+export const GROUP = "sramp";
+
+interface Props {
+  label: string;
+  summary: string;
+  series: readonly PlotSeries[];
+  data: PlotData;
+  /** until when there is something to see [s] */
+  window: readonly [number, number];
+  bands: readonly Band[];
+  height: number;
+  /** braking is as large as accelerating: 0 stays in the middle */
+  symmetric: boolean;
+  overlays: readonly Overlay[] | (() => readonly Overlay[]);
+  handle: RefObject<PlotHandle | null>;
+  last?: boolean;
+  right?: PlotScale;
+  handles: readonly Handle[];
+  factor: number;
+  reach: (parameter: Parameter) => Reach;
+  text: (parameter: Parameter, value: number) => string;
+  onChange: (parameter: Parameter, value: number) => void;
+  held: boolean;
+  onHold: (held: boolean) => void;
+}
+
+/**
+ * A limit that is not reached is seen above the curve, unless it is so far away that the curve would be nothing: its
+ * handle then waits at the edge.
+ */
+export function withHandles(min: number, max: number, heights: readonly number[]): [number, number] {
+  const most = 2 * Math.max(Math.abs(min), Math.abs(max));
+  const near = heights.filter((height) => Number.isFinite(height) && Math.abs(height) <= most);
+  return [Math.min(0, min, ...near), Math.max(0, max, ...near)];
+}
+
+/** One quantity of the ramp over time, with its handles. */
+export function Track(props: Props) {
+  const { label, series, data, window, bands, handle, right, held, factor, symmetric } = props;
+  // biome-ignore lint/correctness/useExhaustiveDependencies: another unit is another plot, whose range starts anew
+  const frame = useMemo(() => new CalmFrame(symmetric), [symmetric, factor]);
+  frame.held = held;
+  const heights = useRef<readonly number[]>([]);
+  heights.current = props.handles.map((each) => (each.sign * each.value) / factor);
+  const scales = useMemo(
+    () => ({
+      y: {
+        range: (min: number, max: number): [number, number] => frame.next(...withHandles(min, max, heights.current)),
+        ticks: engineering,
+      },
+      ...(right ? { right } : {}),
+    }),
+    [frame, right],
+  );
+  const [from, to] = window;
+  // After Plot's own effects: a rebuilt plot has to be there. A handle that is let go lets the range shrink.
+  // biome-ignore lint/correctness/useExhaustiveDependencies: see above
+  useEffect(() => handle.current?.setData(data, [from, to]), [data, from, to, handle, held, scales]);
+  usePlotBands(handle, bands);
+  return (
+    <div className={classes.track}>
+      <Plot
+        handle={handle}
+        label={`${label} over time`}
+        summary={props.summary}
+        series={series}
+        height={props.height}
+        group={GROUP}
+        legend
+        limit={window}
+        overlays={props.overlays}
+        x={props.last ? { label: "time", unit: "s" } : { axis: false }}
+        scales={scales}
+      />
+      <HandleLayer
+        plot={handle}
+        handles={props.handles}
+        factor={factor}
+        color={series[0]?.color ?? "currentColor"}
+        reach={props.reach}
+        text={props.text}
+        onChange={props.onChange}
+        onHold={props.onHold}
+      />
+    </div>
+  );
+}

@@ -1,0 +1,119 @@
+import type { Schemas } from "../../api/client";
+import type { Answer, Design, Options, Shape } from "./design";
+import { OPTIONS, START } from "./design";
+
+export type Reading = Schemas["RegisterReading"];
+export type BatchItem = Schemas["RegisterBatchItem"];
+
+/** What an axis' registers say, by their names. Packed registers answer by their fields as well. */
+export type ChipRamp = ReadonlyMap<string, number>;
+
+export function chipRamp(readings: readonly Reading[]): ChipRamp {
+  const values = new Map<string, number>();
+  for (const reading of readings) {
+    values.set(reading.name, reading.value);
+    for (const [field, value] of Object.entries(reading.fields)) values.set(field, value);
+  }
+  return values;
+}
+
+export interface Difference {
+  /** register or field, as it is shown */
+  label: string;
+  register: string;
+  field: string | null;
+  /** null while the chip is unknown */
+  from: number | null;
+  to: number;
+}
+
+const SHAPES: Record<Shape, number> = { hold: 0, trapezoid: 1, s: 2 };
+const SHAPE_NAMES = ["hold", "trapezoid", "S-ramp"];
+
+export function shownValue(
+  row: Pick<Difference, "label">,
+  value: number | null,
+  fixed: (value: number) => string,
+): string {
+  if (value === null) return "?";
+  return row.label === "RAMP_PROFILE" ? (SHAPE_NAMES[value] ?? fixed(value)) : fixed(value);
+}
+
+/**
+ * The design beside the chip, in the order in which it is written: units first, then what shapes the ramp, then what
+ * may set it going. Only the shape goes into RAMPMODE: whether VMAX is a limit or a velocity is left to the commands
+ * that move the motor, since changing it starts or turns round a motor by itself.
+ */
+export function compared(registers: Answer["registers"], options: Options, chip: ChipRamp | null): Difference[] {
+  const row = (register: string, field: string | null, to: number): Difference => ({
+    label: field ?? register,
+    register,
+    field,
+    from: chip?.get(field ?? register) ?? null,
+    to,
+  });
+  const values = registers.filter(({ name }) => name !== "VMAX").map(({ name, raw }) => row(name, null, raw));
+  const vmax = registers.filter(({ name }) => name === "VMAX").map(({ name, raw }) => row(name, null, raw));
+  return [
+    row("GENERAL_CONF", "use_astart_and_vstart", options.useAstart ? 1 : 0),
+    row("GENERAL_CONF", "direct_acc_val_en", options.directAcceleration ? 1 : 0),
+    row("GENERAL_CONF", "direct_bow_val_en", options.directBow ? 1 : 0),
+    ...values,
+    row("RAMPMODE", "RAMP_PROFILE", SHAPES[options.shape]),
+    ...vmax,
+  ];
+}
+
+/** The writes for what differs; fields of one register go together. */
+export function writesFor(differences: readonly Difference[], axis: number): BatchItem[] {
+  const writes: BatchItem[] = [];
+  for (const { register, field, from, to } of differences) {
+    if (from === to) continue;
+    const last = writes.find((write) => write.name === register);
+    if (field === null) writes.push({ name: register, axis, value: to });
+    else if (last) last.fields = { ...last.fields, [field]: to };
+    else writes.push({ name: register, axis, fields: { [field]: to } });
+  }
+  return writes;
+}
+
+/** What 1 in a register stands for (002, 8.2.3), to read a design out of the chip. */
+function unitsOf(options: Options, clockHz: number): { velocity: number; acceleration: number; bow: number } {
+  return {
+    velocity: 1 / 256,
+    acceleration: options.directAcceleration ? clockHz ** 2 / 2 ** 37 : 1 / 4,
+    bow: options.directBow ? clockHz ** 3 / 2 ** 53 : 1,
+  };
+}
+
+/**
+ * The design that the chip holds; null where it has never been set (VMAX or AMAX 0) or is not known. Bows of 0, as of
+ * a chip that makes trapezoids, stay at what the designer begins with.
+ */
+export function designOf(chip: ChipRamp, clockHz: number): { design: Design; options: Options } | null {
+  const get = (name: string) => chip.get(name) ?? Number.NaN;
+  const options: Options = {
+    ...OPTIONS,
+    shape: (["hold", "trapezoid", "s"] as const)[get("RAMP_PROFILE")] ?? "s",
+    useAstart: get("use_astart_and_vstart") === 1,
+    directAcceleration: get("direct_acc_val_en") === 1,
+    directBow: get("direct_bow_val_en") === 1,
+  };
+  const unit = unitsOf(options, clockHz);
+  const design: Design = {
+    vmax: Math.abs(get("VMAX")) * unit.velocity,
+    amax: get("AMAX") * unit.acceleration,
+    dmax: get("DMAX") * unit.acceleration,
+    bow1: get("BOW1") * unit.bow || START.bow1,
+    bow2: get("BOW2") * unit.bow || START.bow2,
+    bow3: get("BOW3") * unit.bow || START.bow3,
+    bow4: get("BOW4") * unit.bow || START.bow4,
+    vstart: get("VSTART") * unit.velocity,
+    vstop: get("VSTOP") * unit.velocity,
+    vbreak: get("VBREAK") * unit.velocity,
+    astart: (get("ASTART") & 0xffffff) * unit.acceleration,
+    dfinal: get("DFINAL") * unit.acceleration,
+  };
+  if (Object.values(design).some((value) => Number.isNaN(value)) || !design.vmax || !design.amax) return null;
+  return { design: { ...design, dmax: design.dmax || design.amax }, options };
+}

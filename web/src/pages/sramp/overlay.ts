@@ -1,0 +1,19 @@
+import type { Device } from "../../api/queries";
+
+const QUANTITIES = ["velocity", "acceleration", "predicted_velocity", "predicted_acceleration"] as const;
+
+/** What of a motion is asked for: those of velocity and acceleration, measured and expected, that the device offers. */
+export function channelsOf(device: Pick<Device, "channels">, axis: number): string[] {
+  const offered = new Set(device.channels.map((channel) => channel.name));
+  return QUANTITIES.map((quantity) => `${quantity}.${axis}`).filter((name) => offered.has(name));
+}
+
+/** Whether a motion went against `way`: the way back of a there-and-back, to be laid over the way there. */
+export function mirrored(velocity: ArrayLike<number>, way: 1 | -1): boolean {
+  let sum = 0;
+  for (let row = 0; row < velocity.length; row++) {
+    const value = velocity[row] as number;
+    if (!Number.isNaN(value)) sum += value;
+  }
+  return sum * way < 0;
+}
