@@ -90,6 +90,7 @@ def test_registers_of_flags_and_events(name: str, address: int, access: str) -> 
 
 
 @pytest.mark.sheet("002", "8")
+@pytest.mark.sheet("002", "17.16")
 @pytest.mark.parametrize(("name", "address", "access", "width", "signed"), SECTION_8)
 def test_registers_of_the_ramp_generator(name: str, address: int, access: str, width: int, signed: bool) -> None:
     register = TMC4361.get(name, 0)
@@ -281,6 +282,8 @@ def test_what_the_emulator_does_not_act_on_says_why() -> None:
 
 @pytest.mark.sheet("002", "1.6")
 @pytest.mark.sheet("002", "7.2")
+@pytest.mark.sheet("002", "17.12")
+@pytest.mark.sheet("002", "17.13")
 @pytest.mark.parametrize("name", ["SPI_STATUS_SELECTION", "EVENT_CLEAR_CONF", "INTR_CONF", "EVENTS"])
 def test_registers_that_select_events_have_the_events_bits(name: str) -> None:
     register = TMC4361.get(name, 0)
