@@ -34,11 +34,39 @@ def change(
     Raises UnknownThing for a name that there is not, LinkDown or LinkTimeout where nobody answers, and
     UsageError with the emulator's words where it refuses.
     """
-    path = path_of(LinePatch if line else Pd42Patch, name)
+    target = _target(url, address, line=line)
+    path = path_of(LinePatch, name) if line else _path_at(target, name)
     body: object = _value(value)
     for part in reversed(path.split(".")):
         body = {part: body}
-    return path, _patch(_target(url, address, line=line), json.dumps(body).encode())
+    return path, _ask(target, json.dumps(body).encode())
+
+
+def _path_at(target: str, name: str) -> str:
+    """What `name` means to the emulator behind `target`, which tells what it is."""
+    try:
+        model = str(_ask(target).get("model"))
+    except LinkError:
+        path_of(Pd42Patch, name)  # a name that nobody has is told first
+        raise
+    return path_of(_patch_of(model), name)
+
+
+def _patch_of(model: str) -> type[BaseModel]:
+    # Each brings what it needs to be computed; only one is wanted.
+    if model == "landungsbruecke":
+        from app.emulators.board.options import BoardPatch
+
+        return BoardPatch
+    if model == "tmc4361":
+        from app.emulators.tmc4361.options import Tmc4361Patch
+
+        return Tmc4361Patch
+    if model in ("tmc428", "tmc4210"):
+        from app.emulators.options import EmulatorPatch
+
+        return EmulatorPatch
+    return Pd42Patch
 
 
 def names_of(model: type[BaseModel]) -> list[str]:
@@ -47,11 +75,16 @@ def names_of(model: type[BaseModel]) -> list[str]:
 
 
 def path_of(model: type[BaseModel], name: str) -> str:
-    """The dotted path that `name` means. Raises UnknownThing; UsageError where several end in it."""
+    """The dotted path that `name` means: of several that end in it the shortest.
+
+    Raises UnknownThing; UsageError where several are the shortest.
+    """
     known = names_of(model)
     if name in known:
         return name
     fitting = [path for path in known if path.endswith(f".{name}")]
+    least = min((path.count(".") for path in fitting), default=0)
+    fitting = [path for path in fitting if path.count(".") == least]
     if len(fitting) > 1:
         raise UsageError(f"{name!r} may be {' or '.join(fitting)}")
     if not fitting:
@@ -109,8 +142,11 @@ def _target(url: str, address: int | None, *, line: bool) -> str:
     return f"{url.rstrip('/')}/emulator" + (f"/{address}" if address is not None else "")
 
 
-def _patch(url: str, body: bytes) -> dict[str, object]:
-    request = urllib.request.Request(url, body, {"Content-Type": "application/json"}, method="PATCH")
+def _ask(url: str, body: bytes | None = None) -> dict[str, object]:
+    """The state of the emulator; with a `body` that of a PATCH."""
+    request = urllib.request.Request(
+        url, body, {"Content-Type": "application/json"}, method="GET" if body is None else "PATCH"
+    )
     where = urlsplit(url).netloc
     try:
         # Loopback, mostly, and never through a proxy that the environment names for the web.

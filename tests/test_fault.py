@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 
 from app import fault
 from app.cli import cli
+from app.emulators.board.options import BoardPatch
 from app.emulators.line.faults import LinePatch
 from app.emulators.pd42.options import Pd42Patch
 from app.links.errors import LinkDown, LinkError, UnknownThing, UsageError
@@ -32,6 +33,12 @@ from app.links.errors import LinkDown, LinkError, UnknownThing, UsageError
 )
 def test_a_name_may_leave_out_its_path(name: str, path: str) -> None:
     assert fault.path_of(Pd42Patch, name) == path
+
+
+def test_a_board_and_its_chip_have_faults_of_the_same_name() -> None:
+    assert fault.path_of(BoardPatch, "silence") == "faults.silence"
+    assert fault.path_of(BoardPatch, "chip.faults.silence") == "chip.faults.silence"
+    assert fault.path_of(BoardPatch, "load_torque_nm") == "chip.load_torque_nm"
 
 
 def test_every_name_leads_to_itself_and_every_short_one_is_alone() -> None:
