@@ -32,7 +32,6 @@ from app.emulators.tmc4361.feedback.layout import (
     ENC_POS_DEV_TOL,
     FAILED,
     FREEWHEEL_DELAY,
-    FRESH,
     FS_ACTIVE,
     GENERAL_CONF,
     HOT,
@@ -103,9 +102,6 @@ def regulation_tick(fb: Floats, x_actual: int, velocity_pps: float) -> float:
 @inlined
 def _sequence(fb: Floats, n: Cells, commanded: int, velocity_pps: float, clocks: int) -> None:
     """The coils' phase: by the steps, or by the closed loop. Leaving the loop, the steps go on from where it was."""
-    if n[FRESH]:
-        n[FRESH] = 0
-        n[COMMANDED] = commanded
     if n[ENC_IN_CONF] >> 22 & 3 == CLOSED_LOOP:
         commutate(fb, n, velocity_pps, clocks)
     else:

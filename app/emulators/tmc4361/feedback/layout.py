@@ -38,9 +38,9 @@ INTEGERS_AT = 64
 
 # --- int64 cells (after the drive's) ---------------------------------------------------------------------------
 _I = k.INTEGERS
-NOW, COMMANDED, PHASE, DIRECTION, FRESH = range(_I, _I + 5)
+NOW, COMMANDED, PHASE, DIRECTION = range(_I, _I + 4)
 """Clocks since power-on; steps that had been sent at the last tick and phase of the coils since ever [1/256 full step];
--1 with reverse_motor_dir; no steps have been seen yet."""
+-1 with reverse_motor_dir."""
 DEV, ANGLE, SATURATED, CL_ISUM, CL_OFFSET, CL_DUE = range(_I + 5, _I + 11)
 """XACTUAL - ENC_POS; angle of the field over the rotor [1/256 full step] and whether CL_BETA cuts it; the catch-up
 limiter's integral; CL_OFFSET; clock of the next closed-loop cycle."""

@@ -39,7 +39,7 @@ _SCALES: Final = (0x00, 0x01, 0x07, 0x0A, 0x36, 0x54, 0x7C)
 """Registers that say what a count is worth."""
 _OT, _OTPW, _OLA, _OLB = 1 << 1, 1 << 2, 1 << 5, 1 << 6
 """Driver flags, bit 0 being STATUS 24."""
-_KEPT = (c.NOW, k.RNG, k.SUBSTEPS, k.BLOCKED, k.DRIVER_ON, c.HOT, c.PHASE)
+_KEPT = (c.NOW, c.COMMANDED, k.RNG, k.SUBSTEPS, k.BLOCKED, k.DRIVER_ON, c.HOT, c.PHASE)
 _DEVICE = (c.KIND, c.PER_TURN, c.SINGLE_BITS, c.MULTI_BITS, c.GRAY, c.STATUS_BITS, c.STATUS_WORD)
 
 
@@ -159,7 +159,7 @@ class FeedbackUnit:
         n[:] = 0
         for cell, value in kept:
             n[cell] = value
-        n[c.FRESH], n[c.SCALE], n[c.DIRECTION], n[c.DEN] = 1, 255, 1, 1
+        n[c.SCALE], n[c.DIRECTION], n[c.DEN] = 255, 1, 1
         # the field starts over at MSCNT 0, within the electrical turn that the rotor stands in
         n[c.PHASE] = n[k.LOOK] = 1024 * round(float(fb[k.TEETH] * fb[k.THETA]) / (2 * math.pi))
         n[k.IRUN] = 31

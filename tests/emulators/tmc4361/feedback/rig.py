@@ -35,8 +35,7 @@ CLOSED_LOOP, PID_ALONE, PID_OVER_RAMP = (mode << 22 for mode in (1, 2, 3))
 CALIBRATION = 1 << 24
 
 
-@njit(nogil=True, error_model="numpy", _nrt=False)
-def _run(fb: Any, state: Any, ticks: int, velocity: float, ramp_state: int) -> int:
+def _loop(fb: Any, state: Any, ticks: int, velocity: float, ramp_state: int) -> int:
     """`state`: XACTUAL, commanded position, all bits seen, last word."""
     seen = 0
     word = 0
@@ -52,10 +51,14 @@ def _run(fb: Any, state: Any, ticks: int, velocity: float, ramp_state: int) -> i
     return seen
 
 
+_compiler: Any = njit
+_run: Any = _compiler(nogil=True, error_model="numpy", _nrt=False)(_loop)
+
+
 def signed(word: int | None, bits: int = 32) -> int:
     assert word is not None
     half = 1 << (bits - 1)
-    return (word + half) % (1 << bits) - half
+    return int((word & (1 << bits) - 1 ^ half) - half)
 
 
 class Bench:
@@ -81,7 +84,7 @@ class Bench:
     @property
     def x(self) -> int:
         """XACTUAL."""
-        return math.floor(self.state[0])
+        return math.floor(float(self.state[0]))
 
     @x.setter
     def x(self, value: int) -> None:
@@ -110,10 +113,12 @@ class Bench:
 
     def accelerate(self, start: float, end: float, seconds: float) -> None:
         """From one velocity to another, every quarter of a millisecond a little."""
-        parts = max(round(seconds / 2.5e-4), 1)
+        total = round(seconds / TICK_S)
+        parts = max(total // 32, 1)
         for part in range(parts):
             velocity = start + (end - start) * (part + 0.5) / parts
-            self.run(seconds / parts, velocity, 4 | (1 if abs(end) > abs(start) else 2))
+            count = total * (part + 1) // parts - total * part // parts
+            self.ticks(count, velocity, 4 | (1 if abs(end) > abs(start) else 2))
 
     def move(self, velocity: float, ramp_s: float, at_speed_s: float) -> None:
         """There and stop."""
