@@ -8,7 +8,7 @@ from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
 
 Behaviour = Callable[[bytes, asyncio.StreamWriter], Awaitable[None]]
-"""Takes one 4-byte frame and answers it, or not."""
+"""Takes one frame and answers it, or not."""
 
 
 async def echo(frame: bytes, writer: asyncio.StreamWriter) -> None:
@@ -18,8 +18,9 @@ async def echo(frame: bytes, writer: asyncio.StreamWriter) -> None:
 class Server:
     """`behave` may be changed at any time; `connections` counts those ever made."""
 
-    def __init__(self, behave: Behaviour) -> None:
+    def __init__(self, behave: Behaviour, frame_bytes: int) -> None:
         self.behave = behave
+        self.frame_bytes = frame_bytes
         self.connections = 0
         self.writers: list[asyncio.StreamWriter] = []
         self.port = 0
@@ -29,14 +30,14 @@ class Server:
         self.writers.append(writer)
         with contextlib.suppress(ConnectionError, asyncio.IncompleteReadError):
             while True:
-                frame = await reader.readexactly(4)
+                frame = await reader.readexactly(self.frame_bytes)
                 await self.behave(frame, writer)
         writer.close()
 
 
 @asynccontextmanager
-async def serving(behave: Behaviour = echo) -> AsyncIterator[Server]:
-    server = Server(behave)
+async def serving(behave: Behaviour = echo, frame_bytes: int = 4) -> AsyncIterator[Server]:
+    server = Server(behave, frame_bytes)
     listener = await asyncio.start_server(server.serve, "127.0.0.1", 0)
     server.port = listener.sockets[0].getsockname()[1]
     try:
