@@ -11,18 +11,26 @@ from app.emulators.options import EmulatorOptions
 from app.emulators.pd42.module import MODEL as PD42_MODEL
 from app.emulators.pd42.module import EmulatedModule
 from app.emulators.pd42.options import Pd42Options
+from app.emulators.tmc4361 import MODEL as TMC4361_MODEL
+from app.emulators.tmc4361 import EmulatedTmc4361, Tmc4361Options
 from app.links.errors import OutOfRange, UnknownThing
 from app.registers.catalog import MODELS
 
-AnyOptions = EmulatorOptions | Pd42Options
-AnyEmulator = EmulatedDevice | EmulatedModule
-EMULATED = ("tmc428", "tmc4210", PD42_MODEL)
+AnyOptions = EmulatorOptions | Pd42Options | Tmc4361Options
+AnyEmulator = EmulatedDevice | EmulatedModule | EmulatedTmc4361
+_OPTIONS: dict[str, type[AnyOptions]] = {
+    "tmc428": EmulatorOptions,
+    "tmc4210": EmulatorOptions,
+    TMC4361_MODEL: Tmc4361Options,
+    PD42_MODEL: Pd42Options,
+}
+EMULATED = tuple(_OPTIONS)
 """Models that there is an emulator of."""
 
 
 def options_of(model: str) -> type[AnyOptions]:
     """What an emulated `model` can be asked for: its options as a pydantic model."""
-    return Pd42Options if model == PD42_MODEL else EmulatorOptions
+    return _OPTIONS.get(model, EmulatorOptions)
 
 
 @overload
@@ -34,7 +42,13 @@ def build_emulator(
     model: Literal["tmc428", "tmc4210"], clock: Clock, options: EmulatorOptions | None = None
 ) -> EmulatedDevice: ...
 @overload
+def build_emulator(
+    model: Literal["tmc4361"], clock: Clock, options: Tmc4361Options | None = None
+) -> EmulatedTmc4361: ...
+@overload
 def build_emulator(model: str, clock: Clock, options: EmulatorOptions) -> EmulatedDevice: ...
+@overload
+def build_emulator(model: str, clock: Clock, options: Tmc4361Options) -> EmulatedTmc4361: ...
 @overload
 def build_emulator(model: str, clock: Clock, options: Pd42Options, eeprom: Path | None = None) -> EmulatedModule: ...
 @overload
@@ -55,12 +69,12 @@ def build_emulator(
     if model not in EMULATED:
         raise UnknownThing("emulator", model, sorted(EMULATED))
     options = options or options_of(model)()
+    if not isinstance(options, options_of(model)):
+        raise TypeError(f"{type(options).__name__} are no options of a {model}")
     if isinstance(options, Pd42Options):
-        if model != PD42_MODEL:
-            raise TypeError(f"options of a {PD42_MODEL} for a {model}")
         return EmulatedModule(clock, options, eeprom)
-    if model == PD42_MODEL:
-        raise TypeError(f"a {model} has options of its own")
+    if isinstance(options, Tmc4361Options):
+        return EmulatedTmc4361(clock, options)
     known = MODELS[model]
     if options.clock_hz > known.clock_hz_max:
         raise OutOfRange("clock_hz", options.clock_hz, 1, known.clock_hz_max, f"the limit of a {known.title}")
@@ -78,3 +92,4 @@ def warm_up() -> None:
     for chip in ("tmc428", "tmc4210"):
         build_emulator(chip, VirtualClock()).exchange(bytes(4))
     warm_up_drive()
+    build_emulator("tmc4361", VirtualClock()).exchange(bytes(5), 1e-3)

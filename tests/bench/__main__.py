@@ -8,17 +8,19 @@ import platform
 import sys
 from collections.abc import Callable, Sequence
 
-from tests.bench import browser, calculators, emulation, motor, serving, tmcl_link
+from tests.bench import browser, calculators, emulation, emulation4361, motor, planner, serving, tmcl_link
 from tests.bench.table import Row, render
 
 MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "emulation": lambda quick: [emulation.measure(quick=quick)],
+    "tmc4361": emulation4361.measure,
     "cpu": lambda quick: [serving.measure_cpu(quick=quick)],
     "get": lambda quick: [serving.measure_get(quick=quick)],
     "telemetry": lambda quick: serving.measure_telemetry(quick=quick),
     "plots": lambda quick: [browser.measure(quick=quick)],
     "motor": lambda quick: [motor.measure(quick=quick)],
     "tmcl": tmcl_link.measure,
+    "planner": planner.measure,
     "pmul": lambda quick: [calculators.measure(quick=quick)],
 }
 

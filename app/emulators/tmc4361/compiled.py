@@ -1,8 +1,8 @@
 """How this package compiles: as the other kernels, but over several files.
 
 Numba keys the disk cache of a function on the file that the function stands in. Here constants and callees stand in
-other files (layout.py, feedback/), and stale machine code of a chip would be a nasty thing to look for. So the stamp
-of a cached function is that of every file of this package and of the drive, whose motor turns here.
+other files, and stale machine code of a chip would be a nasty thing to look for. So the stamp of a cached function is
+that of every file with compiled code or its layout, the motor's included.
 """
 
 from __future__ import annotations
@@ -18,7 +18,9 @@ OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy",
 
 def _stamp() -> tuple[tuple[str, float, int], ...]:
     here = Path(__file__).parent
-    files = sorted((*here.glob("*.py"), *here.glob("feedback/*.py"), *here.parent.glob("drive/*.py")))
+    package = sorted((*here.glob("*.py"), *here.glob("feedback/*.py")))
+    files = [file for file in package if "tmc4361.compiled" in file.read_text()]
+    files += [here / "layout.py", here / "feedback/layout.py", here.parent / "drive/kernel.py"]
     stats = [(str(file.relative_to(here.parent)), file.stat()) for file in files]
     return tuple((name, stat.st_mtime, stat.st_size) for name, stat in stats)
 
