@@ -25,3 +25,13 @@ export class CalmFrame {
     return [this.low, this.high];
   };
 }
+
+/**
+ * A limit that is not reached is seen above the curve, unless it is so far away that the curve would be nothing: its
+ * handle then waits at the edge.
+ */
+export function withHandles(min: number, max: number, heights: readonly number[]): [number, number] {
+  const most = 2 * Math.max(Math.abs(min), Math.abs(max));
+  const near = heights.filter((height) => Number.isFinite(height) && Math.abs(height) <= most);
+  return [Math.min(0, min, ...near), Math.max(0, max, ...near)];
+}

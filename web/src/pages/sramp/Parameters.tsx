@@ -96,6 +96,10 @@ export function Parameters(props: Props) {
         />
       </div>
       <div className={classes.table}>
+        <div className={classes.heads} aria-hidden>
+          <span>wished</span>
+          <span>in the register</span>
+        </div>
         {GROUPS.map((group) => {
           const parameters = group.parameters.filter((parameter) => shown.includes(parameter));
           return (

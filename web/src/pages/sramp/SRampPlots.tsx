@@ -1,6 +1,6 @@
 import { SegmentedControl, Select } from "@mantine/core";
 import { type RefObject, useMemo, useRef, useState } from "react";
-import { compact, duration, withUnit } from "../../lib/format";
+import { compact, withUnit } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { colorOf } from "../../lib/palette";
@@ -15,7 +15,7 @@ import type { Reach } from "./HandleLayer";
 import { handlesOf, shownHandles } from "./handles";
 import { faded, hueOf, type Stretch, stretches } from "./phases";
 import { corners } from "./rivals";
-import { factor, type Units, unitChoices } from "./scales";
+import { factor, time, type Units, unitChoices } from "./scales";
 import classes from "./sramp.module.css";
 import { Track } from "./Track";
 import type { Following } from "./useFollow";
@@ -69,12 +69,12 @@ export function SRampPlots(props: Props) {
   );
   const columns = useMemo(() => {
     if (!result) return null;
-    const time = result.time_s;
+    const times = result.time_s;
     const by = (values: readonly number[], divisor: number) => values.map((value) => value / divisor);
     return {
-      velocity: [time, by(result.velocity_pps, factors.velocity)] as const,
-      acceleration: [time, by(result.acceleration_pps2, factors.acceleration)] as const,
-      jerk: [time, by(result.jerk_pps3, factors.jerk)] as const,
+      velocity: [times, by(result.velocity_pps, factors.velocity)] as const,
+      acceleration: [times, by(result.acceleration_pps2, factors.acceleration)] as const,
+      jerk: [times, by(result.jerk_pps3, factors.jerk)] as const,
     };
   }, [result, factors]);
   const shown = useMemo(() => (result ? stretches(result.phases, options.shape) : []), [result, options.shape]);
@@ -110,7 +110,7 @@ export function SRampPlots(props: Props) {
     return (
       <Track
         label={label}
-        summary={`At most ${withUnit(most, units[kind])} within ${duration(result.duration_s)}`}
+        summary={`At most ${withUnit(most, units[kind])} within ${time(result.duration_s)}`}
         handle={props.plots[kind]}
         series={[
           {
@@ -145,7 +145,7 @@ export function SRampPlots(props: Props) {
       note={
         result ? (
           <span className={`num ${error !== null ? "stale" : ""}`}>
-            {duration(result.duration_s)} · peak {withUnit(peak / factors.velocity, units.velocity)}
+            {time(result.duration_s)} · peak {withUnit(peak / factors.velocity, units.velocity)}
             {options.mode === "position" && ` · overshoot ${compact(result.overshoot_steps)} µsteps`}
           </span>
         ) : (
@@ -241,7 +241,7 @@ function PhaseList({ phases }: { phases: readonly Stretch[] }) {
         // biome-ignore lint/suspicious/noArrayIndexKey: phases may come twice on the way through a reversal
         <li key={`${phase.name} ${index}`} data-empty={phase.empty || undefined}>
           <span className={classes.swatch} style={{ background: hueOf(phase.name, scheme) }} aria-hidden />
-          {phase.name} <span className="num">{phase.empty ? "0" : duration(phase.endS - phase.startS)}</span>
+          {phase.name} <span className="num">{phase.empty ? "0" : time(phase.endS - phase.startS)}</span>
         </li>
       ))}
     </ol>

@@ -143,7 +143,7 @@ export function SendSection({ device, axis, connected, chip, differences, option
     >
       {why !== null && <p className={classes.hint}>{why}</p>}
       {why === null && <Cautions chip={chip} changed={changed} />}
-      {differences && (
+      {differences && device && (
         <table className={classes.diff}>
           <thead>
             <tr>

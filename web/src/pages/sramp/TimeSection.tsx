@@ -1,7 +1,8 @@
-import { duration, fixed } from "../../lib/format";
+import { fixed } from "../../lib/format";
 import { Section } from "../../lib/Section";
 import type { Answer } from "./design";
 import { share } from "./rivals";
+import { time } from "./scales";
 import classes from "./sramp.module.css";
 
 const NAMES: Record<string, string> = {
@@ -53,7 +54,7 @@ function Bar({ name, title, seconds, most, saved, own = false }: BarProps) {
       <span className={classes.barTrack} aria-hidden>
         <span className={classes.bar} data-own={own || undefined} style={{ width: `${(seconds / most) * 100}%` }} />
       </span>
-      <span className="num">{duration(seconds)}</span>
+      <span className="num">{time(seconds)}</span>
       <span className={classes.barNote}>{saved === undefined ? "" : savedText(saved, seconds)}</span>
     </li>
   );
@@ -62,5 +63,5 @@ function Bar({ name, title, seconds, most, saved, own = false }: BarProps) {
 function savedText(savedS: number, rivalS: number): string {
   const part = Math.abs(share(savedS, rivalS)) * 100;
   if (part < 0.05) return "as fast";
-  return `${duration(Math.abs(savedS))} (${fixed(part, 1)} %) ${savedS > 0 ? "saved" : "longer"}`;
+  return `${time(Math.abs(savedS))} (${fixed(part, 1)} %) ${savedS > 0 ? "saved" : "longer"}`;
 }

@@ -3,7 +3,7 @@ import { Plot } from "../../plots/Plot";
 import type { PlotData } from "../../plots/series";
 import type { Overlay, PlotHandle, PlotScale, PlotSeries } from "../../plots/types";
 import { type Band, usePlotBands } from "../../plots/usePlotBands";
-import { CalmFrame } from "./CalmFrame";
+import { CalmFrame, withHandles } from "./CalmFrame";
 import type { Parameter } from "./design";
 import { HandleLayer, type Reach } from "./HandleLayer";
 import type { Handle } from "./handles";
@@ -34,16 +34,6 @@ interface Props {
   onChange: (parameter: Parameter, value: number) => void;
   held: boolean;
   onHold: (held: boolean) => void;
-}
-
-/**
- * A limit that is not reached is seen above the curve, unless it is so far away that the curve would be nothing: its
- * handle then waits at the edge.
- */
-export function withHandles(min: number, max: number, heights: readonly number[]): [number, number] {
-  const most = 2 * Math.max(Math.abs(min), Math.abs(max));
-  const near = heights.filter((height) => Number.isFinite(height) && Math.abs(height) <= most);
-  return [Math.min(0, min, ...near), Math.max(0, max, ...near)];
 }
 
 /** One quantity of the ramp over time, with its handles. */

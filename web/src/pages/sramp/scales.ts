@@ -1,4 +1,4 @@
-import { compact, fixed } from "../../lib/format";
+import { duration, fixed } from "../../lib/format";
 import { type AxisScale, factorOf, type Motion } from "../../lib/units";
 
 /** In what a ramp is read and typed: one unit of way, and by it those of velocity, acceleration and jerk. */
@@ -47,6 +47,11 @@ export function factor(motion: Motion, units: Units, scale: AxisScale): number {
   return factorOf(units[motion], scale, motion) ?? 1;
 }
 
+/** A time as people read it, without the dust of sums: 100 ms and not 100.0 ms. */
+export function time(seconds: number): string {
+  return duration(Number(seconds.toPrecision(9)));
+}
+
 /** Tick labels of large numbers: 2.5 M instead of 2 500 000, all ticks of an axis alike. */
 export function engineering(values: readonly (number | null)[]): string[] {
   const numbers = values.filter((value): value is number => value !== null);
@@ -57,6 +62,7 @@ export function engineering(values: readonly (number | null)[]): string[] {
     if (value === null) return "";
     if (value === 0) return "0";
     const scaled = Number((value / unit).toPrecision(6));
-    return `${Number.isInteger(scaled) ? fixed(scaled) : compact(scaled)}${thin}${symbol}`;
+    const decimals = (String(scaled).split(".")[1] ?? "").length;
+    return `${fixed(scaled, decimals)}${thin}${symbol}`;
   });
 }
