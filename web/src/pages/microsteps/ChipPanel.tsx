@@ -1,15 +1,16 @@
 import { Button } from "@mantine/core";
-import { IconArrowsLeftRight, IconDownload, IconPlayerStop, IconUpload } from "@tabler/icons-react";
-import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { IconDownload, IconUpload } from "@tabler/icons-react";
+import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { api, unwrap } from "../../api/client";
-import { motion } from "../../api/motion";
 import type { Device } from "../../api/queries";
 import { fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Section } from "../../lib/Section";
 import classes from "./Microsteps.module.css";
+import { MotorRow } from "./MotorRow";
 import { sameTable } from "./table";
+import { useMotor } from "./useMotor";
 
 interface Props {
   device: Device | undefined;
@@ -21,22 +22,12 @@ interface Props {
   onRead: () => void;
 }
 
-const LIVE_MS = 200;
-const TURNS = 2;
-
 /** Into the chip and out of it, also while the motor runs: its position and velocity stand beside. */
 export function ChipPanel({ device, axis, held, values, stale, onRead }: Props) {
   const queries = useQueryClient();
   const id = device?.id ?? "";
   const connected = device?.state === "connected";
-  const at = { device: id, axis };
-  const live = useQuery({
-    queryKey: ["axis", id, axis],
-    queryFn: async ({ signal }) =>
-      unwrap(await api.GET("/api/v1/devices/{device}/axes/{axis}", { params: { path: at }, signal })),
-    enabled: connected,
-    refetchInterval: LIVE_MS,
-  });
+  const motor = useMotor(device, axis);
   const [sent, setSent] = useState<string | null>(null);
 
   const send = useMutation({
@@ -48,7 +39,9 @@ export function ChipPanel({ device, axis, held, values, stale, onRead }: Props) 
         }),
       );
       queries.setQueryData(["microstep-table", id], answer);
-      const running = live.data?.moving ? `, while the motor ran at ${fixed(live.data.velocity_pps)} pps` : "";
+      const running = motor.live.data?.moving
+        ? `, while the motor ran at ${fixed(motor.live.data.velocity_pps)} pps`
+        : "";
       const time = new Date().toLocaleTimeString();
       setSent(
         sameTable(answer.values, table)
@@ -57,22 +50,6 @@ export function ChipPanel({ device, axis, held, values, stale, onRead }: Props) 
       );
     },
   });
-  const run = useMutation({
-    mutationFn: async () => {
-      const info = device?.axes[axis];
-      const here = live.data?.position ?? 0;
-      const way = TURNS * (info?.full_steps_per_rev ?? 200) * (info?.microsteps_per_full_step ?? 64);
-      // towards zero, where a stage has its middle or its start: away from it there may be a switch
-      return motion.shuttle(at, { first: here, second: here > 0 ? here - way : here + way, dwell_s: 0.2 });
-    },
-  });
-  const stop = useMutation({
-    mutationFn: async () => {
-      await motion.stop(at, "ramp");
-      await motion.endShuttle(at);
-    },
-  });
-
   const different = values && held ? values.filter((value, index) => value !== held[index]).length : null;
   const why =
     device === undefined
@@ -80,8 +57,7 @@ export function ChipPanel({ device, axis, held, values, stale, onRead }: Props) 
       : connected
         ? null
         : `${device.name} is not connected: the design stays, connect it under Connections to send it.`;
-  const state = live.data;
-  const error = send.error ?? run.error ?? stop.error;
+  const error = send.error ?? motor.run.error ?? motor.stop.error;
 
   return (
     <Section
@@ -117,53 +93,18 @@ export function ChipPanel({ device, axis, held, values, stale, onRead }: Props) 
         </>
       }
     >
-      <div className={classes.live}>
-        <dl data-old={live.isError || !connected || undefined}>
-          <div>
-            <dt>position</dt>
-            <dd className="num">{state ? `${fixed(state.position)} µsteps` : "–"}</dd>
-          </div>
-          <div>
-            <dt>velocity</dt>
-            <dd className="num">{state ? `${fixed(state.velocity_pps)} pps` : "–"}</dd>
-          </div>
-          <div>
-            <dt>motor</dt>
-            <dd>{state ? (state.moving ? "runs" : "at rest") : "–"}</dd>
-          </div>
-        </dl>
-        <Button
-          size="xs"
-          variant="light"
-          leftSection={<IconArrowsLeftRight size={14} aria-hidden />}
-          disabled={!connected}
-          loading={run.isPending}
-          title={`${TURNS} turns there and back, until stopped`}
-          onClick={() => run.mutate()}
-        >
-          Shuttle
-        </Button>
-        <Button
-          size="xs"
-          variant="default"
-          leftSection={<IconPlayerStop size={14} aria-hidden />}
-          disabled={!connected}
-          onClick={() => stop.mutate()}
-        >
-          Stop
-        </Button>
-      </div>
+      <MotorRow motor={motor} />
       <p className={`${classes.hint} ${classes.outcome}`} aria-live="polite">
         {sent ?? "A table goes to the chip in 32 datagrams, also while the motor runs."}
       </p>
       {error !== null && (
         <ProblemAlert
           error={error}
-          doing={send.error ? "Sending the table" : run.error ? "Running the motor" : "Stopping the axis"}
+          doing={send.error ? "Sending the table" : motor.run.error ? "Running the motor" : "Stopping the axis"}
           onClose={() => {
             send.reset();
-            run.reset();
-            stop.reset();
+            motor.run.reset();
+            motor.stop.reset();
           }}
         />
       )}

@@ -24,7 +24,7 @@ function Shape({ kind }: { kind: "rhomb" | "circle" | "box" }) {
   );
 }
 
-function Line(props: {
+export function Line(props: {
   label: string;
   title: string;
   value: number;

@@ -1,8 +1,8 @@
 import { ActionIcon, Button, SegmentedControl, Select, Text } from "@mantine/core";
-import { useHotkeys } from "@mantine/hooks";
+import { useHotkeys, useLocalStorage } from "@mantine/hooks";
 import { IconArrowBackUp, IconArrowForwardUp, IconWaveSine } from "@tabler/icons-react";
 import { useQuery } from "@tanstack/react-query";
-import { useEffect, useMemo, useState } from "react";
+import { type ReactNode, useEffect, useMemo, useState } from "react";
 import { api, type Schemas, unwrap } from "../../api/client";
 import { type Device, useDevices } from "../../api/queries";
 import { EmptyState } from "../../lib/EmptyState";
@@ -18,6 +18,7 @@ import { FormulaPanel } from "./FormulaPanel";
 import { type History, push, redo, settle, start, undo } from "./history";
 import { Metrics } from "./Metrics";
 import classes from "./Microsteps.module.css";
+import { MslutEditor } from "./mslut/MslutEditor";
 import { Transfer } from "./Transfer";
 import { type Draft, type Formula, SINE } from "./table";
 import { Waves } from "./Waves";
@@ -30,9 +31,10 @@ type Result = Schemas["MicrostepResult"];
 const kept = new Map<string, History<Draft>>();
 
 function useDesign(body: Partial<Question> | null) {
-  return useCalc<Partial<Question>, Result>("microstep-table", body, async (question, signal) =>
-    unwrap(await api.POST("/api/v1/calc/microstep-table", { body: question as Question, signal })),
-  );
+  return useCalc<Partial<Question>, Result>("microstep-table", body, async (question, signal) => {
+    const answer = unwrap(await api.POST("/api/v1/calc/microstep-table", { body: question as Question, signal }));
+    return answer as Result;
+  });
 }
 
 /** Round ticks around zero for errors up to `most`. */
@@ -42,7 +44,8 @@ export function symmetricScale(most: number): { low: number; high: number; ticks
   return { low: -high, high, ticks: [-high, -high / 2, 0, high / 2, high] };
 }
 
-function Editor({ device, axis }: { device: Device | undefined; axis: number }) {
+/** The table of a TMC428. `choice` stands where no chip decides which table it is. */
+function QuarterEditor({ device, axis, choice }: { device: Device | undefined; axis: number; choice?: ReactNode }) {
   const id = device?.id ?? "-";
   const connected = device?.state === "connected";
   const [history, setHistory] = useState<History<Draft>>(
@@ -128,6 +131,7 @@ function Editor({ device, axis }: { device: Device | undefined; axis: number }) 
 
   return (
     <Page name="Microsteps">
+      {choice}
       {chip.isError && connected && (
         <ProblemAlert
           error={chip.error}
@@ -311,6 +315,27 @@ function Editor({ device, axis }: { device: Device | undefined; axis: number }) 
   );
 }
 
+type Format = "quarter" | "mslut";
+
+/** Which table is designed while no chip decides. */
+function FormatChoice({ format, onFormat }: { format: Format; onFormat: (format: Format) => void }) {
+  return (
+    <div className={classes.choice}>
+      <span className={classes.hint}>Design without a device, for</span>
+      <SegmentedControl
+        size="xs"
+        aria-label="Kind of table"
+        value={format}
+        onChange={(next) => onFormat(next as Format)}
+        data={[
+          { value: "quarter", label: "TMC428: 64 values of 6 bits" },
+          { value: "mslut", label: "TMC4361: 256 differences" },
+        ]}
+      />
+    </div>
+  );
+}
+
 /** What to do where there is no table to design. */
 function NoTable({ device, onOther }: { device: Device; onOther: (() => void) | null }) {
   return (
@@ -325,16 +350,21 @@ function NoTable({ device, onOther }: { device: Device; onOther: (() => void) | 
           Show the TMC428
         </Button>
       ) : (
-        <Text size="sm">Add a TMC428 under Connections to design a table.</Text>
+        <Text size="sm">Add a TMC428 or a TMC4361 under Connections to design a table.</Text>
       )}
     </EmptyState>
   );
 }
 
-/** Microsteps: the table of a quarter wave, what it does to the currents, and the way into the chip. */
+/** Microsteps: the wave of a chip's table, what it does to the currents, and the way into the chip. */
 export default function MicrostepsPage() {
   const devices = useDevices();
   const { device, axis, select } = useSelection();
+  const [wanted, setWanted] = useLocalStorage<Format>({
+    key: "stepscope.microsteps.format",
+    defaultValue: "quarter",
+    getInitialValueInEffect: false,
+  });
   if (devices.isPending) return null;
   if (device?.model === "tmc4210") {
     const other = devices.data?.find((candidate) => candidate.model === "tmc428");
@@ -344,5 +374,14 @@ export default function MicrostepsPage() {
       </Page>
     );
   }
-  return <Editor key={device?.id ?? "-"} device={device} axis={axis} />;
+  const format: Format = device === undefined ? wanted : device.model === "tmc4361" ? "mslut" : "quarter";
+  const Editor = format === "mslut" ? MslutEditor : QuarterEditor;
+  return (
+    <Editor
+      key={device?.id ?? "-"}
+      device={device}
+      axis={axis}
+      choice={device === undefined && <FormatChoice format={wanted} onFormat={setWanted} />}
+    />
+  );
 }

@@ -8,7 +8,7 @@ interface Props {
   onPaste: (values: number[]) => void;
 }
 
-function Copy({ label, text }: { label: string; text: string }) {
+export function Copy({ label, text }: { label: string; text: string }) {
   return (
     <CopyButton value={text} timeout={1500}>
       {({ copied, copy }) => (

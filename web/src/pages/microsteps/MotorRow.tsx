@@ -1,0 +1,49 @@
+import { Button } from "@mantine/core";
+import { IconArrowsLeftRight, IconPlayerStop } from "@tabler/icons-react";
+import { fixed } from "../../lib/format";
+import classes from "./Microsteps.module.css";
+import type { Motor } from "./useMotor";
+
+/** Position and velocity beside the buttons that run and stop the motor. */
+export function MotorRow({ motor }: { motor: Motor }) {
+  const { live, run, stop, connected, turns } = motor;
+  const state = live.data;
+  return (
+    <div className={classes.live}>
+      <dl data-old={live.isError || !connected || undefined}>
+        <div>
+          <dt>position</dt>
+          <dd className="num">{state ? `${fixed(state.position)} µsteps` : "–"}</dd>
+        </div>
+        <div>
+          <dt>velocity</dt>
+          <dd className="num">{state ? `${fixed(state.velocity_pps)} pps` : "–"}</dd>
+        </div>
+        <div>
+          <dt>motor</dt>
+          <dd>{state ? (state.moving ? "runs" : "at rest") : "–"}</dd>
+        </div>
+      </dl>
+      <Button
+        size="xs"
+        variant="light"
+        leftSection={<IconArrowsLeftRight size={14} aria-hidden />}
+        disabled={!connected}
+        loading={run.isPending}
+        title={`${turns} turns there and back, until stopped`}
+        onClick={() => run.mutate()}
+      >
+        Shuttle
+      </Button>
+      <Button
+        size="xs"
+        variant="default"
+        leftSection={<IconPlayerStop size={14} aria-hidden />}
+        disabled={!connected}
+        onClick={() => stop.mutate()}
+      >
+        Stop
+      </Button>
+    </div>
+  );
+}

@@ -1,0 +1,115 @@
+import { Button, Modal, Stack, Text, Textarea } from "@mantine/core";
+import { IconClipboardText } from "@tabler/icons-react";
+import { useState } from "react";
+import { Section } from "../../../lib/Section";
+import { Copy } from "../Transfer";
+import classes from "./Mslut.module.css";
+import { cArray, hexLines, pairOf, parseWave, type Table } from "./wave";
+
+interface Props {
+  /** null while the wave cannot be encoded */
+  table: Table | null;
+  /** what the chip holds */
+  held: Table | null;
+  onPaste: (values: number[], mirror: number) => void;
+}
+
+/** The registers that hold the wave: beside the chip's, out as C or hex, and in from text. */
+export function Registers({ table, held, onPaste }: Props) {
+  const [open, setOpen] = useState(false);
+  const [text, setText] = useState("");
+  const parsed = parseWave(text);
+  const wrong = "wrong" in parsed ? parsed.wrong : null;
+  const rows = table?.registers ?? held?.registers ?? [];
+
+  function take() {
+    if ("wrong" in parsed) return;
+    onPaste(parsed.values, parsed.mirror);
+    setOpen(false);
+    setText("");
+  }
+
+  return (
+    <Section
+      title="Registers"
+      actions={
+        <>
+          <Copy label="Hex" text={table ? hexLines(table.registers) : ""} />
+          <Copy label="C array" text={table ? cArray(table.registers) : ""} />
+          <Button
+            size="compact-xs"
+            variant="default"
+            leftSection={<IconClipboardText size={13} aria-hidden />}
+            onClick={() => setOpen(true)}
+          >
+            Paste
+          </Button>
+        </>
+      }
+    >
+      <table className={classes.registers}>
+        <thead>
+          <tr>
+            <th scope="col">register</th>
+            <th scope="col">address</th>
+            <th scope="col">design</th>
+            <th scope="col">chip</th>
+          </tr>
+        </thead>
+        <tbody>
+          {rows.map((row, at) => {
+            const design = table?.registers[at];
+            const chip = held?.registers[at];
+            return (
+              <tr key={row.name}>
+                <th scope="row">{row.name}</th>
+                <td className="num">0x{row.address.toString(16).toUpperCase()}</td>
+                <td className="num">
+                  {design ? design.hex : <span className={classes.absent}>cannot be encoded</span>}
+                </td>
+                <td className="num" data-differs={(design && chip && design.value !== chip.value) || undefined}>
+                  {chip?.hex ?? "–"}
+                </td>
+              </tr>
+            );
+          })}
+        </tbody>
+      </table>
+      {table && (
+        <p className={classes.segments}>
+          {table.segments.map((segment) => (
+            <span key={segment.first}>
+              <i className={classes.swatch} data-width={segment.width} />
+              <span className="num">
+                {segment.first}–{segment.last}
+              </span>
+              W{segment.width}, differences {pairOf(segment.low)}
+            </span>
+          ))}
+        </p>
+      )}
+      <Modal opened={open} onClose={() => setOpen(false)} title="Paste a wave" size="lg">
+        <Stack gap="sm">
+          <Text size="sm" c="dimmed">
+            256 values of 0 to 255, or the ten register words MSLUT[0] to [7], MSLUTSEL and MSLUTSTART, with or without
+            their addresses; separated by spaces, commas or lines, or as a C array.
+          </Text>
+          <Textarea
+            aria-label="Wave as text"
+            autosize
+            minRows={8}
+            maxRows={16}
+            value={text}
+            data-autofocus
+            error={text.trim() !== "" && wrong}
+            classNames={{ input: "num" }}
+            onChange={(event) => setText(event.currentTarget.value)}
+          />
+          <Button onClick={take} disabled={wrong !== null}>
+            Use this wave
+          </Button>
+        </Stack>
+      </Modal>
+    </Section>
+  );
+}

@@ -1,0 +1,60 @@
+import classes from "./Mslut.module.css";
+import { currentAt, POSITIONS } from "./wave";
+
+interface Wave {
+  values: readonly number[];
+  mirror: number;
+}
+
+const REACH = 148;
+const RADIUS = 100;
+/** A good wave's vector is a circle to the eye: what its length is off by is drawn this many times larger. */
+export const MAGNIFIED = 10;
+
+function vector(wave: Wave, position: number): [length: number, angle: number] {
+  const a = currentAt(wave.values, wave.mirror, position) - wave.mirror / 2;
+  const b = currentAt(wave.values, wave.mirror, position + POSITIONS / 4) - wave.mirror / 2;
+  return [Math.hypot(a, b), Math.atan2(a, b)];
+}
+
+function place(wave: Wave, mean: number, position: number): [x: number, y: number] {
+  const [length, angle] = vector(wave, position);
+  const off = mean > 0 ? length / mean - 1 : 0;
+  const radius = Math.min(REACH - 4, Math.max(4, RADIUS * (1 + MAGNIFIED * off)));
+  return [radius * Math.cos(angle), -radius * Math.sin(angle)];
+}
+
+function path(wave: Wave): string {
+  let sum = 0;
+  for (let position = 0; position < POSITIONS; position++) sum += vector(wave, position)[0];
+  const points = Array.from({ length: POSITIONS }, (_, position) => place(wave, sum / POSITIONS, position));
+  return `${points.map(([x, y], at) => `${at === 0 ? "M" : "L"}${x.toFixed(1)},${y.toFixed(1)}`).join("")}Z`;
+}
+
+/** The current vector over a period, phase B across and phase A up; what its length is off by is magnified. */
+export function VectorFigure({ design, before, worst }: { design: Wave; before: Wave | null; worst: number | null }) {
+  const angle = worst === null ? null : vector(design, worst)[1];
+  return (
+    <svg
+      className={classes.xy}
+      viewBox={`${-REACH} ${-REACH} ${2 * REACH} ${2 * REACH}`}
+      role="img"
+      aria-label={`Current vector over a period, phase B across and phase A up; deviations of its length ${MAGNIFIED} times larger`}
+    >
+      <line className={classes.xyAxis} x1={-REACH} x2={REACH} y1={0} y2={0} />
+      <line className={classes.xyAxis} y1={-REACH} y2={REACH} x1={0} x2={0} />
+      <circle className={classes.xyIdeal} r={RADIUS} />
+      {before && <path className={classes.xyBefore} d={path(before)} />}
+      <path className={classes.xyPath} d={path(design)} />
+      {angle !== null && (
+        <line className={classes.xyWorst} x1={0} y1={0} x2={RADIUS * Math.cos(angle)} y2={-RADIUS * Math.sin(angle)} />
+      )}
+      <text className={classes.xyText} x={REACH} y={-4} textAnchor="end">
+        B
+      </text>
+      <text className={classes.xyText} x={5} y={-REACH + 9}>
+        A
+      </text>
+    </svg>
+  );
+}

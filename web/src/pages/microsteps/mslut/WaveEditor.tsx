@@ -1,0 +1,309 @@
+import { useElementSize } from "@mantine/hooks";
+import { type KeyboardEvent, type PointerEvent, useMemo, useRef, useState } from "react";
+import type { Schemas } from "../../../api/client";
+import { fixed } from "../../../lib/format";
+import classes from "./Mslut.module.css";
+import { bent, clamp, currentAt, ENTRIES, entryAt, POSITIONS, pairOf, SINE, stroked, type Table, TOP } from "./wave";
+
+export type Tool = "bend" | "point" | "draw";
+export type View = "quarter" | "period";
+
+interface Wave {
+  values: readonly number[];
+  mirror: number;
+}
+
+interface Props extends Wave {
+  view: View;
+  tool: Tool;
+  /** the segments of the encodable wave; none while it is refused */
+  segments: Table["segments"];
+  refusals: readonly Schemas["MslutRefusal"][];
+  nearest: Wave | null;
+  /** what the chip holds, for comparison */
+  before: Wave | null;
+  /** where the chip stands, and both currents there */
+  live: { position: number; current_a: number; current_b: number } | null;
+  onChange: (values: number[], tag: string) => void;
+  onSettle: () => void;
+}
+
+const HEIGHT = { quarter: 300, period: 300 };
+const STRIP = 92;
+const MARGIN = { left: 38, right: 12, top: 20, bottom: 20 };
+/** Ranges of the strip below, around zero [counts]. */
+const RANGES = [2, 5, 10, 20, 50, 100, 250, 600];
+const IDEAL: Wave = { values: SINE, mirror: -1 };
+
+function stairs(points: readonly number[], x: (place: number) => number, y: (value: number) => number): string {
+  return points
+    .map((value, place) => `${place === 0 ? "M" : "L"}${x(place).toFixed(1)},${y(value).toFixed(1)}`)
+    .join("");
+}
+
+/**
+ * The wave, its segments as bands, the places where it cannot be encoded, and below it how far it is from a sine. With
+ * the pointer it is bent, moved by single entries or drawn; with the keyboard one entry at a time.
+ */
+export function WaveEditor(props: Props) {
+  const { values, mirror, view, tool, segments, refusals, nearest, before, live, onChange, onSettle } = props;
+  const { ref, width } = useElementSize<HTMLDivElement>();
+  const [active, setActive] = useState(0);
+  const handle = useRef<SVGGElement>(null);
+  const held = useRef<{ index: number; value: number; base: readonly number[] } | null>(null);
+
+  const places = view === "quarter" ? ENTRIES : POSITIONS;
+  const [low, high] = view === "quarter" ? [0, 256] : [-256, 256];
+  const height = HEIGHT[view];
+  const inner = Math.max(100, width - MARGIN.left - MARGIN.right);
+  const tall = height - MARGIN.top - MARGIN.bottom;
+  const x = (place: number) => MARGIN.left + (place / (places - 1)) * inner;
+  const y = (value: number) => MARGIN.top + ((high - Math.min(high, Math.max(low, value))) / (high - low)) * tall;
+  const whole = (wave: Wave, ahead = 0) =>
+    Array.from({ length: places }, (_, place) => currentAt(wave.values, wave.mirror, place + ahead));
+
+  const design = { values, mirror };
+  const strip = useMemo(() => {
+    const ideal = Array.from({ length: places }, (_, place) => currentAt(SINE, -1, place));
+    const apart = (wave: Wave | null) =>
+      wave &&
+      // half counts: the sine of the complement grid lies at -1/2, that of opposite halves at 0
+      ideal.map((sine, place) => currentAt(wave.values, wave.mirror, place) - wave.mirror / 2 - (sine + 0.5));
+    const lines = {
+      design: apart({ values, mirror }) ?? [],
+      nearest: apart(nearest),
+      before: apart(before),
+    };
+    const most = [...lines.design, ...(lines.nearest ?? []), ...(lines.before ?? [])].reduce(
+      (most, value) => Math.max(most, Math.abs(value)),
+      1,
+    );
+    return { ...lines, range: RANGES.find((range) => range >= most) ?? 600 };
+  }, [places, values, mirror, nearest, before]);
+  const stripY = (value: number) =>
+    8 + ((strip.range - Math.min(strip.range, Math.max(-strip.range, value))) / (2 * strip.range)) * (STRIP - 16);
+
+  function at(event: PointerEvent<SVGSVGElement>) {
+    const box = event.currentTarget.getBoundingClientRect();
+    const place = Math.round(((event.clientX - box.left - MARGIN.left) / inner) * (places - 1));
+    const { index, negative } = entryAt(Math.min(places - 1, Math.max(0, place)));
+    const current = high - ((event.clientY - box.top - MARGIN.top) / tall) * (high - low);
+    return { index, value: clamp(negative ? mirror - current : current) };
+  }
+
+  const withEntry = (base: readonly number[], index: number, value: number) =>
+    tool === "bend" ? bent(base, index, value) : base.map((old, place) => (place === index ? clamp(value) : old));
+
+  function onDown(event: PointerEvent<SVGSVGElement>) {
+    if (event.button !== 0) return;
+    event.currentTarget.setPointerCapture(event.pointerId);
+    const here = at(event);
+    // a bend takes hold of the curve where it is; the others go where the pointer is
+    const value = tool === "bend" ? (values[here.index] ?? 0) : here.value;
+    held.current = { index: here.index, value: tool === "bend" ? here.value : value, base: values };
+    setActive(here.index);
+    if (tool !== "bend")
+      onChange(withEntry(values, here.index, value), tool === "draw" ? "stroke" : `point ${here.index}`);
+    handle.current?.focus({ preventScroll: true });
+    event.preventDefault();
+  }
+
+  function onMove(event: PointerEvent<SVGSVGElement>) {
+    const from = held.current;
+    if (!from) return;
+    const here = at(event);
+    if (tool === "draw") {
+      onChange(stroked(values, from, here), "stroke");
+      held.current = { ...here, base: values };
+      setActive(here.index);
+    } else if (tool === "bend") {
+      const to = (from.base[from.index] ?? 0) + here.value - from.value;
+      onChange(bent(from.base, from.index, to), `bend ${from.index}`);
+    } else if (here.value !== values[from.index]) {
+      onChange(withEntry(values, from.index, here.value), `point ${from.index}`);
+    }
+  }
+
+  function onUp() {
+    if (!held.current) return;
+    held.current = null;
+    onSettle();
+  }
+
+  function onKey(event: KeyboardEvent) {
+    const pace = event.shiftKey ? 10 : 1;
+    const go = { ArrowLeft: active - pace, ArrowRight: active + pace, Home: 0, End: ENTRIES - 1 }[event.key];
+    const by = { ArrowUp: pace, ArrowDown: -pace, PageUp: 10, PageDown: -10 }[event.key];
+    if (go !== undefined) setActive(Math.min(ENTRIES - 1, Math.max(0, go)));
+    else if (by !== undefined) onChange(withEntry(values, active, (values[active] ?? 0) + by), `key ${active}`);
+    else return;
+    event.preventDefault();
+  }
+
+  const quarters = view === "quarter" ? [0] : [0, 1, 2, 3];
+  const bands = quarters.flatMap((quarter) =>
+    segments.map((segment) => {
+      const [first, last] = [segment.first, segment.last + 1];
+      const [from, to] =
+        quarter % 2 === 0
+          ? [quarter * ENTRIES + first, quarter * ENTRIES + last]
+          : [(quarter + 1) * ENTRIES - last, (quarter + 1) * ENTRIES - first];
+      return { key: `${quarter}-${first}`, from: x(from - 0.5), to: x(to - 0.5), segment, named: quarter === 0 };
+    }),
+  );
+  const marks = refusals.filter((refusal) => refusal.reason !== "asymmetric");
+  const yTicks = view === "quarter" ? [0, 64, 128, 192, 255] : [-255, -128, 0, 128, 255];
+  const xTicks =
+    view === "quarter" ? [0, 32, 64, 96, 128, 160, 192, 224, 255] : [0, 128, 256, 384, 512, 640, 768, 896, 1023];
+  const value = values[active] ?? 0;
+
+  return (
+    <div ref={ref} className={classes.wave}>
+      <svg
+        width="100%"
+        height={height}
+        data-tool={tool}
+        onPointerDown={onDown}
+        onPointerMove={onMove}
+        onPointerUp={onUp}
+        onPointerCancel={onUp}
+      >
+        <title>Wave of the microstep table with its segments</title>
+        {bands.map(({ key, from, to, segment, named }) => (
+          <g key={key}>
+            <rect
+              className={classes.band}
+              data-width={segment.width}
+              x={Math.max(MARGIN.left, from)}
+              width={Math.max(0, Math.min(MARGIN.left + inner, to) - Math.max(MARGIN.left, from))}
+              y={4}
+              height={height - MARGIN.bottom - 4}
+            />
+            {named && to - from > 26 && (
+              <text className={classes.bandName} x={Math.max(MARGIN.left, from) + 4} y={15}>
+                {to - from > 64 ? `W${segment.width}: ${pairOf(segment.low)}` : `W${segment.width}`}
+              </text>
+            )}
+          </g>
+        ))}
+        {yTicks.map((tick) => (
+          <g key={`y${tick}`}>
+            <line className={classes.grid} x1={MARGIN.left} x2={MARGIN.left + inner} y1={y(tick)} y2={y(tick)} />
+            <text className={classes.tick} x={MARGIN.left - 6} y={y(tick)} textAnchor="end" dominantBaseline="central">
+              {fixed(tick)}
+            </text>
+          </g>
+        ))}
+        {xTicks.map((tick) => (
+          <g key={`x${tick}`}>
+            <line className={classes.grid} x1={x(tick)} x2={x(tick)} y1={MARGIN.top} y2={MARGIN.top + tall} />
+            <text className={classes.tick} x={x(tick)} y={height - 6} textAnchor="middle">
+              {tick}
+            </text>
+          </g>
+        ))}
+        <path className={classes.ideal} d={stairs(whole(IDEAL), x, y)} />
+        {before && <path className={classes.before} d={stairs(whole(before), x, y)} />}
+        {view === "period" && <path className={classes.phaseB} d={stairs(whole(design, ENTRIES), x, y)} />}
+        {nearest && <path className={classes.nearest} d={stairs(whole(nearest), x, y)} />}
+        <path className={classes.line} d={stairs(whole(design), x, y)} />
+        {marks.map((refusal, place) => (
+          <g key={`${refusal.index} ${refusal.reason}`} className={classes.refusal}>
+            <title>{`entry ${refusal.index}: ${refusal.detail}`}</title>
+            <line
+              className={classes.refusalLine}
+              data-first={place === 0 || undefined}
+              x1={x(refusal.index)}
+              x2={x(refusal.index)}
+              y1={MARGIN.top}
+              y2={MARGIN.top + tall}
+            />
+            <path d={`M${x(refusal.index)},${MARGIN.top + tall} l-4,7 h8 Z`} />
+            <circle cx={x(refusal.index)} cy={y(values[refusal.index] ?? 0)} r={place === 0 ? 5 : 3} />
+          </g>
+        ))}
+        {live && (
+          <g className={classes.liveMark}>
+            {view === "period" ? (
+              <>
+                <line x1={x(live.position)} x2={x(live.position)} y1={MARGIN.top} y2={MARGIN.top + tall} />
+                <circle data-phase="a" cx={x(live.position)} cy={y(live.current_a)} r={4} />
+                <circle data-phase="b" cx={x(live.position)} cy={y(live.current_b)} r={4} />
+              </>
+            ) : (
+              <line
+                x1={x(entryAt(live.position).index)}
+                x2={x(entryAt(live.position).index)}
+                y1={MARGIN.top}
+                y2={MARGIN.top + tall}
+              />
+            )}
+          </g>
+        )}
+        <g
+          ref={handle}
+          className={classes.point}
+          role="slider"
+          tabIndex={0}
+          aria-label={`Entry ${active}`}
+          aria-orientation="vertical"
+          aria-valuemin={0}
+          aria-valuemax={TOP}
+          aria-valuenow={value}
+          onKeyDown={onKey}
+          onBlur={onSettle}
+        >
+          <circle className={classes.halo} cx={x(active)} cy={y(value)} r={8} />
+          <circle className={classes.dot} cx={x(active)} cy={y(value)} r={3.5} />
+        </g>
+      </svg>
+      <svg width="100%" height={STRIP} aria-hidden="true">
+        {[strip.range, 0, -strip.range].map((tick) => (
+          <g key={tick}>
+            <line
+              className={classes.grid}
+              x1={MARGIN.left}
+              x2={MARGIN.left + inner}
+              y1={stripY(tick)}
+              y2={stripY(tick)}
+            />
+            <text
+              className={classes.tick}
+              x={MARGIN.left - 6}
+              y={stripY(tick)}
+              textAnchor="end"
+              dominantBaseline="central"
+            >
+              {tick > 0 ? `+${tick}` : fixed(tick)}
+            </text>
+          </g>
+        ))}
+        {strip.before && <path className={classes.before} d={stairs(strip.before, x, stripY)} />}
+        {strip.nearest && <path className={classes.nearest} d={stairs(strip.nearest, x, stripY)} />}
+        <path className={classes.line} d={stairs(strip.design, x, stripY)} />
+      </svg>
+      <p className={classes.readout}>
+        <span>
+          entry <span className="num">{active}</span> = <span className="num">{fixed(value)}</span>
+        </span>
+        <span className={classes.dim}>
+          {active === 0 ? "zero crossing" : "from the one before"}{" "}
+          <span className="num">{signed(active === 0 ? 2 * value - mirror : value - (values[active - 1] ?? 0))}</span>
+        </span>
+        {before && (
+          <span className={classes.dim}>
+            chip <span className="num">{before.values[active]}</span>
+          </span>
+        )}
+        <span className={classes.dim}>
+          from the sine <span className="num">{signed(strip.design[active] ?? 0, 1)}</span>
+        </span>
+        <span className={`${classes.dim} ${classes.stripName}`}>below: distance from the sine of 248, counts</span>
+      </p>
+    </div>
+  );
+}
+
+function signed(value: number, decimals = 0): string {
+  return `${value > 0 ? "+" : ""}${fixed(value, decimals)}`;
+}
