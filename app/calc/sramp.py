@@ -49,8 +49,6 @@ POSITION_LIMIT = 1 << 32
 """Microsteps between the ends of the chip's 32-bit positions."""
 
 _BOWS = {"B1": "bow1", "B2": "bow2", "B3": "bow3", "B4": "bow4"}
-# Relative to the whole motion: what lasts less comes of rounding.
-_NO_TIME = 1e-15
 
 
 def position_plan(p: SRamp, distance: float, v_actual: float = 0.0, a_actual: float = 0.0) -> SRampPlan:
@@ -126,8 +124,8 @@ def check_state(v_actual: float, a_actual: float) -> None:
 
 def _pieces(p: SRamp, rows: list[list[float]], first_anchored: int, target: float) -> tuple[JerkPiece, ...]:
     """The kernel's rows in time and place; those from `first_anchored` on end on the target."""
-    total = math.fsum(row[kernel.TIME] for row in rows)
-    kept = [(i, row) for i, row in enumerate(rows) if row[kernel.TIME] > _NO_TIME * total]
+    least_s = 2 * math.ulp(math.fsum(row[kernel.TIME] for row in rows))  # shorter ones come of rounding
+    kept = [(i, row) for i, row in enumerate(rows) if row[kernel.TIME] > least_s]
     place = target
     ends: dict[int, float] = {}
     for i, row in reversed(kept):

@@ -92,6 +92,10 @@ def _region(
     peak = math.sqrt((2 * up * down * dv + down * a0 * a0 + up * a1 * a1) / (up + down))
     flat = peak > cap
     peak = max(min(peak, cap), a0, a1)
+    if peak - a0 <= NOISE * peak:
+        peak = a0
+    if peak - a1 <= NOISE * peak:
+        a1 = peak
     rise, fall = (peak - a0) * (peak + a0) / (2 * up), (peak - a1) * (peak + a1) / (2 * down)
     n = _add(rows, n, s, first, (peak - a0) / up, v0, a0, v0 + rise, peak)
     if flat and dv - rise - fall > NOISE * (abs(v0) + abs(v1)):
@@ -156,7 +160,10 @@ def follow(p: FloatArray, rows: FloatArray, n: int, v: float, a: float, target: 
 
 @compiled
 def stop(p: FloatArray, rows: FloatArray, n: int, v: float, a: float, vstop: float, dfinal: float) -> int:
-    """Rows from state (v, a) to rest, or to the moment at which `vstop` may end the motion."""
+    """Rows from state (v, a) to rest, or to the moment at which `vstop` may end the motion.
+
+    What lets go of its acceleration below `vstop` ends there, with acceleration 0.
+    """
     s = 1.0 if v > 0 or (v == 0 and a > 0) else -1.0
     v, a = s * v, s * a
     last = math.inf if vstop > 0 else dfinal
@@ -177,6 +184,18 @@ def stop(p: FloatArray, rows: FloatArray, n: int, v: float, a: float, vstop: flo
 
 
 @compiled
+def _brake(p: FloatArray, rows: FloatArray, n: int, v: float, a: float) -> int:
+    """`stop` of a move forward: what still runs backward does not end with VSTOP, but turns."""
+    if v > 0 or (v == 0 and a > 0):
+        return stop(p, rows, n, v, a, p[VSTOP], 0.0)
+    end = coasting(p, v, a)
+    if end > 0 and a * a > -2 * p[BOW4] * v * (1 + ALIKE):
+        n = _let_go(p, rows, n, v, a)
+        return stop(p, rows, n, end, 0.0, p[VSTOP], 0.0)
+    return stop(p, rows, n, v, a, 0.0, 0.0)
+
+
+@compiled
 def _length(rows: FloatArray, begin: int, end: int) -> float:
     total = 0.0
     for row in range(begin, end):
@@ -186,15 +205,19 @@ def _length(rows: FloatArray, begin: int, end: int) -> float:
 
 @compiled
 def _stopping(p: FloatArray, rows: FloatArray, n: int, v: float, a: float) -> float:
-    """Way from state (v, a) until rest, or until VSTOP may end the motion; uses the rows from `n` on."""
-    return _length(rows, n, stop(p, rows, n, v, a, p[VSTOP], 0.0))
+    """Way from state (v, a) until `_brake` ends; uses the rows from `n` on."""
+    return _length(rows, n, _brake(p, rows, n, v, a))
 
 
 @compiled
 def _within(rows: FloatArray, row: int, t: float) -> tuple[float, float, float]:
-    """Way, velocity and acceleration at `t` after the start of a row."""
-    v, a, j = rows[row, V0], rows[row, A0], rows[row, JERK]
-    return t * (v + t * (a / 2 + t * j / 6)), v + t * (a + t * j / 2), a + t * j
+    """Way, velocity and acceleration at `t` after the start of a row, or where `t` is below 0 before its end."""
+    j = rows[row, JERK]
+    if t < 0:
+        v, a, way = rows[row, V1], rows[row, A1], rows[row, LENGTH]
+    else:
+        v, a, way = rows[row, V0], rows[row, A0], 0.0
+    return way + t * (v + t * (a / 2 + t * j / 6)), v + t * (a + t * j / 2), a + t * j
 
 
 @compiled
@@ -210,12 +233,26 @@ def _ends_at(p: FloatArray, rows: FloatArray, n: int, row: int, t: float, v_star
 def _moment(p: FloatArray, rows: FloatArray, n: int, row: int, limit: float, v_start: float, wanted: float) -> float:
     """The t of 0..limit at which `_ends_at` passes `wanted`, which is between its ends (Chandrupatla's method).
 
-    Where it jumps over `wanted` the moment after the jump.
+    Of a row it is counted from the nearer end, from the
+    later one below 0: a bow a million times steeper than another puts all that matters into the last of its digits.
     """
-    low, f_low = 0.0, _ends_at(p, rows, n, row, 0.0, v_start) - wanted
-    high, f_high = limit, _ends_at(p, rows, n, row, limit, v_start) - wanted
-    if f_low >= 0 or f_high <= 0:
-        return low if f_low >= 0 else high
+    low, high = 0.0, limit
+    f_low = _ends_at(p, rows, n, row, low, v_start) - wanted
+    if f_low >= 0:
+        return low
+    if row < 0:
+        f_high = _ends_at(p, rows, n, row, high, v_start) - wanted
+        if f_high <= 0:
+            return high
+    else:
+        high = limit / 2
+        f_high = _ends_at(p, rows, n, row, high, v_start) - wanted
+        if f_high < 0:
+            low, f_low = -high, f_high
+            high = -5e-324  # the end of the row: not 0, which is its start
+            f_high = _ends_at(p, rows, n, row, high, v_start) - wanted
+            if f_high <= 0:
+                return high
     # x1 is the newest estimate, x2 the other side of the bracket, x3 the one before
     x1, f1, x2, f2 = high, f_high, low, f_low
     t = 0.5
@@ -230,7 +267,7 @@ def _moment(p: FloatArray, rows: FloatArray, n: int, row: int, limit: float, v_s
         if f == 0:
             return x
         width = abs(x2 - x1)
-        least = 2.3e-16 * max(x1, x2)
+        least = 2.3e-16 * max(abs(x1), abs(x2))
         if width <= 2 * least:
             break
         xi, phi = (x1 - x2) / (x3 - x2), (f1 - f2) / (f3 - f2)
@@ -239,9 +276,7 @@ def _moment(p: FloatArray, rows: FloatArray, n: int, row: int, limit: float, v_s
             t = f1 / (f2 - f1) * f3 / (f2 - f3) + (x3 - x1) / (x2 - x1) * f1 / (f3 - f1) * f2 / (f3 - f2)
         edge = least / width
         t = min(max(t, edge), 1 - edge)
-    if abs(f2) < abs(f1) and abs(f1) + abs(f2) <= ALIKE * abs(wanted):
-        return x2
-    return x1 if f1 > 0 else x2
+    return x1 if abs(f1) < abs(f2) else x2
 
 
 @compiled
@@ -323,7 +358,7 @@ def position(p: FloatArray, rows: FloatArray, distance: float, v: float, a: floa
     wanted = s * distance
 
     # first the way in which the motor runs; s = -s where it then has to come back
-    n = stop(p, rows, 0, v, a, p[VSTOP], 0.0)
+    n = _brake(p, rows, 0, v, a)
     ending = _length(rows, 0, n)
     size = abs(wanted)
     for row in range(n):
@@ -334,7 +369,7 @@ def position(p: FloatArray, rows: FloatArray, distance: float, v: float, a: floa
             if n > 0:
                 return _mirrored(rows, n, n - 1, s)
         a = _moment(p, rows, 0, -1, a, v_start, wanted)
-        n = stop(p, rows, 0, v, a, p[VSTOP], 0.0)
+        n = _brake(p, rows, 0, v, a)
         ending = _length(rows, 0, n)
     if abs(ending - wanted) <= ALIKE * size:
         return _mirrored(rows, n, 0, s)
@@ -343,11 +378,21 @@ def position(p: FloatArray, rows: FloatArray, distance: float, v: float, a: floa
         if n > 0:
             return _mirrored(rows, n, n - 1, s)
         if ending > wanted:
-            n = _cut_if_slow(p, rows, stop(p, rows, 0, v, a, p[VSTOP], 0.0), wanted)
+            n = _cut_if_slow(p, rows, _brake(p, rows, 0, v, a), wanted)
             if n > 0:
                 return _mirrored(rows, n, n - 1, s)
     if ending > wanted:
         s, wanted, v, a = -s, -wanted, -v, -a
+        if p[VSTOP] > 0:
+            n = _cut_if_slow(p, rows, follow(p, rows, 0, v, a, p[VMAX]), wanted)
+            if n > 0:
+                return _mirrored(rows, n, n - 1, s)
+            n = _brake(p, rows, 0, v, a)
+            if _length(rows, 0, n) > wanted:  # below VSTOP, but braking so hard that it is fast the other way
+                n = _cut_if_slow(p, rows, n, wanted)
+                if n > 0:
+                    return _mirrored(rows, n, n - 1, s)
+                s, wanted, v, a = -s, -wanted, -v, -a
 
     n = follow(p, rows, 0, v, a, p[VMAX])
     x = 0.0
@@ -356,20 +401,18 @@ def position(p: FloatArray, rows: FloatArray, distance: float, v: float, a: floa
         if after >= wanted:
             t = _moment(p, rows, n, row, rows[row, TIME], 0.0, wanted - x)
             way, v, a = _within(rows, row, t)
+            if t < 0:
+                t += rows[row, TIME]
             rows[row, TIME], rows[row, V1], rows[row, A1], rows[row, LENGTH] = t, v, a, way
             braking = row + 1 if t > 0 else row
-            n = stop(p, rows, braking, v, a, p[VSTOP], 0.0)
-            if p[VSTOP] > 0 and _length(rows, 0, n) - wanted > ALIKE * size:
-                # VSTOP may end it early: below VSTOP braking has no length, above it all at once
-                n = _cut(rows, n, wanted)
-                braking = min(braking, n)
+            n = _brake(p, rows, braking, v, a)
             return _mirrored(rows, n, braking, s)
         x += rows[row, LENGTH]
     if n > 0:
         v = rows[n - 1, V1]
     ending = x + _stopping(p, rows, n, v, 0.0)
     n = _add(rows, n, 1.0, B23, (wanted - ending) / v, v, 0.0, v, 0.0)
-    return _mirrored(rows, stop(p, rows, n, v, 0.0, p[VSTOP], 0.0), n, s)
+    return _mirrored(rows, _brake(p, rows, n, v, 0.0), n, s)
 
 
 @compiled
