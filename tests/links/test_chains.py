@@ -111,8 +111,40 @@ async def test_each_of_many_askers_gets_its_own_words(port: ChainPort) -> None:
     assert [frame.rx[0] for frame in queue.log.page().frames]
 
 
-async def test_samples_that_fall_due_do_not_come_between() -> None:
-    clock = VirtualClock()
+class PassingClock(VirtualClock):
+    """A little time passes whenever somebody looks."""
+
+    def now(self) -> float:
+        self.set(super().now() + 0.0002)
+        return super().now()
+
+
+async def test_a_stop_waits_for_the_end_of_a_chain() -> None:
+    seen: list[bytes] = []
+    begun, stop_waits = asyncio.Event(), asyncio.Event()
+
+    async def answer(frame: bytes, writer: asyncio.StreamWriter) -> None:
+        seen.append(frame)
+        begun.set()
+        await stop_waits.wait()
+        writer.write(frame)
+
+    async with serving(answer, frame_bytes=5) as server:
+        queue = LinkQueue(tcp_port(server.port))
+        chain, stop = ACCESS.read_frames([1, 2, 3]), ACCESS.write_frames([(0x24, 0)])
+        reading = asyncio.create_task(queue.exchange_many(chain))
+        await begun.wait()
+        stopping = asyncio.create_task(queue.exchange_many(stop, Priority.STOP))
+        while not queue.waiting(Priority.STOP):
+            await asyncio.sleep(0)
+        stop_waits.set()
+        await asyncio.gather(reading, stopping)
+        assert seen == [*chain, *stop]
+        await queue.port.aclose()
+
+
+class PassingClock_due_do_not_come_between() -> None:
+    clock = PassingClock()
     port = EmulatorPort(EmulatedTmc4361(clock))
     queue = LinkQueue(port)
     held = dict(zip(PLACES, (1, 2, 3, 4), strict=True))
@@ -124,7 +156,7 @@ async def test_samples_that_fall_due_do_not_come_between() -> None:
         lambda _, joined: sampled.append(ACCESS.words([joined[at : at + 5] for at in range(0, len(joined), 5)])),
     )
     for _ in range(50):
-        clock.set(clock.now() + 0.0013)
+        clock.set(clock.now() + 0.0011)
         assert await read(queue, PLACES) == [1, 2, 3, 4]
     end()
     assert len(sampled) > 60
