@@ -36,14 +36,17 @@ CALIBRATION = 1 << 24
 
 
 def _loop(fb: Any, state: Any, ticks: int, velocity: float, ramp_state: int) -> int:
-    """`state`: XACTUAL, commanded position, all bits seen, last word."""
+    """`state`: XACTUAL, commanded position, last word. A sum of many ticks may miss a step by its rounding."""
     seen = 0
     word = 0
+    spare = 1e-6
     for _ in range(ticks):
         state[0] += velocity * 128.0 / 16e6
-        out = regulation_tick(fb, math.floor(state[0]), velocity)
+        out = regulation_tick(fb, math.floor(state[0] + spare), velocity)
         state[1] += out * 128.0 / 16e6
-        word = motor_and_encoder_tick(fb, math.floor(state[1]), out, 128, math.floor(state[0]), ramp_state)
+        word = motor_and_encoder_tick(
+            fb, math.floor(state[1] + spare), out, 128, math.floor(state[0] + spare), ramp_state
+        )
         seen |= word
         if word & FB_SET_X:
             state[0] = fb[c.X_NEW]
@@ -84,7 +87,7 @@ class Bench:
     @property
     def x(self) -> int:
         """XACTUAL."""
-        return math.floor(float(self.state[0]))
+        return math.floor(float(self.state[0]) + 1e-6)
 
     @x.setter
     def x(self, value: int) -> None:
@@ -131,20 +134,20 @@ class Bench:
         self.change(rotor_fullsteps=microsteps / 256)
         self.ticks(1)
 
-    def calibrate(self) -> None:
-        """The vendor's procedure, facts tmc4361-encoder-closed-loop section 6, then closed loop."""
+    def calibrate(self, conf: int = 0, align: bool = True) -> None:
+        """The vendor's procedure, facts tmc4361-encoder-closed-loop section 6, then closed loop with `conf`.
+
+        `align`: ENC_POS is set to XACTUAL first, so that closing the loop moves nothing.
+        """
         self.run(0.1)
         while (offset := (128 - int(self.unit.read(MSCNT) or 0)) % 256) != 0:
             self.run(offset / 10_000, 10_000)
         self.run(0.1)
-        conf = int(self.unit.read(ENC_IN_CONF) or 0)
-        self.unit.write(ENC_IN_CONF, conf | CALIBRATION)
+        if align:
+            self.write({ENC_POS: self.x & 0xFFFFFFFF})
+        self.write({ENC_IN_CONF: conf | CALIBRATION})
         self.run(0.01)
-        self.unit.write(ENC_IN_CONF, conf)
-        self.unit.write(ENC_POS, self.x & 0xFFFFFFFF)
-        self.unit.write(ENC_IN_CONF, conf | CALIBRATION)
-        self.run(0.01)
-        self.unit.write(ENC_IN_CONF, conf | CLOSED_LOOP)
+        self.write({ENC_IN_CONF: conf | CLOSED_LOOP})
         self.run(0.01)
 
 
