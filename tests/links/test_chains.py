@@ -20,6 +20,7 @@ from app.links.queue import LinkQueue, Priority
 from app.links.register_access import Spi40Access
 from app.links.spidev_port import SpidevPort
 from app.links.tcp import TcpPort
+from tests.links.pty_module import until
 from tests.links.server import serving
 
 PLACES = (0x32, 0x33, 0x34, 0x37)
@@ -135,15 +136,14 @@ async def test_a_stop_waits_for_the_end_of_a_chain() -> None:
         reading = asyncio.create_task(queue.exchange_many(chain))
         await begun.wait()
         stopping = asyncio.create_task(queue.exchange_many(stop, Priority.STOP))
-        while not queue.waiting(Priority.STOP):
-            await asyncio.sleep(0)
+        await until(lambda: queue.waiting(Priority.STOP) > 0)
         stop_waits.set()
         await asyncio.gather(reading, stopping)
         assert seen == [*chain, *stop]
         await queue.port.aclose()
 
 
-class PassingClock_due_do_not_come_between() -> None:
+async def test_samples_that_fall_due_do_not_come_between() -> None:
     clock = PassingClock()
     port = EmulatorPort(EmulatedTmc4361(clock))
     queue = LinkQueue(port)
