@@ -41,6 +41,7 @@ export function HandleLayer(props: Props) {
   const knobs = useRef(new Map<Parameter, HTMLElement>());
   const hooked = useRef(new WeakSet<uPlot>());
   const drag = useRef<Drag | null>(null);
+  const pending = useRef<{ y: number; request: number } | null>(null);
   const latest = useRef({ handles, factor });
   latest.current = { handles, factor };
 
@@ -92,16 +93,39 @@ export function HandleLayer(props: Props) {
     onHold(true);
   }
 
-  function onMove(event: PointerEvent<HTMLElement>) {
+  function follow(clientY: number) {
     const held = drag.current;
     if (!held) return;
     const { least, most, step } = reach(held.parameter);
-    const next = dragged(held.from, held.sign, held.startY - event.clientY, held.perPx, step);
+    const next = dragged(held.from, held.sign, held.startY - clientY, held.perPx, step);
     onChange(held.parameter, Math.min(most, Math.max(least, next)));
+  }
+
+  const latestFollow = useRef(follow);
+  latestFollow.current = follow;
+
+  // A mouse tells of many places a frame; one of them is seen.
+  function onMove(event: PointerEvent<HTMLElement>) {
+    if (!drag.current) return;
+    if (pending.current) {
+      pending.current.y = event.clientY;
+      return;
+    }
+    const request = requestAnimationFrame(() => {
+      const place = pending.current;
+      pending.current = null;
+      if (place) latestFollow.current(place.y);
+    });
+    pending.current = { y: event.clientY, request };
   }
 
   function onUp() {
     if (!drag.current) return;
+    if (pending.current) {
+      cancelAnimationFrame(pending.current.request);
+      follow(pending.current.y);
+      pending.current = null;
+    }
     drag.current = null;
     onHold(false);
   }

@@ -1,6 +1,6 @@
 import { Button, Group, Menu, SegmentedControl, Switch } from "@mantine/core";
 import { IconChevronDown, IconDownload } from "@tabler/icons-react";
-import { Fragment } from "react";
+import { Fragment, memo } from "react";
 import { compact, fixed, withUnit } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { Section } from "../../lib/Section";
@@ -47,7 +47,7 @@ const GROUPS: readonly { title: string; parameters: readonly Parameter[] }[] = [
 ];
 
 /** The registers of the ramp in the unit of choice, and what their fixed point makes of them. */
-export function Parameters(props: Props) {
+export const Parameters = memo(function Parameters(props: Props) {
   const { lock, onLock, options, onOptions, scale } = props;
   const shown = used(options);
   return (
@@ -145,7 +145,7 @@ export function Parameters(props: Props) {
       </div>
     </Section>
   );
-}
+});
 
 /** Values without which there is no motion may not be 0. */
 const NEVER_ZERO: readonly Parameter[] = ["vmax", "amax", "dmax", "bow1", "bow2", "bow3", "bow4"];

@@ -1,6 +1,6 @@
 import { useSessionStorage } from "@mantine/hooks";
 import { useQuery } from "@tanstack/react-query";
-import { useCallback, useEffect, useMemo, useRef, useState } from "react";
+import { useCallback, useDeferredValue, useEffect, useMemo, useRef, useState } from "react";
 import { api, type Schemas, unwrap } from "../../api/client";
 import { type Device, useDevices } from "../../api/queries";
 import { familyOf } from "../../lib/family";
@@ -86,7 +86,7 @@ function Designer({ device, axis }: Props) {
     getInitialValueInEffect: false,
   });
   const sketch = kept ?? FRESH;
-  const { design, options, lock, distance } = sketch;
+  const { design, options, distance } = sketch;
   // a handle that is dragged changes the sketch many times between two renderings
   const latest = useRef(sketch);
   latest.current = sketch;
@@ -103,16 +103,32 @@ function Designer({ device, axis }: Props) {
     [change],
   );
 
+  const onOptions = useCallback(
+    (part: Partial<Options>) => change({ options: { ...latest.current.options, ...part } }),
+    [change],
+  );
+  const onLock = useCallback(
+    (next: Lock) => change({ lock: next, design: locked(latest.current.design, next) }),
+    [change],
+  );
+  const onPreset = useCallback(
+    (preset: Preset) => {
+      const next = preset.of(latest.current.design);
+      change({ design: next, lock: lockOf(next) });
+    },
+    [change],
+  );
+
   const held = useMemo(() => (chip ? designOf(chip, clockHz) : null), [chip, clockHz]);
-  function read() {
+  const read = useCallback(() => {
     if (held === null) return;
     change({
       design: held.design,
       options: { ...held.options, mode: latest.current.options.mode },
       lock: lockOf(held.design),
-      distance: Math.sign(distance || 1) * showingDistance(held.design),
+      distance: Math.sign(latest.current.distance || 1) * showingDistance(held.design),
     });
-  }
+  }, [held, change]);
   // The first look at a chip is its own setting, unless it has never been set: then there is nothing to start from.
   // biome-ignore lint/correctness/useExhaustiveDependencies: once, when the chip is known and nothing was kept
   useEffect(() => {
@@ -123,7 +139,7 @@ function Designer({ device, axis }: Props) {
     () => ({ ...scaleOf(info, clockHz), ...(device ? {} : { microstepsPerFullStep: 256 }) }),
     [info, clockHz, device],
   );
-  const units = unitsOf(unitKey, scale);
+  const units = useMemo(() => unitsOf(unitKey, scale), [unitKey, scale]);
   const way = distance < 0 ? -1 : 1;
 
   const calculation = useFollow<Schemas["Ramp"], Answer>(
@@ -131,14 +147,20 @@ function Designer({ device, axis }: Props) {
     async (body, signal) => unwrap(await api.POST("/api/v1/calc/ramp", { body, signal })),
   );
   const answer = calculation.result;
-  const reach = useCallback(
-    (parameter: Parameter) => {
-      const register = answer?.registers.find((candidate) => candidate.parameter === parameter);
-      const step = register?.least ?? 1;
-      return { least: leastOf(parameter, step), most: register?.highest ?? 2 ** 23, step };
-    },
-    [answer],
-  );
+  // by content: the limits change with the units alone, and not with every answer
+  const limits = JSON.stringify(answer?.registers.map(({ parameter, least, highest }) => [parameter, least, highest]));
+  const reach = useMemo(() => {
+    const known = new Map<string, [number, number]>(
+      (JSON.parse(limits ?? "[]") as [string, number, number][]).map(([name, least, highest]) => [
+        name,
+        [least, highest],
+      ]),
+    );
+    return (parameter: Parameter) => {
+      const [step, most] = known.get(parameter) ?? [1, 2 ** 23];
+      return { least: leastOf(parameter, step), most, step };
+    };
+  }, [limits]);
 
   const velocityPlot = useRef<PlotHandle>(null);
   const accelerationPlot = useRef<PlotHandle>(null);
@@ -158,9 +180,12 @@ function Designer({ device, axis }: Props) {
     [units, scale],
   );
 
+  // The plots follow a handle at once; the numbers beside them when there is time.
+  const shown = useDeferredValue(sketch);
+  const good = useDeferredValue(calculation.error === null ? answer : undefined);
   const differences = useMemo(
-    () => (answer && calculation.error === null ? compared(answer.registers, options, chip) : null),
-    [answer, calculation.error, options, chip],
+    () => (good ? compared(good.registers, shown.options, chip) : null),
+    [good, shown.options, chip],
   );
 
   return (
@@ -183,20 +208,17 @@ function Designer({ device, axis }: Props) {
       <div className={classes.page}>
         <div className={classes.left}>
           <Parameters
-            design={design}
+            design={shown.design}
             onChange={onChange}
-            onPreset={(preset: Preset) => {
-              const next = preset.of(design);
-              change({ design: next, lock: lockOf(next) });
-            }}
-            lock={lock}
-            onLock={(next) => change({ lock: next, design: locked(design, next) })}
-            options={options}
-            onOptions={(part) => change({ options: { ...options, ...part } })}
+            onPreset={onPreset}
+            lock={shown.lock}
+            onLock={onLock}
+            options={shown.options}
+            onOptions={onOptions}
             units={units}
             scale={scale}
             reach={reach}
-            answer={calculation.error === null ? answer : undefined}
+            answer={good}
             onRead={held === null ? null : read}
             reading={connected && readings.isPending}
           />
@@ -206,9 +228,9 @@ function Designer({ device, axis }: Props) {
             connected={connected}
             chip={chip}
             differences={differences}
-            options={options}
-            vmax={design.vmax}
-            distance={distance}
+            options={shown.options}
+            vmax={shown.design.vmax}
+            distance={shown.distance}
           />
         </div>
         <div className={classes.right}>
@@ -216,7 +238,7 @@ function Designer({ device, axis }: Props) {
             calculation={calculation}
             design={design}
             options={options}
-            onOptions={(part) => change({ options: { ...options, ...part } })}
+            onOptions={onOptions}
             distance={distance}
             onDistance={(steps) => change({ distance: steps })}
             onChange={onChange}
@@ -229,7 +251,7 @@ function Designer({ device, axis }: Props) {
             seen={seen}
           />
           <TimeSection
-            answer={answer}
+            answer={good}
             why={
               options.mode === "velocity"
                 ? "In velocity mode there is no move to compare."

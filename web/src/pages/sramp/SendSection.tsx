@@ -1,7 +1,7 @@
 import { Button } from "@mantine/core";
 import { IconArrowsLeftRight, IconCheck, IconPlayerPlay, IconUpload, IconX } from "@tabler/icons-react";
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
-import { useState } from "react";
+import { memo, useState } from "react";
 import { api, type Schemas, unwrap } from "../../api/client";
 import { motion } from "../../api/motion";
 import type { Device } from "../../api/queries";
@@ -27,7 +27,16 @@ interface Props {
 const DWELL_S = 0.4;
 
 /** Chip against design, one click to the chip, and moves with it. */
-export function SendSection({ device, axis, connected, chip, differences, options, vmax, distance }: Props) {
+export const SendSection = memo(function SendSection({
+  device,
+  axis,
+  connected,
+  chip,
+  differences,
+  options,
+  vmax,
+  distance,
+}: Props) {
   const queries = useQueryClient();
   const [result, setResult] = useState<{ sent: string[]; answer: Schemas["RegisterBatchResult"] } | null>(null);
   const id = device?.id ?? "";
@@ -180,7 +189,7 @@ export function SendSection({ device, axis, connected, chip, differences, option
       </div>
     </Section>
   );
-}
+});
 
 /** What a write would set going, or mean otherwise than it says (002, 8.2.2). */
 function Cautions({ chip, changed }: { chip: ChipRamp | null; changed: readonly Difference[] }) {

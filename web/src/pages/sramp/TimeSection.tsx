@@ -1,3 +1,4 @@
+import { memo } from "react";
 import { fixed } from "../../lib/format";
 import { Section } from "../../lib/Section";
 import type { Answer } from "./design";
@@ -12,7 +13,13 @@ const NAMES: Record<string, string> = {
 };
 
 /** This ramp beside other ways to make the same move: bars of their times, and what is saved or lost. */
-export function TimeSection({ answer, why }: { answer: Answer | undefined; why: string | null }) {
+export const TimeSection = memo(function TimeSection({
+  answer,
+  why,
+}: {
+  answer: Answer | undefined;
+  why: string | null;
+}) {
   const rivals = answer?.rivals ?? [];
   const most = Math.max(answer?.duration_s ?? 0, ...rivals.map((rival) => rival.duration_s));
   return (
@@ -36,7 +43,7 @@ export function TimeSection({ answer, why }: { answer: Answer | undefined; why: 
       )}
     </Section>
   );
-}
+});
 
 interface BarProps {
   name: string;
