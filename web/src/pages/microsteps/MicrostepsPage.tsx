@@ -328,8 +328,8 @@ function FormatChoice({ format, onFormat }: { format: Format; onFormat: (format:
         value={format}
         onChange={(next) => onFormat(next as Format)}
         data={[
-          { value: "quarter", label: "TMC428: 64 values of 6 bits" },
-          { value: "mslut", label: "TMC4361: 256 differences" },
+          { value: "quarter", label: "TMC428, 64 values" },
+          { value: "mslut", label: "TMC4361, 256 differences" },
         ]}
       />
     </div>

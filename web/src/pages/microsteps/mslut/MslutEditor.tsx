@@ -205,10 +205,11 @@ export function MslutEditor({
               mirror={wave.mirror}
               view={view}
               tool={tool}
-              segments={result?.table?.segments ?? []}
+              segments={(result?.table ?? result?.nearest?.table)?.segments ?? []}
               refusals={result?.refusals ?? []}
               nearest={result?.nearest?.table ?? null}
               before={beforeWave}
+              beforeName={beforeName}
               live={held}
               onChange={(values, tag) => change({ kind: "values", values, mirror: wave.mirror, origin: "hand" }, tag)}
               onSettle={rest}
@@ -227,11 +228,7 @@ export function MslutEditor({
               change({ kind: "values", values: [...nearest.values], mirror: nearest.mirror, origin: "nearest" }, null)
             }
           />
-          {[...new Set(result?.warnings ?? [])].map((warning) => (
-            <p key={warning} className={classes.caution}>
-              {warning}
-            </p>
-          ))}
+          <p className={classes.warnings}>{[...new Set(result?.warnings ?? [])].join(". ")}</p>
         </Section>
         <div className={classes.columns}>
           <div className={classes.column}>
@@ -287,6 +284,7 @@ export function MslutEditor({
                     data={angles}
                     height={170}
                     limit={[0, 255]}
+                    x={{ at: [0, 64, 128, 192, 255] }}
                     scales={{ y: { include: [-0.25, 0, 0.25] } }}
                   />
                 </div>
@@ -348,7 +346,11 @@ function Verdict({ result, norm, onNorm, onNearest }: VerdictProps) {
     <div className={classes.verdict} role="status" data-refused>
       <p>
         Cannot be encoded at entry {first.index}: {first.detail}.
-        {more.length > 0 && <span className={classes.dim}> {more.length} more places are marked.</span>}
+        {more.length > 0 && (
+          <span className={classes.dim}>
+            {more.length === 1 ? " One more place is" : ` ${more.length} more places are`} marked.
+          </span>
+        )}
       </p>
       {nearest && (
         <>

@@ -62,7 +62,7 @@ export function Registers({ table, held, onPaste }: Props) {
             const chip = held?.registers[at];
             return (
               <tr key={row.name}>
-                <th scope="row">{row.name}</th>
+                <th scope="row">{row.name.replaceAll("___", " · ")}</th>
                 <td className="num">0x{row.address.toString(16).toUpperCase()}</td>
                 <td className="num">
                   {design ? design.hex : <span className={classes.absent}>cannot be encoded</span>}

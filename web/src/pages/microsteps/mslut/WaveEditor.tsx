@@ -16,12 +16,13 @@ interface Wave {
 interface Props extends Wave {
   view: View;
   tool: Tool;
-  /** the segments of the encodable wave; none while it is refused */
+  /** of the wave, or of the nearest one while it is refused */
   segments: Table["segments"];
   refusals: readonly Schemas["MslutRefusal"][];
   nearest: Wave | null;
   /** what the chip holds, for comparison */
   before: Wave | null;
+  beforeName: string;
   /** where the chip stands, and both currents there */
   live: { position: number; current_a: number; current_b: number } | null;
   onChange: (values: number[], tag: string) => void;
@@ -29,7 +30,7 @@ interface Props extends Wave {
 }
 
 const HEIGHT = { quarter: 300, period: 300 };
-const STRIP = 92;
+const STRIP = 104;
 const MARGIN = { left: 38, right: 12, top: 20, bottom: 20 };
 /** Ranges of the strip below, around zero [counts]. */
 const RANGES = [2, 5, 10, 20, 50, 100, 250, 600];
@@ -46,7 +47,8 @@ function stairs(points: readonly number[], x: (place: number) => number, y: (val
  * the pointer it is bent, moved by single entries or drawn; with the keyboard one entry at a time.
  */
 export function WaveEditor(props: Props) {
-  const { values, mirror, view, tool, segments, refusals, nearest, before, live, onChange, onSettle } = props;
+  const { values, mirror, view, tool, segments, refusals, nearest, before, beforeName, live, onChange, onSettle } =
+    props;
   const { ref, width } = useElementSize<HTMLDivElement>();
   const [active, setActive] = useState(0);
   const handle = useRef<SVGGElement>(null);
@@ -81,7 +83,7 @@ export function WaveEditor(props: Props) {
     return { ...lines, range: RANGES.find((range) => range >= most) ?? 600 };
   }, [places, values, mirror, nearest, before]);
   const stripY = (value: number) =>
-    8 + ((strip.range - Math.min(strip.range, Math.max(-strip.range, value))) / (2 * strip.range)) * (STRIP - 16);
+    20 + ((strip.range - Math.min(strip.range, Math.max(-strip.range, value))) / (2 * strip.range)) * (STRIP - 28);
 
   function at(event: PointerEvent<SVGSVGElement>) {
     const box = event.currentTarget.getBoundingClientRect();
@@ -174,6 +176,7 @@ export function WaveEditor(props: Props) {
             <rect
               className={classes.band}
               data-width={segment.width}
+              data-offered={nearest !== null || undefined}
               x={Math.max(MARGIN.left, from)}
               width={Math.max(0, Math.min(MARGIN.left + inner, to) - Math.max(MARGIN.left, from))}
               y={4}
@@ -278,6 +281,9 @@ export function WaveEditor(props: Props) {
             </text>
           </g>
         ))}
+        <text className={classes.stripName} x={MARGIN.left} y={10}>
+          distance from a sine of 248, counts
+        </text>
         {strip.before && <path className={classes.before} d={stairs(strip.before, x, stripY)} />}
         {strip.nearest && <path className={classes.nearest} d={stairs(strip.nearest, x, stripY)} />}
         <path className={classes.line} d={stairs(strip.design, x, stripY)} />
@@ -292,13 +298,12 @@ export function WaveEditor(props: Props) {
         </span>
         {before && (
           <span className={classes.dim}>
-            chip <span className="num">{before.values[active]}</span>
+            {beforeName} <span className="num">{before.values[active]}</span>
           </span>
         )}
         <span className={classes.dim}>
           from the sine <span className="num">{signed(strip.design[active] ?? 0, 1)}</span>
         </span>
-        <span className={`${classes.dim} ${classes.stripName}`}>below: distance from the sine of 248, counts</span>
       </p>
     </div>
   );

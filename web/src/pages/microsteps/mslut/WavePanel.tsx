@@ -1,5 +1,6 @@
 import { Button, Menu, SegmentedControl, Slider, Switch } from "@mantine/core";
 import { IconChevronDown } from "@tabler/icons-react";
+import type { ReactNode } from "react";
 import { NumberField } from "../../../lib/NumberField";
 import classes from "./Mslut.module.css";
 import { exponentFor, type Formula, type Grid, type Part, PRESETS, rippleOf } from "./wave";
@@ -13,7 +14,7 @@ interface Props {
 }
 
 interface LineProps {
-  label: string;
+  label: ReactNode;
   title: string;
   value: number;
   /** of the slider; the field takes what the calculator takes */
@@ -101,7 +102,11 @@ export function WavePanel({ formula, active, onChange, onSettle }: Props) {
       </div>
       <div className={classes.line2}>
         <Track
-          label="sin^f"
+          label={
+            <>
+              sin<sup>f</sup>
+            </>
+          }
           title="f, the linearity exponent"
           value={formula.exponent}
           reach={[0.9, 1.3]}
@@ -113,8 +118,10 @@ export function WavePanel({ formula, active, onChange, onSettle }: Props) {
         />
       </div>
       <div className={classes.law}>
+        <span className={classes.hint}>as firmware counts it, 1 + c/1000</span>
         <NumberField
-          label="as a correction in thousandths"
+          aria-label="Linearity correction in thousandths"
+          unit="‰"
           value={Number(((formula.exponent - 1) * 1000).toPrecision(6))}
           min={-800}
           max={4000}
@@ -122,8 +129,9 @@ export function WavePanel({ formula, active, onChange, onSettle }: Props) {
           onChange={(thousandths) => change({ exponent: Number((1 + thousandths / 1000).toPrecision(8)) }, "exponent")}
           onBlur={onSettle}
         />
+        <span className={classes.hint}>against a torque ripple r of sin 4θ: f = 1 + 3r</span>
         <NumberField
-          label="cancels a torque ripple r, f = 1 + 3r"
+          aria-label="Torque ripple that it cancels"
           unit="%"
           value={Number((rippleOf(formula.exponent) * 100).toPrecision(5))}
           min={-25}
