@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from app.api import calculators, mslut_tables, ramp_calculators, unit_calculators
+from app.api import calculators, input_filters, mslut_tables, ramp_calculators, unit_calculators
 from app.api.problems import problems
 from app.api.schemas_calc import (
     AnyMicrostepDesign,
@@ -19,6 +19,7 @@ from app.api.schemas_calc import (
     Units,
     UnitsResult,
 )
+from app.api.schemas_filter import InputFilter, InputFilterResult, InputFilters
 from app.api.schemas_mslut import MslutDesign, MslutResult
 from app.api.schemas_tables import ChainDesign
 from app.links.errors import UsageError
@@ -63,3 +64,15 @@ def design_microstep_table(body: AnyMicrostepDesign) -> MicrostepResult | MslutR
 def design_driver_chain(body: ChainRequest) -> ChainDesign:
     """A driver chain's RAM, datagrams and frequencies."""
     return calculators.driver_chain(body)
+
+
+@router.get("/input-filter")
+def list_input_filters() -> InputFilters:
+    """The four input filters of a TMC4361, their pins and fields, and examples of what they do."""
+    return input_filters.input_filters()
+
+
+@router.post("/input-filter")
+def calculate_input_filter(body: InputFilter) -> InputFilterResult:
+    """What one of the filters makes of a waveform, clock by clock, and how it treats any edge and pulse."""
+    return input_filters.input_filter(body)

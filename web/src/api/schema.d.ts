@@ -846,6 +846,30 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/calc/input-filter": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Input Filters
+         * @description The four input filters of a TMC4361, their pins and fields, and examples of what they do.
+         */
+        get: operations["list_input_filters"];
+        put?: never;
+        /**
+         * Calculate Input Filter
+         * @description What one of the filters makes of a waveform, clock by clock, and how it treats any edge and pulse.
+         */
+        post: operations["calculate_input_filter"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/catalog": {
         parameters: {
             query?: never;
@@ -1422,7 +1446,64 @@ export interface components {
              */
             model: "tmc4361";
             /** Link */
-            link: components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"];
+            link: components["schemas"]["Chip40EmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"];
+        };
+        /**
+         * Chip40EmulatorLink
+         * @description A chip emulated in this server, with a motor, a stage and an encoder.
+         */
+        Chip40EmulatorLink: {
+            /**
+             * Time Scale
+             * @description how fast the chip's time passes; 0 stands still
+             * @default 1
+             */
+            time_scale?: number;
+            /**
+             * Clock Hz
+             * @description the clock at CLK_EXT [Hz]; CLK_FREQ only tells the chip what it is
+             * @default 16000000
+             */
+            clock_hz?: number;
+            motor?: components["schemas"]["MotorOptions"];
+            load?: components["schemas"]["LoadOptions"];
+            encoder?: components["schemas"]["ShaftEncoder"];
+            stage?: components["schemas"]["StageSwitches"];
+            /**
+             * Supply V
+             * @description motor supply [V]
+             * @default 24
+             */
+            supply_v?: number;
+            /**
+             * Full Scale A
+             * @description peak coil current at current scale 255 [A]: the default motor's holding torque
+             * @default 2.1
+             */
+            full_scale_a?: number;
+            /**
+             * Stall Threshold
+             * @description SGT of the driver's StallGuard2
+             * @default 0
+             */
+            stall_threshold?: number;
+            /**
+             * Start Fullsteps
+             * @description where the rotor stands at first [full steps]
+             * @default 0
+             */
+            start_fullsteps?: number;
+            /**
+             * Seed
+             * @description of the noise in the load value and of bit errors
+             * @default 4361
+             */
+            seed?: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "emulator";
         };
         /**
          * Chip40Trial
@@ -1435,7 +1516,7 @@ export interface components {
              */
             model: "tmc4361";
             /** Link */
-            link: components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"];
+            link: components["schemas"]["Chip40EmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"];
         };
         /**
          * ChipCreate
@@ -1541,7 +1622,7 @@ export interface components {
             /** Name */
             name?: string | null;
             /** Link */
-            link?: components["schemas"]["EmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["ModuleEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"] | null;
+            link?: components["schemas"]["EmulatorLink"] | components["schemas"]["Chip40EmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["ModuleEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"] | null;
             /** Clock Hz */
             clock_hz?: number | null;
             /** Axes */
@@ -1872,35 +1953,32 @@ export interface components {
              */
             external_reversed?: boolean;
         };
-        /** EncoderState */
-        EncoderState: {
-            /**
-             * Absolute
-             * @description place of the built-in encoder in its turn, 0..1023
-             */
-            absolute: number;
-            /**
-             * Counts
-             * @description built-in encoder, since the start
-             */
-            counts: number;
-            /**
-             * External Counts
-             * @description external encoder, since the start: four a line
-             */
-            external_counts: number;
+        /**
+         * EncoderPatch
+         * @description Whatever is not given stays.
+         */
+        EncoderPatch: {
             /**
              * Slip Fullsteps
-             * @description how far the built-in encoder's magnet has slipped in all
+             * @description how far it has slipped on the shaft in all
              */
-            slip_fullsteps: number;
-            /** External Slip Fullsteps */
-            external_slip_fullsteps: number;
+            slip_fullsteps?: number | null;
+            /** Eccentricity Deg */
+            eccentricity_deg?: number | null;
+            /** Eccentricity Phase Deg */
+            eccentricity_phase_deg?: number | null;
             /**
-             * Eccentricity Deg
-             * @description once-a-turn error of the built-in encoder [deg of the shaft]
+             * Zero Fullsteps
+             * @description mounts it anew on the shaft
              */
-            eccentricity_deg: number;
+            zero_fullsteps?: number | null;
+            /** Status Bits */
+            status_bits?: number | null;
+            /**
+             * Spoil Next
+             * @description bits of an absolute encoder's next answer that arrive wrong
+             */
+            spoil_next?: number | null;
         };
         /** Exchange */
         Exchange: {
@@ -1928,20 +2006,60 @@ export interface components {
             /** Bit Error Rate */
             bit_error_rate: number;
         };
-        /** FaultsState */
-        FaultsState: {
-            /** Silence */
-            silence: boolean;
-            /** Late Reply S */
-            late_reply_s: number;
-            /** Bit Error Rate */
-            bit_error_rate: number;
-            /** Half Frame Rate */
-            half_frame_rate: number;
-            /** Unplugged */
-            unplugged: boolean;
-            /** Undervoltage */
-            undervoltage: boolean;
+        /**
+         * FeedbackTruth
+         * @description How motor and shaft really are: what no register tells.
+         */
+        FeedbackTruth: {
+            /**
+             * Rotor Rad
+             * @description shaft angle, not wrapped [rad]
+             */
+            rotor_rad: number;
+            /**
+             * Rotor Fullsteps
+             * @description the same in full steps
+             */
+            rotor_fullsteps: number;
+            /**
+             * Field Fullsteps
+             * @description where an ideal unloaded rotor would stand [full steps]
+             */
+            field_fullsteps: number;
+            /** Speed Rad S */
+            speed_rad_s: number;
+            /**
+             * Load Angle Deg
+             * @description field minus rotor [deg electrical]; more than 90 does not hold
+             */
+            load_angle_deg: number;
+            /**
+             * Current A A
+             * @description coil A [A]
+             */
+            current_a_a: number;
+            /**
+             * Current B A
+             * @description coil B [A]
+             */
+            current_b_a: number;
+            /** Torque Nm */
+            torque_nm: number;
+            /**
+             * Lost Fullsteps
+             * @description full steps between field and rotor, in multiples of four
+             */
+            lost_fullsteps: number;
+            /**
+             * Current Scale
+             * @description current scale in use, 0..255
+             */
+            current_scale: number;
+            /**
+             * Bridges
+             * @description "regulated", "open", or "voltage" while PWM drives them
+             */
+            bridges: string;
         };
         /** FieldRow */
         FieldRow: {
@@ -1984,6 +2102,84 @@ export interface components {
              * @default
              */
             behaviour: string;
+        };
+        /**
+         * FilterBounds
+         * @description What the filter does to any edge and pulse, wherever its samples fall.
+         */
+        FilterBounds: {
+            /**
+             * Period Clocks
+             * @description between two samples
+             */
+            period_clocks: number;
+            /** Delay Min Clocks */
+            delay_min_clocks: number;
+            /**
+             * Delay Max Clocks
+             * @description from an edge to when it counts
+             */
+            delay_max_clocks: number;
+            /**
+             * Stopped Clocks
+             * @description pulses up to here never pass
+             */
+            stopped_clocks: number;
+            /**
+             * Passed Clocks
+             * @description pulses from here on always pass
+             */
+            passed_clocks: number;
+            /** Period S */
+            period_s: number;
+            /** Delay Min S */
+            delay_min_s: number;
+            /** Delay Max S */
+            delay_max_s: number;
+            /** Stopped S */
+            stopped_s: number;
+            /** Passed S */
+            passed_s: number;
+        };
+        /**
+         * FilterExample
+         * @description A setting that the data sheet draws, with a waveform that shows what it does.
+         */
+        FilterExample: {
+            /** Figure */
+            figure: string;
+            /** Group */
+            group: string;
+            /** Sample Rate */
+            sample_rate: number;
+            /** Length */
+            length: number;
+            /** Pin */
+            pin: string;
+            /** Input */
+            input: number[];
+        };
+        /**
+         * FilterGroup
+         * @description Pins that share a filter, and its fields in INPUT_FILT_CONF.
+         */
+        FilterGroup: {
+            /**
+             * Suffix
+             * @description as the fields end: enc_in, ref, s, enc_out
+             */
+            suffix: string;
+            /** Pins */
+            pins: string[];
+            /** Sample Rate Field */
+            sample_rate_field: string;
+            /** Length Field */
+            length_field: string;
+            /**
+             * Step Input Field
+             * @description whether the filter also serves STPIN and DIRIN
+             */
+            step_input_field: string;
         };
         /**
          * FrameEntry
@@ -2073,6 +2269,74 @@ export interface components {
             /** Version */
             version: string;
         };
+        /**
+         * InputFilter
+         * @description A waveform at a pin and the filter behind it.
+         */
+        InputFilter: {
+            /**
+             * Clock Hz
+             * @description fCLK [Hz]
+             * @default 16000000
+             */
+            clock_hz?: number;
+            /**
+             * Sample Rate
+             * @description SR: a sample every 2^SR clocks
+             */
+            sample_rate: number;
+            /**
+             * Length
+             * @description FILT_L: so many equal samples and one more make a level
+             */
+            length: number;
+            /**
+             * Input
+             * @description level of the pin, one for each clock
+             */
+            input: number[];
+            /**
+             * Initial
+             * @description the level all the time before; null: the first one
+             */
+            initial?: number | null;
+            /**
+             * Phase
+             * @description clock of the first sample, below 2^SR: the chip does not tell it
+             * @default 0
+             */
+            phase?: number;
+        };
+        /**
+         * InputFilterResult
+         * @description The waveform before and after, with the places where it was looked at.
+         */
+        InputFilterResult: {
+            /** Input */
+            input: number[];
+            /**
+             * Output
+             * @description the level that the chip works with, one for each clock
+             */
+            output: number[];
+            /** Sample Clocks */
+            sample_clocks: number[];
+            /**
+             * Samples
+             * @description level of each sample
+             */
+            samples: number[];
+            bounds: components["schemas"]["FilterBounds"];
+        };
+        /** InputFilters */
+        InputFilters: {
+            /** Register Name */
+            register_name: string;
+            /** Groups */
+            groups: components["schemas"]["FilterGroup"][];
+            /** Examples */
+            examples: components["schemas"]["FilterExample"][];
+        };
         /** Inputs */
         Inputs: {
             /**
@@ -2149,6 +2413,19 @@ export interface components {
              * @default 0.25
              */
             timeout_s?: number;
+        };
+        /** LevelState */
+        LevelState: {
+            /**
+             * Active
+             * @description the pin is high: polarity and filters do not enter
+             */
+            active: boolean;
+            /**
+             * Forced
+             * @description null while nobody forces it
+             */
+            forced: boolean | null;
         };
         /**
          * LinkCounts
@@ -2756,33 +3033,6 @@ export interface components {
              */
             stiction_ratio?: number;
         };
-        /** MotorState */
-        MotorState: {
-            /** Connected */
-            connected: boolean;
-            /**
-             * Temperature C
-             * @description of the driver's bridges [deg C]
-             */
-            temperature_c: number;
-            /** Fullsteps Per Turn */
-            fullsteps_per_turn: number;
-            /**
-             * Torque Constant Nm A
-             * @description of one phase, peak values; also back-EMF constant [V s/rad]
-             */
-            torque_constant_nm_a: number;
-            /**
-             * Holding Torque Nm
-             * @description both coils at rated current [N m]
-             */
-            holding_torque_nm: number;
-            /**
-             * Rated Current A
-             * @description in both coils [A]
-             */
-            rated_current_a: number;
-        };
         /** Move */
         Move: {
             /** Target */
@@ -3178,10 +3428,10 @@ export interface components {
              */
             supply_v?: number | null;
             stage?: components["schemas"]["app__emulators__pd42__options__StageChange"];
-            switches?: components["schemas"]["SwitchesChange"];
+            switches?: components["schemas"]["app__emulators__pd42__options__SwitchesChange"];
             encoder?: components["schemas"]["EncoderChange"];
             inputs?: components["schemas"]["app__emulators__pd42__options__InputsChange"];
-            step_dir?: components["schemas"]["StepDirChange"] | null;
+            step_dir?: components["schemas"]["app__emulators__pd42__options__StepDirChange"] | null;
             faults?: components["schemas"]["app__emulators__pd42__options__FaultsChange"];
             /**
              * Power Cycle
@@ -3221,7 +3471,7 @@ export interface components {
              * @description baud rate in force: a change waits for the next power-on
              */
             baud: number;
-            motor: components["schemas"]["MotorState"];
+            motor: components["schemas"]["app__emulators__pd42__state__MotorState"];
             /** Load Torque Nm */
             load_torque_nm: number;
             /** Blocked */
@@ -3237,10 +3487,10 @@ export interface components {
              */
             supply_v: number;
             stage: components["schemas"]["app__emulators__pd42__state__StageState"];
-            switches: components["schemas"]["SwitchesState"];
-            encoder: components["schemas"]["EncoderState"];
+            switches: components["schemas"]["app__emulators__pd42__state__SwitchesState"];
+            encoder: components["schemas"]["app__emulators__pd42__state__EncoderState"];
             inputs: components["schemas"]["InputsState"];
-            faults: components["schemas"]["FaultsState"];
+            faults: components["schemas"]["app__emulators__pd42__state__FaultsState"];
             application: components["schemas"]["ApplicationState"];
             search: components["schemas"]["SearchState"];
             truth: components["schemas"]["TruthState"];
@@ -3258,6 +3508,62 @@ export interface components {
             start_s: number;
             /** End S */
             end_s: number;
+        };
+        /**
+         * PinsChange
+         * @description Levels from outside: true is high. "auto" gives START its inactive level, and leaves NFREEZE high.
+         */
+        PinsChange: {
+            /**
+             * Start
+             * @description level at START
+             */
+            start?: boolean | "auto" | null;
+            /**
+             * Freeze
+             * @description level at NFREEZE: false freezes
+             */
+            freeze?: boolean | "auto" | null;
+        };
+        /**
+         * PinsState
+         * @description Pins besides those of the switches, as levels: true is high.
+         */
+        PinsState: {
+            /** @description START as an input */
+            start: components["schemas"]["LevelState"];
+            /** @description NFREEZE */
+            freeze: components["schemas"]["LevelState"];
+            /**
+             * Start Out
+             * @description the chip gives a start pulse at START
+             */
+            start_out: boolean;
+            /**
+             * Intr
+             * @description INTR
+             */
+            intr: boolean;
+            /**
+             * Target Reached
+             * @description TARGET_REACHED
+             */
+            target_reached: boolean;
+            /**
+             * Step
+             * @description STPOUT at rest
+             */
+            step: boolean;
+            /**
+             * Direction
+             * @description DIROUT
+             */
+            direction: boolean;
+            /**
+             * Standby
+             * @description STDBY_CLK while it tells standby; false while it does not
+             */
+            standby: boolean;
         };
         /** PmulPdiv */
         PmulPdiv: {
@@ -3544,7 +3850,7 @@ export interface components {
              * @default register
              * @enum {string}
              */
-            space: "register" | "ap" | "gp0" | "gp2" | "gp3" | "in" | "ain" | "out" | "coord";
+            space: "register" | "ap" | "gp0" | "gp2" | "gp3" | "in" | "pullup" | "ain" | "out" | "coord";
             /** Axis */
             axis: number | null;
             /** Raw */
@@ -3555,6 +3861,21 @@ export interface components {
             fields: {
                 [key: string]: number;
             };
+        };
+        /**
+         * PwmState
+         * @description STPOUT_PWMA and DIROUT_PWMB while pwm_out_en is set.
+         */
+        PwmState: {
+            /**
+             * Frequency Hz
+             * @description fCLK / PWM_FREQ
+             */
+            frequency_hz: number;
+            /** Duty A */
+            duty_a: number;
+            /** Duty B */
+            duty_b: number;
         };
         /**
          * Quantity
@@ -3814,6 +4135,37 @@ export interface components {
             dmax_pps2: number;
         };
         /**
+         * RampState
+         * @description The ramp generator, finer than its registers.
+         */
+        RampState: {
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "rest" | "ramp" | "to standstill" | "stop" | "freeze" | "step input";
+            /** Velocity Pps */
+            velocity_pps: number;
+            /** Acceleration Pps2 */
+            acceleration_pps2: number;
+            /**
+             * Position
+             * @description XACTUAL with the fraction of a step
+             */
+            position: number;
+            /**
+             * Starts
+             * @description start signals so far
+             */
+            starts: number;
+            /** Frozen */
+            frozen: boolean;
+            /** Standby */
+            standby: boolean;
+            /** Clocks Gated */
+            clocks_gated: boolean;
+        };
+        /**
          * RampUnits
          * @description What the registers of a TMC4361 get: whole numbers, and what they really are.
          */
@@ -4021,7 +4373,7 @@ export interface components {
              * @default register
              * @enum {string}
              */
-            space: "register" | "ap" | "gp0" | "gp2" | "gp3" | "in" | "ain" | "out" | "coord";
+            space: "register" | "ap" | "gp0" | "gp2" | "gp3" | "in" | "pullup" | "ain" | "out" | "coord";
             /** Axis */
             axis: number | null;
             /** Raw */
@@ -4047,7 +4399,7 @@ export interface components {
              * @default register
              * @enum {string}
              */
-            space: "register" | "ap" | "gp0" | "gp2" | "gp3" | "in" | "ain" | "out" | "coord";
+            space: "register" | "ap" | "gp0" | "gp2" | "gp3" | "in" | "pullup" | "ain" | "out" | "coord";
             /**
              * Alias
              * @description what the manual calls it, e.g. "AP 4"; empty for registers
@@ -4146,7 +4498,7 @@ export interface components {
              * @default register
              * @enum {string}
              */
-            space: "register" | "ap" | "gp0" | "gp2" | "gp3" | "in" | "ain" | "out" | "coord";
+            space: "register" | "ap" | "gp0" | "gp2" | "gp3" | "in" | "pullup" | "ain" | "out" | "coord";
             /** Axis */
             axis: number | null;
             /** Raw */
@@ -4296,6 +4648,72 @@ export interface components {
             fd_b: number;
         };
         /**
+         * ShaftEncoder
+         * @description The encoder on the motor's shaft. It sees theta + e1 sin(theta + p1), cut into whole counts.
+         */
+        ShaftEncoder: {
+            /**
+             * Kind
+             * @description incremental with N channel, or absolute over SSI or SPI
+             * @default abn
+             * @enum {string}
+             */
+            kind?: "abn" | "ssi" | "spi";
+            /**
+             * Lines
+             * @description abn: lines a turn, four counts each
+             * @default 10000
+             */
+            lines?: number;
+            /**
+             * Single Turn Bits
+             * @description ssi, spi: bits of the place in the turn
+             * @default 13
+             */
+            single_turn_bits?: number;
+            /**
+             * Multi Turn Bits
+             * @description ssi, spi: bits of the turns counted
+             * @default 12
+             */
+            multi_turn_bits?: number;
+            /**
+             * Gray
+             * @description ssi, spi: answers in Gray code
+             * @default false
+             */
+            gray?: boolean;
+            /**
+             * Status Bits
+             * @description ssi, spi: status bits after the position
+             * @default 0
+             */
+            status_bits?: number;
+            /**
+             * Zero Fullsteps
+             * @description mounting offset: place of the rotor at which the encoder counts 0 (N pulse)
+             * @default 37.3
+             */
+            zero_fullsteps?: number;
+            /**
+             * Reversed
+             * @description counts down as the motor goes up
+             * @default false
+             */
+            reversed?: boolean;
+            /**
+             * Eccentricity Deg
+             * @description amplitude e1 of the once-a-turn error [deg of the shaft]
+             * @default 0
+             */
+            eccentricity_deg?: number;
+            /**
+             * Eccentricity Phase Deg
+             * @default 0
+             */
+            eccentricity_phase_deg?: number;
+        };
+        /**
          * ShuttleStart
          * @description Move back and forth between two positions until stopped.
          */
@@ -4430,23 +4848,6 @@ export interface components {
             home_to_fullsteps?: number;
         };
         /**
-         * StepDirChange
-         * @description Pulses on the step input, as from a pulse generator. They count while axis parameter 254 is 1.
-         */
-        StepDirChange: {
-            /**
-             * Pulses
-             * @description so many more; negative: direction left
-             */
-            pulses: number;
-            /**
-             * Rate Hz
-             * @description pulses a second
-             * @default 1000
-             */
-            rate_hz?: number;
-        };
-        /**
          * StepDirState
          * @description The step/direction output of a TMC4210.
          */
@@ -4469,6 +4870,36 @@ export interface components {
             dir_level: number;
             /** Pulse Clocks */
             pulse_clocks: number;
+        };
+        /**
+         * StepOutputState
+         * @description The step output since power-on.
+         */
+        StepOutputState: {
+            /**
+             * Steps Sent
+             * @description step pulses that left the chip
+             */
+            steps_sent: number;
+            /**
+             * Steps Merged
+             * @description steps whose pulse merged with the one before: the driver missed them
+             */
+            steps_merged: number;
+            /**
+             * Steps Held
+             * @description steps that wait for the direction's setup time or the pulse before
+             */
+            steps_held: number;
+            /** Direction Changes */
+            direction_changes: number;
+            /** Pulse Clocks */
+            pulse_clocks: number;
+            /**
+             * Microsteps 256
+             * @description microsteps sent, in 1/256 full step
+             */
+            microsteps_256: number;
         };
         /**
          * StepResponseStart
@@ -4554,24 +4985,6 @@ export interface components {
             reference?: boolean | "auto" | null;
         };
         /**
-         * SwitchesChange
-         * @description Forces switches, or gives them back to the stage with "auto".
-         */
-        SwitchesChange: {
-            /** Left */
-            left?: boolean | "auto" | null;
-            /** Right */
-            right?: boolean | "auto" | null;
-            /** Home */
-            home?: boolean | "auto" | null;
-        };
-        /** SwitchesState */
-        SwitchesState: {
-            left: components["schemas"]["app__emulators__pd42__state__SwitchState"];
-            right: components["schemas"]["app__emulators__pd42__state__SwitchState"];
-            home: components["schemas"]["app__emulators__pd42__state__SwitchState"];
-        };
-        /**
          * TcpLink
          * @description A chip behind a TCP socket: raw frames both ways (TMC4361: 5 bytes, else 4), as by `stepscope emulate`.
          */
@@ -4594,6 +5007,106 @@ export interface components {
              * @default 1
              */
             timeout_s?: number;
+        };
+        /**
+         * Tmc4361Patch
+         * @description A change to a running chip; what is left out stays. A power cycle comes first.
+         */
+        Tmc4361Patch: {
+            /** Time Scale */
+            time_scale?: number | null;
+            motor?: components["schemas"]["MotorChange"];
+            /**
+             * Load Torque Nm
+             * @description constant, like a weight: a positive one pulls to negative positions [N m]
+             */
+            load_torque_nm?: number | null;
+            /**
+             * Blocked
+             * @description clamps the shaft where it is
+             */
+            blocked?: boolean | null;
+            /**
+             * Friction
+             * @description friction on top of the motor's own [N m]
+             */
+            friction?: number | null;
+            /**
+             * Inertia
+             * @description of the load [kg m^2]
+             */
+            inertia?: number | null;
+            /**
+             * Supply V
+             * @description motor supply [V]; the driver needs 8
+             */
+            supply_v?: number | null;
+            stage?: components["schemas"]["app__emulators__tmc4361__options__StageChange"];
+            switches?: components["schemas"]["app__emulators__tmc4361__options__SwitchesChange"];
+            pins?: components["schemas"]["PinsChange"];
+            encoder?: components["schemas"]["EncoderPatch"];
+            step_dir?: components["schemas"]["app__emulators__tmc4361__options__StepDirChange"] | null;
+            faults?: components["schemas"]["app__emulators__tmc4361__options__FaultsChange"];
+            /**
+             * Power Cycle
+             * @description off and on again; motor and stage stay where they are
+             * @default false
+             */
+            power_cycle?: boolean;
+        };
+        /**
+         * Tmc4361State
+         * @description Everything that GET .../emulator answers for a TMC4361.
+         */
+        Tmc4361State: {
+            /**
+             * Model
+             * @default tmc4361
+             * @constant
+             */
+            model?: "tmc4361";
+            /** Time Scale */
+            time_scale: number;
+            /** Chip Time S */
+            chip_time_s: number;
+            /** Clock Hz */
+            clock_hz: number;
+            motor: components["schemas"]["app__emulators__tmc4361__feedback__state__MotorState"];
+            /** Load Torque Nm */
+            load_torque_nm: number;
+            /** Blocked */
+            blocked: boolean;
+            /**
+             * Friction
+             * @description friction on top of the motor's own [N m]
+             */
+            friction: number;
+            /**
+             * Inertia
+             * @description of the load [kg m^2]
+             */
+            inertia: number;
+            /**
+             * Supply V
+             * @description motor supply [V]
+             */
+            supply_v: number;
+            stage: components["schemas"]["app__emulators__tmc4361__state__StageState"];
+            switches: components["schemas"]["app__emulators__tmc4361__state__SwitchesState"];
+            pins: components["schemas"]["PinsState"];
+            encoder: components["schemas"]["app__emulators__tmc4361__feedback__state__EncoderState"];
+            pwm: components["schemas"]["PwmState"] | null;
+            ramp: components["schemas"]["RampState"];
+            step_output: components["schemas"]["StepOutputState"];
+            /**
+             * Driver Words
+             * @description what cover datagrams have written into the motor driver
+             */
+            driver_words: {
+                [key: string]: number;
+            };
+            faults: components["schemas"]["app__emulators__tmc4361__state__FaultsState"];
+            truth: components["schemas"]["FeedbackTruth"];
         };
         /**
          * TmclFields
@@ -4963,6 +5476,107 @@ export interface components {
             position_fullsteps?: number | null;
         };
         /**
+         * StepDirChange
+         * @description Pulses on the step input, as from a pulse generator. They count while axis parameter 254 is 1.
+         */
+        app__emulators__pd42__options__StepDirChange: {
+            /**
+             * Pulses
+             * @description so many more; negative: direction left
+             */
+            pulses: number;
+            /**
+             * Rate Hz
+             * @description pulses a second
+             * @default 1000
+             */
+            rate_hz?: number;
+        };
+        /**
+         * SwitchesChange
+         * @description Forces switches, or gives them back to the stage with "auto".
+         */
+        app__emulators__pd42__options__SwitchesChange: {
+            /** Left */
+            left?: boolean | "auto" | null;
+            /** Right */
+            right?: boolean | "auto" | null;
+            /** Home */
+            home?: boolean | "auto" | null;
+        };
+        /** EncoderState */
+        app__emulators__pd42__state__EncoderState: {
+            /**
+             * Absolute
+             * @description place of the built-in encoder in its turn, 0..1023
+             */
+            absolute: number;
+            /**
+             * Counts
+             * @description built-in encoder, since the start
+             */
+            counts: number;
+            /**
+             * External Counts
+             * @description external encoder, since the start: four a line
+             */
+            external_counts: number;
+            /**
+             * Slip Fullsteps
+             * @description how far the built-in encoder's magnet has slipped in all
+             */
+            slip_fullsteps: number;
+            /** External Slip Fullsteps */
+            external_slip_fullsteps: number;
+            /**
+             * Eccentricity Deg
+             * @description once-a-turn error of the built-in encoder [deg of the shaft]
+             */
+            eccentricity_deg: number;
+        };
+        /** FaultsState */
+        app__emulators__pd42__state__FaultsState: {
+            /** Silence */
+            silence: boolean;
+            /** Late Reply S */
+            late_reply_s: number;
+            /** Bit Error Rate */
+            bit_error_rate: number;
+            /** Half Frame Rate */
+            half_frame_rate: number;
+            /** Unplugged */
+            unplugged: boolean;
+            /** Undervoltage */
+            undervoltage: boolean;
+        };
+        /** MotorState */
+        app__emulators__pd42__state__MotorState: {
+            /** Connected */
+            connected: boolean;
+            /**
+             * Temperature C
+             * @description of the driver's bridges [deg C]
+             */
+            temperature_c: number;
+            /** Fullsteps Per Turn */
+            fullsteps_per_turn: number;
+            /**
+             * Torque Constant Nm A
+             * @description of one phase, peak values; also back-EMF constant [V s/rad]
+             */
+            torque_constant_nm_a: number;
+            /**
+             * Holding Torque Nm
+             * @description both coils at rated current [N m]
+             */
+            holding_torque_nm: number;
+            /**
+             * Rated Current A
+             * @description in both coils [A]
+             */
+            rated_current_a: number;
+        };
+        /**
          * StageState
          * @description Where switches and carriage are [full steps of the rotor].
          */
@@ -4993,6 +5607,12 @@ export interface components {
              * @description null while the switch follows the stage
              */
             forced: boolean | null;
+        };
+        /** SwitchesState */
+        app__emulators__pd42__state__SwitchesState: {
+            left: components["schemas"]["app__emulators__pd42__state__SwitchState"];
+            right: components["schemas"]["app__emulators__pd42__state__SwitchState"];
+            home: components["schemas"]["app__emulators__pd42__state__SwitchState"];
         };
         /**
          * ChainBit
@@ -5033,6 +5653,192 @@ export interface components {
             left: components["schemas"]["app__emulators__state__SwitchState"];
             right: components["schemas"]["app__emulators__state__SwitchState"];
             reference: components["schemas"]["app__emulators__state__SwitchState"];
+        };
+        /** EncoderState */
+        app__emulators__tmc4361__feedback__state__EncoderState: {
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "abn" | "ssi" | "spi";
+            /** Counts Per Turn */
+            counts_per_turn: number;
+            /**
+             * Counts
+             * @description since the start, not wrapped: what no register tells
+             */
+            counts: number;
+            /**
+             * Slip Fullsteps
+             * @description how far it has slipped on the shaft in all
+             */
+            slip_fullsteps: number;
+            /**
+             * Zero Fullsteps
+             * @description mounting offset: place of the rotor at which it counts 0
+             */
+            zero_fullsteps: number;
+            /**
+             * Eccentricity Deg
+             * @description amplitude of its once-a-turn error [deg of the shaft]
+             */
+            eccentricity_deg: number;
+            /** Eccentricity Phase Deg */
+            eccentricity_phase_deg: number;
+            /**
+             * Status Bits
+             * @description what an absolute encoder's status bits are
+             */
+            status_bits: number;
+        };
+        /** MotorState */
+        app__emulators__tmc4361__feedback__state__MotorState: {
+            /** Connected */
+            connected: boolean;
+            /**
+             * Temperature C
+             * @description of the driver's bridges [deg C]
+             */
+            temperature_c: number;
+            /** Fullsteps Per Turn */
+            fullsteps_per_turn: number;
+            /**
+             * Torque Constant Nm A
+             * @description of one phase, peak values; also back-EMF constant [V s/rad]
+             */
+            torque_constant_nm_a: number;
+            /**
+             * Holding Torque Nm
+             * @description both coils at rated current [N m]
+             */
+            holding_torque_nm: number;
+            /**
+             * Rated Current A
+             * @description in both coils [A]
+             */
+            rated_current_a: number;
+            /**
+             * Full Scale A
+             * @description peak coil current at current scale 255 [A]
+             */
+            full_scale_a: number;
+            /**
+             * Inertia Kgm2
+             * @description rotor and load
+             */
+            inertia_kgm2: number;
+        };
+        /**
+         * FaultsChange
+         * @description Faults between the chip and us.
+         */
+        app__emulators__tmc4361__options__FaultsChange: {
+            /**
+             * Silence
+             * @description datagrams are obeyed, answers are lost
+             */
+            silence?: boolean | null;
+            /**
+             * Unplugged
+             * @description the link is gone
+             */
+            unplugged?: boolean | null;
+            /**
+             * Bit Error Rate
+             * @description probability that a bit of a reply is flipped
+             */
+            bit_error_rate?: number | null;
+        };
+        /**
+         * StageChange
+         * @description Moves switches of the stage, or turns the shaft as by hand [full steps of the rotor].
+         */
+        app__emulators__tmc4361__options__StageChange: {
+            /** Left At Fullsteps */
+            left_at_fullsteps?: number | null;
+            /** Right At Fullsteps */
+            right_at_fullsteps?: number | null;
+            /** Home From Fullsteps */
+            home_from_fullsteps?: number | null;
+            /** Home To Fullsteps */
+            home_to_fullsteps?: number | null;
+            /**
+             * Position Fullsteps
+             * @description turns the shaft there and stops it
+             */
+            position_fullsteps?: number | null;
+        };
+        /**
+         * StepDirChange
+         * @description Pulses at STPIN, as from a pulse generator. They count while sdin_mode is not 0.
+         */
+        app__emulators__tmc4361__options__StepDirChange: {
+            /**
+             * Pulses
+             * @description so many more; negative: DIRIN says so
+             */
+            pulses: number;
+            /**
+             * Rate Hz
+             * @description pulses a second
+             * @default 1000
+             */
+            rate_hz?: number;
+        };
+        /**
+         * SwitchesChange
+         * @description Forces switches, or gives them back to the stage with "auto".
+         */
+        app__emulators__tmc4361__options__SwitchesChange: {
+            /**
+             * Left
+             * @description level at STOPL: true is high
+             */
+            left?: boolean | "auto" | null;
+            /**
+             * Right
+             * @description level at STOPR
+             */
+            right?: boolean | "auto" | null;
+            /**
+             * Home
+             * @description level at HOME_REF
+             */
+            home?: boolean | "auto" | null;
+        };
+        /** FaultsState */
+        app__emulators__tmc4361__state__FaultsState: {
+            /** Silence */
+            silence: boolean;
+            /** Unplugged */
+            unplugged: boolean;
+            /** Bit Error Rate */
+            bit_error_rate: number;
+        };
+        /**
+         * StageState
+         * @description Where switches and carriage are [full steps of the rotor].
+         */
+        app__emulators__tmc4361__state__StageState: {
+            /** Left At Fullsteps */
+            left_at_fullsteps: number;
+            /** Right At Fullsteps */
+            right_at_fullsteps: number;
+            /** Home From Fullsteps */
+            home_from_fullsteps: number;
+            /** Home To Fullsteps */
+            home_to_fullsteps: number;
+            /**
+             * Position Fullsteps
+             * @description where the carriage really is
+             */
+            position_fullsteps: number;
+        };
+        /** SwitchesState */
+        app__emulators__tmc4361__state__SwitchesState: {
+            left: components["schemas"]["LevelState"];
+            right: components["schemas"]["LevelState"];
+            home: components["schemas"]["LevelState"];
         };
         /** TelemetryChannel */
         TelemetryChannel: {
@@ -8694,7 +9500,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Pd42State"];
+                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Tmc4361State"] | components["schemas"]["Pd42State"];
                 };
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
@@ -8747,7 +9553,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["EmulatorPatch"] | components["schemas"]["Pd42Patch"];
+                "application/json": components["schemas"]["EmulatorPatch"] | components["schemas"]["Tmc4361Patch"] | components["schemas"]["Pd42Patch"];
             };
         };
         responses: {
@@ -8757,7 +9563,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Pd42State"];
+                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Tmc4361State"] | components["schemas"]["Pd42State"];
                 };
             };
             /** @description The body is not JSON (/problems/undecodable-body) */
@@ -9136,6 +9942,104 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["ChainDesign"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_input_filters: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["InputFilters"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    calculate_input_filter: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["InputFilter"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["InputFilterResult"];
                 };
             };
             /** @description The body is not JSON (/problems/undecodable-body) */
