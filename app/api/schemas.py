@@ -141,7 +141,7 @@ class LinkTest(Answer):
 # --- registers ----------------------------------------------------------------------------------
 
 
-Space = Literal["register", "ap", "gp0", "gp2", "gp3", "in", "ain", "out", "coord"]
+Space = Literal["register", "ap", "gp0", "gp2", "gp3", "in", "pullup", "ain", "out", "coord"]
 """Which set of numbers an address counts in: a module has several."""
 
 

@@ -294,8 +294,12 @@ def _port(
     unit: str = "",
     section: str = "3.6.13",
     reset: int | None = None,
+    values: dict[int, str] | None = None,
 ) -> Register:
-    return _gp(space, number, name, "inputs/outputs", access, limits, help_, unit=unit, section=section, reset=reset)
+    group = "inputs/outputs"
+    return _gp(
+        space, number, name, group, access, limits, help_, unit=unit, section=section, reset=reset, values=values
+    )
 
 
 PORTS = (
@@ -307,6 +311,17 @@ PORTS = (
     _port(Space.ANALOG_IN, 8, "supply_voltage", Access.R, (0, 1000), "supply, as the sister module tells it", "0.1 V"),
     _port(
         Space.ANALOG_IN, 9, "temperature", Access.R, (-128, 127), "of the module, as the sister module tells it", "degC"
+    ),
+    _port(
+        Space.PULL_UP,
+        0,
+        "input_pull_ups",
+        Access.W,
+        (0, 3),
+        "pull-up resistors: 1 at the home input, 2 at inputs 1 and 2, 3 at all",
+        section="3.6.12",
+        reset=3,
+        values={0: "none", 1: "home input", 2: "inputs 1 and 2", 3: "all"},
     ),
     _port(Space.OUTPUT, 0, "out0", Access.RW, (0, 1), "open drain output", section="3.6.12", reset=0),
     _port(

@@ -22,9 +22,10 @@ _WRITES = {
     Space.GLOBAL_2: Opcode.SGP,
     Space.GLOBAL_3: Opcode.SGP,
     Space.OUTPUT: Opcode.SIO,
+    Space.PULL_UP: Opcode.SIO,
     Space.COORDINATE: Opcode.SCO,
 }
-"""The motor or bank is that of the read."""
+_BANKS = {space: bank for space, (_, bank) in _READS.items()} | {Space.PULL_UP: 0}
 
 
 def reading(address: int, register: Register) -> Request:
@@ -35,7 +36,7 @@ def reading(address: int, register: Register) -> Request:
 
 def writing(address: int, register: Register, value: int) -> Request:
     """SAP, SGP, SIO or SCO. Raises ValueError for a value that 32 bits cannot hold."""
-    return Request(address, _WRITES[register.space], register.address, _READS[register.space][1], value)
+    return Request(address, _WRITES[register.space], register.address, _BANKS[register.space], value)
 
 
 def spelled(request: Request) -> str:

@@ -40,6 +40,8 @@ class Parameters(Module):
 
     async def read(self, name: str, axis: int | None = None) -> RegisterReading:
         register, part = self.find(name, axis)
+        if not register.access.readable:
+            raise WrongState(f"{register.name} ({register.alias}) is write only")
         self.require_connected()
         async with self.calls() as calls:
             value = await calls.get(register)
@@ -149,6 +151,10 @@ class Parameters(Module):
             lost = error  # it may have been done all the same, and reading it back moves nothing
         if (register.space, register.address) == (Space.GLOBAL_0, ADDRESS) and value != self.address:
             return await self._new_address(calls, register, value)
+        if not register.access.readable:
+            if lost is not None:
+                raise lost
+            return self._written(register, value, value, None, "it cannot be read back")
         try:
             back = await calls.get(register)
         except BenchError as error:

@@ -248,3 +248,19 @@ async def test_a_silent_module_is_asked_three_times_and_told_of() -> None:
         with pytest.raises(LinkTimeout):
             await b.device.read("ap1")
         assert len(b.tap.frames) - asked == 3
+
+
+@pytest.mark.sheet("004", "3.6.12")
+async def test_pull_ups_are_written_and_nobody_claims_to_have_read_them() -> None:
+    async with bench() as b:
+        assert (await b.device.read("in1")).value == 1  # open, and pulled up
+        written = await b.device.write("input_pull_ups", value=1)
+        assert (written.verified, written.note) == (None, "it cannot be read back")
+        sent = b.tap.frames[-1]
+        assert (sent.opcode, sent.type, sent.motor, sent.value) == (Opcode.SIO, 0, 0, 1)
+        assert (await b.device.read("in1")).value == 0
+        with pytest.raises(WrongState, match="write only"):
+            await b.device.read("input_pull_ups")
+        with pytest.raises(OutOfRange, match=r"0\.\.3"):
+            await b.device.write("input_pull_ups", value=4)
+        assert "input_pull_ups" not in {reading.name for reading in await b.device.read_all()}

@@ -155,12 +155,12 @@ const SPACES: Record<string, readonly RegisterRow["space"][]> = {
   SGP: ["gp0", "gp2", "gp3"],
   GGP: ["gp0", "gp2", "gp3"],
   AGP: ["gp0", "gp2", "gp3"],
-  SIO: ["out"],
+  SIO: ["out", "pullup"],
   GIO: ["in", "ain", "out"],
 };
 
 /** The bank that goes with a space: as motor of SGP, GGP, SIO and GIO. */
-const BANKS: Partial<Record<RegisterRow["space"], number>> = { gp0: 0, gp2: 2, gp3: 3, in: 0, ain: 1, out: 2 };
+const BANKS: Partial<Record<RegisterRow["space"], number>> = { gp0: 0, gp2: 2, gp3: 3, in: 0, pullup: 0, ain: 1, out: 2 };
 
 function operandSuggestions(
   command: Command,

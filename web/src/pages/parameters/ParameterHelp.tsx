@@ -38,7 +38,7 @@ export function ParameterHelp({ row, context, heading = false }: Props) {
         <dd className={common.formula}>{row.name}</dd>
         <dt>Access</dt>
         <dd>
-          {row.access === "R" ? "read only" : "read and write"}
+          {row.access === "R" ? "read only" : row.access === "W" ? "write only" : "read and write"}
           {row.read_clears && "; reading clears it"}
           {row.volatile && "; the module changes it by itself"}
         </dd>

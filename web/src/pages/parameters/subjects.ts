@@ -31,6 +31,7 @@ const PLACES: Record<RegisterRow["space"], string> = {
   gp2: "user variable, bank 2",
   gp3: "interrupt parameter, bank 3",
   in: "digital input",
+  pullup: "pull-ups",
   ain: "analog input",
   out: "output",
   coord: "coordinate",
