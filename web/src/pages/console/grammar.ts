@@ -160,7 +160,15 @@ const SPACES: Record<string, readonly RegisterRow["space"][]> = {
 };
 
 /** The bank that goes with a space: as motor of SGP, GGP, SIO and GIO. */
-const BANKS: Partial<Record<RegisterRow["space"], number>> = { gp0: 0, gp2: 2, gp3: 3, in: 0, pullup: 0, ain: 1, out: 2 };
+const BANKS: Partial<Record<RegisterRow["space"], number>> = {
+  gp0: 0,
+  gp2: 2,
+  gp3: 3,
+  in: 0,
+  pullup: 0,
+  ain: 1,
+  out: 2,
+};
 
 function operandSuggestions(
   command: Command,
