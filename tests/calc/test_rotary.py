@@ -26,12 +26,12 @@ def test_turns_and_place_are_the_position(turn: Fraction, position: int, zero: i
 def test_a_gear_is_an_exact_fraction() -> None:
     rotary = Rotary.geared(51_200, 3, 7)
     assert rotary.microsteps_per_turn == Fraction(358_400, 3)
-    assert rotary.split(358_400) == (3, 0)
+    assert rotary.split(358_400) == (3, Fraction(0))
     assert rotary.angle_deg(358_400 // 4) == pytest.approx(270)
     assert rotary.place_at(Fraction(-90)) == Fraction(268_800, 3)
     # A year at one turn a second, and not a microstep beside it.
     year = 365 * 86_400
-    assert rotary.split(year * 358_400 // 3) == (year, 0)
+    assert rotary.split(year * 358_400 // 3) == (year, Fraction(0))
 
 
 @given(turns, positions, st.integers(0, 359_999), st.sampled_from(["shortest", "positive", "negative"]))
