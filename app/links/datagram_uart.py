@@ -1,8 +1,8 @@
 """Datagrams of the single-wire UART of the TMC5xxx, both ways, with their CRC: pure functions, no port.
 
 TMC5072, 5130 and 5160 (API headers and public host code of the maker): a write is sync 05, node, register + 0x80, 32
-bits, CRC; a read is sync, node, register, CRC; the answer is sync, FF for the host, register, 32 bits, CRC. The TMC5062 has
-no node byte, and answers with F5 (its data sheet, page 23). Most significant byte first; the UART sends each byte's
+bits, CRC; a read is sync, node, register, CRC; the answer is sync, FF for the host, register, 32 bits, CRC. A TMC5062
+has no node byte, and answers with F5 (its data sheet, page 23). Most significant byte first; the UART sends each byte's
 lowest bit first, and in that order the CRC counts.
 """
 
