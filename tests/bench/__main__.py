@@ -8,7 +8,7 @@ import platform
 import sys
 from collections.abc import Callable, Sequence
 
-from tests.bench import browser, calculators, emulation, emulation4361, motor, planner, serving, tmcl_link
+from tests.bench import browser, calculators, emulation, emulation4361, motor, mslut, planner, serving, tmcl_link
 from tests.bench.table import Row, render
 
 MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
@@ -22,6 +22,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "tmcl": tmcl_link.measure,
     "planner": planner.measure,
     "pmul": lambda quick: [calculators.measure(quick=quick)],
+    "mslut": lambda quick: [mslut.measure(quick=quick)],
 }
 
 
