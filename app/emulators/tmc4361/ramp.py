@@ -254,7 +254,8 @@ def go_on(r: Cells, s: Cells, f: Floats) -> int:
     tick = s[TICK] - s[PLAN_TICK]
     t = tick * f[DT]
     if t >= f[PLAN_END]:
-        steps = int(f[GOAL] + math.copysign(1e-6, f[GOAL] - s[STEPPED])) - s[STEPPED]
+        left = f[GOAL] - s[STEPPED]
+        steps = int(left + math.copysign(1e-6, left))
         rest(r, s, f)
         return steps
     piece = s[PIECE]

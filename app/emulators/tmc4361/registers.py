@@ -164,10 +164,12 @@ class Chip:
 
     def write(self, address: int, word: int) -> None:
         """Write `word`; bits that the register does not have are dropped, as are writes to what cannot be written."""
+        if address == c.R_EVENTS:
+            self.s[c.EVENTS] &= ~word
+            self.settle()
+            return
         word &= _MASKS[address]
         match address:
-            case c.R_EVENTS:
-                self.s[c.EVENTS] &= ~word
             case c.RESET_CLK_GATING if word >> 8 == RESET_WORD:
                 self.reset()
                 return
@@ -178,7 +180,7 @@ class Chip:
             case c.COVER_LOW:
                 self._cover(int(self.r[c.COVER_HIGH]) << 32 | word)
         changed = self.r[address] != word
-        if _MASKS[address] and address != c.R_EVENTS:
+        if _MASKS[address]:
             self.r[address] = word
         self._act(address, word)
         self._tell(address)
