@@ -16,6 +16,7 @@ from app.api.schemas_closed_loop import Recording, ResponseState, Score
 from app.api.schemas_devices import (
     AnyLink,
     Chip40Create,
+    Chip40EmulatorLink,
     Chip40Link,
     ChipCreate,
     ChipLink,
@@ -31,6 +32,8 @@ from app.devices import prediction, results
 from app.devices.config import AxisSettings, slug, unique_slug
 from app.devices.device import Axis, Device
 from app.devices.results import StopOutcome
+from app.emulators.tmc4361 import EmulatedTmc4361
+from app.emulators.tmc4361.options import Tmc4361Patch
 from app.links import datagram40
 from app.links.emulator import EmulatorPort
 from app.links.errors import UsageError, WrongState
@@ -74,7 +77,7 @@ def link_of(link: AnyLink, clock_hz: float | None) -> Link:
     """
     said = link.model_dump(mode="json", exclude_unset=True)
     said["kind"] = link.kind
-    if isinstance(link, EmulatorLink) and clock_hz is not None:
+    if isinstance(link, EmulatorLink | Chip40EmulatorLink) and clock_hz is not None:
         said.setdefault("clock_hz", clock_hz)
     return said
 
@@ -89,7 +92,7 @@ def with_memory(link: Link, wanted: ChipCreate | Chip40Create | ModuleCreate, ot
 
 def clock_of(link: AnyLink, clock_hz: float | None) -> float:
     """The clock that the driver reckons with [Hz]: as said, else the emulator's own; 0 for the model's default."""
-    if clock_hz is None and isinstance(link, EmulatorLink) and "clock_hz" in link.model_fields_set:
+    if clock_hz is None and isinstance(link, EmulatorLink | Chip40EmulatorLink) and "clock_hz" in link.model_fields_set:
         return link.clock_hz
     return clock_hz or 0.0
 
@@ -186,7 +189,16 @@ def load_of(device: Device, torque_nm: float) -> Load:
     """How the emulated axis behind `device` is loaded with `torque_nm` [Nm]. Raises WrongState for hardware."""
     if not isinstance(device.port, EmulatorPort):
         raise WrongState(f"{device.name} is not emulated here", "leave load_torque_nm out, and load it by hand")
-    raise WrongState(f"{device.name} has no motor that a load could be put on")
+    port = device.port
+    wire = port.wire
+    if not isinstance(wire, EmulatedTmc4361):
+        raise WrongState(f"{device.name} has no motor that a load could be put on")
+    before_nm = wire.state(port.take_turn()).load_torque_nm
+
+    def put(load_nm: float) -> None:
+        wire.patch(Tmc4361Patch(load_torque_nm=load_nm), port.take_turn())
+
+    return Load(torque_nm, lambda: put(before_nm + torque_nm), lambda: put(before_nm))
 
 
 def profile_register(entry: results.ProfileEntry, table: RegisterTable) -> ProfileRegister:

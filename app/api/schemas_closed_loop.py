@@ -13,7 +13,7 @@ Regulation = Literal["off", "closed_loop", "pid_around_zero", "pid_around_veloci
 Distance = Annotated[int, Field(strict=True, ge=-(1 << 30), le=1 << 30)]
 Seconds = Annotated[float, Field(strict=True, ge=0.05, le=30, allow_inf_nan=False)]
 Band = Annotated[float, Field(strict=True, gt=0, le=1e6, allow_inf_nan=False)]
-Torque = Annotated[float, Field(strict=True, ge=-100, le=100, allow_inf_nan=False)]
+Torque = Annotated[float, Field(strict=True, ge=-50, le=50, allow_inf_nan=False)]
 Rate = Annotated[float, Field(strict=True, ge=10, le=1000, allow_inf_nan=False)]
 
 

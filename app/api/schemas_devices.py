@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, RootModel, StringConstraints, Tag
+from pydantic import BaseModel, Discriminator, Field, RootModel, StringConstraints, Tag
 
 from app.api.schemas import AxisConfig, Body, Chip40Name, ChipName, ModuleName, Name
 from app.api.schemas_calc import ClockHz
 from app.api.schemas_links import Address, Baud
 from app.emulators.options import EmulatorOptions
 from app.emulators.pd42.options import Pd42Options
+from app.emulators.tmc4361.options import Tmc4361Options
 
 HOST = (
     r"^[A-Za-z0-9_]([A-Za-z0-9_-]{0,62})(\.[A-Za-z0-9_-]{1,63})*\.?$|^[0-9A-Fa-f:.]*:[0-9A-Fa-f:.]*(%[A-Za-z0-9_-]+)?$"
@@ -26,6 +27,12 @@ Text = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=20
 
 class EmulatorLink(EmulatorOptions):
     """A chip emulated in this server. Without options it gets a motor and a stage on each axis."""
+
+    kind: Literal["emulator"]
+
+
+class Chip40EmulatorLink(Tmc4361Options):
+    """A chip emulated in this server, with a motor, a stage and an encoder."""
 
     kind: Literal["emulator"]
 
@@ -105,7 +112,7 @@ class LandungsbrueckeLink(Body):
 
 
 ChipLink = Annotated[EmulatorLink | TcpLink, Field(discriminator="kind")]
-Chip40Link = Annotated[TcpLink | SpidevLink | LandungsbrueckeLink, Field(discriminator="kind")]
+Chip40Link = Annotated[Chip40EmulatorLink | TcpLink | SpidevLink | LandungsbrueckeLink, Field(discriminator="kind")]
 ModuleLink = Annotated[
     ModuleEmulatorLink | ModuleTcpLink | ModuleSerialLink | ModuleCanLink, Field(discriminator="kind")
 ]
@@ -114,6 +121,7 @@ AnyLink = (
     | TcpLink
     | SpidevLink
     | LandungsbrueckeLink
+    | Chip40EmulatorLink
     | ModuleEmulatorLink
     | ModuleTcpLink
     | ModuleSerialLink
@@ -180,13 +188,22 @@ class DeviceTrial(RootModel[Annotated[ChipTrial | Chip40Trial | ModuleTrial, Fie
     """A link to be tried."""
 
 
+EMULATORS: dict[str, type[BaseModel]] = {
+    "emulator": EmulatorOptions,
+    "chip40-emulator": Tmc4361Options,
+    "module-emulator": Pd42Options,
+}
+
+
 def _which(link: object) -> str:
     """Which of the links is meant, where the model is not there to tell: by its kind, then by its options."""
     if not isinstance(link, dict):
         return ""
     kind = link.get("kind")
     if kind == "emulator":
-        return "emulator" if set(link) - {"kind"} <= EmulatorOptions.model_fields.keys() else "module-emulator"
+        options = set(link) - {"kind"}
+        fits = (tag for tag, known in EMULATORS.items() if options <= known.model_fields.keys())
+        return next(fits, "module-emulator")
     if kind == "tcp":
         return "module-tcp" if "address" in link else "tcp"
     return str(kind)
@@ -204,6 +221,7 @@ class DeviceChange(Body):
     link: (
         Annotated[
             Annotated[EmulatorLink, Tag("emulator")]
+            | Annotated[Chip40EmulatorLink, Tag("chip40-emulator")]
             | Annotated[TcpLink, Tag("tcp")]
             | Annotated[SpidevLink, Tag("spidev")]
             | Annotated[LandungsbrueckeLink, Tag("landungsbruecke")]

@@ -21,6 +21,7 @@ from app.devices.results import (
     AxisState,
     BatchResult,
     ChainContents,
+    ChipEvents,
     DeviceState,
     HeldMslut,
     MotionEnd,
@@ -71,7 +72,7 @@ class MotionCommanded:
     by: object
 
 
-DeviceEvent = StateChanged | MotionStarted | MotionCommanded | MotionEnd
+DeviceEvent = StateChanged | MotionStarted | MotionCommanded | MotionEnd | ChipEvents
 
 motion_owner: ContextVar[object] = ContextVar("motion_owner", default=None)
 """Who commands in this task: how a procedure tells its own commands from everybody else's."""

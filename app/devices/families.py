@@ -10,11 +10,13 @@ from app.devices.device import Device
 from app.devices.pd42.driver import Pd42
 from app.devices.tmc428 import Tmc428
 from app.devices.tmc4210 import Tmc4210
+from app.devices.tmc4361.driver import Tmc4361
 from app.links.port import FramePort
 
 DRIVERS: dict[str, Callable[[str, DeviceConfig, FramePort, Clock], Device]] = {
     "tmc428": Tmc428,
     "tmc4210": Tmc4210,
+    "tmc4361": Tmc4361,
     "pd42-1241": Pd42,
 }
 

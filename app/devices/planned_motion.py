@@ -14,13 +14,16 @@ POSITION_BITS = 32
 
 
 class Moment(Protocol):
-    """A motion at some times: position [microsteps from the start], velocity [pps]."""
+    """A motion at some times: position [microsteps from the start], velocity [pps], acceleration [pps^2]."""
 
     @property
     def position(self) -> NDArray[np.float64]: ...
 
     @property
     def velocity_pps(self) -> NDArray[np.float64]: ...
+
+    @property
+    def acceleration_pps2(self) -> NDArray[np.float64]: ...
 
 
 class Plan(Protocol):
@@ -64,6 +67,11 @@ class PlannedMotion(Prediction):
         outside = self.outside(times_s)
         position = wrapped(self.start_position + motion.position, POSITION_BITS)
         return np.where(outside, np.nan, position), np.where(outside, np.nan, motion.velocity_pps)
+
+    def acceleration_at(self, times_s: FloatArray) -> FloatArray:
+        """Acceleration at device times [pps^2], NaN where `at` has it."""
+        motion = self.plan.at(times_s - self.started_at_s)
+        return np.where(self.outside(times_s), np.nan, motion.acceleration_pps2)
 
     def outside(self, times_s: FloatArray) -> NDArray[np.bool_]:
         """Where this says nothing: before the start, and after something has changed the motion."""

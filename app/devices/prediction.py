@@ -167,14 +167,20 @@ class PredictionBook(Generic[P]):
         latest = self._entries[-1] if self._entries else None
         return latest if latest is not None and latest.ended_at_s is None else None
 
+    def over(self, times_s: FloatArray) -> tuple[P, ...]:
+        """The predictions that may say something about device times in order [s], the latest last."""
+        if not times_s.size:
+            return ()
+        return tuple(
+            entry
+            for entry in self._entries
+            if entry.started_at_s <= times_s[-1] and (entry.ended_at_s is None or entry.ended_at_s > times_s[0])
+        )
+
     def at(self, times_s: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Position [microsteps] and velocity [pps] that were expected at device times [s]; NaN where nothing was."""
         position, velocity = np.full(times_s.shape, np.nan), np.full(times_s.shape, np.nan)
-        if not times_s.size:
-            return position, velocity
-        for entry in self._entries:
-            if entry.started_at_s > times_s[-1] or (entry.ended_at_s is not None and entry.ended_at_s <= times_s[0]):
-                continue
+        for entry in self.over(times_s):
             expected = entry.at(times_s)
             known = ~np.isnan(expected[0])
             position[known], velocity[known] = expected[0][known], expected[1][known]

@@ -10,6 +10,8 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from app.registers.tmcl import Status
+
 FloatArray = NDArray[np.float64]
 Decoder = Callable[[FloatArray, NDArray[np.int64], NDArray[np.int64]], FloatArray]
 """(time_s[rows], words[rows, frames] without status, status[rows]) to one column [rows]."""
@@ -86,3 +88,57 @@ class DatagramPlan(SamplePlan):
         for index, decode in enumerate(self.columns):
             columns[:, index] = decode(times_s, data, status)
         return columns
+
+
+Seen = Callable[[FloatArray, NDArray[np.int64], NDArray[np.int64]], None]
+"""Hears (time_s[rows], words[rows, registers], status[rows]) of each block before it is decoded."""
+
+
+@dataclass(frozen=True, slots=True)
+class WordsPlan(SamplePlan):
+    """Words of 32 bits, however they travel."""
+
+    columns: tuple[Decoder, ...]
+    seen: Seen | None
+
+    def decode(self, times_s: FloatArray, replies: bytes) -> FloatArray:
+        rows = len(times_s)
+        self._require_rows(rows, replies)
+        raw = np.frombuffer(replies, dtype=np.uint8).reshape(rows, len(self.frames), self.reply_bytes)
+        words, status, sound = self._taken(raw)
+        if self.seen is not None and rows:
+            self.seen(times_s, words, status)
+        columns = np.empty((rows, len(self.columns)))
+        for index, decode in enumerate(self.columns):
+            columns[:, index] = decode(times_s, words, status)
+        columns[~sound] = np.nan
+        return columns
+
+    @abstractmethod
+    def _taken(self, raw: NDArray[np.uint8]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
+        """Words [rows, registers], status bytes [rows] and which rows can be trusted, of raw[rows, frames, bytes]."""
+
+
+@dataclass(frozen=True, slots=True)
+class PipelinedPlan(WordsPlan):
+    """Replies of 40 bits, each with the status of its moment and the word of the frame before."""
+
+    reply_bytes = 5
+
+    def _taken(self, raw: NDArray[np.uint8]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
+        words = np.ascontiguousarray(raw[:, 1:, 1:]).view(">u4")[:, :, 0].astype(np.int64)
+        return words, raw[:, -1, 0].astype(np.int64), np.ones(len(raw), dtype=np.bool_)
+
+
+@dataclass(frozen=True, slots=True)
+class BoardPlan(WordsPlan):
+    """Nine-byte answers of an evaluation board, which brings no status byte."""
+
+    reply_bytes = 9
+
+    def _taken(self, raw: NDArray[np.uint8]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
+        # uint8 sums wrap at 256 by themselves, which is what the checksum does.
+        sound = raw[:, :, :8].sum(axis=2, dtype=np.uint8) == raw[:, :, 8]
+        sound &= raw[:, :, 2] == Status.OK
+        words = np.ascontiguousarray(raw[:, :, 4:8]).view(">u4")[:, :, 0].astype(np.int64)
+        return words, np.zeros(len(raw), dtype=np.int64), sound.all(axis=1)

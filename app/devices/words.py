@@ -3,12 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from app.links.access32 import SPI32
 from app.links.errors import BadReply, LinkTimeout
 from app.links.queue import LinkQueue, Turn
 from app.links.register_access import RegisterAccess
 from app.registers.model import Register, to_raw
+
+
+@dataclass(frozen=True, slots=True)
+class Write:
+    """One write of a chain."""
+
+    register: Register
+    word: int
+
+
+Step = Write | Sequence[Register]
+"""A write, or registers to read."""
 
 
 async def read_once_more(queue: LinkQueue, address: int, access: RegisterAccess = SPI32) -> int:
@@ -19,6 +32,29 @@ async def read_once_more(queue: LinkQueue, address: int, access: RegisterAccess 
     except LinkTimeout:
         replies = await queue.exchange_many(frames)
     return access.words(replies)[0]
+
+
+class Held:
+    """Registers as they were read together."""
+
+    __slots__ = ("registers", "words")
+
+    def __init__(self, registers: Sequence[Register], words: Sequence[int]) -> None:
+        self.registers = registers
+        self.words = {register.address: word for register, word in zip(registers, words, strict=True)}
+        """By address."""
+
+    def word(self, register: Register) -> int:
+        """The bits as they came."""
+        return self.words[register.address]
+
+    def value(self, register: Register) -> int:
+        """The register's value, signed where it is."""
+        return register.decode(self.words[register.address])
+
+    def fields(self, register: Register) -> dict[str, int]:
+        """Every field's value by name."""
+        return register.unpack(self.words[register.address])
 
 
 class Words:
@@ -79,6 +115,30 @@ class Words:
         except BadReply:
             return False
         return True
+
+    async def chain(self, *steps: Step, again: bool = False) -> list[list[int]]:
+        """Readings and writes in their order, over a pipelined link in one go: words of each reading.
+
+        With `again` all of it is sent once more after LinkTimeout: for writes that may happen twice. Whether
+        writes arrived only a reading behind them tells.
+        """
+        frames: list[bytes] = []
+        spans: list[tuple[int, int]] = []
+        for step in steps:
+            first = len(frames)
+            if isinstance(step, Write):
+                frames.append(self._access.write_frame(step.register.address, step.word))
+            else:
+                frames += self._access.read_frames([register.address for register in step])
+                spans.append((first, len(frames)))
+        try:
+            replies = await self._turn.exchange_many(frames)
+        except LinkTimeout:
+            if not again:
+                raise
+            replies = await self._turn.exchange_many(frames)
+        self._saw_status(replies)
+        return [self._access.words(replies[first:last]) for first, last in spans]
 
     async def put(self, register: Register, value: int) -> None:
         """Send a value that is in the register's range."""

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 from app.clock import Clock
 from app.devices.device import Device, DeviceEvent, MotionStarted
-from app.devices.results import MotionEnd
+from app.devices.results import ChipEvents, MotionEnd
 from app.links.errors import BenchError, OutOfRange
 from app.telemetry.group import PUMP_S, FloatArray, Group, Subscription, WireUse
 from app.telemetry.history import HISTORY_RATE_HZ, SHARED_RATE_HZ, SHARED_SHARE, History
@@ -184,7 +184,7 @@ class Feed:
         if isinstance(event, MotionStarted):
             for group in self._groups.values():
                 group.tell(MoveSeen(event.axis, event.started_at_s))
-        elif isinstance(event, MotionEnd):
+        elif isinstance(event, MotionEnd | ChipEvents):
             for group in self._groups.values():
                 group.tell(event)
 

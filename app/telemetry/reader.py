@@ -10,7 +10,7 @@ import asyncio
 from collections import deque
 from dataclasses import dataclass, field
 
-from app.devices.results import MotionEnd
+from app.devices.results import ChipEvents, MotionEnd
 from app.telemetry.frames import encode_header
 
 QUEUED_S = 2.0
@@ -59,7 +59,7 @@ class MoveSeen:
     started_at_s: float
 
 
-Event = Status | Gap | MoveSeen | MotionEnd
+Event = Status | Gap | MoveSeen | MotionEnd | ChipEvents
 
 
 @dataclass(slots=True, eq=False)

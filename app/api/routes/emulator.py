@@ -13,9 +13,10 @@ from app.emulators.options import EmulatorPatch
 from app.emulators.pd42.options import Pd42Patch
 from app.emulators.pd42.state import Pd42State
 from app.emulators.state import EmulatorState
+from app.emulators.tmc4361.options import Tmc4361Patch
+from app.emulators.tmc4361.state import Tmc4361State
 from app.links.emulator import EmulatorPort
 from app.links.errors import UnknownThing, UsageError, WrongState
-from app.registers.catalog import MODELS
 
 router = APIRouter(prefix="/devices/{device}/emulator", tags=["emulator"])
 
@@ -26,28 +27,37 @@ async def _emulator_port(device: CurrentDevice) -> EmulatorPort:
     return device.port
 
 
+AnyState = EmulatorState | Tmc4361State | Pd42State
+AnyPatch = EmulatorPatch | Tmc4361Patch | Pd42Patch
+PATCHES: dict[str, type[BaseModel]] = {
+    "tmc428": EmulatorPatch,
+    "tmc4210": EmulatorPatch,
+    "tmc4361": Tmc4361Patch,
+    "pd42-1241": Pd42Patch,
+}
+"""What changes the emulator of each model."""
+
 CurrentEmulator = Annotated[EmulatorPort, Depends(_emulator_port)]
 
 
 class Emulated(Protocol):
     """What emulators of chips and of modules have in common."""
 
-    def state(self, at_s: float) -> EmulatorState | Pd42State: ...
+    def state(self, at_s: float) -> AnyState: ...
 
-    def patch(self, change: BaseModel, at_s: float) -> EmulatorState | Pd42State: ...
+    def patch(self, change: BaseModel, at_s: float) -> AnyState: ...
 
 
 @router.get("", responses=problems(UnknownThing, WrongState))
-async def get_emulator(port: CurrentEmulator) -> EmulatorState | Pd42State:
+async def get_emulator(port: CurrentEmulator) -> AnyState:
     """Mechanics, switches, faults and time of what is emulated, as no driver sees them; `model` tells which it is."""
     return cast("Emulated", port.wire).state(port.take_turn())
 
 
 @router.patch("", responses=problems(UnknownThing, WrongState, UsageError))
-async def change_emulator(port: CurrentEmulator, body: EmulatorPatch | Pd42Patch) -> EmulatorState | Pd42State:
+async def change_emulator(port: CurrentEmulator, body: AnyPatch) -> AnyState:
     """Force switches, cause faults, load the motor, run faster or slower, cut the power; what is left out stays."""
-    wanted = EmulatorPatch if MODELS[port.wire.model].kind == "chip" else Pd42Patch
-    return cast("Emulated", port.wire).patch(_suited(body, wanted), port.take_turn())
+    return cast("Emulated", port.wire).patch(_suited(body, PATCHES[port.wire.model]), port.take_turn())
 
 
 def _suited(body: BaseModel, wanted: type[BaseModel]) -> BaseModel:

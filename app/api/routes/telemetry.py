@@ -13,6 +13,7 @@ from app.api.problems import problem_of
 from app.api.schemas_telemetry import (
     SUBPROTOCOL,
     TelemetryChannel,
+    TelemetryEvent,
     TelemetryGap,
     TelemetryMove,
     TelemetryProblem,
@@ -22,7 +23,7 @@ from app.api.schemas_telemetry import (
     TelemetryText,
 )
 from app.clock import Clock
-from app.devices.results import MotionEnd
+from app.devices.results import ChipEvents, MotionEnd
 from app.links.errors import BenchError, OutOfRange, UsageError
 from app.telemetry.feed import Joined
 from app.telemetry.frames import encode_body
@@ -158,6 +159,8 @@ def _text(event: Event) -> TelemetryText:
             position=event.position,
             detail=event.detail,
         )
+    if isinstance(event, ChipEvents):
+        return TelemetryEvent(axis=event.axis, seq=event.seq, time_s=event.time_s, names=list(event.names))
     return TelemetryGap(reason=event.reason)
 
 

@@ -1,0 +1,193 @@
+"""The chip behind the link: whether it is the right one, and what the driver keeps in mind of it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from app.calc.mechanics import Mechanics
+from app.clock import Clock
+from app.devices.config import DeviceConfig
+from app.devices.own_tasks import OwnTasks
+from app.devices.planned_motion import PlannedMotion
+from app.devices.prediction import Prediction, PredictionBook
+from app.devices.register_chip import RegisterChip, reading, written
+from app.devices.results import DeviceState, RegisterWritten
+from app.devices.tmc4361 import rows
+from app.devices.tmc4361.cruise import Cruise
+from app.devices.tmc4361.setting import Setting
+from app.devices.words import Held, Words
+from app.links import landungsbruecke
+from app.links.errors import BadReply, BenchError, WrongState
+from app.links.port import FramePort
+from app.links.register_access import access_of
+from app.links.wire_budget import WireBudget
+from app.registers.model import Register
+from app.registers.tmc4361_general import CLOCK_HZ_MAX, CLOCK_HZ_MIN, RESET_CODE
+
+NOTHING = (0, 0xFFFF_FFFF)
+"""What a bus reads on which nobody drives the line."""
+CLOCK_TOLERANCE = 0.005
+"""By how much CLK_FREQ may differ from the clock before a move warns of it: a crystal's error and some rounding."""
+
+
+class Chip(RegisterChip):
+    """A TMC4361, without what it does."""
+
+    READ_AT_ONCE = 16
+
+    def __init__(self, device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> None:
+        super().__init__(device_id, config, port, clock, access_of(config.link))
+        self.tasks = OwnTasks()
+        self.cruise = Cruise()
+        self._known: dict[int, int] = {}
+        """Words as last seen, by address, of `rows.REMEMBERED`; forgotten when the link fails."""
+        self._blind: dict[int, int] = {}
+        """Words as last written since the chip's reset, by address, of registers that cannot be read."""
+        self._remembered = frozenset(register.address for register in rows.REMEMBERED)
+        self._book: PredictionBook[PlannedMotion] = PredictionBook()
+
+    # --- who it is ------------------------------------------------------------------------------
+
+    async def probe(self) -> str:
+        where = ""
+        if self.link.get("kind") == "landungsbruecke":
+            board = await landungsbruecke.identify(self.queue)
+            if board is None:
+                raise WrongState("no evaluation board answers here", "a PD42-1241 has a model of its own")
+            where = f" on {board}"
+        async with self.queue.turn() as turn:
+            version, clock_hz = await self.words(turn).read_many((rows.VERSION, rows.CLK_FREQ))
+        if version == clock_hz and version in NOTHING:
+            raise WrongState(
+                f"no TMC4361 answers here: all bits read {version & 1}", "check power, wiring and chip select"
+            )
+        if version >> 4 or not CLOCK_HZ_MIN <= clock_hz <= CLOCK_HZ_MAX:
+            raise WrongState(
+                f"this is no TMC4361: VERSION_NO reads {version:#010x} and CLK_FREQ {clock_hz:#010x}",
+                "choose another model, or check the wiring",
+            )
+        return f"a TMC4361 answers, version {version}, CLK_FREQ {clock_hz / 1e6:g} MHz{where}"
+
+    async def refresh(self) -> None:
+        async with self.queue.turn() as turn:
+            await self._remember(self.words(turn), rows.REMEMBERED)
+
+    async def _remember(self, words: Words, registers: tuple[Register, ...]) -> None:
+        self._saw(Held(registers, await words.read_many(registers)))
+
+    def _saw(self, held: Held) -> None:
+        """The chip was seen to hold these."""
+        for register in held.registers:
+            self._saw_word(register, held.word(register))
+
+    # --- what is kept in mind -------------------------------------------------------------------
+
+    def _saw_word(self, register: Register, word: int) -> None:
+        """The chip was seen to hold `word`. Rows that share an address are told apart by their access."""
+        if register.address not in self._remembered or not register.access.readable:
+            return
+        self._known[register.address] = word
+        if register is rows.VMAX:
+            self.cruise.saw_vmax(register.decode(word))
+        elif register is rows.RAMPMODE:
+            self.cruise.saw_mode(word)
+        elif register is rows.STEP_CONF:
+            self.axes[0].microsteps_per_full_step = self._microsteps(word)
+
+    def _sent(self, register: Register, word: int) -> None:
+        """`word` went out by somebody's hand."""
+        if not register.access.readable:
+            self._blind[register.address] = word
+        if register is rows.RESET and rows.part(rows.RESET, "RESET_REG").unpack(word) == RESET_CODE:
+            self._forget_setting()
+        if register.address in rows.MOVING:
+            self.commanded(rows.AXIS, register.name)
+
+    def _forget_setting(self) -> None:
+        """The chip was reset: what was known is true no more."""
+        self._known.clear()
+        self._blind.clear()
+        self.cruise.forget()
+        self._book.end(self.device_time_s(), "the chip was reset")
+
+    def setting(self) -> Setting | None:
+        """The ramp as last seen; None before everything of it was seen once."""
+        if any(register.address not in self._known for register in rows.RAMP):
+            return None
+        return Setting(dict(self._known))
+
+    def known(self, register: Register) -> int | None:
+        """A remembered word; None where it was not seen yet."""
+        return self._known.get(register.address)
+
+    @staticmethod
+    def _microsteps(step_conf: int) -> int:
+        """Microsteps per full step, of STEP_CONF: 0 stands for 256, 8 for full steps, and more has no meaning."""
+        return 256 >> min(rows.MICROSTEPS.unpack(step_conf), 8)
+
+    @property
+    def microsteps(self) -> int:
+        """Microsteps per full step; as after power-on while not seen."""
+        return self._microsteps(self._known.get(rows.STEP_CONF.address, 0))
+
+    def mechanics(self, axis: int) -> Mechanics:
+        """Conversions of the axis; full steps and microsteps are the chip's own (STEP_CONF) where it knows them."""
+        settings = self.axes[axis].settings
+        full_steps = rows.FULL_STEPS.unpack(self._known.get(rows.STEP_CONF.address, 0)) or settings.full_steps_per_rev
+        return Mechanics(full_steps, self.microsteps, settings.gear_ratio, travel_mm_per_rev=settings.travel_mm_per_rev)
+
+    def clock_warnings(self) -> list[str]:
+        """What to know where the chip reckons with another clock than it has."""
+        told_hz = self._known.get(rows.CLK_FREQ.address)
+        if told_hz is None or abs(told_hz / self.clock_hz - 1) <= CLOCK_TOLERANCE:
+            return []
+        told, real = f"{told_hz / 1e6:g} MHz", f"{self.clock_hz / 1e6:g} MHz"
+        faster = f"{self.clock_hz / told_hz:.3g} times as fast as the registers say"
+        return [f"CLK_FREQ says {told} and the clock is {real}: all is {faster}"]
+
+    # --- write-only registers -------------------------------------------------------------------
+
+    async def _held(self, words: Words, register: Register) -> int:
+        if register.access.readable:
+            return await words.read(register)
+        held = self._blind.get(register.address, register.reset)
+        return 0 if held is None else held
+
+    def _written_blind(self, register: Register, word: int, arrived: bool, notes: Sequence[str]) -> RegisterWritten:
+        if not arrived:
+            raise BadReply(self.port.name, f"what was sent to {register.name} may have arrived otherwise", b"")
+        note = "; ".join([*notes, register.write_note, "the link has shown that it arrived"])
+        return written(reading(register, None, word), word, True, note)
+
+    # --- predictions ----------------------------------------------------------------------------
+
+    def prediction(self, axis: int) -> Prediction | None:
+        self.axis(axis)
+        return self._book.present()
+
+    # --- the link -------------------------------------------------------------------------------
+
+    @property
+    def calls_per_s_possible(self) -> float | None:
+        wire = self._wire
+        return None if wire is None else wire.calls_per_s_possible
+
+    @property
+    def calls_per_s(self) -> float:
+        wire = self._wire
+        return super().calls_per_s if wire is None else wire.calls_per_s
+
+    @property
+    def _wire(self) -> WireBudget | None:
+        """What the wire can carry, where the port knows of one."""
+        wire = getattr(self.port, "wire", None)
+        return wire if isinstance(wire, WireBudget) else None
+
+    def set_state(self, state: DeviceState, problem: BenchError | None = None) -> None:
+        super().set_state(state, problem)
+        if state == "failed":  # it may be another chip, or the same after a power-on, when it comes back
+            self._known.clear()
+            self._book.end(self.device_time_s(), "the link failed")
+
+    async def let_go(self) -> None:
+        await self.tasks.end()

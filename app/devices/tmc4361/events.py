@@ -1,0 +1,144 @@
+"""EVENTS without losing one: peeked at, told as a timeline, and cleared only bit by bit after they were told.
+
+Reading EVENTS clears it, and an event that comes around that reading may be lost (002, 7.2). So every reading here is
+between two writes of EVENT_CLEAR_CONF, as Trinamic's firmware does it: with all its bits set a reading clears nothing,
+and with all but some it clears those. After each the register holds again what its user wants it to hold.
+
+What holds the motor (a stop, a freeze, a stall) is never cleared by looking: an axis that is going to a target would
+set off again as soon as the switch is released. Neither is what the user keeps (EVENT_CLEAR_CONF) or what makes an
+interrupt (INTR_CONF): somebody else may wait for it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from app.clock import Clock
+from app.devices.config import DeviceConfig
+from app.devices.results import DeviceState, EventPage
+from app.devices.tmc4361 import rows
+from app.devices.tmc4361.chip import Chip
+from app.devices.tmc4361.timeline import Timeline
+from app.devices.words import Held, Words, Write
+from app.links.errors import BenchError
+from app.links.port import FramePort
+from app.registers.model import Register
+from app.registers.tmc4361_bits import EVENT_MASK, selected_events
+
+ALL = 0xFFFF_FFFF
+
+
+class Events(Chip):
+    """A TMC4361 whose events are kept."""
+
+    def __init__(self, device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> None:
+        super().__init__(device_id, config, port, clock)
+        self._timeline = Timeline(rows.AXIS)
+        self._kept: int | None = None
+        """EVENT_CLEAR_CONF as its user wants it; None where not seen yet."""
+        self._events = 0
+        """EVENTS as last seen."""
+        self._acquainted = False
+        """Whether EVENTS was read since the device is connected: the first RST_EV is that of its power-on."""
+
+    def events(self, axis: int, after: int = 0, limit: int = 1000) -> EventPage:
+        """The oldest `limit` entries of the timeline behind number `after`. Raises UnknownThing for the axis."""
+        self.axis(axis)
+        return self._timeline.page(after, limit)
+
+    async def _peek(self, words: Words, registers: Sequence[Register] = ()) -> Held:
+        """`registers`, and EVENTS of the same moment told to the timeline; nothing is cleared."""
+        kept = await self._user_keeps(words)
+        asked = (*registers, rows.EVENTS)
+        if kept == ALL:
+            steps = [await words.read_many(asked)]
+        else:
+            steps = await words.chain(
+                Write(rows.EVENT_CLEAR_CONF, ALL), asked, Write(rows.EVENT_CLEAR_CONF, kept), again=True
+            )
+        *others, events = steps[0]
+        self._saw_events(events, events, words.time_s)
+        held = Held(registers, others)
+        self._saw(held)
+        return held
+
+    async def _clear(self, words: Words, bits: int) -> None:
+        """Clear these bits of EVENTS; what came meanwhile is told, and stays."""
+        if not bits:
+            return
+        kept = await self._user_keeps(words)
+        steps = await words.chain(
+            Write(rows.EVENT_CLEAR_CONF, ALL & ~bits), (rows.EVENTS,), Write(rows.EVENT_CLEAR_CONF, kept), again=True
+        )
+        events = steps[0][0]
+        self._saw_events(events, events & ~bits, words.time_s)
+
+    async def _look_at_events(self, words: Words, registers: Sequence[Register] = ()) -> Held:
+        """`_peek`, and clear what was seen and may be cleared, so that it can be seen to come again."""
+        held = await self._peek(words, registers)
+        free = ALL & ~(rows.BLOCKING | (await self._user_keeps(words)) | (self.known(rows.INTR_CONF) or 0))
+        await self._clear(words, self._events & free & EVENT_MASK)
+        return held
+
+    async def _user_keeps(self, words: Words) -> int:
+        if self._kept is None:
+            kept = await words.read(rows.EVENT_CLEAR_CONF)
+            self._kept = kept
+            return kept
+        return self._kept
+
+    def _saw_events(self, word: int, left: int, time_s: float) -> None:
+        self._events = left
+        entry = self._timeline.read(word, left, time_s)
+        if entry is not None:
+            if "RST_EV" in entry.names and self._acquainted:
+                self._forget_setting()  # it has been reset while we knew it
+            self._tell(entry)
+        self._acquainted = True
+
+    def _saw_status(self, time_s: float, status: int) -> None:
+        """A status byte of that time: it shows up to eight events without reading EVENTS."""
+        bits = self._bits_of_status(status)
+        entry = self._timeline.glimpsed(bits, time_s) if bits else None
+        if entry is not None:
+            self._events |= bits
+            self._tell(entry)
+
+    def _bits_of_status(self, status: int) -> int:
+        """Events that a status byte shows; none before SPI_STATUS_SELECTION was seen."""
+        selection = self.known(rows.SPI_STATUS_SELECTION)
+        if selection is None or not status:
+            return 0
+        return sum(1 << bit for place, bit in enumerate(selected_events(selection)) if status >> place & 1)
+
+    # --- by hand --------------------------------------------------------------------------------
+
+    async def _read_alone(self, register: Register) -> int:
+        if register is not rows.EVENTS:
+            return await super()._read_alone(register)
+        # Somebody wants to read it, and so to clear it. Never asked twice: the answer may be all that was lost.
+        async with self.queue.turn() as turn:
+            words = self.words(turn)
+            kept = await self._user_keeps(words)
+            replies = await turn.exchange_many(self.access.read_frames((register.address,)))
+            word = self.access.words(replies)[0]
+            self._saw_events(word, word & kept, words.time_s)
+        return word
+
+    def _saw_word(self, register: Register, word: int) -> None:
+        super()._saw_word(register, word)
+        if register is rows.EVENT_CLEAR_CONF:
+            self._kept = word
+
+    def _sent(self, register: Register, word: int) -> None:
+        super()._sent(register, word)
+        if register is rows.EVENT_CLEAR_CONF:
+            self._kept = word
+
+    def set_state(self, state: DeviceState, problem: BenchError | None = None) -> None:
+        super().set_state(state, problem)
+        if state == "failed":
+            self._kept = None
+            self._events = 0
+            self._acquainted = False
+            self._timeline.forget()

@@ -1,0 +1,30 @@
+"""The ramp expected of a TMC4361, from any state, by the planners; None where the registers make none."""
+
+from __future__ import annotations
+
+from app.calc import sramp
+from app.calc.sramp_plan import SRampPlan
+from app.devices.tmc4361 import rows
+from app.devices.tmc4361.setting import Setting
+
+
+def to_position(
+    setting: Setting, shape: int, vmax_pps: float, distance: int, v_pps: float, a_pps2: float
+) -> SRampPlan | None:
+    """To a target `distance` microsteps away, at `vmax_pps` at the most, from velocity and acceleration now."""
+    try:
+        if shape == rows.S_SHAPED:
+            return sramp.position_plan(setting.s_ramp(vmax_pps), distance, v_pps, a_pps2)
+    except ValueError:
+        pass
+    return None
+
+
+def to_velocity(setting: Setting, shape: int, target_pps: float, v_pps: float, a_pps2: float) -> SRampPlan | None:
+    """To a velocity with its sign, and on at that."""
+    try:
+        if shape == rows.S_SHAPED:
+            return sramp.velocity_plan(setting.s_ramp(abs(target_pps) or 1.0), target_pps, v_pps, a_pps2)
+    except ValueError:
+        pass
+    return None

@@ -1,0 +1,324 @@
+"""Positioning and rotation, and what is expected of them. Nothing here is ever sent twice.
+
+Everything that a motion needs goes out in one chain of datagrams, whose order sees to it that nothing moves before the
+last one: XTARGET is where the axis stands until the mode and the speed are right. An axis that turns already goes over
+into the new motion without a stop.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from app.calc.mechanics import RATE_UNITS
+from app.calc.sramp_plan import SRampPlan
+from app.clock import Clock
+from app.devices.axis_units import CHIP, SPELLINGS, to_position
+from app.devices.config import DeviceConfig
+from app.devices.device import MotionStarted
+from app.devices.motion_watch import Kind, MotionWatch
+from app.devices.planned_motion import PlannedMotion
+from app.devices.results import AxisMove, MotionEnd, MoveStarted, Rotating
+from app.devices.tmc4361 import foresight, rows
+from app.devices.tmc4361.events import Events
+from app.devices.tmc4361.setting import Setting
+from app.devices.tmc4361.switches import stopped_by
+from app.devices.words import Held, Words, Write
+from app.links.errors import LinkError, OutOfRange, UsageError, WriteRefused, WrongState
+from app.links.port import FramePort
+from app.registers.model import Register, to_raw
+
+LOWEST, HIGHEST = -(1 << 31), (1 << 31) - 1
+STATE = (rows.XACTUAL, rows.VACTUAL, rows.AACTUAL, rows.STATUS)
+HOLDS = {
+    "STOPL_EVENT": "STOPL_ACTIVE_F",
+    "STOPR_EVENT": "STOPR_ACTIVE_F",
+    "VSTOPL_ACTIVE": "VSTOPL_ACTIVE_F",
+    "VSTOPR_ACTIVE": "VSTOPR_ACTIVE_F",
+    "STOP_ON_STALL": "ACTIVE_STALL_F",
+}
+"""Events that keep the motor from a direction, and the flags of what has caused them."""
+
+
+@dataclass(slots=True)
+class Before:
+    """The axis right before it is sent somewhere. Positions in microsteps, velocity in pps, acceleration in pps^2."""
+
+    setting: Setting
+    position: int
+    velocity: int
+    acceleration: int
+    target: int
+    flags: dict[str, int]
+    reference: dict[str, int]
+    warnings: list[str] = field(default_factory=list)
+
+    @property
+    def stands(self) -> bool:
+        return self.velocity == 0 and self.acceleration == 0
+
+    def blocked(self, way: int) -> str:
+        """What stops motion that way (+1, -1); "" where nothing does."""
+        return stopped_by(self.flags, self.reference, way)
+
+
+class Moves(Events):
+    """A TMC4361 that is sent somewhere."""
+
+    def __init__(self, device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> None:
+        super().__init__(device_id, config, port, clock)
+        self._watch = MotionWatch(rows.AXIS, self._tell_end, self._look_on)
+
+    # --- moves ----------------------------------------------------------------------------------
+
+    async def move_together(self, moves: Sequence[AxisMove]) -> list[MoveStarted]:
+        """One move, of the one axis. Speed and shape are those the user has set, whatever a stop or a rotation has
+        written over them."""
+        if len(moves) != 1:
+            raise UsageError(f"a {self.family.title} has one axis, so a move is of one axis")
+        move = moves[0]
+        axis = self.axis(move.axis).index
+        self.require_connected()
+        async with self._command(axis) as turn:
+            words = self.words(turn)
+            before = await self._prepare(words)
+            before.setting.require_motion(self.cruise.shape)
+            if self.cruise.speed == 0:
+                raise WrongState("the axis cannot move: VMAX is 0", "write VMAX, in 1/256 pps, first")
+            target = self._target(move, before)
+            await self._release(words, before)
+            writes = self._writes_of_move(before, target)
+            waits = before.setting.gates()[0]
+            back = await self._set_off(words, writes, "position", target)
+            if not waits:
+                self._check_back(back, ((rows.XTARGET, target), (rows.RAMPMODE, self._position_mode())))
+            plan = None if waits else self._plan_to(before, target)
+            started_s = words.time_s
+            self._expect(started_s, before.position, plan)
+        self._tell(MotionStarted(axis, started_s))
+        duration_s = plan.duration_s if plan is not None else None
+        return [MoveStarted(axis, before.position, target, started_s, duration_s, before.warnings)]
+
+    def _position_mode(self) -> int:
+        return rows.POSITIONING_BIT | self.cruise.shape
+
+    def _target(self, move: AxisMove, before: Before) -> int:
+        wanted = to_position(self.mechanics(move.axis), move.target, move.unit)
+        if move.unit == "microsteps" and wanted != move.target:
+            before.warnings.append(f"rounded to {wanted} microsteps")
+        target = before.position + wanted if move.relative else wanted
+        shown = "" if move.unit == "microsteps" else f"; {move.target:g} {move.unit} asked"
+        if not LOWEST <= target <= HIGHEST:
+            raise OutOfRange("target of axis 0", target, LOWEST, HIGHEST, f"microsteps{shown}")
+        if abs(target - before.position) > HIGHEST:
+            raise OutOfRange(
+                "distance of axis 0", target - before.position, -HIGHEST, HIGHEST, "microsteps: go in two moves"
+            )
+        switch = before.blocked(1 if target > before.position else -1) if target != before.position else ""
+        if switch:
+            before.warnings.append(f"the {switch} is active and stops motion that way")
+        self._warn_of_gates(before, ("XTARGET",))
+        before.warnings += before.setting.units.warnings("VMAX", self.cruise.speed / 256, positioning=True)
+        return target
+
+    def _writes_of_move(self, before: Before, target: int) -> list[Write]:
+        setting, speed, mode = before.setting, self.cruise.speed, self._position_mode()
+        limit = self._vmax(speed)
+        other_speed = abs(setting.value(rows.VMAX)) != speed
+        if setting.positioning:
+            to_mode = [Write(rows.RAMPMODE, mode)] if setting.mode != mode else []
+            # The speed behind the target: with VMAX 0 the old target would be gone to first.
+            return [*to_mode, _put(rows.XTARGET, target), *([limit] if other_speed else [])]
+        if setting.gates()[0]:
+            raise WrongState(
+                "XTARGET waits for a start signal and the mode is velocity: it would set off to its old target",
+                "write RAMPMODE (positioning) with XTARGET at XACTUAL first, or clear START_CONF.start_en[0]",
+            )
+        if before.stands:
+            # From here to the last datagram the target is where the axis stands, and nothing moves.
+            begin = [_put(rows.XTARGET, before.position), Write(rows.RAMPMODE, mode)]
+            return [*begin, *([limit] if other_speed else []), _put(rows.XTARGET, target)]
+        # In velocity mode VMAX is the target velocity: until the mode is changed it keeps the direction.
+        faster = [self._vmax(speed if before.velocity >= 0 else -speed)] if other_speed else []
+        return [_put(rows.XTARGET, target), *faster, Write(rows.RAMPMODE, mode)]
+
+    # --- rotation -------------------------------------------------------------------------------
+
+    async def rotate(self, axis: int, velocity: float, unit: str = "pps") -> Rotating:
+        """In velocity mode, on ramps of the shape that is set. Raises OutOfRange with the chip's limit in `unit`."""
+        axis = self.axis(axis).index
+        self.require_connected()
+        async with self._command(axis) as turn:
+            words = self.words(turn)
+            before = await self._prepare(words)
+            before.setting.require_motion(self.cruise.shape)
+            vmax = self._speed(axis, velocity, unit, before)
+            if vmax:
+                switch = before.blocked(1 if vmax > 0 else -1)
+                if switch:
+                    before.warnings.append(f"the {switch} is active and stops motion that way")
+                await self._release(words, before)
+            self._warn_of_gates(before, ("VMAX", "RAMPMODE"))
+            writes = self._writes_of_rotation(before, vmax)
+            back = await self._set_off(words, writes, "velocity", None)
+            if not any(before.setting.gates()[1:]):
+                self._check_back(back, ((rows.VMAX, vmax), (rows.RAMPMODE, self.cruise.shape)))
+            started_s = words.time_s
+            if vmax == 0:
+                self._watch.stop_commanded(started_s)
+            plan = foresight.to_velocity(
+                before.setting, self.cruise.shape, vmax / 256, before.velocity, before.acceleration
+            )
+            self._expect(started_s, before.position, plan)
+        self._tell(MotionStarted(axis, started_s))
+        return Rotating(axis, vmax, vmax / 256, before.warnings)
+
+    def _speed(self, axis: int, velocity: float, unit: str, before: Before) -> int:
+        """A velocity as VMAX, in 1/256 pps. Raises OutOfRange with the limits in `unit`."""
+        one = self._one_speed(axis, unit)
+        limit_pps = before.setting.units.limits("VMAX").highest
+        limit = limit_pps * 256 * one
+        # Rounded up by a hair: what a client got with fewer digits has to fit.
+        if not abs(velocity) <= limit * (1 + 1e-9):
+            raise OutOfRange("velocity", velocity, -limit, limit, f"{unit}; {limit_pps:.0f} pps are the chip's limit")
+        vmax = max(-round(limit_pps * 256), min(round(limit_pps * 256), round(velocity / one)))
+        if vmax == 0 and velocity:
+            raise OutOfRange("velocity", velocity, one, limit, f"{unit}; less than 1/256 pps is a standstill")
+        before.warnings += before.setting.units.warnings("VMAX", vmax / 256)
+        return vmax
+
+    def _one_speed(self, axis: int, unit: str) -> float:
+        """How much of `unit` a VMAX of 1 is. Raises UsageError for a unit that the axis does not have."""
+        if unit == CHIP:
+            return 1.0
+        spelled = SPELLINGS.get(unit, unit)
+        if spelled not in RATE_UNITS:
+            raise UsageError(f"{unit!r} is no unit of velocity; there are {', '.join((*RATE_UNITS, CHIP))}")
+        try:
+            return float(self.mechanics(axis).from_microsteps(1 / 256, spelled))
+        except ValueError as error:
+            raise UsageError(str(error)) from error
+
+    def _writes_of_rotation(self, before: Before, vmax: int) -> list[Write]:
+        mode, speed = Write(rows.RAMPMODE, self.cruise.shape), self._vmax(vmax)
+        if not before.setting.positioning:
+            return [speed] if before.setting.mode == self.cruise.shape else [speed, mode]
+        if before.stands:
+            # At its target nothing moves, whatever VMAX is; the mode sets it off.
+            return [_put(rows.XTARGET, before.position), speed, mode]
+        # 0 must not be written while positioning (002, 8.2.2); any other VMAX only changes the limit.
+        return [speed, mode] if vmax else [mode, speed]
+
+    # --- together -------------------------------------------------------------------------------
+
+    async def _prepare(self, words: Words) -> Before:
+        """Read what decides, and refuse what cannot go well. Nothing moves."""
+        registers = (*rows.RAMP, rows.REFERENCE_CONF, rows.XTARGET, *STATE)
+        held = await self._peek(words, registers)
+        if self._events & rows.event("FROZEN"):
+            raise WrongState(
+                "the chip is frozen (NFREEZE went low): nothing but a reset ends that",
+                "write RESET_CLK_GATING.RESET_REG 0x525354, then set it up again",
+            )
+        return Before(
+            Setting(held.words),
+            held.value(rows.XACTUAL),
+            held.value(rows.VACTUAL),
+            held.value(rows.AACTUAL),
+            held.value(rows.XTARGET),
+            held.fields(rows.STATUS),
+            held.fields(rows.REFERENCE_CONF),
+            self.clock_warnings(),
+        )
+
+    def _warn_of_gates(self, before: Before, wanted: Sequence[str]) -> None:
+        gated = [
+            name
+            for name, waits in zip(("XTARGET", "VMAX", "RAMPMODE"), before.setting.gates(), strict=True)
+            if waits and name in wanted
+        ]
+        if gated:
+            before.warnings.append(f"{' and '.join(gated)} waits for a start signal (START_CONF)")
+
+    async def _release(self, words: Words, before: Before) -> None:
+        """Clear events of stops whose cause is gone: a direction stays closed until then (002, 9)."""
+        gone = rows.event(
+            *(name for name, flag in HOLDS.items() if self._events & rows.event(name) and not before.flags[flag])
+        )
+        if not gone:
+            return
+        if before.stands and before.setting.positioning and before.target != before.position:
+            # Else it would set off to its old target as soon as the way is free.
+            await words.write_many(((rows.XTARGET, to_raw(before.position, 32)),))
+        await self._clear(words, gone)
+
+    def _vmax(self, vmax: int) -> Write:
+        return _put(rows.VMAX, vmax)
+
+    async def _set_off(self, words: Words, writes: Sequence[Write], kind: Kind, target: int | None) -> Held:
+        """Send what sets the axis in motion, once; XTARGET, VMAX and RAMPMODE as they are then."""
+        checked = (rows.XTARGET, rows.VMAX, rows.RAMPMODE)
+        self.commanded(rows.AXIS, "move" if kind == "position" else "rotate")
+        for write in writes:
+            if write.register is rows.VMAX:
+                self.cruise.overwrite_vmax(write.register.decode(write.word))
+            elif write.register is rows.RAMPMODE:
+                self.cruise.overwrite_mode(write.word)
+        try:
+            back = Held(checked, (await words.chain(*writes, checked))[0])
+        except LinkError as error:
+            self._motion_uncertain(str(error))
+            raise
+        self._watch.began(kind, words.time_s, target)
+        self._saw(back)
+        return back
+
+    def _check_back(self, back: Held, wanted: Sequence[tuple[Register, int]]) -> None:
+        for register, value in wanted:
+            if back.value(register) != value:
+                raise WriteRefused(
+                    register.name, to_raw(value, 32), back.word(register), "the axis may be under way: stop it"
+                )
+
+    def _plan_to(self, before: Before, target: int) -> SRampPlan | None:
+        if before.reference["circular_movement_en"]:
+            return None  # the shorter way round; X_RANGE cannot be read
+        return foresight.to_position(
+            before.setting,
+            self.cruise.shape,
+            self.cruise.speed / 256,
+            target - before.position,
+            before.velocity,
+            before.acceleration,
+        )
+
+    def _expect(self, started_s: float, position: int, plan: SRampPlan | None) -> None:
+        if plan is None:
+            self._book.end(started_s, "another command")
+        else:
+            self._book.add(PlannedMotion(rows.AXIS, started_s, position, plan))
+
+    def _motion_uncertain(self, why: str) -> None:
+        now_s = self.device_time_s()
+        self._book.end(now_s, why)
+        self._watch.began("unknown", now_s)
+
+    # --- ends -----------------------------------------------------------------------------------
+
+    def motion_ends(self, axis: int) -> tuple[MotionEnd, ...]:
+        self.axis(axis)
+        return self._watch.ends
+
+    def _tell_end(self, end: MotionEnd) -> None:
+        present = self._book.present()
+        if present is not None and (end.reason != "target_reached" or not present.ends):
+            self._book.end(end.time_s, end.detail)
+        self._tell(end)
+
+    def _look_on(self) -> None:
+        """Have looks come until the motion under way has ended."""
+        raise NotImplementedError
+
+
+def _put(register: Register, value: int) -> Write:
+    return Write(register, to_raw(value, register.width))

@@ -1,0 +1,285 @@
+"""Telemetry channels of a TMC4361: which registers they need and what the words mean.
+
+Over SPI a row is one chain, so that its words are of one moment; the status byte comes with it for nothing and shows up
+to eight events at the row's own time. EVENTS itself is never read for a sample: that would take two writes a row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from app.devices.motion_watch import Look
+from app.devices.planned_motion import POSITION_BITS
+from app.devices.prediction import wrapped
+from app.devices.sample_plan import BoardPlan, Channel, Decoder, FloatArray, PipelinedPlan, SamplePlan
+from app.devices.tmc4361 import rows
+from app.devices.tmc4361.looks import Looks
+from app.devices.tmc4361.switches import BY_LEVEL, BY_ZONE
+from app.links.errors import UnknownThing, UsageError
+from app.registers.model import Field, Register
+
+IntArray = NDArray[np.int64]
+
+ROW_RATE_MAX_HZ = 1000.0
+FRAMES_EMULATED_HZ = 25_000.0
+"""Datagrams a second asked of an emulated chip in this process: a share of a core that leaves room for all else."""
+FRAMES_WIRE_HZ = 10_000.0
+"""The same for a wire that sets no limit of its own (spidev, a socket)."""
+
+MICROSTEPS = "microsteps"
+DIRECT: dict[str, tuple[Register, str]] = {
+    "position": (rows.XACTUAL, MICROSTEPS),
+    "target_position": (rows.XTARGET, MICROSTEPS),
+    "velocity": (rows.VACTUAL, "pps"),
+    "acceleration": (rows.AACTUAL, "pps^2"),
+    "encoder_position": (rows.ENC_POS, MICROSTEPS),
+    "deviation": (rows.ENC_POS_DEV, MICROSTEPS),
+    "encoder_velocity": (rows.V_ENC_MEAN, "pps"),
+    "mscnt": (rows.MSCNT, "1/1024 turn"),
+    "current_scale": (rows.SCALE, "1/256"),
+    "status": (rows.STATUS, "bits"),
+}
+"""Channels that are one register."""
+FROM_ENCODER = ("encoder_position", "deviation", "encoder_velocity")
+FLAGS = {
+    "switch_left": rows.part(rows.STATUS, "STOPL_ACTIVE_F"),
+    "switch_right": rows.part(rows.STATUS, "STOPR_ACTIVE_F"),
+    "position_reached": rows.part(rows.STATUS, "TARGET_REACHED_F"),
+}
+CURRENTS = {
+    "current_a": rows.part(rows.CURRENTS, "CURRENTA"),
+    "current_b": rows.part(rows.CURRENTS, "CURRENTB"),
+}
+FROM_PREDICTION = ("predicted_position", "predicted_velocity", "predicted_acceleration", "residual")
+QUANTITIES = {
+    "position": MICROSTEPS,
+    "target_position": MICROSTEPS,
+    "velocity": "pps",
+    "target_velocity": "pps",
+    "acceleration": "pps^2",
+    "encoder_position": MICROSTEPS,
+    "deviation": MICROSTEPS,
+    "encoder_velocity": "pps",
+    "load_angle": "deg",
+    "mscnt": "1/1024 turn",
+    "current_a": "1/256",
+    "current_b": "1/256",
+    "current_scale": "1/256",
+    "switch_left": "0/1",
+    "switch_right": "0/1",
+    "switch_home": "0/1",
+    "position_reached": "0/1",
+    "events": "bits",
+    "status": "bits",
+    "predicted_position": MICROSTEPS,
+    "predicted_velocity": "pps",
+    "predicted_acceleration": "pps^2",
+    "residual": MICROSTEPS,
+}
+"""Every channel quantity and its unit."""
+HOME_ERROR = rows.part(rows.STATUS, "HOME_ERROR_F")
+ARRIVAL = rows.part(rows.STATUS, "TARGET_REACHED_F")
+
+
+class _Asked:
+    """The registers of one row: each once."""
+
+    def __init__(self) -> None:
+        self.registers: list[Register] = []
+
+    def column(self, register: Register) -> int:
+        """Which word of a row holds `register`."""
+        if register not in self.registers:
+            self.registers.append(register)
+        return self.registers.index(register)
+
+
+class Samples(Looks):
+    """A TMC4361 with telemetry."""
+
+    @property
+    def rate_max_hz(self) -> float:
+        return self._row_rate(2)
+
+    def sample_rate_max_hz(self, plan: SamplePlan) -> float:
+        return self._row_rate(len(plan.frames))
+
+    def _row_rate(self, frames: int) -> float:
+        """Rows a second of so many frames each."""
+        possible = FRAMES_EMULATED_HZ if self.chip_timed else self.calls_per_s_possible or FRAMES_WIRE_HZ
+        return min(ROW_RATE_MAX_HZ, possible / frames)
+
+    @property
+    def shares_rows(self) -> bool:
+        return not self.chip_timed
+
+    def channels(self) -> tuple[Channel, ...]:
+        return tuple(Channel(f"{name}.{rows.AXIS}", name, rows.AXIS, unit) for name, unit in QUANTITIES.items())
+
+    def sample_plan(self, channels: Sequence[str]) -> SamplePlan:
+        if not channels:
+            raise UsageError("a sample of no channel")
+        known = {channel.name: channel for channel in self.channels()}
+        unknown = next((name for name in channels if name not in known), None)
+        if unknown is not None:
+            raise UnknownThing("channel", unknown, list(known))
+        chosen = tuple(known[name] for name in channels)
+        asked = _Asked()
+        if any(channel.quantity in FROM_PREDICTION for channel in chosen):
+            asked.column(rows.VACTUAL)  # it tells where something stopped the motor that no command told of
+        decoders = tuple(self._decoder(channel.quantity, asked) for channel in chosen)
+        if not asked.registers:  # events alone: any register brings the status byte
+            asked.column(rows.STATUS)
+        frames = self.access.read_frames([register.address for register in asked.registers])
+        kind = PipelinedPlan if len(frames) > len(asked.registers) else BoardPlan
+        return kind(frames, chosen, decoders, self._watcher(asked.registers))
+
+    # --- channels -------------------------------------------------------------------------------
+
+    def _decoder(self, quantity: str, asked: _Asked) -> Decoder:
+        if quantity in DIRECT:
+            number = _number(asked.column(DIRECT[quantity][0]), DIRECT[quantity][0])
+            return self._if_encoder(number) if quantity in FROM_ENCODER else number
+        if quantity in FLAGS:
+            return _field(asked.column(rows.STATUS), FLAGS[quantity])
+        if quantity in CURRENTS:
+            return _field(asked.column(rows.CURRENTS), CURRENTS[quantity])
+        if quantity == "target_velocity":
+            vmax = _number(asked.column(rows.VMAX), rows.VMAX)
+            return lambda times_s, words, status: vmax(times_s, words, status) / 256
+        if quantity == "load_angle":
+            return self._if_encoder(self._load_angles(asked))
+        if quantity == "switch_home":
+            return self._home_levels(asked)
+        if quantity == "events":
+            return lambda _, __, status: self._event_words(status)
+        return self._expected(quantity, asked)
+
+    def _if_encoder(self, decode: Decoder) -> Decoder:
+        """NaN while ENC_IN_RES is not set and so no count of an encoder counts."""
+
+        def decoded(times_s: FloatArray, words: IntArray, status: IntArray) -> FloatArray:
+            if not self.known(rows.ENC_CONST):
+                return np.full(len(times_s), np.nan)
+            return decode(times_s, words, status)
+
+        return decoded
+
+    def _load_angles(self, asked: _Asked) -> Decoder:
+        encoder = _number(asked.column(rows.ENC_POS), rows.ENC_POS)
+        deviation = _number(asked.column(rows.ENC_POS_DEV), rows.ENC_POS_DEV)
+        mscnt = _number(asked.column(rows.MSCNT), rows.MSCNT)
+
+        def decode(times_s: FloatArray, words: IntArray, status: IntArray) -> FloatArray:
+            block = (times_s, words, status)
+            if rows.REGULATION.unpack(self.known(rows.ENC_IN_CONF) or 0) != 1:
+                return -deviation(*block) * 90 / self.microsteps
+            way = -1 if rows.REVERSED.unpack(self.known(rows.GENERAL_CONF) or 0) else 1
+            offset = rows.CL_OFFSET.decode(self.known(rows.CL_OFFSET) or 0)
+            lead = way * (mscnt(*block) - way * encoder(*block) - offset)
+            return np.asarray(((lead + 512) % 1024 - 512) * 360 / 1024)
+
+        return decode
+
+    def _home_levels(self, asked: _Asked) -> Decoder:
+        """As `switches.home_level`, a column at a time."""
+        error = _field(asked.column(rows.STATUS), HOME_ERROR)
+        position = _number(asked.column(rows.XACTUAL), rows.XACTUAL)
+
+        def decode(times_s: FloatArray, words: IntArray, status: IntArray) -> FloatArray:
+            code = rows.HOME_EVENT.unpack(self.known(rows.REFERENCE_CONF) or 0)
+            away = position(times_s, words, status) - rows.X_HOME.decode(self.known(rows.X_HOME) or 0)
+            wrong = error(times_s, words, status) > 0
+            if code in BY_LEVEL:
+                high = ((away > 0) == BY_LEVEL[code]) != wrong
+            elif code in BY_ZONE:
+                high = wrong == BY_ZONE[code]
+            else:
+                return np.full(len(times_s), np.nan)
+            margin = self.known(rows.HOME_SAFETY_MARGIN) or 0
+            return np.where(np.abs(away) <= margin, np.nan, high.astype(np.float64))
+
+        return decode
+
+    def _event_words(self, status: IntArray) -> FloatArray:
+        """EVENTS as the status bytes show it, and as it was read last."""
+        words = np.full(len(status), self._events, dtype=np.int64)
+        for byte in np.unique(status):
+            words[status == byte] |= self._bits_of_status(int(byte))
+        return words.astype(np.float64)
+
+    def _expected(self, quantity: str, asked: _Asked) -> Decoder:
+        if quantity == "predicted_position":
+            return lambda times_s, _, __: self._book.at(times_s)[0]
+        if quantity == "predicted_velocity":
+            return lambda times_s, _, __: self._book.at(times_s)[1]
+        if quantity == "predicted_acceleration":
+            return lambda times_s, _, __: self._accelerations(times_s)
+        position = _number(asked.column(rows.XACTUAL), rows.XACTUAL)
+        return lambda times_s, words, status: wrapped(
+            position(times_s, words, status) - self._book.at(times_s)[0], POSITION_BITS
+        )
+
+    def _accelerations(self, times_s: FloatArray) -> FloatArray:
+        """What was expected [pps^2]; NaN where nothing was."""
+        acceleration = np.full(times_s.shape, np.nan)
+        for motion in self._book.over(times_s):
+            expected = motion.acceleration_at(times_s)
+            known = ~np.isnan(expected)
+            acceleration[known] = expected[known]
+        return acceleration
+
+    # --- what rows tell besides -----------------------------------------------------------------
+
+    def _watcher(self, asked: Sequence[Register]) -> _Watcher:
+        return _Watcher(self, asked)
+
+    def saw_rows(self, times_s: FloatArray, words: IntArray, status: IntArray, asked: Sequence[Register]) -> None:
+        """For the plans: a block of samples is about to be decoded."""
+        for row in np.flatnonzero(np.diff(status, prepend=0)):
+            self._saw_status(float(times_s[row]), int(status[row]))
+        if rows.VACTUAL not in asked:
+            return
+        velocity = words[:, asked.index(rows.VACTUAL)]
+        if self._book.present() is not None:
+            _, expected = self._book.at(times_s)
+            # NaN, where nothing is expected, compares false, and so does a speed that reads 0 itself.
+            self._book.observe(times_s, (velocity == 0) & (np.abs(expected) > 1))
+        if rows.XACTUAL in asked and rows.STATUS in asked:
+            state = words[:, asked.index(rows.STATUS)]
+            moving = (state & (rows.VEL_STATE.mask | rows.RAMP_STATE.mask) != 0) | (velocity != 0)
+            position = _number(asked.index(rows.XACTUAL), rows.XACTUAL)(times_s, words, status)
+            speed = _number(asked.index(rows.VACTUAL), rows.VACTUAL)(times_s, words, status)
+            wanted = moving if self._watch.under_way is None else np.ones(len(times_s), dtype=np.bool_)
+            for row in np.flatnonzero(wanted):
+                reached = bool(ARRIVAL.unpack(int(state[row])))
+                seen = float(speed[row]) or float(moving[row])
+                self._watch.look(Look(float(times_s[row]), int(position[row]), seen, reached))
+
+
+class _Watcher:
+    """Bound to the registers of one plan."""
+
+    def __init__(self, device: Samples, asked: Sequence[Register]) -> None:
+        self._device = device
+        self._asked = tuple(asked)
+
+    def __call__(self, times_s: FloatArray, words: IntArray, status: IntArray) -> None:
+        self._device.saw_rows(times_s, words, status, self._asked)
+
+
+def _number(column: int, register: Register) -> Decoder:
+    """The register's value, signed where it is."""
+    mask = (1 << register.width) - 1
+    sign = 1 << (register.width - 1) if register.signed else 0
+    return lambda _, words, __: (((words[:, column] & mask) ^ sign) - sign).astype(np.float64)
+
+
+def _field(column: int, part: Field) -> Decoder:
+    """A field's value, signed where it is."""
+    mask = (1 << part.width) - 1
+    sign = 1 << (part.width - 1) if part.signed else 0
+    return lambda _, words, __: (((words[:, column] >> part.lsb & mask) ^ sign) - sign).astype(np.float64)

@@ -1,0 +1,108 @@
+"""What moves the axis: its ramp registers as they were read in one turn, in pps and pps^2, and what they make of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from app.calc.sramp_parameters import SRamp
+from app.calc.tmc4361_formats import CLOCK_HZ_DEFAULT, CLOCK_HZ_MAX, CLOCK_HZ_MIN, Units
+from app.devices.tmc4361 import rows
+from app.links.errors import WrongState
+from app.registers.model import Register
+
+SHAPES = {rows.HOLD: "hold", rows.TRAPEZOID: "trapezoid", rows.S_SHAPED: "S-ramp"}
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """Words by address, of `rows.RAMP` at least."""
+
+    words: Mapping[int, int]
+
+    def value(self, register: Register) -> int:
+        return register.decode(self.words[register.address])
+
+    @property
+    def mode(self) -> int:
+        """RAMPMODE."""
+        return self.value(rows.RAMPMODE)
+
+    @property
+    def positioning(self) -> bool:
+        return bool(self.mode & rows.POSITIONING_BIT)
+
+    @property
+    def shape(self) -> int:
+        """RAMP_PROFILE; 3, which has no meaning, counts as an S-ramp."""
+        return min(self.mode & 3, rows.S_SHAPED)
+
+    @property
+    def units(self) -> Units:
+        """How the chip counts. A clock that it cannot have is taken for the default."""
+        general = rows.GENERAL_CONF.unpack(self.words[rows.GENERAL_CONF.address])
+        told_hz = self.value(rows.CLK_FREQ)
+        return Units(
+            told_hz if CLOCK_HZ_MIN <= told_hz <= CLOCK_HZ_MAX else CLOCK_HZ_DEFAULT,
+            bool(general["direct_acc_val_en"]),
+            bool(general["direct_bow_val_en"]),
+        )
+
+    def pps(self, register: Register) -> float:
+        """A ramp register in pps, pps^2 or pps^3."""
+        raw = self.value(register)
+        if register is rows.ASTART:
+            raw &= (1 << 24) - 1  # its highest bit is a sign for something else
+        return self.units.from_raw(register.name, raw)
+
+    def s_ramp(self, vmax_pps: float) -> SRamp:
+        """The S-ramp's parameters with `vmax_pps` [pps] for VMAX. Raises ValueError where they make none."""
+        bow1, bow2, bow3, bow4 = (self.pps(bow) for bow in rows.BOWS)
+        return SRamp(
+            vmax=vmax_pps,
+            amax=self.pps(rows.AMAX),
+            dmax=self.pps(rows.DMAX),
+            bow1=bow1,
+            bow2=bow2,
+            bow3=bow3,
+            bow4=bow4,
+            vstart=self.pps(rows.VSTART),
+            vstop=self.pps(rows.VSTOP),
+            astart=self.pps(rows.ASTART),
+            dfinal=self.pps(rows.DFINAL),
+            use_astart_and_vstart=bool(self.value(rows.GENERAL_CONF) & 1),
+        )
+
+    def gates(self) -> tuple[bool, bool, bool]:
+        """Whether XTARGET, VMAX and RAMPMODE wait for a start signal."""
+        word = self.words[rows.START_CONF.address]
+        return (
+            bool(rows.GATE_XTARGET.unpack(word)),
+            bool(rows.GATE_VMAX.unpack(word)),
+            bool(rows.GATE_RAMPMODE.unpack(word)),
+        )
+
+    def never_slows(self) -> bool:
+        """Whether the ramp's own numbers would keep a motor from ever coming to rest."""
+        if self.shape == rows.HOLD:
+            return False
+        braking = (rows.DMAX,) if self.shape == rows.TRAPEZOID else (rows.DMAX, *rows.BOWS[2:])
+        return any(self.value(register) == 0 for register in braking)
+
+    def require_motion(self, shape: int) -> None:
+        """Raises WrongState where no command can move the motor on ramps of that shape."""
+        if rows.SDIN_MODE.unpack(self.words[rows.GENERAL_CONF.address]):
+            raise WrongState(
+                "the steps come from STPIN, not from the ramp generator", "write GENERAL_CONF.sdin_mode 0 first"
+            )
+        needed = {
+            rows.HOLD: (),
+            rows.TRAPEZOID: (rows.AMAX, rows.DMAX),
+            rows.S_SHAPED: (rows.AMAX, rows.DMAX, *rows.BOWS),
+        }[shape]
+        for register in needed:
+            if self.value(register) == 0:
+                raise WrongState(
+                    f"the axis cannot change its speed: {register.name} is 0 and the ramp is a {SHAPES[shape]}",
+                    f"write {register.name} first",
+                )

@@ -1,0 +1,60 @@
+"""Events of an axis in the order in which they were seen, the oldest forgotten first, each told once."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+
+from app.devices.results import ChipEvents, EventPage
+from app.registers.tmc4361_bits import EVENT_MASK, event_names
+
+KEPT = 2000
+
+
+class Timeline:
+    """What EVENTS has told. Bits that stay set are told when they come, and again only after they were cleared."""
+
+    def __init__(self, axis: int) -> None:
+        self._axis = axis
+        self._entries: deque[ChipEvents] = deque(maxlen=KEPT)
+        self._seq = 0
+        self._told = 0
+        """Bits that are set in the chip as far as is known, and were told."""
+        self._looked_s = float("-inf")
+        """When EVENTS was read last, device time [s]."""
+
+    def read(self, word: int, left: int, time_s: float) -> ChipEvents | None:
+        """EVENTS read `word` at `time_s` [s], and is now `left`, as far as nothing new has come; what of it is new."""
+        new = word & ~self._told & EVENT_MASK
+        self._told = left
+        self._looked_s = time_s
+        return self._add(new, time_s) if new else None
+
+    def glimpsed(self, bits: int, time_s: float) -> ChipEvents | None:
+        """Bits were seen to be set at `time_s` [s], as by a status byte; what of it is new.
+
+        What is older than the latest reading of EVENTS has been told by that.
+        """
+        new = bits & ~self._told & EVENT_MASK
+        if not new or time_s <= self._looked_s:
+            return None
+        self._told |= new
+        return self._add(new, time_s)
+
+    def forget(self) -> None:
+        """The chip may be another one: what is set there will be told."""
+        self._told = 0
+
+    def page(self, after: int, limit: int) -> EventPage:
+        """The oldest `limit` entries behind number `after`."""
+        first = self._entries[0].seq if self._entries else self._seq + 1
+        entries = [entry for entry in self._entries if entry.seq > after][:limit]
+        return EventPage(
+            tuple(entries), entries[-1].seq if entries else min(after, self._seq), max(first - after - 1, 0)
+        )
+
+    def _add(self, bits: int, time_s: float) -> ChipEvents:
+        self._seq += 1
+        entry = ChipEvents(self._axis, self._seq, time_s, time.time(), event_names(bits))
+        self._entries.append(entry)
+        return entry

@@ -1,0 +1,117 @@
+"""What a write by hand does to a motion, besides storing a word; and what is expected after it."""
+
+from __future__ import annotations
+
+from app.devices.device import MotionStarted
+from app.devices.tmc4361 import foresight, rows
+from app.devices.tmc4361.setting import Setting
+from app.devices.tmc4361.stops import Stops
+from app.devices.words import Held, Words
+from app.links.errors import BenchError, LinkError
+from app.links.queue import Priority
+from app.registers.model import Register
+
+STATE = (rows.XACTUAL, rows.VACTUAL, rows.AACTUAL, rows.XTARGET)
+ELSEWHERE = (rows.XACTUAL, rows.VACTUAL)
+GATES = {"XTARGET": rows.GATE_XTARGET, "VMAX": rows.GATE_VMAX, "RAMPMODE": rows.GATE_RAMPMODE}
+BY_ITSELF = {"REFERENCE_CONF": "start_home_tracking", "ENC_IN_CONF": "clr_latch_once_on_n"}
+"""Bits that return to 0 by themselves."""
+
+
+class Writes(Stops):
+    """A TMC4361 that knows the side effects of its registers."""
+
+    _before: tuple[int, int, float] = (0, 1, 0.0)
+    """XACTUAL and VACTUAL right before a write, and when the write went out."""
+
+    async def _before_write(self, words: Words, register: Register, word: int) -> list[str]:
+        if register.address not in rows.MOVING:
+            return []
+        read = await words.values((*ELSEWHERE, rows.RAMPMODE, rows.XTARGET))
+        position, velocity, mode, target = read
+        self._before = (position, velocity, words.time_s)
+        positioning = bool(mode & rows.POSITIONING_BIT)
+        notes = []
+        if register is rows.VMAX and word == 0 and positioning and mode & 3 == rows.S_SHAPED and velocity:
+            notes.append("VMAX 0 alone must not be written while an S-ramp is positioning: stop it (002, 8.2.2)")
+        elif register is rows.XACTUAL and positioning and register.decode(word) != target:
+            notes.append("while positioning the motor now drives to XTARGET")
+        elif register is rows.RAMPMODE and word & rows.POSITIONING_BIT and not positioning and target != position:
+            notes.append(f"the motor now drives to XTARGET, {target}")
+        elif register in (rows.AMAX, rows.DMAX, *rows.BOWS) and positioning and velocity:
+            notes.append("changed while positioning: XTARGET may be overshot, and is come back to (002, 8.2.2)")
+        return notes
+
+    def _sent(self, register: Register, word: int) -> None:
+        super()._sent(register, word)
+        if register.address in rows.MOVING:
+            position, velocity, _ = self._before
+            self._before = (position, velocity, self.port.last_exchange_s)
+
+    async def _explain(self, words: Words, register: Register, word: int, back: int) -> str | None:
+        if register is rows.XACTUAL:
+            velocity = await words.value(rows.VACTUAL)
+            return f"the motor moves: it is at {register.decode(back)} now" if velocity else None
+        if register is rows.CL_OFFSET and not rows.part(rows.ENC_IN_CONF, "cl_calibration_en").unpack(
+            await words.read(rows.ENC_IN_CONF)
+        ):
+            return None
+        if register in (rows.XTARGET, rows.VMAX, rows.RAMPMODE):
+            gates = await words.read(rows.START_CONF)
+            return "it waits for a start signal (START_CONF)" if GATES[register.name].unpack(gates) else None
+        if register in (rows.REFERENCE_CONF, rows.ENC_IN_CONF):
+            by_itself = BY_ITSELF[register.name]
+            if (word ^ back) & register.mask & ~rows.part(register, by_itself).mask:
+                return None
+            return f"{by_itself} has returned to 0 by itself"
+        return await super()._explain(words, register, word, back)
+
+    async def _after_write(self, register: Register) -> None:
+        if register.address not in rows.MOVING:
+            return
+        try:
+            await self._foresee()
+        except BenchError:
+            # The write itself is done and judged; that the next reading failed is not its failure.
+            self._book.end(self.port.last_exchange_s, f"{register.name} was written")
+
+    async def _foresee(self) -> None:
+        """Begin the prediction for whatever the axis does now."""
+        before_position, before_velocity, sent_s = self._before
+        asked = (*rows.RAMP, *STATE)
+        async with self.queue.turn(Priority.COMMAND) as turn:
+            words = self.words(turn)
+            held = Held(asked, await words.read_many(asked))
+            time_s = words.time_s
+        self._saw(held)
+        setting = Setting(held.words)
+        position, velocity, acceleration, target = (held.value(register) for register in STATE)
+        if before_velocity == 0 and position == before_position:
+            # From rest the start is known exactly: it was when the datagram went out.
+            velocity, acceleration, time_s = 0, 0, min(time_s, sent_s) or time_s
+        vmax_pps = setting.value(rows.VMAX) / 256
+        moves = target != position and vmax_pps if setting.positioning else vmax_pps or velocity
+        if not moves or rows.SDIN_MODE.unpack(held.word(rows.GENERAL_CONF)):
+            self._book.end(time_s, "a register was written")
+            return
+        if setting.positioning:
+            plan = foresight.to_position(
+                setting, setting.shape, abs(vmax_pps), target - position, velocity, acceleration
+            )
+        else:
+            plan = foresight.to_velocity(setting, setting.shape, vmax_pps, velocity, acceleration)
+        self._expect(time_s, position, plan)
+        if setting.positioning:
+            self._watch.began("position", time_s, target)
+        else:
+            self._watch.began("velocity", time_s)
+        if before_velocity == 0:
+            self._tell(MotionStarted(rows.AXIS, time_s))
+
+    async def _moved_by_hand(self) -> None:
+        """A raw datagram has written something that may move the axis."""
+        self._before = (0, 1, self.port.last_exchange_s)
+        try:
+            await self._foresee()
+        except LinkError as error:
+            self._motion_uncertain(str(error))
