@@ -22,13 +22,13 @@ Source: 002 (TMC4361 data sheet), 8.2, 8.2.1, 8.2.2.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
 from app.calc import sramp_kernel as kernel
+from app.calc.ramp_curve import FloatArray
 from app.calc.sramp_parameters import SRamp, default_bow
-from app.calc.sramp_plan import JerkPiece, LimitUse, RampWarning, SRampCurve, SRampMotion, SRampPlan, limits_of
+from app.calc.sramp_plan import JerkPiece, LimitUse, RampWarning, SRampCurve, SRampMotion, SRampPlan
 from app.calc.sramp_warnings import position_warnings, velocity_warnings
 
 __all__ = [
@@ -48,8 +48,6 @@ __all__ = [
 POSITION_LIMIT = 1 << 32
 """Microsteps between the ends of the chip's 32-bit positions."""
 
-_BOWS = {"B1": "bow1", "B2": "bow2", "B3": "bow3", "B4": "bow4"}
-
 
 def position_plan(p: SRamp, distance: float, v_actual: float = 0.0, a_actual: float = 0.0) -> SRampPlan:
     """A move by `distance` [microsteps, signed] from velocity `v_actual` [pps] and acceleration `a_actual` [pps^2].
@@ -61,18 +59,21 @@ def position_plan(p: SRamp, distance: float, v_actual: float = 0.0, a_actual: fl
     """
     check_distance(distance)
     check_state(v_actual, a_actual)
-    rows = np.empty((kernel.MOST_ROWS, kernel.COLUMNS))
-    n, first_anchored = kernel.position(p.array, rows, float(distance), float(v_actual), float(a_actual))
-    pieces = _pieces(p, rows[:n].tolist(), first_anchored, float(distance))
-    plan = SRampPlan(
+    distance, v_actual, a_actual = float(distance), float(v_actual), float(a_actual)
+    table = np.empty((kernel.MOST_ROWS, kernel.COLUMNS))
+    n, first_anchored = kernel.position(p.array, table, distance, v_actual, a_actual)
+    rows = table[:n].tolist()
+    pieces = _pieces(p, rows, first_anchored)
+    limits = _limits(p, table, p.vmax)
+    return SRampPlan(
         pieces=pieces,
         duration_s=pieces[-1].end_s if pieces else 0.0,
-        end_position=float(distance),
+        end_position=distance,
         end_velocity_pps=0.0,
-        target=float(distance),
-        limits=limits_of(pieces, p.vmax, p.amax, p.dmax),
+        target=distance,
+        warnings=position_warnings(p, pieces, limits[0].peak, distance, v_actual, a_actual),
+        limits=limits,
     )
-    return replace(plan, warnings=position_warnings(p, plan, v_actual, a_actual))
 
 
 def velocity_plan(p: SRamp, v_target: float, v_actual: float = 0.0, a_actual: float = 0.0) -> SRampPlan:
@@ -86,17 +87,20 @@ def velocity_plan(p: SRamp, v_target: float, v_actual: float = 0.0, a_actual: fl
     if not math.isfinite(v_target):
         raise ValueError(f"v_target is finite, got {v_target}")
     check_state(v_actual, a_actual)
-    rows = np.empty((kernel.MOST_ROWS, kernel.COLUMNS))
-    n = kernel.velocity(p.array, rows, float(v_target), float(v_actual), float(a_actual))
-    pieces = _pieces(p, rows[:n].tolist(), n, 0.0)
-    plan = SRampPlan(
+    v_target, v_actual, a_actual = float(v_target), float(v_actual), float(a_actual)
+    table = np.empty((kernel.MOST_ROWS, kernel.COLUMNS))
+    n = kernel.velocity(p.array, table, v_target, v_actual, a_actual)
+    rows = table[:n].tolist()
+    pieces = _pieces(p, rows, n)
+    limits = _limits(p, table, abs(v_target))
+    return SRampPlan(
         pieces=pieces,
         duration_s=pieces[-1].end_s if pieces else 0.0,
         end_position=pieces[-1].position_at(pieces[-1].end_s) if pieces else 0.0,
-        end_velocity_pps=float(v_target),
-        limits=limits_of(pieces, abs(float(v_target)), p.amax, p.dmax),
+        end_velocity_pps=v_target,
+        warnings=velocity_warnings(p, pieces, limits[0].peak, v_target, v_actual, a_actual),
+        limits=limits,
     )
-    return replace(plan, warnings=velocity_warnings(p, plan, v_actual, a_actual))
 
 
 def warm_up() -> None:
@@ -122,27 +126,29 @@ def check_state(v_actual: float, a_actual: float) -> None:
             raise ValueError(f"{name} is finite, got {number}")
 
 
-def _pieces(p: SRamp, rows: list[list[float]], first_anchored: int, target: float) -> tuple[JerkPiece, ...]:
-    """The kernel's rows in time and place; those from `first_anchored` on end on the target."""
-    least_s = 2 * math.ulp(math.fsum(row[kernel.TIME] for row in rows))  # shorter ones come of rounding
-    kept = [(i, row) for i, row in enumerate(rows) if row[kernel.TIME] > least_s]
-    place = target
-    ends: dict[int, float] = {}
-    for i, row in reversed(kept):
-        ends[i] = place
-        place -= row[kernel.LENGTH]
+def _pieces(p: SRamp, rows: list[list[float]], first_anchored: int) -> tuple[JerkPiece, ...]:
+    """The kernel's rows in time; those from `first_anchored` on are counted back from the target."""
+    least_s = 2 * math.ulp(sum(row[kernel.TIME] for row in rows))  # shorter ones come of rounding
+    jerks = (p.bow1, 0.0, p.bow2, 0.0, p.bow3, 0.0, p.bow4)  # as in the registers, not as time and acceleration give it
     pieces = []
-    start_s, place = 0.0, 0.0
-    for i, row in kept:
-        name = kernel.PHASES[int(row[kernel.PHASE])]
-        end_s = start_s + row[kernel.TIME]
-        bow = getattr(p, _BOWS[name]) if name in _BOWS else 0.0
-        jerk = math.copysign(bow, row[kernel.JERK]) if bow else 0.0
-        if i < first_anchored:
-            piece = JerkPiece(name, start_s, end_s, start_s, place, row[kernel.V0], row[kernel.A0], jerk)
-        else:
-            piece = JerkPiece(name, start_s, end_s, end_s, ends[i], row[kernel.V1], row[kernel.A1], jerk)
-        pieces.append(piece)
-        start_s = end_s
-        place += row[kernel.LENGTH]
+    start_s = 0.0
+    for i, (phase, time_s, v0, a0, jerk, v1, a1, _, place) in enumerate(rows):
+        if time_s > least_s:
+            code = int(phase)
+            end_s = start_s + time_s
+            bow = math.copysign(jerks[code], jerk)
+            if i < first_anchored:
+                pieces.append(JerkPiece(kernel.PHASES[code], start_s, end_s, start_s, place, v0, a0, bow))
+            else:
+                pieces.append(JerkPiece(kernel.PHASES[code], start_s, end_s, end_s, place, v1, a1, bow))
+            start_s = end_s
     return tuple(pieces)
+
+
+def _limits(p: SRamp, rows: FloatArray, vmax: float) -> tuple[LimitUse, ...]:
+    fastest, accelerating, braking = rows[kernel.PEAKS, :3].tolist()
+    return (
+        LimitUse("VMAX", vmax, fastest, "pps"),
+        LimitUse("AMAX", p.amax, accelerating, "pps^2"),
+        LimitUse("DMAX", p.dmax, braking, "pps^2"),
+    )

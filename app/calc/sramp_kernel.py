@@ -29,11 +29,13 @@ VMAX, AMAX, DMAX, BOW1, BOW2, BOW3, BOW4, VSTART, VSTOP, ASTART, DFINAL, USE_AST
 PARAMETERS: Final = 12
 
 # Columns of a row: which phase, how long, velocity and acceleration at its start, jerk, velocity and acceleration at
-# its end, and its length.
-PHASE, TIME, V0, A0, JERK, V1, A1, LENGTH = range(8)
-COLUMNS: Final = 8
+# its end, its length, and where it is: at its start, or at its end if it is counted back from the target.
+PHASE, TIME, V0, A0, JERK, V1, A1, LENGTH, PLACE = range(9)
+COLUMNS: Final = 9
 MOST_ROWS: Final = 32
 """Two rows that let go of an acceleration, two slopes of six, one row at VMAX and what is tried for braking."""
+PEAKS: Final = MOST_ROWS - 1
+"""This row has, in its first columns, the highest velocity, and accelerations when accelerating and when braking."""
 
 PHASES: Final = ("B1", "B12", "B2", "B23", "B3", "B34", "B4")
 B1, B12, B2, B23, B3, B34, B4 = range(7)
@@ -42,6 +44,8 @@ ALIKE: Final = 1e-12
 """Relative: velocities and places that differ by less come of rounding. To correct them would take visible time,
 because the time of a slope goes with the root of its height, and that of a way with its cube root."""
 NOISE: Final = 1e-15
+NEAR: Final = 2e-15
+"""Relative: a moment of braking with which the motion ends so near to the target cannot be bettered."""
 MOST_HALVINGS: Final = 200
 
 _OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
@@ -230,11 +234,30 @@ def _ends_at(p: FloatArray, rows: FloatArray, n: int, row: int, t: float, v_star
 
 
 @compiled
+def _guess(p: FloatArray, rows: FloatArray, row: int, wanted: float, reach: float) -> float:
+    """The moment of `row` at which braking begins, in closed form where there is one; else any number.
+
+    Exact without VSTOP, where AMAX and DMAX both hold for a while, or, from rest, neither does. `reach` is where the
+    motion ends if it brakes at the end of the row.
+    """
+    v0, a = rows[row, V0], rows[row, A0]
+    if a == 0:
+        return float(rows[row, TIME] * (wanted / reach) ** (1 / 3))  # all times grow alike
+    # a quadratic equation for the highest velocity, which is `gain` above that at the moment
+    t2, t3, t4, dmax = a / p[BOW2], p[DMAX] / p[BOW3], p[DMAX] / p[BOW4], p[DMAX]
+    gain = a * t2 / 2
+    square, linear = (1 / a + 1 / dmax) / 2, (t2 + t3) / 2
+    short = wanted + ((v0 - gain) * (v0 + gain) / a + dmax * (t3 - t4) * (t3 + t4) / 12) / 2 + a * t2 * t2 / 6
+    top = 2 * short / (linear + math.sqrt(linear * linear + 4 * square * max(short, 0.0)))
+    return float((top - gain - v0) / a)
+
+
+@compiled
 def _moment(p: FloatArray, rows: FloatArray, n: int, row: int, limit: float, v_start: float, wanted: float) -> float:
     """The t of 0..limit at which `_ends_at` passes `wanted`, which is between its ends (Chandrupatla's method).
 
-    Of a row it is counted from the nearer end, from the
-    later one below 0: a bow a million times steeper than another puts all that matters into the last of its digits.
+    Of a row it is counted from the nearer end, from the later one below 0: a bow a million times steeper than
+    another puts all that matters into the last of its digits.
     """
     low, high = 0.0, limit
     f_low = _ends_at(p, rows, n, row, low, v_start) - wanted
@@ -332,8 +355,9 @@ def _joined(rows: FloatArray, n: int, first_anchored: int) -> tuple[int, int]:
             for column in (V1, A1):
                 rows[out - 1, column] = rows[row, column]
         else:
-            for column in range(COLUMNS):
-                rows[out, column] = rows[row, column]
+            if out < row:
+                for column in range(COLUMNS):
+                    rows[out, column] = rows[row, column]
             out += 1
         if row >= first_anchored:
             anchored = min(anchored, out - 1)
@@ -343,9 +367,18 @@ def _joined(rows: FloatArray, n: int, first_anchored: int) -> tuple[int, int]:
 @compiled
 def position(p: FloatArray, rows: FloatArray, distance: float, v: float, a: float) -> tuple[int, int]:
     """Rows of a move by `distance` from state (v, a), and from which row on they are counted back from the target."""
+    n, first_anchored = _moved(p, rows, distance, v, a)
+    for row in range(n - 1, first_anchored - 1, -1):
+        rows[row, PLACE] = distance
+        distance -= rows[row, LENGTH]
+    return n, first_anchored
+
+
+@compiled
+def _moved(p: FloatArray, rows: FloatArray, distance: float, v: float, a: float) -> tuple[int, int]:
     from_rest = v == 0 and a == 0
     if distance == 0 and (from_rest or (p[VSTOP] > 0 and abs(v) <= p[VSTOP])):
-        return 0, 0
+        return _finished(rows, 0, 0, 1.0)
     s = 1.0
     v_start = 0.0
     if from_rest:
@@ -395,24 +428,36 @@ def position(p: FloatArray, rows: FloatArray, distance: float, v: float, a: floa
                 s, wanted, v, a = -s, -wanted, -v, -a
 
     n = follow(p, rows, 0, v, a, p[VMAX])
-    x = 0.0
-    for row in range(n):
-        after = x + rows[row, LENGTH] + _stopping(p, rows, n, rows[row, V1], rows[row, A1])
-        if after >= wanted:
-            t = _moment(p, rows, n, row, rows[row, TIME], 0.0, wanted - x)
-            way, v, a = _within(rows, row, t)
-            if t < 0:
-                t += rows[row, TIME]
-            rows[row, TIME], rows[row, V1], rows[row, A1], rows[row, LENGTH] = t, v, a, way
-            braking = row + 1 if t > 0 else row
-            n = _brake(p, rows, braking, v, a)
-            return _mirrored(rows, n, braking, s)
-        x += rows[row, LENGTH]
+    x = _length(rows, 0, n)
     if n > 0:
         v = rows[n - 1, V1]
-    ending = x + _stopping(p, rows, n, v, 0.0)
-    n = _add(rows, n, 1.0, B23, (wanted - ending) / v, v, 0.0, v, 0.0)
-    return _mirrored(rows, _brake(p, rows, n, v, 0.0), n, s)
+    reach = x + _stopping(p, rows, n + 1, v, 0.0)
+    if reach <= wanted:
+        n = _add(rows, n, 1.0, B23, (wanted - reach) / v, v, 0.0, v, 0.0)
+        return _mirrored(rows, _brake(p, rows, n, v, 0.0), n, s)
+    # braking begins within the slope: in the first row whose end is too late
+    last = n - 1
+    x = 0.0
+    for row in range(n):
+        if row < last:
+            reach = _stopping(p, rows, n, rows[row, V1], rows[row, A1]) + x + rows[row, LENGTH]
+            if reach < wanted:
+                x += rows[row, LENGTH]
+                continue
+        t, limit = _guess(p, rows, row, wanted - x, reach - x), rows[row, TIME]
+        known = 0 < t < limit
+        if known:
+            t = t if 2 * t < limit else t - limit
+            known = abs(_ends_at(p, rows, n, row, t, 0.0) + x - wanted) <= NEAR * wanted
+        if not known:
+            t = _moment(p, rows, n, row, limit, 0.0, wanted - x)
+        way, v, a = _within(rows, row, t)
+        if t < 0:
+            t += rows[row, TIME]
+        rows[row, TIME], rows[row, V1], rows[row, A1], rows[row, LENGTH] = t, v, a, way
+        n = row + 1 if t > 0 else row
+        break
+    return _mirrored(rows, _brake(p, rows, n, v, a), n, s)
 
 
 @compiled
@@ -424,11 +469,29 @@ def _cut_if_slow(p: FloatArray, rows: FloatArray, n: int, wanted: float) -> int:
 
 @compiled
 def _mirrored(rows: FloatArray, n: int, first_anchored: int, s: float) -> tuple[int, int]:
-    n, first_anchored = _joined(rows, n, min(first_anchored, n - 1))
+    return _finished(rows, n, min(first_anchored, n - 1), s)
+
+
+@compiled
+def _finished(rows: FloatArray, n: int, first_anchored: int, s: float) -> tuple[int, int]:
+    """Joined, mirrored with `s`, put in place, and with their peaks."""
+    n, first_anchored = _joined(rows, n, first_anchored)
     if s < 0:
         for row in range(n):
             for column in (V0, A0, JERK, V1, A1, LENGTH):
                 rows[row, column] = -rows[row, column]
+    fastest = accelerating = braking = x = 0.0  # velocity turns only where acceleration is 0, and rows end there
+    for row in range(n):
+        fastest = max(fastest, abs(rows[row, V0]), abs(rows[row, V1]))
+        steepest = max(abs(rows[row, A0]), abs(rows[row, A1]))
+        if rows[row, PHASE] < B23:
+            accelerating = max(accelerating, steepest)
+        else:
+            braking = max(braking, steepest)
+        if row < first_anchored:
+            rows[row, PLACE] = x
+            x += rows[row, LENGTH]
+    rows[PEAKS, 0], rows[PEAKS, 1], rows[PEAKS, 2] = fastest, accelerating, braking
     return n, first_anchored
 
 
@@ -437,13 +500,15 @@ def velocity(p: FloatArray, rows: FloatArray, target: float, v: float, a: float)
     """Rows of a change to velocity `target` from state (v, a); VSTOP may leave the last velocity to a jump to 0."""
     if target == 0:
         if (abs(v) <= p[VSTOP] and p[VSTOP] > 0) or (v == 0 and abs(a) <= p[DFINAL]):
-            return 0
-        return _joined(rows, stop(p, rows, 0, v, a, p[VSTOP], p[DFINAL]), 0)[0]
+            return _finished(rows, 0, 0, 1.0)[0]
+        n = stop(p, rows, 0, v, a, p[VSTOP], p[DFINAL])
+        return _finished(rows, n, n, 1.0)[0]
     if v == 0 and a == 0:
         s = 1.0 if target > 0 else -1.0
         v = s * min(p[VSTART], abs(target))
         a = s * starting_acceleration(p, abs(v), abs(target))
-    return int(_joined(rows, follow(p, rows, 0, v, a, target), 0)[0])
+    n = follow(p, rows, 0, v, a, target)
+    return _finished(rows, n, n, 1.0)[0]
 
 
 @compiled
@@ -461,11 +526,9 @@ def many(
     for i in range(distances.shape[0]):
         n, _ = position(parameters[i], rows, distances[i], velocities[i], accelerations[i])
         durations[i] = 0.0
-        peaks[i] = 0.0
+        peaks[i] = rows[PEAKS, 0]
         for phase in range(7):
             phases[i, phase] = 0.0
         for row in range(n):
             durations[i] += rows[row, TIME]
             phases[i, int(rows[row, PHASE])] += rows[row, TIME]
-            # velocity turns only where acceleration is 0, and rows end there
-            peaks[i] = max(peaks[i], abs(rows[row, V0]), abs(rows[row, V1]))

@@ -9,6 +9,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,9 +20,8 @@ from app.calc.ramp_curve import FloatArray, Phase, RampCurve, check_samples
 _ON_TARGET = 1e-9
 
 
-@dataclass(frozen=True)
-class JerkPiece:
-    """A stretch of constant jerk.
+class JerkPiece(NamedTuple):
+    """A stretch of constant jerk (a tuple, because plans are made by the thousand and these are most of their cost).
 
     x + v * t + a * t^2 / 2 + j * t^3 / 6, with t counted from `anchor_s`: the start of most pieces, the end of those
     that brake onto the target, so that the motion ends on it and not beside it. `position`, `velocity_pps` and
@@ -76,20 +76,25 @@ class SRampCurve(RampCurve):
     jerk_pps3: FloatArray = field(kw_only=True)
 
 
-@dataclass(frozen=True)
-class RampWarning:
+class RampWarning(NamedTuple):
     """Something that the data sheet warns of, or that makes a parameter idle.
 
     code : stable, for programs, for example "vmax_not_reached"
-    text : for people, with the numbers
+    values : the numbers of `text`, in pps, pps^2 and microsteps
+    template : what `text` makes of them, when somebody reads it
     """
 
     code: str
-    text: str
+    template: str
+    values: tuple[float, ...]
+
+    @property
+    def text(self) -> str:
+        """For people, with the numbers."""
+        return self.template.format(*self.values)
 
 
-@dataclass(frozen=True)
-class LimitUse:
+class LimitUse(NamedTuple):
     """How much of a limit a motion uses: `name` (VMAX, AMAX, DMAX), `limit` and `peak` in `unit`, both not negative."""
 
     name: str
@@ -169,14 +174,7 @@ class SRampPlan:
 
         A motor that runs away from the target when the motion starts has not been there: that is no overshoot.
         """
-        if self.target is None or not self.pieces:
-            return 0.0
-        # Velocity keeps its sign within a piece, so the farthest places are where pieces meet.
-        places = [0.0, *(piece.position_at(piece.end_s) for piece in self.pieces)]
-        size = max(abs(place) for place in places)
-        way = math.copysign(1.0, self.target) if self.target else math.copysign(1.0, self.pieces[0].velocity_at(0.0))
-        beyond = max(way * (place - self.target) for place in places)
-        return beyond if beyond > _ON_TARGET * size else 0.0
+        return 0.0 if self.target is None else overshoot_of(self.pieces, self.target)
 
     @cached_property
     def arrival_s(self) -> float:
@@ -237,21 +235,15 @@ class SRampPlan:
         )
 
 
-_ACCELERATING = ("B1", "B12", "B2", "A1L", "A1")
-_BRAKING = ("B3", "B34", "B4", "A3", "A3L")
-
-
-def limits_of(pieces: Sequence[JerkPiece], vmax: float, amax: float, dmax: float) -> tuple[LimitUse, ...]:
-    """How much of VMAX [pps], AMAX and DMAX [pps^2] these pieces use."""
-    peak = {"VMAX": 0.0, "AMAX": 0.0, "DMAX": 0.0}
-    for piece in pieces:
-        ends = (piece.start_s, piece.end_s)
-        peak["VMAX"] = max(peak["VMAX"], *(abs(piece.velocity_at(t)) for t in ends))
-        limit = "AMAX" if piece.name in _ACCELERATING else "DMAX" if piece.name in _BRAKING else None
-        if limit:
-            peak[limit] = max(peak[limit], *(abs(piece.acceleration_at(t)) for t in ends))
-    limit_of = {"VMAX": (vmax, "pps"), "AMAX": (amax, "pps^2"), "DMAX": (dmax, "pps^2")}
-    return tuple(LimitUse(name, limit, peak[name], unit) for name, (limit, unit) in limit_of.items())
+def overshoot_of(pieces: Sequence[JerkPiece], target: float) -> float:
+    """`SRampPlan.overshoot`."""
+    if not pieces:
+        return 0.0
+    # Velocity keeps its sign within a piece, so the farthest places are where pieces meet.
+    places = [0.0, *(piece.position_at(piece.end_s) for piece in pieces)]
+    way = math.copysign(1.0, target) if target else math.copysign(1.0, pieces[0].velocity_at(0.0))
+    beyond = max(way * (place - target) for place in places)
+    return beyond if beyond > _ON_TARGET * max(abs(place) for place in places) else 0.0
 
 
 def _crossing(piece: JerkPiece, place: float) -> float:

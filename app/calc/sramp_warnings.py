@@ -3,93 +3,102 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 from app.calc.sramp_parameters import SRamp
-from app.calc.sramp_plan import RampWarning, SRampPlan
+from app.calc.sramp_plan import JerkPiece, RampWarning, overshoot_of
 
 # Relative: what differs by less is the same.
 _SAME = 1e-9
 
+_TEXTS = {
+    "amax_out_of_reach": "AMAX {:g} pps^2 is out of reach: BOW1 and BOW2 get to {:.6g} before {:g} pps",
+    "dmax_out_of_reach": "DMAX {:g} pps^2 is out of reach: BOW3 and BOW4 get to {:.6g} from {:g} pps",
+    "vmax_not_reached": "VMAX {:g} pps is not reached: the way is enough for {:.6g} pps",
+    "vmax_exceeded": "the velocity goes up to {:.6g} pps, above {:g}: a begun bow is ended first (002, 8.2.2)",
+    "target_overshoot": "too fast to stop before the target: the motor runs {:.6g} microsteps beyond and comes back",
+    "vstart_overshoot": "VSTART {:g} pps is too fast for so short a move: the motor runs {:.6g} microsteps beyond "
+    "its target and comes back",
+    "vstart_above_vstop": "VSTART {:g} is above VSTOP {:g} pps: a short move may pass its target",
+    "vstart_above_vmax": "VSTART {:g} is above VMAX {:g} pps: the motor starts with VMAX",
+    "astart_above_amax": "ASTART {:g} is above AMAX {:g} pps^2: AMAX holds",
+    "dfinal_above_dmax": "DFINAL {:g} is above DMAX {:g} pps^2: DMAX holds",
+    "start_acceleration_altered": "a start with {:g} pps^2 does not fit VMAX, BOW2 and the way: it is altered to "
+    "{:.6g} (002, 8.2.2)",
+    "slow_braking": "DMAX {:g} pps^2 is not above VMAX {:g} pps / 20 s: the target may be overrun; "
+    "set VSTOP (002, 8.2.2)",
+    "stops_first": "the motor is braking, and a trapezoid brakes down to 0 before it accelerates again in the same "
+    "direction; to avoid it set VMAX below |VACTUAL| first, and raise it when that is reached (002, 8.2.2)",
+    "vbreak_not_above_vstop": "VBREAK {:g} is not above VSTOP {:g} pps: DFINAL has no part in it",
+}
 
-def position_warnings(p: SRamp, plan: SRampPlan, v_actual: float, a_actual: float) -> tuple[RampWarning, ...]:
-    """For a move planned with `p` from the given state [pps, pps^2]."""
+
+def warning(code: str, *values: float) -> RampWarning:
+    """One of those above."""
+    return RampWarning(code, _TEXTS[code], values)
+
+
+def position_warnings(
+    p: SRamp, pieces: Sequence[JerkPiece], peak: float, target: float, v_actual: float, a_actual: float
+) -> tuple[RampWarning, ...]:
+    """For a move by `target` [microsteps] of these pieces, from the given state [pps, pps^2]; `peak` [pps]."""
     from_rest = v_actual == a_actual == 0
     found = _of_parameters(p, p.vmax)
     if from_rest:
-        found += _of_start(p, plan, p.vmax)
+        found += _of_start(p, pieces, p.vmax)
         if p.vstart > p.vstop:
-            text = f"VSTART {p.vstart:g} is above VSTOP {p.vstop:g} pps: a short move may pass its target"
-            found.append(RampWarning("vstart_above_vstop", text))
-    if plan.overshoot:
-        cause = (
-            f"VSTART {p.vstart:g} pps is too fast to stop within so short a move"
-            if from_rest
-            else "the motor is too fast to stop before the target"
-        )
-        text = f"{cause}: it runs {plan.overshoot:.6g} microsteps beyond and comes back"
-        found.append(RampWarning("vstart_overshoot" if from_rest else "target_overshoot", text))
-    peak = plan.limits[0].peak
-    if plan.pieces and peak < p.vmax * (1 - _SAME):
-        text = f"VMAX {p.vmax:g} pps is not reached: the way is enough for {peak:.6g} pps"
-        found.append(RampWarning("vmax_not_reached", text))
-    return tuple(found + _of_excess(plan, p.vmax, v_actual))
+            found.append(warning("vstart_above_vstop", p.vstart, p.vstop))
+    overshoot = overshoot_of(pieces, target) if p.vstart or not from_rest else 0.0
+    if overshoot and from_rest:
+        found.append(warning("vstart_overshoot", p.vstart, overshoot))
+    elif overshoot:
+        found.append(warning("target_overshoot", overshoot))
+    if pieces and peak < p.vmax * (1 - _SAME):
+        found.append(warning("vmax_not_reached", p.vmax, peak))
+    return tuple(found + _of_excess(peak, p.vmax, v_actual))
 
 
-def velocity_warnings(p: SRamp, plan: SRampPlan, v_actual: float, a_actual: float) -> tuple[RampWarning, ...]:
-    """For a change of velocity planned with `p` from the given state [pps, pps^2]."""
-    target = abs(plan.end_velocity_pps)
+def velocity_warnings(
+    p: SRamp, pieces: Sequence[JerkPiece], peak: float, v_target: float, v_actual: float, a_actual: float
+) -> tuple[RampWarning, ...]:
+    """For a change to `v_target` [pps] of these pieces, from the given state [pps, pps^2]; `peak` [pps]."""
+    target = abs(v_target)
     found = _of_parameters(p, max(target, abs(v_actual)))
     if v_actual == a_actual == 0 and target:
-        found += _of_start(p, plan, target)
+        found += _of_start(p, pieces, target)
     if not target and not p.vstop and p.dfinal > p.dmax:
-        found.append(
-            RampWarning("dfinal_above_dmax", f"DFINAL {p.dfinal:g} is above DMAX {p.dmax:g} pps^2: DMAX holds")
-        )
-    return tuple(found + _of_excess(plan, max(target, abs(v_actual)), v_actual))
+        found.append(warning("dfinal_above_dmax", p.dfinal, p.dmax))
+    return tuple(found + _of_excess(peak, max(target, abs(v_actual)), v_actual))
 
 
 def _of_parameters(p: SRamp, vmax: float) -> list[RampWarning]:
-    """Bows so small that a whole slope between 0 and `vmax` does not get to the limit of its acceleration."""
+    """Bows so small that a whole slope between rest and `vmax` does not get to the limit of its acceleration."""
     found = []
-    slopes = (
-        ("amax", p.amax, max(vmax - p.vstart, 0.0), "BOW1 and BOW2", p.bow1, p.bow2, p.start_acceleration),
-        ("dmax", p.dmax, max(vmax - p.vstop, 0.0), "BOW3 and BOW4", p.bow3, math.inf if p.vstop else p.bow4, 0.0),
-    )
-    for name, limit, height, bows, rising, falling, begin in slopes:
-        peak = math.sqrt((2 * height + begin**2 / rising) / (1 / rising + 1 / falling))
-        if 0 < peak < limit * (1 - _SAME):
-            text = f"{name.upper()} {limit:g} pps^2 is out of reach: {bows} get to {peak:.6g} before {vmax:g} pps"
-            found.append(RampWarning(f"{name}_out_of_reach", text))
+    begin = p.start_acceleration
+    squared = (2 * max(vmax - p.vstart, 0.0) + begin**2 / p.bow1) / (1 / p.bow1 + 1 / p.bow2)
+    if 0 < squared < (p.amax * (1 - _SAME)) ** 2:
+        found.append(warning("amax_out_of_reach", p.amax, math.sqrt(squared), vmax))
+    squared = 2 * max(vmax - p.vstop, 0.0) / (1 / p.bow3 + (0.0 if p.vstop else 1 / p.bow4))
+    if 0 < squared < (p.dmax * (1 - _SAME)) ** 2:
+        found.append(warning("dmax_out_of_reach", p.dmax, math.sqrt(squared), vmax))
     return found
 
 
-def _of_start(p: SRamp, plan: SRampPlan, target: float) -> list[RampWarning]:
+def _of_start(p: SRamp, pieces: Sequence[JerkPiece], target: float) -> list[RampWarning]:
     found = []
     if p.vstart > target:
-        text = f"VSTART {p.vstart:g} is above VMAX {target:g} pps: the motor starts with VMAX"
-        found.append(RampWarning("vstart_above_vmax", text))
+        found.append(warning("vstart_above_vmax", p.vstart, target))
     if p.astart > p.amax and (not p.vstart or p.use_astart_and_vstart):
-        found.append(
-            RampWarning("astart_above_amax", f"ASTART {p.astart:g} is above AMAX {p.amax:g} pps^2: AMAX holds")
-        )
+        found.append(warning("astart_above_amax", p.astart, p.amax))
     wanted = p.start_acceleration
-    if plan.pieces:
-        used = abs(plan.pieces[0].acceleration_at(0.0))
+    if pieces and wanted:
+        used = abs(pieces[0].acceleration_at(0.0))
         if used < wanted * (1 - _SAME):
-            text = (
-                f"a start with {wanted:g} pps^2 does not fit VMAX, BOW2 and the way: it is altered to {used:.6g} "
-                "(002, 8.2.2)"
-            )
-            found.append(RampWarning("start_acceleration_altered", text))
+            found.append(warning("start_acceleration_altered", wanted, used))
     return found
 
 
-def _of_excess(plan: SRampPlan, allowed: float, v_actual: float) -> list[RampWarning]:
-    peak = plan.limits[0].peak
+def _of_excess(peak: float, allowed: float, v_actual: float) -> list[RampWarning]:
     if peak > max(allowed, abs(v_actual)) * (1 + _SAME):
-        text = (
-            f"the velocity goes up to {peak:.6g} pps, above the wanted {allowed:g}: "
-            "a begun bow is ended first (002, 8.2.2)"
-        )
-        return [RampWarning("vmax_exceeded", text)]
+        return [warning("vmax_exceeded", peak, allowed)]
     return []
