@@ -30,6 +30,8 @@ from app.emulators.tmc4361.feedback.layout import (
     BASE,
     BASE_COUNTS,
     CLK_FREQ,
+    COUNT_RATE,
+    COUNT_TURNS,
     COUNTS,
     DATA_DONE,
     DEN,
@@ -119,7 +121,8 @@ def compensation(fb: Floats, n: Cells, position: int) -> int:
 @compiled
 def position_at(fb: Floats, n: Cells, counts: int) -> int:
     """ENC_POS at a count: scaled, compensated, wrapped to 32 bits or to the circular range."""
-    position = n[BASE] + (counts - n[BASE_COUNTS]) * n[NUM] // n[DEN]
+    gone = (counts - n[BASE_COUNTS]) * n[NUM]
+    position = n[BASE] + (gone >> 16 if n[DEN] == 65536 else gone // n[DEN])
     position += compensation(fb, n, position)
     period = fb[PERIOD]
     if period > 0.0:
@@ -128,10 +131,19 @@ def position_at(fb: Floats, n: Cells, counts: int) -> int:
 
 
 @inlined
-def _n_condition(n: Cells, counts: int) -> bool:
+def _in_turn(fb: Floats, n: Cells, counts: int) -> int:
+    """Place of a count in its turn."""
+    place = counts - math.floor(counts * fb[COUNT_TURNS]) * n[PER_TURN]
+    if place < 0:
+        return place + n[PER_TURN]
+    return place - n[PER_TURN] if place >= n[PER_TURN] else place
+
+
+@inlined
+def _n_condition(fb: Floats, n: Cells, counts: int) -> bool:
     """Whether N, A and B are as pol_n, pol_a_for_n and pol_b_for_n ask."""
     conf = n[ENC_IN_CONF]
-    if (counts % n[PER_TURN] < 4) != bit(conf, POL_N):
+    if (_in_turn(fb, n, counts) < 4) != bit(conf, POL_N):
         return False
     if bit(conf, IGNORE_AB):
         return True
@@ -166,7 +178,8 @@ def pass_counts(fb: Floats, n: Cells, old: int, new: int) -> int:
     per_turn = n[PER_TURN]
     way = 1 if new > old else -1
     low = min(old, new)
-    if bit(conf, POL_N) and low % per_turn >= 4 and low % per_turn + abs(new - old) < per_turn:
+    place = _in_turn(fb, n, low)
+    if bit(conf, POL_N) and place >= 4 and place + abs(new - old) < per_turn:
         n[N_LEVEL] = 0  # far from the pulse
         return 0
     sensitivity = conf >> 5 & 3
@@ -176,7 +189,7 @@ def pass_counts(fb: Floats, n: Cells, old: int, new: int) -> int:
         at = new - way * 2 * per_turn
     while at != new:
         at += way
-        met = _n_condition(n, at)
+        met = _n_condition(fb, n, at)
         was = n[N_LEVEL] != 0
         n[N_LEVEL] = met
         if sensitivity == 0:
@@ -234,7 +247,7 @@ def _speed(fb: Floats, n: Cells) -> None:
     gone = now - n[V_AT]
     if gone >= interval:
         counted = n[COUNTS] - n[V_COUNTS]
-        scale = n[NUM] / n[DEN] * fb[CLK_FREQ]
+        scale = fb[COUNT_RATE]
         if bit(n[ENC_IN_CONF], PREPROC_OR_LIMIT):
             n[V_ENC] = math.floor(counted * scale / gone + 0.5)
         elif counted != 0:
@@ -247,6 +260,9 @@ def _speed(fb: Floats, n: Cells) -> None:
         n[V_COUNTS] = n[COUNTS]
         n[V_AT] = now
     wait = max(word & 0xFF, 32)
+    if word >> 8 & 15 == 0:  # no filter
+        n[MEAN_Q16] = n[V_ENC] * 65536
+        n[MEAN_AT] = now
     while now - n[MEAN_AT] >= wait:
         n[MEAN_AT] += wait
         _filter(n)
@@ -344,7 +360,7 @@ def _ask(fb: Floats, n: Cells) -> int:
     n[COUNTS] = turns * turn + single
     gone = n[NOW] - n[ASKED_AT]
     if n[ANSWERED] and gone > 0:
-        n[V_ENC] = math.floor(moved * (n[NUM] / n[DEN]) * fb[CLK_FREQ] / gone + 0.5)
+        n[V_ENC] = math.floor(moved * fb[COUNT_RATE] / gone + 0.5)
         _filter(n)
     n[ANSWERED] = 1
     n[ASKED_AT] = n[NOW]

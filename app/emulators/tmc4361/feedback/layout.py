@@ -32,6 +32,8 @@ CLK_FREQ, TURN, PERIOD, REACH = range(k.REALS + 6, k.REALS + 10)
 full step that the catch-up limiter has in store."""
 DUTY_A, DUTY_B = range(k.REALS + 10, k.REALS + 12)
 """Share of the time in which STPOUT_PWMA and DIROUT_PWMB are high."""
+COUNT_RATE, COUNT_TURNS = range(k.REALS + 12, k.REALS + 14)
+"""Velocity of one count a clock [pps]; turns a count. Divisions are what a tick has no time for."""
 
 INTEGERS_AT = 64
 """From here on int64."""

@@ -93,6 +93,7 @@ class FeedbackUnit:
                     self.fb[c.REACH] = 0.0
             case 0x31:
                 self.fb[c.CLK_FREQ] = float(word & 0x1FFFFFF) or 1.0
+                self._scale()
             case 0x50:
                 self._place(signed32(word))
             case 0x59:
@@ -214,6 +215,7 @@ class FeedbackUnit:
             n[c.BASE] += (int(n[c.COUNTS]) - int(n[c.BASE_COUNTS])) * int(n[c.NUM]) // int(n[c.DEN])
             n[c.BASE_COUNTS] = n[c.COUNTS]
         n[c.NUM], n[c.DEN] = numerator, scale.denominator
+        fb[c.COUNT_RATE] = numerator / scale.denominator * float(fb[c.CLK_FREQ])
         fb[c.TURN], fb[c.PERIOD] = float(turn), circular_period(self._word)
         shift = min(self._word(0x0A) & 15, 8)
         fb[k.FS_A_V] = (1 << shift) / 65536.0
@@ -300,6 +302,7 @@ class FeedbackUnit:
         fb[k.P1] = math.radians(phase_deg)
         fb[k.SCALE_I] = encoder.counts / (2 * math.pi) * (-1 if encoder.reversed else 1)
         n[c.KIND], n[c.PER_TURN] = _KINDS[encoder.kind], encoder.counts
+        fb[c.COUNT_TURNS] = 1.0 / encoder.counts
         n[c.SINGLE_BITS], n[c.MULTI_BITS] = encoder.single_turn_bits, encoder.multi_turn_bits
         n[c.GRAY], n[c.STATUS_BITS] = encoder.gray, encoder.status_bits
 
