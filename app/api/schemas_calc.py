@@ -8,7 +8,7 @@ from pydantic import ConfigDict, Discriminator, Field, Tag
 
 from app.api.schemas import Answer, Body, ChipName, Flag, ModelName, Number
 from app.api.schemas_mslut import MslutDesign
-from app.api.schemas_sramp import RampFinding, RampLimit, RampRegister, RampRival
+from app.api.schemas_sramp import RampFinding, RampLimit, RampMotor, RampRegister, RampRival, RampTorque
 from app.api.schemas_tables import DriverChain, TableValue
 
 Divider = Annotated[int, Field(strict=True, ge=0, le=13)]
@@ -185,6 +185,7 @@ class Ramp(Body):
     parameters: dict[str, Number | str]
     distance: Number
     samples: Annotated[int, Field(strict=True, ge=2, le=100_000)] = 500
+    motor: RampMotor | None = Field(default=None, description="s_ramp: a motor to compare the ramp with")
 
 
 class Phase(Answer):
@@ -207,6 +208,7 @@ class RampResult(Answer):
     findings: list[RampFinding] = Field(default=[], description="s_ramp: `warnings` with the parameters they are about")
     registers: list[RampRegister] = Field(default=[], description="s_ramp: what goes into the chip")
     rivals: list[RampRival] = Field(default=[], description="s_ramp: other ways to make the same move, from rest")
+    torque: RampTorque | None = Field(default=None, description="s_ramp with a `motor`")
 
 
 class MicrostepDesign(Body):

@@ -6,10 +6,13 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
+import numpy as np
+
 from app.api.schemas_calc import Phase, Ramp, RampResult
-from app.api.schemas_sramp import RampFinding, RampLimit, RampRegister, RampRival
+from app.api.schemas_sramp import RampFinding, RampLimit, RampRegister, RampRival, RampTorque
+from app.calc.motor_torque import FastMove, StepperMotor, fastest_move, fastest_trapezoid
 from app.calc.ramp_trapezoid import trapezoid_ramp
-from app.calc.sramp import RampWarning, SRamp, SRampPlan, position_plan, velocity_plan
+from app.calc.sramp import RampWarning, SRamp, SRampCurve, SRampPlan, position_plan, velocity_plan
 from app.calc.tmc4361_formats import CLOCK_HZ_DEFAULT, Units
 from app.links.errors import UsageError
 
@@ -22,6 +25,9 @@ CHOICES = {
     "shape": ("s", "trapezoid", "hold"),
     "rounding": ("none", "registers"),
 }
+_CURVE_POINTS = 120
+_MOST_OVERLOAD = 1e6
+"""Where the motor has no torque at all, the margin is minus infinity, which JSON cannot say."""
 _ALIASES = {"start_acceleration": "astart"}
 
 
@@ -48,6 +54,7 @@ class Wanted:
 def s_ramp(body: Ramp) -> RampResult:
     """Answer model "s_ramp". Raises UsageError for names and kinds, ValueError for what cannot be planned."""
     wanted = _understood(body)
+    motor = None if body.motor is None else StepperMotor(**body.motor.model_dump())
     plan = _plan(wanted, body.distance)
     curve = plan.curve(body.samples, None if wanted.positioning else _seen_s(plan, body.distance))
     findings = [_finding(warning) for warning in plan.warnings]
@@ -56,6 +63,7 @@ def s_ramp(body: Ramp) -> RampResult:
         for name in wanted.asked
         for text in wanted.units.warnings(name.upper(), wanted.values[name], wanted.positioning)
     ]
+    torque = None if motor is None else _torque(motor, curve, wanted.values["vmax"])
     return RampResult(
         duration_s=curve.duration_s,
         phases=[Phase.model_validate(phase) for phase in curve.phases],
@@ -69,7 +77,8 @@ def s_ramp(body: Ramp) -> RampResult:
         limits=[RampLimit.model_validate(limit) for limit in plan.limits],
         findings=findings,
         registers=[_register(name, wanted) for name in wanted.asked],
-        rivals=_rivals(wanted, plan, body.distance),
+        rivals=_rivals(wanted, plan, body.distance, motor, torque),
+        torque=torque,
     )
 
 
@@ -164,23 +173,53 @@ def _register(name: str, wanted: Wanted) -> RampRegister:
     )
 
 
-def _rivals(wanted: Wanted, plan: SRampPlan, distance: float) -> list[RampRival]:
+def _rivals(
+    wanted: Wanted, plan: SRampPlan, distance: float, motor: StepperMotor | None, torque: RampTorque | None
+) -> list[RampRival]:
     """Only a move from rest has rivals: what comes before decides the others."""
     if not wanted.positioning or wanted.shape != "s" or wanted.v_actual or wanted.a_actual or not distance:
         return []
     vmax, amax, dmax = (wanted.values[name] for name in ("vmax", "amax", "dmax"))
-    duration_s = trapezoid_ramp(vmax, amax, dmax, distance, 2).duration_s
+    same = FastMove(trapezoid_ramp(vmax, amax, dmax, distance, 2).duration_s, vmax, amax, dmax)
+    found = [("trapezoid", "the same VMAX, AMAX and DMAX, without bows: what the bows cost", same)]
+    if motor is not None and torque is not None:
+        # a ramp that asks too much has no margin that others could keep to: they then use all there is
+        margin = max(torque.margin, 0.0)
+        kept = f"leaving the motor {margin:.0%} of its torque" if margin else "with all the motor's torque"
+        trapezoid = fastest_trapezoid(motor, distance, vmax, margin)
+        limit = fastest_move(motor, distance, vmax, margin)
+        if trapezoid is not None:
+            found.append(("motor_trapezoid", f"the fastest trapezoid up to VMAX, {kept} as this ramp does", trapezoid))
+        if limit is not None:
+            found.append(("motor_limit", f"at every speed as fast as the motor can, {kept}: no ramp is faster", limit))
     return [
         RampRival(
-            name="trapezoid",
-            text="the same VMAX, AMAX and DMAX, the bows without limit: what the jerk costs",
-            duration_s=duration_s,
-            saved_s=duration_s - plan.duration_s,
-            vmax_pps=vmax,
-            amax_pps2=amax,
-            dmax_pps2=dmax,
+            name=name,
+            text=text,
+            duration_s=move.duration_s,
+            saved_s=move.duration_s - plan.duration_s,
+            vmax_pps=move.vmax,
+            amax_pps2=move.amax,
+            dmax_pps2=move.dmax,
         )
+        for name, text, move in found
     ]
+
+
+def _torque(motor: StepperMotor, curve: SRampCurve, vmax: float) -> RampTorque:
+    available = motor.available_nm(curve.velocity_pps)
+    # the last sample stands: what it takes to leave rest is no part of this motion
+    margin = motor.margin(curve.velocity_pps, curve.acceleration_pps2)[:-1]
+    least = int(np.argmin(margin))
+    speed = np.linspace(0.0, 1.5 * vmax, _CURVE_POINTS)
+    return RampTorque(
+        available_nm=available.tolist(),
+        required_nm=motor.required_nm(curve.velocity_pps, curve.acceleration_pps2).tolist(),
+        margin=max(float(margin[least]), -_MOST_OVERLOAD),
+        margin_at_s=float(curve.time_s[least]),
+        speed_pps=speed.tolist(),
+        curve_nm=motor.available_nm(speed).tolist(),
+    )
 
 
 def _choice(name: str, given: Mapping[str, float | str]) -> str:

@@ -3921,6 +3921,8 @@ export interface components {
              * @default 500
              */
             samples?: number;
+            /** @description s_ramp: a motor to compare the ramp with */
+            motor?: components["schemas"]["RampMotor"] | null;
         };
         /**
          * RampFinding
@@ -4026,6 +4028,77 @@ export interface components {
             reached: boolean;
         };
         /**
+         * RampMotor
+         * @description The motor, its driver and its load, to compare a ramp with; the defaults are a common 40 mm motor and a slide.
+         */
+        RampMotor: {
+            /**
+             * Holding Torque Nm
+             * @description both phases at the rated current
+             * @default 0.45
+             */
+            holding_torque_nm?: number;
+            /**
+             * Rated Current A
+             * @default 1.5
+             */
+            rated_current_a?: number;
+            /**
+             * Current A
+             * @description what the driver is set to, peak of the sine
+             * @default 1.5
+             */
+            current_a?: number;
+            /**
+             * Resistance Ohm
+             * @default 2.3
+             */
+            resistance_ohm?: number;
+            /**
+             * Inductance H
+             * @default 0.0044
+             */
+            inductance_h?: number;
+            /**
+             * Supply V
+             * @default 24
+             */
+            supply_v?: number;
+            /**
+             * Inertia Kgm2
+             * @description rotor and load, at the shaft
+             * @default 0.0002
+             */
+            inertia_kgm2?: number;
+            /**
+             * Full Steps Per Rev
+             * @default 200
+             */
+            full_steps_per_rev?: number;
+            /**
+             * Microsteps Per Full Step
+             * @default 256
+             */
+            microsteps_per_full_step?: number;
+            /**
+             * Friction Nm
+             * @default 0.005
+             */
+            friction_nm?: number;
+            /**
+             * Damping Nms
+             * @description friction that grows with speed
+             * @default 0.001
+             */
+            damping_nms?: number;
+            /**
+             * Load Nm
+             * @description against the motion
+             * @default 0
+             */
+            load_nm?: number;
+        };
+        /**
          * RampRegister
          * @description What a parameter becomes in its register.
          */
@@ -4107,6 +4180,8 @@ export interface components {
              * @default []
              */
             rivals: components["schemas"]["RampRival"][];
+            /** @description s_ramp with a `motor` */
+            torque: components["schemas"]["RampTorque"] | null;
         };
         /**
          * RampRival
@@ -4164,6 +4239,36 @@ export interface components {
             standby: boolean;
             /** Clocks Gated */
             clocks_gated: boolean;
+        };
+        /**
+         * RampTorque
+         * @description What the ramp asks of the motor at each of its samples, and what that could give.
+         */
+        RampTorque: {
+            /**
+             * Available Nm
+             * @description not negative
+             */
+            available_nm: number[];
+            /**
+             * Required Nm
+             * @description signed
+             */
+            required_nm: number[];
+            /**
+             * Margin
+             * @description the least part of the available torque that is left; below 0 it is too little
+             */
+            margin: number;
+            /** Margin At S */
+            margin_at_s: number;
+            /**
+             * Speed Pps
+             * @description of the motor's curve, from 0 on
+             */
+            speed_pps: number[];
+            /** Curve Nm */
+            curve_nm: number[];
         };
         /**
          * RampUnits
