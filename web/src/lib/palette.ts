@@ -18,6 +18,9 @@ export type Quantity =
   | "load_value"
   | "actual_current_scale"
   | "measured_speed"
+  | "encoder_velocity"
+  | "load_angle"
+  | "current_scale"
   | "switch_left"
   | "switch_right"
   | "switch_reference"
@@ -43,6 +46,9 @@ const SHADES: Record<Quantity, readonly [light: string, dark: string]> = {
   load_value: ["#6b4fbb", "#a08bf0"],
   actual_current_scale: ["#b87400", "#e69f00"],
   measured_speed: ["#4a7d00", "#9bd14f"],
+  encoder_velocity: ["#b4408a", "#ee8fc6"],
+  load_angle: ["#6b4fbb", "#a08bf0"],
+  current_scale: ["#b87400", "#e69f00"],
   switch_left: ["#0072b2", "#56b4e9"],
   switch_right: ["#00795a", "#1fc497"],
   switch_reference: ["#b87400", "#e69f00"],

@@ -1,5 +1,5 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
-import { type MoveEvent, type StopEvent, TelemetrySource, telemetryUrl } from "./TelemetrySource";
+import { type ChipEvent, type MoveEvent, type StopEvent, TelemetrySource, telemetryUrl } from "./TelemetrySource";
 
 /** The far end of a socket, in the test's hands. */
 class FakeSocket {
@@ -115,6 +115,18 @@ describe("TelemetrySource", () => {
     ]);
     tell({ type: "status", achieved_rate_hz: 50, jitter_ms: 0, latency_ms: 1, dropped: 0, calls_per_s: 512 });
     expect(source.link()).toMatchObject({ callsPerS: 512, callsPerSPossible: null, rowSpreadMs: null });
+  });
+
+  it("tells what a chip's event register told", () => {
+    const events: ChipEvent[] = [];
+    const end = source.onEvent((event) => events.push(event));
+    tell(START);
+    tell({ type: "event", axis: 0, seq: 7, time_s: 4.25, names: ["STOPL_EVENT", "VEL_STATE_00"] });
+    end();
+    tell({ type: "event", axis: 0, seq: 8, time_s: 5, names: ["RST_EV"] });
+    expect(events).toEqual([
+      { device: "tmc428 demo", axis: 0, seq: 7, timeS: 4.25, names: ["STOPL_EVENT", "VEL_STATE_00"] },
+    ]);
   });
 
   it("tells of moves", () => {

@@ -54,6 +54,16 @@ export interface StopEvent {
   detail: string;
 }
 
+/** What a chip's event register told at one look. */
+export interface ChipEvent {
+  device: string;
+  axis: number;
+  seq: number;
+  /** device time, that of the samples */
+  timeS: number;
+  names: readonly string[];
+}
+
 /** How a socket is made; tests bring their own. */
 export type OpenSocket = (url: string, protocol: string) => WebSocket;
 
@@ -111,6 +121,7 @@ export class TelemetrySource {
   private readonly listeners = new Set<() => void>();
   private readonly moveListeners = new Set<(move: MoveEvent) => void>();
   private readonly stopListeners = new Set<(stop: StopEvent) => void>();
+  private readonly eventListeners = new Set<(event: ChipEvent) => void>();
   private readonly open: OpenSocket;
 
   constructor(request: TelemetryRequest, open: OpenSocket = (url, protocol) => new WebSocket(url, protocol)) {
@@ -154,6 +165,11 @@ export class TelemetrySource {
   onStop(listener: (stop: StopEvent) => void): () => void {
     this.stopListeners.add(listener);
     return () => this.stopListeners.delete(listener);
+  }
+
+  onEvent(listener: (event: ChipEvent) => void): () => void {
+    this.eventListeners.add(listener);
+    return () => this.eventListeners.delete(listener);
   }
 
   private update(change: Partial<LinkState>): void {
@@ -235,6 +251,16 @@ export class TelemetrySource {
             timeS: message.time_s as number,
             position: numberOrNull(message.position),
             detail: typeof message.detail === "string" ? message.detail : "",
+          });
+        break;
+      case "event":
+        for (const listener of this.eventListeners)
+          listener({
+            device: this.request.device,
+            axis: message.axis as number,
+            seq: message.seq as number,
+            timeS: message.time_s as number,
+            names: message.names as string[],
           });
         break;
     }

@@ -8,6 +8,7 @@ import { type Device, useDevices } from "../../api/queries";
 import { EmptyState } from "../../lib/EmptyState";
 import { familyOf } from "../../lib/family";
 import { useSelection } from "../../live/selection";
+import { EventsTimeline } from "../events/EventsTimeline";
 import { AxisTree } from "./AxisTree";
 import classes from "./bench.module.css";
 import { DemoBanner } from "./DemoBanner";
@@ -88,7 +89,21 @@ function Bench({ devices, lost }: BenchProps) {
                 onToggle={toggle}
               />
             )}
-            <ScopeCard devices={devices} main={main} axisName={`${device.name} ${entry.name}`} />
+            <ScopeCard devices={devices} main={main} axisName={`${device.name} ${entry.name}`}>
+              {(scope) =>
+                familyOf(device.model) === "sramp" && (
+                  <EventsTimeline
+                    key={`${device.id}/${entry.index}`}
+                    at={main}
+                    model={device.model}
+                    name={`${device.name} ${entry.name}`}
+                    source={scope.sources[0]}
+                    connected={asKnown(device).state === "connected"}
+                    window={{ current: () => scope.view.current(), box: scope.timeBox }}
+                  />
+                )
+              }
+            </ScopeCard>
           </>
         )}
       </div>

@@ -4,7 +4,8 @@ import { ProblemAlert } from "../../lib/ProblemAlert";
 import classes from "./bench.module.css";
 import { ChipControls } from "./ChipControls";
 import { ModuleControls } from "./ModuleControls";
-import { isModuleState, useChangeEmulator, useEmulator } from "./useEmulator";
+import { Tmc4361Controls } from "./Tmc4361Controls";
+import { isModuleState, isTmc4361State, useChangeEmulator, useEmulator } from "./useEmulator";
 
 interface Props {
   device: Device;
@@ -30,6 +31,8 @@ export function EmulatorPanel({ device, onClose }: Props) {
         {state &&
           (isModuleState(state) ? (
             <ModuleControls state={state} send={change.mutate} />
+          ) : isTmc4361State(state) ? (
+            <Tmc4361Controls state={state} send={change.mutate} />
           ) : (
             <ChipControls device={device} state={state} send={change.mutate} />
           ))}

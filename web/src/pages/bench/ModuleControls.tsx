@@ -1,10 +1,10 @@
-import { Button, Divider, Group, Slider, Switch, Text } from "@mantine/core";
+import { Button, Divider, Group, Switch, Text } from "@mantine/core";
 import { IconArrowBackUp, IconPower } from "@tabler/icons-react";
 import { useState } from "react";
 import { fixed } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import classes from "./bench.module.css";
-import { SwitchRow, TimeScale } from "./EmulatorParts";
+import { LoadSlider, StagePlacesFields, SwitchRow, TimeScale } from "./EmulatorParts";
 import { RotorDial } from "./RotorDial";
 import type { Pd42Patch, Pd42State } from "./useEmulator";
 
@@ -22,7 +22,7 @@ export function ModuleControls({ state, send }: Props) {
     <>
       <RotorDial truth={state.truth} />
       <Divider label="Shaft" labelPosition="left" />
-      <LoadSlider key={`${most}`} value={state.load_torque_nm} most={most} send={send} />
+      <LoadSlider value={state.load_torque_nm} most={most} send={(load_torque_nm) => send({ load_torque_nm })} />
       <div className={classes.pairGrid}>
         <NumberField
           label="Friction"
@@ -83,30 +83,7 @@ export function ModuleControls({ state, send }: Props) {
           />
         ))}
       </div>
-      <div className={classes.pairGrid}>
-        {(
-          [
-            ["left_at_fullsteps", "Left at"],
-            ["right_at_fullsteps", "Right at"],
-            ["home_from_fullsteps", "Home from"],
-            ["home_to_fullsteps", "Home to"],
-            ["position_fullsteps", "Carriage at"],
-          ] as const
-        ).map(([name, label]) => (
-          <NumberField
-            key={name}
-            label={label}
-            unit="fs"
-            title="full steps of the motor"
-            value={stage[name]}
-            show={(value) => String(Math.round(value * 10) / 10)}
-            min={-1e6}
-            max={1e6}
-            step={10}
-            onChange={(value) => send({ stage: { [name]: value } })}
-          />
-        ))}
-      </div>
+      <StagePlacesFields stage={stage} send={(places) => send({ stage: places })} />
       <Divider label="Time" labelPosition="left" />
       <TimeScale scale={state.time_scale} chipTimeS={state.chip_time_s} send={(time_scale) => send({ time_scale })} />
       <Divider label="Faults" labelPosition="left" />
@@ -178,36 +155,6 @@ export function ModuleControls({ state, send }: Props) {
         A power cycle keeps what was stored in the EEPROM. Motor and stage stay where they are.
       </Text>
     </>
-  );
-}
-
-/** Sends while it is dragged, and shows the hand's value, not the answer that is still under way. */
-function LoadSlider({ value, most, send }: { value: number; most: number; send: (patch: Pd42Patch) => void }) {
-  const [held, setHeld] = useState<number | null>(null);
-  const shown = held ?? value;
-  return (
-    <div>
-      <Group justify="space-between" gap={4}>
-        <Text size="xs">Load torque, pulls to the left</Text>
-        <Text size="xs" className="num">
-          {fixed(shown * 1000)} mN·m
-        </Text>
-      </Group>
-      <Slider
-        thumbLabel="Load torque"
-        min={-most}
-        max={most}
-        step={0.005}
-        value={shown}
-        label={(torque) => `${fixed(torque * 1000)} mN·m`}
-        marks={[{ value: 0 }]}
-        onChange={(torque) => {
-          setHeld(torque);
-          send({ load_torque_nm: torque });
-        }}
-        onChangeEnd={() => setHeld(null)}
-      />
-    </div>
   );
 }
 

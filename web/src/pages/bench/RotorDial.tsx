@@ -1,6 +1,6 @@
 import { fixed } from "../../lib/format";
 import classes from "./bench.module.css";
-import type { Pd42State } from "./useEmulator";
+import type { Pd42State, Tmc4361State } from "./useEmulator";
 
 const SLIP_DEG = 90;
 
@@ -10,7 +10,7 @@ function point(degrees: number, radius: number): string {
 }
 
 /** One electrical turn, four full steps: the field points up, and the rotor is as far off as the load pulls it. */
-export function RotorDial({ truth }: { truth: Pd42State["truth"] }) {
+export function RotorDial({ truth }: { truth: Pd42State["truth"] | Tmc4361State["truth"] }) {
   const behind = truth.load_angle_deg;
   const slips = Math.abs(behind) > SLIP_DEG;
   return (

@@ -1,4 +1,4 @@
-import { type EmulatorState, isModuleState } from "./useEmulator";
+import { type EmulatorState, isModuleState, isTmc4361State } from "./useEmulator";
 
 export interface EmulatedSwitch {
   active: boolean;
@@ -25,7 +25,7 @@ export interface EmulatedAxis {
 
 export function emulatedAxis(state: EmulatorState | undefined, axis: number): EmulatedAxis | undefined {
   if (state === undefined) return undefined;
-  if (isModuleState(state)) {
+  if (isModuleState(state) || isTmc4361State(state)) {
     const { stage, switches } = state;
     return axis !== 0
       ? undefined

@@ -1,7 +1,7 @@
 import { NativeSelect, SegmentedControl } from "@mantine/core";
 import { useHotkeys, useMediaQuery } from "@mantine/hooks";
 import { IconActivity } from "@tabler/icons-react";
-import { useState } from "react";
+import { type ReactNode, useState } from "react";
 import type { Device } from "../../../api/queries";
 import { EmptyState } from "../../../lib/EmptyState";
 import { symbolOf } from "../../../lib/units";
@@ -13,12 +13,14 @@ import type { AxisRef, ScopeRow } from "./model";
 import { ScopeToolbar } from "./ScopeToolbar";
 import classes from "./scope.module.css";
 import { type Trigger, useScopeSettings } from "./settings";
-import { useScope } from "./useScope";
+import { type Scope, useScope } from "./useScope";
 
 interface Props {
   devices: readonly Device[];
   main: AxisRef;
   axisName: string;
+  /** what stands below the plots, on their time axis */
+  children?: (scope: Scope) => ReactNode;
 }
 
 const TRIGGERS: readonly Trigger[] = ["roll", "auto", "single"];
@@ -41,7 +43,7 @@ function yScaleOf({ row, unit, traces }: ScopeRow): PlotScale {
 }
 
 /** The scope: what the selected axis does, against what it was to do. */
-export function ScopeCard({ devices, main, axisName }: Props) {
+export function ScopeCard({ devices, main, axisName, children }: Props) {
   const [settings, change] = useScopeSettings();
   const [cursors, setCursors] = useState(false);
   const phone = useMediaQuery("(max-width: 48em)", false, { getInitialValueInEffect: false });
@@ -140,6 +142,7 @@ export function ScopeCard({ devices, main, axisName }: Props) {
           );
         })}
       </div>
+      {children?.(scope)}
     </section>
   );
 }

@@ -8,6 +8,7 @@ export type RowId =
   | "velocity"
   | "acceleration"
   | "load"
+  | "angle"
   | "current"
   | "switches";
 export type Motion = "position" | "velocity" | "acceleration";
@@ -74,6 +75,7 @@ export const ROWS: readonly Row[] = [
       { quantity: "predicted_velocity", label: "predicted", band: true },
       { quantity: "target_velocity", label: "target", thin: true },
       { quantity: "measured_speed", label: "measured" },
+      { quantity: "encoder_velocity", label: "encoder" },
       { quantity: "velocity", label: "velocity", shared: true, measured: true },
     ],
   },
@@ -92,11 +94,21 @@ export const ROWS: readonly Row[] = [
     channels: [{ quantity: "load_value", label: "load value", measured: true }],
   },
   {
+    id: "angle",
+    title: "Load angle",
+    motion: null,
+    grow: 1.4,
+    channels: [{ quantity: "load_angle", label: "electrical", measured: true }],
+  },
+  {
     id: "current",
     title: "Current scale",
     motion: null,
     grow: 1.2,
-    channels: [{ quantity: "actual_current_scale", label: "of 0..31", measured: true }],
+    channels: [
+      { quantity: "actual_current_scale", label: "of 0..31", measured: true },
+      { quantity: "current_scale", label: "of 0..255", measured: true },
+    ],
   },
   {
     id: "switches",
@@ -123,6 +135,7 @@ export function unitOf(row: Row, unit: string): string {
     case "acceleration":
       return ratesOf(unit).acceleration;
     default:
+      if (row.id === "angle") return "deg";
       return row.id === "residual" || row.id === "deviation" ? "microsteps" : "";
   }
 }

@@ -195,6 +195,14 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
       else pause([change.min, change.max]);
       return true;
     },
+    /** where the plots have their time axis, in pixels of the page; null while there is none */
+    timeBox: (): { left: number; width: number } | null => {
+      for (const plot of plots.current.values()) {
+        const box = plot.uplot?.over.getBoundingClientRect();
+        if (box && box.width > 0) return { left: box.left, width: box.width };
+      }
+      return null;
+    },
     setPlot: (row: RowId, plot: PlotHandle | null) => {
       if (plot) plots.current.set(row, plot);
       else plots.current.delete(row);

@@ -1,0 +1,255 @@
+import { Loader, SegmentedControl, Text, Tooltip } from "@mantine/core";
+import { type KeyboardEvent, type PointerEvent, useRef, useState } from "react";
+import type { AxisAddress } from "../../api/motion";
+import { duration, fixed } from "../../lib/format";
+import { ProblemAlert } from "../../lib/ProblemAlert";
+import { usePhone } from "../../lib/usePhone";
+import { useScheme } from "../../lib/useScheme";
+import type { TelemetrySource } from "../../live/TelemetrySource";
+import { useFrame } from "../../live/useFrame";
+import { EventList } from "./EventList";
+import { isFault, type Lane, nearest } from "./EventLog";
+import classes from "./events.module.css";
+import { type EventBit, useEvents } from "./useEvents";
+
+const LANE_PX = 18;
+const HIT_PX = 8;
+
+export interface TimeWindow {
+  /** what is seen now [s of device time] */
+  current: () => readonly [number, number];
+  /** where the plots above begin and end, in pixels of the page; null where there are none */
+  box: () => { left: number; width: number } | null;
+}
+
+interface Props {
+  at: AxisAddress;
+  model: string;
+  name: string;
+  source: TelemetrySource | undefined;
+  connected: boolean;
+  window: TimeWindow;
+}
+
+/** What the chip's event register has told, on the time axis of the plots above it: a row for each bit that occurred. */
+export function EventsTimeline({ at, model, name, source, connected, window }: Props) {
+  const phone = usePhone();
+  const [view, setView] = useState<"timeline" | "list">("timeline");
+  const events = useEvents(at, model, source, connected);
+  const { lanes, log, query } = events;
+  const originS = source?.link().timeOriginUnixS ?? null;
+  const asList = phone || view === "list";
+  return (
+    <section className={classes.events} aria-label={`Events of ${name}`} data-testid="events" data-stale={!connected}>
+      <header className={classes.head}>
+        <h2 className={classes.title}>Events</h2>
+        <Text size="xs" c="dimmed" className={classes.count} data-testid="event-count">
+          {log.entries.length === 0 ? "" : `${fixed(log.entries.length)} seen`}
+          {log.lost > 0 && `, ${fixed(log.lost)} before them forgotten`}
+        </Text>
+        {!phone && (
+          <SegmentedControl
+            size="xs"
+            aria-label="Events as"
+            data={[
+              { value: "timeline", label: "Timeline" },
+              { value: "list", label: "List" },
+            ]}
+            value={view}
+            onChange={(value) => setView(value as "timeline" | "list")}
+          />
+        )}
+      </header>
+      {query.isError && connected && (
+        <ProblemAlert error={query.error} doing="Asking for events" retry={() => void query.refetch()} />
+      )}
+      {lanes.length === 0 ? (
+        <Nothing pending={query.isPending && connected} connected={connected} />
+      ) : asList ? (
+        <EventList entries={log.entries} bits={events.bits} originS={originS} />
+      ) : (
+        <Lanes lanes={lanes} bits={events.bits} window={window} name={name} />
+      )}
+    </section>
+  );
+}
+
+function Nothing({ pending, connected }: { pending: boolean; connected: boolean }) {
+  if (pending) return <Loader size="xs" aria-label="Asking for events" />;
+  return (
+    <Text size="xs" c="dimmed" className={classes.nothing}>
+      {connected
+        ? "No event yet. Move the motor, or push a switch: what EVENTS tells gets a row here, and nothing is lost by looking."
+        : "Not connected: no events are asked for."}
+    </Text>
+  );
+}
+
+interface LanesProps {
+  lanes: readonly Lane[];
+  bits: readonly EventBit[];
+  window: TimeWindow;
+  name: string;
+}
+
+interface Under {
+  lane: number;
+  index: number;
+  x: number;
+}
+
+function Lanes({ lanes, bits, window, name }: LanesProps) {
+  const scheme = useScheme();
+  const canvas = useRef<HTMLCanvasElement>(null);
+  const drawn = useRef("");
+  const [under, setUnder] = useState<Under | null>(null);
+  const [spoken, setSpoken] = useState("");
+  const height = lanes.length * LANE_PX;
+
+  /** Left edge and width of the time axis in pixels of the canvas. */
+  const frame = (node: HTMLCanvasElement) => {
+    const own = node.getBoundingClientRect();
+    const box = window.box();
+    return box === null ? { left: 0, width: own.width } : { left: box.left - own.left, width: box.width };
+  };
+
+  useFrame(() => {
+    const node = canvas.current;
+    if (!node) return;
+    const [from, to] = window.current();
+    const { left, width } = frame(node);
+    const cssWidth = node.clientWidth;
+    const ratio = globalThis.devicePixelRatio || 1;
+    const last = lanes.map((lane) => `${lane.name}${lane.times.length}`).join();
+    const state = `${from} ${to} ${left} ${width} ${cssWidth} ${ratio} ${last} ${scheme} ${under?.lane}/${under?.index}`;
+    if (state === drawn.current) return;
+    drawn.current = state;
+    node.width = Math.round(cssWidth * ratio);
+    node.height = Math.round(height * ratio);
+    const pen = node.getContext("2d");
+    if (!pen) return;
+    pen.scale(ratio, ratio);
+    const dark = scheme === "dark";
+    pen.fillStyle = dark ? "rgba(255,255,255,0.07)" : "rgba(15,23,42,0.07)";
+    lanes.forEach((_, row) => {
+      pen.fillRect(left, row * LANE_PX + LANE_PX / 2 - 0.5, width, 1);
+    });
+    pen.save();
+    pen.beginPath();
+    pen.rect(left - 4, 0, width + 8, height);
+    pen.clip();
+    lanes.forEach((lane, row) => {
+      const middle = row * LANE_PX + LANE_PX / 2;
+      const fault = isFault(lane.name);
+      pen.fillStyle = fault ? (dark ? "#ff6b6b" : "#d02828") : dark ? "#56b4e9" : "#0072b2";
+      lane.times.forEach((time, index) => {
+        if (time < from || time > to) return;
+        const x = left + ((time - from) / (to - from)) * width;
+        const grown = under?.lane === row && under.index === index ? 2 : 0;
+        if (fault) {
+          // the shape says it as well as the colour
+          const size = 4.5 + grown;
+          pen.beginPath();
+          pen.moveTo(x, middle - size);
+          pen.lineTo(x + size, middle);
+          pen.lineTo(x, middle + size);
+          pen.lineTo(x - size, middle);
+          pen.fill();
+        } else pen.fillRect(x - 1 - grown / 2, middle - 6 - grown / 2, 2 + grown, 12 + grown);
+      });
+    });
+    pen.restore();
+  });
+
+  const point = (event: PointerEvent<HTMLCanvasElement>) => {
+    const node = event.currentTarget;
+    const own = node.getBoundingClientRect();
+    const { left, width } = frame(node);
+    const [from, to] = window.current();
+    const row = Math.floor((event.clientY - own.top) / LANE_PX);
+    const time = from + ((event.clientX - own.left - left) / width) * (to - from);
+    const index = nearest(lanes[row], time, (HIT_PX / width) * (to - from));
+    setUnder(index === null ? null : { lane: row, index, x: event.clientX - own.left });
+  };
+
+  /** Left and right walk along the events that are in sight, in the order of time, and read them out. */
+  const walk = (event: KeyboardEvent<HTMLCanvasElement>) => {
+    if (event.key !== "ArrowLeft" && event.key !== "ArrowRight") return;
+    event.preventDefault();
+    const node = event.currentTarget;
+    const [from, to] = window.current();
+    const seen = lanes
+      .flatMap((lane, row) => lane.times.map((time, index) => ({ lane: row, index, time })))
+      .filter(({ time }) => time >= from && time <= to)
+      .sort((a, b) => a.time - b.time || a.lane - b.lane);
+    if (seen.length === 0) {
+      setSpoken("No event in this window");
+      return;
+    }
+    const back = event.key === "ArrowLeft";
+    const now = seen.findIndex((mark) => mark.lane === under?.lane && mark.index === under.index);
+    const next = seen[now < 0 ? (back ? seen.length - 1 : 0) : (now + (back ? -1 : 1) + seen.length) % seen.length];
+    if (!next) return;
+    const { left, width } = frame(node);
+    setUnder({ lane: next.lane, index: next.index, x: left + ((next.time - from) / (to - from)) * width });
+    setSpoken(`${lanes[next.lane]?.name} at ${fixed(next.time, 3)} s`);
+  };
+
+  const lane = under === null ? undefined : lanes[under.lane];
+  const time = under === null ? undefined : lane?.times[under.index];
+  const before = under === null || under.index === 0 ? undefined : lane?.times[under.index - 1];
+  return (
+    <div className={classes.lanes}>
+      <div className={classes.drawing} style={{ height }}>
+        <canvas
+          ref={canvas}
+          className={classes.canvas}
+          style={{ height }}
+          tabIndex={0}
+          role="img"
+          aria-label={`Events of ${name} over time, ${lanes.length} rows. Arrow keys walk along them; the list has them as text.`}
+          onPointerMove={point}
+          onPointerLeave={() => setUnder(null)}
+          onBlur={() => setUnder(null)}
+          onKeyDown={walk}
+          data-testid="event-lanes"
+        />
+        {under !== null && lane && time !== undefined && (
+          <div
+            className={classes.tip}
+            style={{ left: under.x, top: under.lane * LANE_PX }}
+            data-right={under.x > 300}
+            data-testid="event-tip"
+          >
+            <b>{lane.name}</b> <span className="num">{fixed(time, 4)} s</span>
+            {before !== undefined && <span className={classes.tipNote}>{duration(time - before)} after the last</span>}
+            <div>{bits.find((bit) => bit.name === lane.name)?.help}</div>
+          </div>
+        )}
+        <span className={classes.hidden} role="status">
+          {spoken}
+        </span>
+      </div>
+      <ul className={classes.names} aria-label="Events that occurred">
+        {lanes.map((each) => (
+          <Tooltip
+            key={each.name}
+            label={bits.find((bit) => bit.name === each.name)?.help ?? each.name}
+            position="left"
+            openDelay={300}
+          >
+            <li
+              className={classes.name}
+              style={{ height: LANE_PX }}
+              data-fault={isFault(each.name)}
+              data-event={each.name}
+            >
+              <span className={classes.nameText}>{each.name}</span>
+              <span className={`num ${classes.times}`}>{fixed(each.times.length)}</span>
+            </li>
+          </Tooltip>
+        ))}
+      </ul>
+    </div>
+  );
+}

@@ -1,0 +1,87 @@
+import { useQuery } from "@tanstack/react-query";
+import { useEffect, useMemo, useRef, useState } from "react";
+import { api, unwrap } from "../../api/client";
+import type { AxisAddress } from "../../api/motion";
+import { useCatalogModel } from "../../api/queries";
+import type { TelemetrySource } from "../../live/TelemetrySource";
+import { useFrame } from "../../live/useFrame";
+import { EventLog, type Lane, lanesOf } from "./EventLog";
+
+const POLL_MS = 2000;
+const PAGE = 2000;
+/** Rows and counts need not be newer than this; the marks themselves are drawn in every frame. */
+const LOOK_MS = 150;
+
+export interface EventBit {
+  name: string;
+  help: string;
+}
+
+/** The bits of EVENTS with their meanings, from the catalog. */
+export function useEventBits(model: string | undefined): readonly EventBit[] {
+  const catalog = useCatalogModel(model);
+  return useMemo(
+    () =>
+      catalog.data?.rows
+        .find((row) => row.name === "EVENTS")
+        ?.fields.map(({ name, help }) => ({ name, help: help ?? "" })) ?? [],
+    [catalog.data],
+  );
+}
+
+/** The timeline of one axis, from the server's memory and live from the socket of `source`. */
+export function useEvents(at: AxisAddress, model: string, source: TelemetrySource | undefined, enabled: boolean) {
+  const { device, axis } = at;
+  // biome-ignore lint/correctness/useExhaustiveDependencies: another axis has another timeline
+  const log = useMemo(() => new EventLog(), [device, axis]);
+  const bits = useEventBits(model);
+  const query = useQuery({
+    queryKey: ["events", device, axis],
+    queryFn: async ({ signal }) => {
+      for (;;) {
+        const page = unwrap(
+          await api.GET("/api/v1/devices/{device}/axes/{axis}/events", {
+            params: { path: { device, axis }, query: { after: log.asked, limit: PAGE } },
+            signal,
+          }),
+        );
+        const again = page.next < log.asked;
+        log.page(
+          page.events.map((event) => ({
+            seq: event.seq,
+            timeS: event.time_s,
+            unixS: event.unix_s,
+            names: event.names,
+          })),
+          page.next,
+          page.lost,
+        );
+        if (!again && page.events.length < PAGE) return log.asked;
+      }
+    },
+    enabled,
+    refetchInterval: POLL_MS,
+    staleTime: 0,
+    gcTime: 0,
+  });
+  useEffect(
+    () =>
+      source?.onEvent((event) => {
+        if (event.axis === axis) log.add([{ seq: event.seq, timeS: event.timeS, unixS: null, names: event.names }]);
+      }),
+    [source, log, axis],
+  );
+
+  const [seen, setSeen] = useState({ log, revision: 0 });
+  const lookedMs = useRef(0);
+  useFrame((nowMs) => {
+    if (nowMs - lookedMs.current < LOOK_MS) return;
+    lookedMs.current = nowMs;
+    setSeen((now) => (now.log === log && now.revision === log.revision ? now : { log, revision: log.revision }));
+  });
+  const names = useMemo(() => bits.map((bit) => bit.name), [bits]);
+  const lanes = useMemo((): Lane[] => (seen.log === log ? lanesOf(log.entries, names) : []), [seen, log, names]);
+  return { log, lanes, bits, query };
+}
+
+export type Events = ReturnType<typeof useEvents>;
