@@ -325,7 +325,9 @@ class Dialogue:
                 if is_event(head):
                     self._tell_event(head)
                 elif sound(head) and head[2] == Status.WRONG_CHECKSUM:
+                    # To an earlier question of ours, and then the fence's answer follows; or else to the fence.
                     miscounted = True
+                    until_s = min(until_s, time.monotonic() + 2 * PAD_WAIT_S)
                 elif sound(head) and head[1] == address and head[3] == fence.opcode:
                     passed = True
                 else:

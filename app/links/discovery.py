@@ -1,16 +1,22 @@
-"""Which modules are on a line: every address is asked for its version, at every baud rate. Nothing else is sent."""
+"""Which modules are on a line: every address is asked for its version, at every baud rate.
+
+Nothing else is sent; an evaluation board is also asked what is in its slots.
+"""
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Callable, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import dataclass
 
 from app.links.errors import BadReply, LinkTimeout, WrongState
+from app.links.landungsbruecke import Board, board_name, identify
 from app.links.queue import LinkQueue, Priority
 from app.links.registry import port_url
 from app.links.serial_line import BAUDS, SOCKET, LinePort, line_of, serial_port
 from app.links.tmcl import Reply, Request, module_version, version_string
+from app.registers.landungsbruecke import ADDRESS as BOARD_ADDRESS
 from app.registers.tmcl import Opcode
 
 USUAL_BAUDS = (9600, 115200, *(baud for baud in BAUDS if baud not in (9600, 115200)))
@@ -31,6 +37,10 @@ class FoundModule:
     address: int
     number: int
     version: str
+    board: str = ""
+    """What it is where it is an evaluation board: "Landungsbrücke with TMC4361A and TMC2660"."""
+    chip: str = ""
+    """The motion controller on that board: "TMC4361A"."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,14 +98,16 @@ async def probe(
                 closing.push_async_callback(module.aclose)
                 answer = await _ask(module)
                 if answer is not None:
-                    found.append(FoundModule(port, baud, address, *answer))
+                    number, version, board = answer
+                    text, chip = ("", "") if board is None else (str(board), board.motion_controller)
+                    found.append(FoundModule(port, baud, address, number, version, text, chip))
                 done += 1
     tell(done, "")
     return found
 
 
-async def _ask(module: LinePort) -> tuple[int, str] | None:
-    """(number, version) of the module; None where nobody answers."""
+async def _ask(module: LinePort) -> tuple[int, str, Board | None] | None:
+    """(number, version, evaluation board if it is one) of the module; None where nobody answers."""
     queue = LinkQueue(module)
     try:
         try:
@@ -106,10 +118,12 @@ async def _ask(module: LinePort) -> tuple[int, str] | None:
         number, version = module_version(Reply.decode(reply).value)
     except (LinkTimeout, BadReply):
         return None
-    try:
-        return number, version_string(await _version(queue, module.address, 0))
-    except (LinkTimeout, BadReply):
-        return number, f"{number}V{version.replace('.', '')}"
+    text = f"{number}V{version.replace('.', '')}"
+    with contextlib.suppress(LinkTimeout, BadReply):
+        text = version_string(await _version(queue, module.address, 0))
+        if module.address == BOARD_ADDRESS and board_name(text) is not None:
+            return number, text, await identify(queue, Priority.SAMPLE)
+    return number, text, None
 
 
 async def _version(queue: LinkQueue, address: int, form: int) -> bytes:
