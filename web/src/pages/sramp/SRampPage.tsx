@@ -24,8 +24,11 @@ import {
   rampParameters,
   START,
   showingDistance,
+  withRoom,
 } from "./design";
 import { type LiveDrawing, LiveMotion } from "./LiveMotion";
+import { MotorSection } from "./MotorSection";
+import { MOTOR, type Motor, motorBody } from "./motor";
 import { channelsOf } from "./overlay";
 import { leastOf, Parameters } from "./Parameters";
 import { SendSection } from "./SendSection";
@@ -85,6 +88,12 @@ function Designer({ device, axis }: Props) {
     defaultValue: "pps",
     getInitialValueInEffect: false,
   });
+  const [motor, setMotor] = useSessionStorage<Motor>({
+    key: `stepscope.sramp.motor.${device?.id ?? "-"}.${axis}`,
+    defaultValue: MOTOR,
+    getInitialValueInEffect: false,
+  });
+  const onMotor = useCallback((part: Partial<Motor>) => setMotor((before) => ({ ...before, ...part })), [setMotor]);
   const sketch = kept ?? FRESH;
   const { design, options, distance } = sketch;
   // a handle that is dragged changes the sketch many times between two renderings
@@ -114,7 +123,7 @@ function Designer({ device, axis }: Props) {
   const onPreset = useCallback(
     (preset: Preset) => {
       const next = preset.of(latest.current.design);
-      change({ design: next, lock: lockOf(next) });
+      change({ design: next, lock: lockOf(next), options: withRoom(latest.current.options, next) });
     },
     [change],
   );
@@ -143,7 +152,13 @@ function Designer({ device, axis }: Props) {
   const way = distance < 0 ? -1 : 1;
 
   const calculation = useFollow<Schemas["Ramp"], Answer>(
-    { model: "s_ramp", parameters: rampParameters(design, options, clockHz, way), distance, samples: SAMPLES },
+    {
+      model: "s_ramp",
+      parameters: rampParameters(design, options, clockHz, way),
+      distance,
+      samples: SAMPLES,
+      motor: motorBody(motor, scale),
+    },
     async (body, signal) => unwrap(await api.POST("/api/v1/calc/ramp", { body, signal })),
   );
   const answer = calculation.result;
@@ -249,6 +264,13 @@ function Designer({ device, axis }: Props) {
             live={live}
             plots={plots}
             seen={seen}
+          />
+          <MotorSection
+            motor={motor}
+            onMotor={onMotor}
+            answer={good}
+            perVelocity={factors.velocity}
+            velocityUnit={units.velocity}
           />
           <TimeSection
             answer={good}

@@ -8,16 +8,18 @@ import { Section } from "../../lib/Section";
 import type { AxisScale } from "../../lib/units";
 import { usePhone } from "../../lib/usePhone";
 import { useScheme } from "../../lib/useScheme";
-import type { Overlay, PlotHandle } from "../../plots/types";
+import type { Mark, Overlay, PlotHandle } from "../../plots/types";
 import type { Band } from "../../plots/usePlotBands";
 import { type Answer, type Design, KIND, type Kind, type Mode, type Options, type Parameter, used } from "./design";
 import type { Reach } from "./HandleLayer";
 import { handlesOf, shownHandles } from "./handles";
+import { marginText } from "./motor";
 import { faded, hueOf, type Stretch, stretches } from "./phases";
 import { corners } from "./rivals";
 import { factor, time, type Units, unitChoices } from "./scales";
 import classes from "./sramp.module.css";
 import { Track } from "./Track";
+import { NO_SCALE, TORQUE_SCALE, torqueLines, UNSEEN_SCALE } from "./torque";
 import type { Following } from "./useFollow";
 
 /** What is drawn over the ramp from outside: the motion of the chip, by plot. */
@@ -67,16 +69,29 @@ export function SRampPlots(props: Props) {
     }),
     [units, scale],
   );
+  const torque = useMemo(() => (result?.torque ? torqueLines(result.torque, scheme) : null), [result, scheme]);
   const columns = useMemo(() => {
     if (!result) return null;
     const times = result.time_s;
     const by = (values: readonly number[], divisor: number) => values.map((value) => value / divisor);
     return {
       velocity: [times, by(result.velocity_pps, factors.velocity)] as const,
-      acceleration: [times, by(result.acceleration_pps2, factors.acceleration)] as const,
+      acceleration: [
+        times,
+        by(result.acceleration_pps2, factors.acceleration),
+        ...(torque ? torque.columns : []),
+      ] as const,
       jerk: [times, by(result.jerk_pps3, factors.jerk)] as const,
     };
-  }, [result, factors]);
+  }, [result, factors, torque]);
+  const worst = result?.torque ?? null;
+  const marks = useMemo<Mark[]>(
+    () =>
+      worst === null
+        ? []
+        : [{ id: "margin", x: worst.margin_at_s, color: "#7a5200", label: marginText(worst.margin), fixed: true }],
+    [worst],
+  );
   const shown = useMemo(() => (result ? stretches(result.phases, options.shape) : []), [result, options.shape]);
   const bands = useMemo(
     () => ({ named: phaseBands(shown, scheme, true), plain: phaseBands(shown, scheme, false) }),
@@ -120,6 +135,7 @@ export function SRampPlots(props: Props) {
             width: 2,
             stepped: kind === "jerk",
           },
+          ...(kind === "acceleration" && torque ? torque.series : []),
         ]}
         data={columns[kind]}
         window={[0, end]}
@@ -127,6 +143,8 @@ export function SRampPlots(props: Props) {
         height={height}
         symmetric={kind !== "velocity"}
         overlays={overlays[kind]}
+        {...(kind === "acceleration" && torque ? { marks } : {})}
+        {...(torque ? { right: phone ? UNSEEN_SCALE : kind === "acceleration" ? TORQUE_SCALE : NO_SCALE } : {})}
         last={kind === "jerk"}
         handles={handles.filter((handle) => handle.track === kind)}
         factor={factors[kind]}

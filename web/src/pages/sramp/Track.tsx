@@ -1,7 +1,7 @@
 import { type RefObject, useEffect, useMemo, useRef } from "react";
 import { Plot } from "../../plots/Plot";
 import type { PlotData } from "../../plots/series";
-import type { Overlay, PlotHandle, PlotScale, PlotSeries } from "../../plots/types";
+import type { Mark, Overlay, PlotHandle, PlotScale, PlotSeries } from "../../plots/types";
 import { type Band, usePlotBands } from "../../plots/usePlotBands";
 import { CalmFrame, withHandles } from "./CalmFrame";
 import type { Parameter } from "./design";
@@ -27,6 +27,7 @@ interface Props {
   handle: RefObject<PlotHandle | null>;
   last?: boolean;
   right?: PlotScale;
+  marks?: readonly Mark[];
   handles: readonly Handle[];
   factor: number;
   reach: (parameter: Parameter) => Reach;
@@ -71,6 +72,7 @@ export function Track(props: Props) {
         legend
         limit={window}
         overlays={props.overlays}
+        {...(props.marks ? { marks: props.marks } : {})}
         x={props.last ? { label: "time", unit: "s" } : { axis: false }}
         scales={scales}
       />

@@ -111,15 +111,15 @@ export function rounded(value: number): number {
   return value > 0 && Number.isFinite(value) ? Number(value.toPrecision(3)) : 0;
 }
 
-/** A turn and a half a second of a 200-step motor at 256 microsteps, within a quarter of a second. */
+/** Nearly eight turns a second of a 200-step motor at 256 microsteps, within four tenths of a second. */
 export const START: Design = {
-  vmax: 80_000,
-  amax: 400_000,
-  dmax: 400_000,
-  bow1: 4_000_000,
-  bow2: 4_000_000,
-  bow3: 4_000_000,
-  bow4: 4_000_000,
+  vmax: 400_000,
+  amax: 2_000_000,
+  dmax: 2_000_000,
+  bow1: 10_000_000,
+  bow2: 10_000_000,
+  bow3: 10_000_000,
+  bow4: 10_000_000,
   vstart: 0,
   vstop: 0,
   astart: 0,
@@ -187,6 +187,19 @@ export const PRESETS: readonly Preset[] = [
     of: (design) => bows({ ...design, dmax: design.amax }, [100, 100, 100, 100]),
   },
 ];
+
+const ACCELERATION_MOST = 2 ** 22 - 0.25;
+const BOW_MOST = 2 ** 24 - 1;
+
+/** The options with direct units where the registers could not hold the design without (002, 8.2.3). */
+export function withRoom(options: Options, design: Design): Options {
+  const { amax, dmax, astart, dfinal } = design;
+  return {
+    ...options,
+    directAcceleration: options.directAcceleration || Math.max(amax, dmax, astart, dfinal) > ACCELERATION_MOST,
+    directBow: options.directBow || BOWS.some((bow) => design[bow] > BOW_MOST),
+  };
+}
 
 /** The parameters of POST /calc/ramp, model "s_ramp": what the registers will hold is what is calculated with. */
 export function rampParameters(

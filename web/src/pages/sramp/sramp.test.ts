@@ -12,8 +12,10 @@ import {
   rampParameters,
   START,
   used,
+  withRoom,
 } from "./design";
 import { dragged, handlesOf, shownHandles, stepped, tidy } from "./handles";
+import { MOTOR, marginText, motorBody } from "./motor";
 import { channelsOf, mirrored } from "./overlay";
 import { stretches } from "./phases";
 import { corners, share } from "./rivals";
@@ -135,7 +137,7 @@ describe("the design", () => {
     const equal = changed(START, "bow2", 5, "equal");
     expect([equal.bow1, equal.bow2, equal.bow3, equal.bow4]).toEqual([5, 5, 5, 5]);
     const mirrored = changed(changed(START, "bow2", 5, "mirrored"), "amax", 7, "mirrored");
-    expect([mirrored.bow1, mirrored.bow2, mirrored.bow3, mirrored.bow4]).toEqual([4e6, 5, 5, 4e6]);
+    expect([mirrored.bow1, mirrored.bow2, mirrored.bow3, mirrored.bow4]).toEqual([1e7, 5, 5, 1e7]);
     expect(mirrored.dmax).toBe(7);
     expect(changed(START, "amax", 7, "free").dmax).toBe(START.dmax);
     expect(changed(START, "vmax", 9, "equal")).toEqual({ ...START, vmax: 9 });
@@ -158,12 +160,38 @@ describe("the design", () => {
     }
   });
 
+  it("takes direct units where the registers could not hold it", () => {
+    expect(withRoom(OPTIONS, START)).toEqual(OPTIONS);
+    expect(withRoom(OPTIONS, { ...START, bow3: 2 ** 24 })).toMatchObject({
+      directBow: true,
+      directAcceleration: false,
+    });
+    expect(withRoom(OPTIONS, { ...START, dmax: 5e6 })).toMatchObject({ directBow: false, directAcceleration: true });
+  });
+
   it("asks for what the registers will hold", () => {
     const body = rampParameters(START, OPTIONS, 16e6, 1);
-    expect(body).toMatchObject({ vmax: 80_000, bow4: 4_000_000, rounding: "registers", ramp_mode: "position" });
+    expect(body).toMatchObject({ vmax: 400_000, bow4: 10_000_000, rounding: "registers", ramp_mode: "position" });
     expect(body).not.toHaveProperty("vbreak");
-    expect(rampParameters(START, { ...OPTIONS, mode: "velocity" }, 16e6, -1).v_target).toBe(-80_000);
+    expect(rampParameters(START, { ...OPTIONS, mode: "velocity" }, 16e6, -1).v_target).toBe(-400_000);
     expect(rampParameters(START, { ...OPTIONS, shape: "trapezoid" }, 16e6, 1)).toHaveProperty("vbreak");
+  });
+});
+
+describe("the motor", () => {
+  it("goes along in the units of the calculator, on this axis", () => {
+    const axis = { fullStepsPerRev: 400, microstepsPerFullStep: 16 };
+    expect(motorBody(MOTOR, axis)).toMatchObject({
+      inductance_h: 0.0044,
+      full_steps_per_rev: 400,
+      microsteps_per_full_step: 16,
+    });
+    expect(motorBody(MOTOR, axis)?.inertia_kgm2).toBeCloseTo(2e-4);
+    expect(motorBody({ ...MOTOR, shown: false }, axis)).toBeNull();
+  });
+  it("has its margin in words", () => {
+    expect(marginText(0.384)).toBe("38 % of the torque left");
+    expect(marginText(-0.2)).toBe("20 % too little torque");
   });
 });
 
