@@ -10,7 +10,7 @@ import { Section } from "../../../lib/Section";
 import { MotorRow } from "../MotorRow";
 import { useMotor } from "../useMotor";
 import classes from "./Mslut.module.css";
-import { sameRegisters, sameWave, type Table, wordsOf } from "./wave";
+import { POSITIONS, sameRegisters, sameWave, type Table, wordsOf } from "./wave";
 
 export type Held = Schemas["MslutHeld"];
 
@@ -19,6 +19,8 @@ interface Props {
   axis: number;
   /** what the chip holds; null while that is not known */
   held: Held | null;
+  /** how much of its wave the chip has shown, and how much of that was not as it should be */
+  seen: { places: number; wrong: number };
   /** the encoded design; null while it cannot be encoded */
   table: Table | null;
   stale: boolean;
@@ -31,7 +33,7 @@ export function asHeld(answer: Schemas["MicrostepTable"] | Held): Held | null {
 }
 
 /** Into the chip and out of it, also while the motor runs. What cannot be read back is checked by its currents. */
-export function Chip({ device, axis, held, table, stale, onRead }: Props) {
+export function Chip({ device, axis, held, seen, table, stale, onRead }: Props) {
   const queries = useQueryClient();
   const id = device?.id ?? "";
   const motor = useMotor(device, axis);
@@ -55,7 +57,7 @@ export function Chip({ device, axis, held, table, stale, onRead }: Props) {
       const time = new Date().toLocaleTimeString();
       setSent(
         sameRegisters(answer.registers, wanted.registers)
-          ? `Ten registers written at ${time}${running}. ${shown(answer)}`
+          ? `Ten registers written at ${time}${running}.`
           : `The chip holds other registers than were written at ${time}: they are marked in the list.`,
       );
     },
@@ -108,12 +110,12 @@ export function Chip({ device, axis, held, table, stale, onRead }: Props) {
     >
       <MotorRow motor={motor} />
       <p className={`${classes.hint} ${classes.outcome}`} aria-live="polite">
-        {sent ??
-          (held && !held.written
-            ? `Nothing was written yet, so the power-on wave is taken to be there. ${shown(held)}`
-            : held
-              ? shown(held)
-              : "A wave goes to the chip in ten registers, which cannot be read back: its currents show what it holds.")}
+        {sent !== null && `${sent} `}
+        {held === null
+          ? "A wave goes to the chip in ten registers, which cannot be read back: its currents show what it holds."
+          : `${held.written ? "" : "Nothing was written yet: the power-on wave is taken to be there. "}${
+              seen.places > 4 ? turned(seen) : shown(held)
+            }`}
       </p>
       {error !== null && (
         <ProblemAlert
@@ -139,4 +141,11 @@ function shown(held: Held): string {
   return held.agrees
     ? `${at}: what the table has there.`
     : `${at}; the table has ${fixed(held.current_a_expected)} and ${fixed(held.current_b_expected)} there.`;
+}
+
+function turned({ places, wrong }: { places: number; wrong: number }): string {
+  const seen = `The motor has shown ${places} of ${POSITIONS} positions`;
+  return wrong === 0
+    ? `${seen}, all as the table has them.`
+    : `${seen}; ${wrong} samples are not as the table has them.`;
 }

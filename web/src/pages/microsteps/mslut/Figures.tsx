@@ -8,7 +8,7 @@ interface Row {
   name: string;
   title: string;
   of: (figures: Figures) => string;
-  /** smaller is better: what to compare; null where it is no figure of merit */
+  /** what to compare; null where the text says it */
   worth: ((figures: Figures) => number | null) | null;
 }
 
@@ -80,7 +80,7 @@ const ROWS: readonly Row[] = [
     name: "shortest step",
     title: "of an ideal microstep; 0 is standstill, below 0 backwards",
     of: (m) => (m.smallest_step_ratio === null ? "–" : `${fixed(m.smallest_step_ratio, 2)} ×`),
-    worth: (m) => (m.smallest_step_ratio === null ? null : -m.smallest_step_ratio),
+    worth: (m) => m.smallest_step_ratio,
   },
 ];
 

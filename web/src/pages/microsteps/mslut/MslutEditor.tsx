@@ -2,7 +2,7 @@ import { ActionIcon, Button, SegmentedControl, Select } from "@mantine/core";
 import { useHotkeys } from "@mantine/hooks";
 import { IconArrowBackUp, IconArrowForwardUp, IconArrowsMoveVertical } from "@tabler/icons-react";
 import { useQuery } from "@tanstack/react-query";
-import { type ReactNode, useEffect, useMemo, useState } from "react";
+import { type ReactNode, useCallback, useEffect, useMemo, useState } from "react";
 import { api, type Schemas, unwrap } from "../../../api/client";
 import type { Device } from "../../../api/queries";
 import { fixed } from "../../../lib/format";
@@ -18,7 +18,9 @@ import { asHeld, Chip } from "./Chip";
 import { FigureTable } from "./Figures";
 import classes from "./Mslut.module.css";
 import { Registers } from "./Registers";
+import { Seen } from "./seen";
 import { MAGNIFIED, VectorFigure } from "./VectorFigure";
+import { Watch } from "./Watch";
 import { type Tool, type View, WaveEditor } from "./WaveEditor";
 import { WavePanel } from "./WavePanel";
 import { DEFAULT, type Design, type Draft, type Formula, type Norm, questionOf, SEGMENTS, wordsOf } from "./wave";
@@ -61,6 +63,10 @@ export function MslutEditor({
   const [view, setView] = useState<View>("quarter");
   const [norm, setNorm] = useState<Norm>("least_squares");
   const [last, setLast] = useState<Formula>(DEFAULT);
+
+  const [seen] = useState(() => new Seen());
+  const [count, setCount] = useState({ places: 0, wrong: 0 });
+  const onCount = useCallback((places: number, wrong: number) => setCount({ places, wrong }), []);
 
   const draft = history.present;
   // a wave drawn by hand has no formula: the panel then shows the one that was last
@@ -129,6 +135,7 @@ export function MslutEditor({
   return (
     <Page name="Microsteps">
       {choice}
+      {device && held && connected && <Watch device={device} axis={axis} held={held} seen={seen} onCount={onCount} />}
       {chip.isError && connected && (
         <ProblemAlert
           error={chip.error}
@@ -148,6 +155,11 @@ export function MslutEditor({
                 </>
               )}
               <i data-kind="before" /> {beforeName} <i data-kind="ideal" /> sine
+              {count.places > 4 && (
+                <>
+                  <i data-kind="seen" /> seen
+                </>
+              )}
               {result?.nearest && (
                 <>
                   <i data-kind="nearest" /> nearest
@@ -211,6 +223,7 @@ export function MslutEditor({
               before={beforeWave}
               beforeName={beforeName}
               live={held}
+              seen={seen}
               onChange={(values, tag) => change({ kind: "values", values, mirror: wave.mirror, origin: "hand" }, tag)}
               onSettle={rest}
             />
@@ -247,6 +260,7 @@ export function MslutEditor({
               device={device}
               axis={axis}
               held={held}
+              seen={count}
               table={table}
               stale={design.stale}
               onRead={() =>
@@ -295,7 +309,7 @@ export function MslutEditor({
                     label="Harmonics of the phase current"
                     bars={harmonicBars}
                     height={174}
-                    scale={{ low: 0.001, high: 100, ticks: [0.001, 0.01, 0.1, 1, 10, 100], log: true }}
+                    scale={{ low: 0.01, high: 100, ticks: [0.01, 0.1, 1, 10, 100], log: true }}
                     format={(value) =>
                       value === null
                         ? "–"

@@ -2,7 +2,9 @@ import { useElementSize } from "@mantine/hooks";
 import { type KeyboardEvent, type PointerEvent, useMemo, useRef, useState } from "react";
 import type { Schemas } from "../../../api/client";
 import { fixed } from "../../../lib/format";
+import { useFrame } from "../../../live/useFrame";
 import classes from "./Mslut.module.css";
+import type { Seen } from "./seen";
 import { bent, clamp, currentAt, ENTRIES, entryAt, POSITIONS, pairOf, SINE, stroked, type Table, TOP } from "./wave";
 
 export type Tool = "bend" | "point" | "draw";
@@ -25,6 +27,8 @@ interface Props extends Wave {
   beforeName: string;
   /** where the chip stands, and both currents there */
   live: { position: number; current_a: number; current_b: number } | null;
+  /** what the chip showed while it turned */
+  seen: Seen;
   onChange: (values: number[], tag: string) => void;
   onSettle: () => void;
 }
@@ -47,8 +51,21 @@ function stairs(points: readonly number[], x: (place: number) => number, y: (val
  * the pointer it is bent, moved by single entries or drawn; with the keyboard one entry at a time.
  */
 export function WaveEditor(props: Props) {
-  const { values, mirror, view, tool, segments, refusals, nearest, before, beforeName, live, onChange, onSettle } =
-    props;
+  const {
+    values,
+    mirror,
+    view,
+    tool,
+    segments,
+    refusals,
+    nearest,
+    before,
+    beforeName,
+    live,
+    seen,
+    onChange,
+    onSettle,
+  } = props;
   const { ref, width } = useElementSize<HTMLDivElement>();
   const [active, setActive] = useState(0);
   const handle = useRef<SVGGElement>(null);
@@ -65,6 +82,20 @@ export function WaveEditor(props: Props) {
     Array.from({ length: places }, (_, place) => currentAt(wave.values, wave.mirror, place + ahead));
 
   const design = { values, mirror };
+  const dots = useRef<SVGPathElement>(null);
+  const drawn = useRef("");
+  useFrame(() => {
+    const key = `${seen.revision} ${view} ${width}`;
+    if (key === drawn.current || !dots.current) return;
+    drawn.current = key;
+    const places = seen.dots(view === "quarter", before?.mirror ?? mirror);
+    // one sample at rest is the marker's, not a trace
+    const path =
+      places.length < 5
+        ? ""
+        : places.map(([place, value]) => `M${x(place).toFixed(1)},${y(value).toFixed(1)}h0`).join("");
+    dots.current.setAttribute("d", path);
+  });
   const strip = useMemo(() => {
     const ideal = Array.from({ length: places }, (_, place) => currentAt(SINE, -1, place));
     const apart = (wave: Wave | null) =>
@@ -210,6 +241,7 @@ export function WaveEditor(props: Props) {
         {view === "period" && <path className={classes.phaseB} d={stairs(whole(design, ENTRIES), x, y)} />}
         {nearest && <path className={classes.nearest} d={stairs(whole(nearest), x, y)} />}
         <path className={classes.line} d={stairs(whole(design), x, y)} />
+        <path ref={dots} className={classes.seen} />
         {marks.map((refusal, place) => (
           <g key={`${refusal.index} ${refusal.reason}`} className={classes.refusal}>
             <title>{`entry ${refusal.index}: ${refusal.detail}`}</title>

@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import { Seen } from "./seen";
 import {
   bent,
   cArray,
@@ -125,5 +126,37 @@ describe("a formula", () => {
   it("knows the law of thumb for a torque ripple", () => {
     expect(exponentFor(0.02)).toBeCloseTo(1.06);
     expect(rippleOf(1.15)).toBeCloseTo(0.05);
+  });
+});
+
+describe("what a turning motor shows", () => {
+  it("covers both phases' places, and finds what is not of the table", () => {
+    const seen = new Seen();
+    seen.add(8, 12, 247, POWER_ON, 0);
+    expect([seen.places, seen.wrong]).toEqual([2, 0]);
+    seen.add(584, -107, -224, POWER_ON, 0);
+    expect([seen.places, seen.wrong]).toEqual([4, 0]);
+    seen.add(100, 5, 5, POWER_ON, 0);
+    expect([seen.places, seen.wrong]).toEqual([6, 2]);
+    seen.add(Number.NaN, 0, 0, POWER_ON, 0);
+    expect(seen.places).toBe(6);
+    seen.clear();
+    expect([seen.places, seen.wrong, seen.dots(true, -1).length]).toEqual([0, 0, 0]);
+  });
+
+  it("allows for readings that follow one another, and folds them onto the quarter", () => {
+    const seen = new Seen();
+    seen.add(12, 12, 247, POWER_ON, 8);
+    expect(seen.wrong).toBe(0);
+    seen.clear();
+    seen.add(584, -107, -224, POWER_ON, 0);
+    expect(seen.dots(false, -1)).toEqual([
+      [584, -107],
+      [840, -224],
+    ]);
+    expect(seen.dots(true, -1)).toEqual([
+      [72, 106],
+      [183, 223],
+    ]);
   });
 });
