@@ -207,6 +207,7 @@ def flags(r: Cells, s: Cells, f: Floats, fb: Floats, pins: int, virtual: int) ->
 def _settle(r: Cells, s: Cells, f: Floats, fb: Floats, ramp: bool) -> None:
     """Take over what Python wrote into the cells. `ramp`: into something that the ramp generator goes by."""
     s[IDLE] = 0
+    s[FEEDBACK] &= ~FB_QUIET  # of before the write: the unit has its say first, at the next even tick
     s[INPUTS] = levels(r, s, f, fb)
     if s[GATED]:
         return
@@ -392,7 +393,7 @@ def advance(r: Cells, s: Cells, f: Floats, fb: Floats, until: int, written: int)
             if changed:
                 _inputs_changed(r, s, f, changed)
         pins = stop_pins(r, s)
-        virtual = virtual_stops(r, s, _heading(f))
+        virtual = virtual_stops(r, s)
         _stops(r, s, f, pins, virtual)
         while True:
             if s[REPLAN]:
