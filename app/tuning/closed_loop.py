@@ -11,8 +11,8 @@ a closed loop run away, and with regulation off it can be seen by a single full 
 from __future__ import annotations
 
 from app.clock import Clock
-from app.devices.device import Device
 from app.devices.results import RegisterReading
+from app.devices.tmc4361.driver import Tmc4361
 from app.links.errors import OutOfRange, WrongState
 from app.tuning.closed_loop_state import REGULATIONS, CalibrationState, Regulation, State
 from app.tuning.procedure import POLL_S, Failed, Procedure
@@ -25,8 +25,6 @@ MIDDLE = 128
 TRIES = 8
 REACH_S = 5.0
 """How long a way of some full steps may take at the most, device time [s]."""
-HOLD_POSITIONING = 4
-"""RAMPMODE: positioning in steps of velocity."""
 VELOCITIES_PPS = (1.0, 1e6)
 SETTLE_S = (0.01, 10.0)
 
@@ -38,7 +36,7 @@ class Calibration(Procedure):
 
     def __init__(
         self,
-        device: Device,
+        device: Tmc4361,
         axis: int,
         clock: Clock,
         velocity_pps: float = 10_000.0,
@@ -53,6 +51,7 @@ class Calibration(Procedure):
         ):
             if not low <= value <= high:
                 raise OutOfRange(name, value, low, high)
+        self._chip = device
         self._velocity_pps = velocity_pps
         self._settle_s = settle_s
         self._switch_on = switch_on
@@ -61,8 +60,8 @@ class Calibration(Procedure):
         self._offset: int | None = None
         self._offset_before: int | None = None
         self._regulation: Regulation | None = None
-        self._borrowed: dict[str, int] = {}
-        """Registers and fields as they were before."""
+        self._scaled = False
+        """Whether closed_loop_scale_en was on before."""
         self._disturbed = False
         """Whether the regulation is not what it was."""
 
@@ -81,7 +80,6 @@ class Calibration(Procedure):
         self._phase = PHASES[1]
         self._disturbed = True
         await self._regulate(0)
-        await self._hold_mode()
         self._phase = PHASES[2]
         await self._look_at_encoder()
         self._phase = PHASES[3]
@@ -110,17 +108,9 @@ class Calibration(Procedure):
         await self.device.stop(self.axis)
         await self._wait_for_rest()
         self._offset_before = (await self._read("CL_OFFSET")).value
-        self._borrowed["closed_loop_scale_en"] = (await self._read("CURRENT_CONF")).fields["closed_loop_scale_en"]
-        if self._borrowed["closed_loop_scale_en"]:
+        if (await self._read("CURRENT_CONF")).fields["closed_loop_scale_en"]:
             await self.device.write("CURRENT_CONF", self.axis, fields={"closed_loop_scale_en": 0})
-
-    async def _hold_mode(self) -> None:
-        """Hold mode at the calibration's speed. The motor rests, and its target is where it is: nothing moves."""
-        device = self.device
-        self._borrowed["RAMPMODE"] = (await self._read("RAMPMODE")).raw
-        await device.write("XTARGET", self.axis, value=(await self._read("XACTUAL")).value)
-        await device.write("RAMPMODE", self.axis, value=HOLD_POSITIONING)
-        await device.write("VMAX", self.axis, value=round(self._velocity_pps * 256))
+            self._scaled = True
 
     async def _look_at_encoder(self) -> None:
         before = (await self._read("ENC_POS")).value
@@ -147,10 +137,22 @@ class Calibration(Procedure):
 
     async def _take_offset(self) -> None:
         await self._pass(self._settle_s)  # the rotor swings for a while after the last step
+        await self._agree()
         await self.device.write("ENC_IN_CONF", self.axis, fields={"cl_calibration_en": 1})
         await self._pass(self._settle_s)
         self._offset = (await self._read("CL_OFFSET")).value
         await self.device.write("ENC_IN_CONF", self.axis, fields={"cl_calibration_en": 0})
+
+    async def _agree(self) -> None:
+        """One place for position and encoder, or the loop would drive the difference away as soon as it is closed.
+
+        An incremental encoder is told where it is; an absolute one knows better than the ramp generator.
+        """
+        if (await self._read("GENERAL_CONF")).fields["serial_enc_in_mode"]:
+            encoder = (await self._read("ENC_POS")).value
+            await self._chip.set_position(self.axis, encoder, with_encoder=False)
+        else:
+            await self.device.write("ENC_POS", self.axis, value=(await self._read("XACTUAL")).value)
 
     async def _regulate(self, modus: int) -> None:
         fields: dict[str, int | str] = {"regulation_modus": modus, "cl_calibration_en": 0}
@@ -158,8 +160,9 @@ class Calibration(Procedure):
         self._regulation = REGULATIONS[written.fields["regulation_modus"]]
 
     async def _go(self, distance: int) -> None:
-        target = (await self._read("XACTUAL")).value + distance
-        await self.device.write("XTARGET", self.axis, value=target)
+        target = (
+            await self._chip.move_in_steps(self.axis, distance, relative=True, velocity_pps=self._velocity_pps)
+        ).target_position
         deadline_s = self.device.device_time_s() + REACH_S
         while (await self._read("XACTUAL")).value != target:
             if self.device.device_time_s() > deadline_s:
@@ -185,11 +188,7 @@ class Calibration(Procedure):
     async def _give_back(self) -> None:
         if self._disturbed:  # half a calibration is none
             await self._regulate(0)
-        scaled = self._borrowed.pop("closed_loop_scale_en", 0)
-        if scaled:
-            await self.device.write("CURRENT_CONF", self.axis, fields={"closed_loop_scale_en": scaled})
-        mode = self._borrowed.pop("RAMPMODE", None)
-        if mode is not None and not self._taken_over:
-            # A hold mode must not be what the next move finds; standing in velocity mode nothing moves.
-            await self.device.stop(self.axis)
-            await self.device.write("RAMPMODE", self.axis, value=mode)
+        if self._scaled:
+            await self.device.write("CURRENT_CONF", self.axis, fields={"closed_loop_scale_en": 1})
+        if not self._taken_over:
+            await self._chip.stand_ready(self.axis)

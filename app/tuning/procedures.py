@@ -11,6 +11,7 @@ from app.devices.device import Device
 from app.devices.pd42.driver import Pd42
 from app.devices.ramp_stops import RampStops
 from app.devices.results import Rotating
+from app.devices.tmc4361.driver import Tmc4361
 from app.links.errors import WrongState
 from app.tuning import search as searches
 from app.tuning import shuttle
@@ -26,7 +27,6 @@ from app.tuning.search import ReferenceSearchState, Search
 from app.tuning.shuttle import Shuttle, ShuttleState
 
 P = TypeVar("P", bound=Procedure)
-CLOSED_LOOP_MODELS = frozenset({"tmc4361"})
 
 
 class Procedures:
@@ -144,8 +144,8 @@ class Procedures:
         switch_on: bool = True,
     ) -> CalibrationState:
         """Raises WrongState where there is no closed loop or another procedure runs, OutOfRange."""
-        _require_closed_loop(device)
-        return self._start(Calibration(device, axis, self._clock, velocity_pps, settle_s, switch_on=switch_on)).state
+        chip = _closed_loop_chip(device)
+        return self._start(Calibration(chip, axis, self._clock, velocity_pps, settle_s, switch_on=switch_on)).state
 
     def calibration_state(self, device: Device, axis: int) -> CalibrationState:
         """The present calibration, or the latest. Raises UnknownThing for the axis."""
@@ -172,9 +172,8 @@ class Procedures:
         band: float = 50.0,
     ) -> ResponseState:
         """Raises WrongState where there is no encoder channel or another procedure runs, OutOfRange."""
-        _require_closed_loop(device)
         step = StepResponse(
-            device,
+            _closed_loop_chip(device),
             axis,
             self._clock,
             distance,
@@ -207,9 +206,8 @@ class Procedures:
         band: float = 50.0,
     ) -> ResponseState:
         """Raises WrongState where there is no encoder channel or another procedure runs, OutOfRange."""
-        _require_closed_loop(device)
         disturbance = Disturbance(
-            device,
+            _closed_loop_chip(device),
             axis,
             self._clock,
             load,
@@ -262,6 +260,7 @@ def _ramp_chip(device: Device) -> RampStops:
     return device
 
 
-def _require_closed_loop(device: Device) -> None:
-    if device.model not in CLOSED_LOOP_MODELS:
+def _closed_loop_chip(device: Device) -> Tmc4361:
+    if not isinstance(device, Tmc4361):
         raise WrongState(f"a {device.family.title} has no closed loop", "a TMC4361 has one")
+    return device

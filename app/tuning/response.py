@@ -10,6 +10,7 @@ import numpy as np
 from app.calc.response import Score, score
 from app.clock import Clock
 from app.devices.device import Device
+from app.devices.tmc4361.driver import Tmc4361
 from app.links.errors import BenchError, OutOfRange, WrongState
 from app.telemetry.sampling import Sampling
 from app.tuning.closed_loop_state import FloatArray, Load, Recording, ResponseState, State
@@ -25,7 +26,6 @@ COLUMNS = (
     "load_angle",
 )
 """Channels, in the order of `Recording`'s columns after `time_s`."""
-HOLD_POSITIONING = 4
 Shape = Literal["ramp", "step"]
 
 
@@ -174,7 +174,7 @@ class StepResponse(Response):
 
     def __init__(
         self,
-        device: Device,
+        device: Tmc4361,
         axis: int,
         clock: Clock,
         distance: int,
@@ -188,9 +188,9 @@ class StepResponse(Response):
         super().__init__(device, axis, clock, seconds, before_s, rate_hz, band)
         if distance == 0:
             raise OutOfRange("distance", distance, None, None, "a step of 0 is none")
+        self._chip = device
         self._by = distance
         self._shape: Shape = shape
-        self._mode: int | None = None
 
     def _distance(self) -> float:
         return float(self._by)
@@ -198,20 +198,13 @@ class StepResponse(Response):
     async def _act(self) -> float:
         self._phase = "step"
         if self._shape == "step":
-            await self._hold_mode()
-        return (await self.device.move(self.axis, self._by, relative=True)).started_at_s
-
-    async def _hold_mode(self) -> None:
-        """Standing, with the target where it stands: nothing moves."""
-        device = self.device
-        self._mode = (await device.read("RAMPMODE", self.axis)).raw
-        await device.write("XTARGET", self.axis, value=(await device.read("XACTUAL", self.axis)).value)
-        await device.write("RAMPMODE", self.axis, value=HOLD_POSITIONING)
+            return (await self._chip.move_in_steps(self.axis, self._by, relative=True)).started_at_s
+        return (await self._chip.move(self.axis, self._by, relative=True)).started_at_s
 
     async def _give_back(self) -> None:
         await super()._give_back()
-        if self._mode is not None and not self._taken_over:
-            await self.device.write("RAMPMODE", self.axis, value=self._mode)
+        if self._shape == "step" and self._how == "done":
+            await self._chip.stand_ready(self.axis)
 
 
 class Disturbance(Response):

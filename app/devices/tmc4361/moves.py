@@ -76,31 +76,64 @@ class Moves(Events):
         written over them."""
         if len(moves) != 1:
             raise UsageError(f"a {self.family.title} has one axis, so a move is of one axis")
-        move = moves[0]
+        return [await self._move(moves[0])]
+
+    async def move_in_steps(
+        self, axis: int, target: int, *, relative: bool = False, velocity_pps: float | None = None
+    ) -> MoveStarted:
+        """For procedures: go in hold mode, in which the velocity jumps, at `velocity_pps` (None: as it is set) [pps].
+
+        What the user has set for moves is kept in mind, and comes back with the next one. Raises what `move` raises.
+        """
+        speed = None if velocity_pps is None else round(velocity_pps * 256)
+        return await self._move(AxisMove(axis, target, relative), rows.HOLD, speed)
+
+    async def stand_ready(self, axis: int) -> None:
+        """For procedures: positioning again with the user's ramps and speed limit, the target where the axis stands.
+
+        Raises WrongState while the axis moves.
+        """
+        axis = self.axis(axis).index
+        self.require_connected()
+        async with self._command(axis) as turn:
+            words = self.words(turn)
+            before = await self._prepare(words)
+            if not before.stands:
+                raise WrongState(f"axis {axis} moves", "stop it first")
+            self.commanded(axis, "stand_ready")
+            mode = rows.POSITIONING_BIT | self.cruise.shape
+            here, hold = _put(rows.XTARGET, before.position), Write(rows.RAMPMODE, rows.POSITIONING_BIT)
+            writes = (here, hold, self._vmax(self.cruise.speed), Write(rows.RAMPMODE, mode))
+            checked = (rows.XTARGET, rows.VMAX, rows.RAMPMODE)
+            self._saw(Held(checked, (await words.chain(*writes, checked))[0]))
+
+    async def _move(self, move: AxisMove, shape: int | None = None, speed: int | None = None) -> MoveStarted:
+        """A move on ramps of `shape` at `speed` [1/256 pps]; None for the user's."""
         axis = self.axis(move.axis).index
         self.require_connected()
         async with self._command(axis) as turn:
             words = self.words(turn)
             before = await self._prepare(words)
-            before.setting.require_motion(self.cruise.shape)
-            if self.cruise.speed == 0:
+            shape = self.cruise.shape if shape is None else shape
+            speed = self.cruise.speed if speed is None else speed
+            before.setting.require_motion(shape)
+            if speed == 0:
                 raise WrongState("the axis cannot move: VMAX is 0", "write VMAX, in 1/256 pps, first")
             target = self._target(move, before)
+            before.warnings += before.setting.units.warnings("VMAX", speed / 256, positioning=True)
             await self._release(words, before)
-            writes = self._writes_of_move(before, target)
+            mode = rows.POSITIONING_BIT | shape
+            writes = self._writes_of_move(before, target, mode, speed)
             waits = before.setting.gates()[0]
             back = await self._set_off(words, writes, "position", target)
             if not waits:
-                self._check_back(back, ((rows.XTARGET, target), (rows.RAMPMODE, self._position_mode())))
-            plan = None if waits else self._plan_to(before, target)
+                self._check_back(back, ((rows.XTARGET, target), (rows.RAMPMODE, mode)))
+            plan = None if waits else self._plan_to(before, target, shape, speed)
             started_s = words.time_s
             self._expect(started_s, before.position, plan)
         self._tell(MotionStarted(axis, started_s))
         duration_s = plan.duration_s if plan is not None else None
-        return [MoveStarted(axis, before.position, target, started_s, duration_s, before.warnings)]
-
-    def _position_mode(self) -> int:
-        return rows.POSITIONING_BIT | self.cruise.shape
+        return MoveStarted(axis, before.position, target, started_s, duration_s, before.warnings)
 
     def _target(self, move: AxisMove, before: Before) -> int:
         wanted = to_position(self.mechanics(move.axis), move.target, move.unit)
@@ -118,11 +151,10 @@ class Moves(Events):
         if switch:
             before.warnings.append(f"the {switch} is active and stops motion that way")
         self._warn_of_gates(before, ("XTARGET",))
-        before.warnings += before.setting.units.warnings("VMAX", self.cruise.speed / 256, positioning=True)
         return target
 
-    def _writes_of_move(self, before: Before, target: int) -> list[Write]:
-        setting, speed, mode = before.setting, self.cruise.speed, self._position_mode()
+    def _writes_of_move(self, before: Before, target: int, mode: int, speed: int) -> list[Write]:
+        setting = before.setting
         limit = self._vmax(speed)
         other_speed = abs(setting.value(rows.VMAX)) != speed
         if setting.positioning:
@@ -280,13 +312,13 @@ class Moves(Events):
                     register.name, to_raw(value, 32), back.word(register), "the axis may be under way: stop it"
                 )
 
-    def _plan_to(self, before: Before, target: int) -> SRampPlan | None:
+    def _plan_to(self, before: Before, target: int, shape: int, speed: int) -> SRampPlan | None:
         if before.reference["circular_movement_en"]:
             return None  # the shorter way round; X_RANGE cannot be read
         return foresight.to_position(
             before.setting,
-            self.cruise.shape,
-            self.cruise.speed / 256,
+            shape,
+            speed / 256,
             target - before.position,
             before.velocity,
             before.acceleration,

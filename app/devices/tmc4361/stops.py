@@ -101,8 +101,10 @@ class Stops(Moves):
 
     # --- setting the position -------------------------------------------------------------------
 
-    async def set_position(self, axis: int, position: int) -> int:
+    async def set_position(self, axis: int, position: int, *, with_encoder: bool = True) -> int:
         """Call the place where the motor stands `position`; XTARGET and the encoder follow. Returns the difference.
+
+        Without `with_encoder` ENC_POS stays as it is: where the encoder is absolute, it alone knows its place.
 
         The axis is in velocity mode with VMAX 0 afterwards, as after a stop. Regulation is off for the moment in which
         position and encoder disagree, and CL_OFFSET turns with the encoder, so that the field stays where it is.
@@ -134,8 +136,14 @@ class Stops(Moves):
                 *([Write(rows.ENC_IN_CONF, rows.REGULATION.pack(0, enc_in_conf))] if regulated else []),
                 Write(rows.XACTUAL, to_raw(position, 32)),
                 Write(rows.XTARGET, to_raw(position, 32)),
-                Write(rows.ENC_POS, to_raw(read.value(rows.ENC_POS) - shift, 32)),
-                Write(rows.CL_OFFSET, to_raw(_half_turn(offset), 32)),
+                *(
+                    [
+                        Write(rows.ENC_POS, to_raw(read.value(rows.ENC_POS) - shift, 32)),
+                        Write(rows.CL_OFFSET, to_raw(_half_turn(offset), 32)),
+                    ]
+                    if with_encoder
+                    else []
+                ),
                 *([Write(rows.ENC_IN_CONF, enc_in_conf)] if regulated else []),
             ]
             checked = (rows.XACTUAL, rows.XTARGET, rows.RAMPMODE, rows.VMAX)
