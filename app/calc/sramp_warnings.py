@@ -25,7 +25,7 @@ _TEXTS = {
     "dfinal_above_dmax": "DFINAL {:g} is above DMAX {:g} pps^2: DMAX holds",
     "start_acceleration_altered": "a start with {:g} pps^2 does not fit VMAX, BOW2 and the way: it is altered to "
     "{:.6g} (002, 8.2.2)",
-    "slow_braking": "DMAX {:g} pps^2 is not above VMAX {:g} pps / 20 s: the target may be overrun; "
+    "dmax_too_slow": "DMAX {:g} pps^2 is not above VMAX {:g} pps / 20 s: the target may be overrun; "
     "set VSTOP (002, 8.2.2)",
     "stops_first": "the motor is braking, and a trapezoid brakes down to 0 before it accelerates again in the same "
     "direction; to avoid it set VMAX below |VACTUAL| first, and raise it when that is reached (002, 8.2.2)",
