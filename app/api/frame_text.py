@@ -1,19 +1,22 @@
-"""What a frame of the log says, for people: TMCL commands and 32-bit datagrams."""
+"""What a frame of the log says, for people: TMCL commands, datagrams of 32 bits and of 40."""
 
 from __future__ import annotations
 
 from app.devices.pd42.frames import spelled
-from app.links import datagram32, tmcl
+from app.links import datagram32, datagram40, tmcl
 from app.links.errors import BadReply
 from app.registers.catalog import MODELS
-from app.registers.model import RegisterTable
+from app.registers.landungsbruecke import BoardOpcode
+from app.registers.model import Register, RegisterTable
 from app.registers.tmcl import Opcode, Status
 
 
 def frame_text(model: str, tx: bytes, rx: bytes | None) -> str:
     """One transaction with a `model`: the question, and the answer where there is one."""
     if len(tx) == tmcl.FRAME_BYTES:
-        return _tmcl(tx, rx)
+        return _board(MODELS[model].table, tx, rx) if model in datagram40.MODELS else _tmcl(tx, rx)
+    if len(tx) == datagram40.FRAME_BYTES:
+        return _datagram40(MODELS[model].table, tx, rx)
     if len(tx) == datagram32.FRAME_BYTES:
         return _datagram(MODELS[model].table, tx, rx)
     return f"{len(tx)} bytes"
@@ -35,6 +38,43 @@ def _tmcl(tx: bytes, rx: bytes | None) -> str:
     if reply.status == Status.STORED:
         return f"{asked} -> {reply.status_text}"
     return f"{asked} -> {reply.value}"
+
+
+def _datagram40(table: RegisterTable, tx: bytes, rx: bytes | None) -> str:
+    """Pipelined: what comes back belongs to the datagram before, so only its bits are told."""
+    request = datagram40.Request.decode(tx)
+    register = table.at(request.address, write=request.write)
+    name = f"{request.address:#04x}" if register is None else register.name
+    asked = f"{name} := {_shown(register, request.data)}" if request.write else f"read {name}"
+    if rx is None or len(rx) != datagram40.FRAME_BYTES:
+        return asked
+    reply = datagram40.Reply.decode(rx)
+    return f"{asked} (status {reply.status:#04x}, of the datagram before {reply.data:#010x})"
+
+
+def _board(table: RegisterTable, tx: bytes, rx: bytes | None) -> str:
+    """Registers through an evaluation board; anything else that is asked of it is TMCL."""
+    request = tmcl.Request.decode(tx)
+    if request.opcode not in (BoardOpcode.READ_MC, BoardOpcode.WRITE_MC):
+        return _tmcl(tx, rx)
+    write = request.opcode == BoardOpcode.WRITE_MC
+    register = table.at(request.type, write=write)
+    name = f"{request.type:#04x}" if register is None else register.name
+    asked = f"{name} := {_shown(register, request.value & datagram40.DATA_MASK)}" if write else f"read {name}"
+    if not rx:
+        return asked
+    try:
+        reply = tmcl.check_reply("", tx, rx)
+    except BadReply:
+        return f"{asked} -> ?"
+    if not reply.ok:
+        return f"{asked} -> {reply.status_text} ({reply.status})"
+    return asked if write else f"{asked} -> {_shown(register, reply.value & datagram40.DATA_MASK)}"
+
+
+def _shown(register: Register | None, data: int) -> str:
+    """A word as a number where it is one, else as its bits."""
+    return f"{data:#010x}" if register is None or register.fields else str(register.decode(data))
 
 
 def _datagram(table: RegisterTable, tx: bytes, rx: bytes | None) -> str:

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import TypeVar
 
 from app.api.convert import calculating
-from app.api.schemas_calc import Mechanics, ModuleUnits, Quantity, Units, UnitsResult
-from app.calc import mechanics, units_5160
+from app.api.schemas_calc import Mechanics, ModuleUnits, Quantity, RampUnits, Units, UnitsResult
+from app.calc import mechanics, tmc4361_formats, units_5160
 from app.calc import units as chip_units
 from app.links.errors import UsageError
 
@@ -29,6 +29,15 @@ ACCELERATION_UNITS = {
     "mm_per_s2": "mm/s^2",
 }
 """The contract's names of units, and the calculators'."""
+BOW_UNITS = {
+    "pps3": "pps^2",
+    "fullsteps_per_s3": "fullsteps/s^2",
+    "rps3": "rps^2",
+    "rpm_per_s2": "rpm/s",
+    "rad_per_s3": "rad/s^2",
+    "mm_per_s3": "mm/s^2",
+}
+"""The mechanics knows no unit of a jerk; from microsteps to millimetres it is as far as with an acceleration."""
 CHIP = "chip"
 
 N = TypeVar("N", int, float)
@@ -44,6 +53,16 @@ class _Scale:
     from_pps2: Callable[[float], float]
 
 
+def _ramp_scale(units: tmc4361_formats.Units) -> _Scale:
+    velocity, acceleration = units.least("VMAX"), units.least("AMAX")
+    return _Scale(
+        lambda value: value * velocity,
+        lambda pps: pps / velocity,
+        lambda value: value * acceleration,
+        lambda pps2: pps2 / acceleration,
+    )
+
+
 def _scale(body: Units) -> _Scale:
     if body.model == "pd42-1241":
         return _Scale(
@@ -52,6 +71,8 @@ def _scale(body: Units) -> _Scale:
             lambda value: units_5160.acceleration_pps2(value, body.clock_hz),
             lambda pps2: pps2 / units_5160.acceleration_unit_pps2(body.clock_hz),
         )
+    if body.model == "tmc4361":
+        return _ramp_scale(_ramp_units(body))
     pulse_div, ramp_div, clock_hz = body.pulse_div, body.ramp_div, body.clock_hz
     if pulse_div is None or ramp_div is None:
         raise UsageError(f"a {body.model} counts by pulse_div and ramp_div, and one of them is missing")
@@ -65,9 +86,12 @@ def _scale(body: Units) -> _Scale:
 
 def units(body: Units) -> UnitsResult:
     axis = mechanics_of(body.mechanics)
-    scale = _scale(body)
-    velocity_pps = acceleration_pps2 = None
-    velocity = acceleration = position = None
+    if body.bow is not None and body.model != "tmc4361":
+        raise UsageError(f"a {body.model} has no bows; a tmc4361 has")
+    with calculating():
+        scale = _scale(body)
+    velocity_pps = acceleration_pps2 = bow_pps3 = None
+    velocity = acceleration = position = bow = None
     with calculating():
         if body.velocity is not None:
             velocity_pps = _from(body.velocity, axis, VELOCITY_UNITS, scale.to_pps)
@@ -77,6 +101,11 @@ def units(body: Units) -> UnitsResult:
             acceleration_pps2 = _from(body.acceleration, axis, ACCELERATION_UNITS, scale.to_pps2)
             acceleration = _all_units(acceleration_pps2, axis, ACCELERATION_UNITS)
             acceleration[CHIP] = _or_none(scale.from_pps2, acceleration_pps2)
+        if body.bow is not None:
+            one = _ramp_units(body).least("BOW1")
+            bow_pps3 = _from(body.bow, axis, BOW_UNITS, lambda value: value * one)
+            bow = _all_units(bow_pps3, axis, BOW_UNITS)
+            bow[CHIP] = bow_pps3 / one
         if body.position is not None:
             known = dict(zip(mechanics.POSITION_UNITS, mechanics.POSITION_UNITS, strict=True))
             microsteps = axis.to_microsteps(body.position.value, unit_of(body.position, known))
@@ -93,6 +122,42 @@ def units(body: Units) -> UnitsResult:
         acceleration_steps=steps,
         acceleration_time_s=time_s,
         module=_module(body, velocity_pps, acceleration_pps2) if body.model == "pd42-1241" else None,
+        bow=bow,
+        ramp=_ramp(body, velocity_pps, acceleration_pps2, bow_pps3) if body.model == "tmc4361" else None,
+    )
+
+
+def _ramp_units(body: Units) -> tmc4361_formats.Units:
+    """Raises ValueError for a clock that the chip cannot have."""
+    return tmc4361_formats.Units(body.clock_hz, body.direct_acceleration, body.direct_bow)
+
+
+def _ramp(body: Units, velocity: float | None, acceleration: float | None, bow: float | None) -> RampUnits:
+    """What the registers of a TMC4361 get; null, and the limit by its name, for what they cannot hold."""
+    units, limits = _ramp_units(body), list[str]()
+
+    def held(register: str, value: float | None) -> tuple[int | None, float | None]:
+        if value is None:
+            return None, None
+        try:
+            raw = units.to_raw(register, value)
+        except ValueError as error:
+            limits.append(str(error))
+            return None, None
+        limits.extend(units.warnings(register, value, positioning=register == "VMAX"))
+        return raw, units.from_raw(register, raw)
+
+    vmax, vmax_pps = held("VMAX", velocity)
+    amax, amax_pps2 = held("AMAX", acceleration)
+    raw_bow, bow_pps3 = held("BOW1", bow)
+    return RampUnits(
+        velocity=vmax,
+        velocity_pps=vmax_pps,
+        acceleration=amax,
+        acceleration_pps2=amax_pps2,
+        bow=raw_bow,
+        bow_pps3=bow_pps3,
+        limits=limits,
     )
 
 

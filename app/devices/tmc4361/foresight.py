@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.calc import sramp
+from app.calc import sramp, sramp_trapezoid
 from app.calc.sramp_plan import SRampPlan
 from app.devices.tmc4361 import rows
 from app.devices.tmc4361.setting import Setting
@@ -15,16 +15,21 @@ def to_position(
     try:
         if shape == rows.S_SHAPED:
             return sramp.position_plan(setting.s_ramp(vmax_pps), distance, v_pps, a_pps2)
+        if shape == rows.TRAPEZOID:
+            return sramp_trapezoid.trapezoid_position_plan(setting.trapezoid(vmax_pps), distance, v_pps, a_pps2)
+        return sramp_trapezoid.hold_position_plan(vmax_pps, distance)
     except ValueError:
-        pass
-    return None
+        return None
 
 
 def to_velocity(setting: Setting, shape: int, target_pps: float, v_pps: float, a_pps2: float) -> SRampPlan | None:
-    """To a velocity with its sign, and on at that."""
+    """To a velocity with its sign, and on at that. VMAX is the target itself, so any other limit will do."""
     try:
         if shape == rows.S_SHAPED:
             return sramp.velocity_plan(setting.s_ramp(abs(target_pps) or 1.0), target_pps, v_pps, a_pps2)
+        if shape == rows.TRAPEZOID:
+            ramp = setting.trapezoid(abs(target_pps) or 1.0)
+            return sramp_trapezoid.trapezoid_velocity_plan(ramp, target_pps, v_pps, a_pps2)
+        return sramp_trapezoid.hold_velocity_plan(target_pps)
     except ValueError:
-        pass
-    return None
+        return None

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from app.calc.sramp_parameters import SRamp
+from app.calc.sramp_trapezoid import Trapezoid
 from app.calc.tmc4361_formats import CLOCK_HZ_DEFAULT, CLOCK_HZ_MAX, CLOCK_HZ_MIN, Units
 from app.devices.tmc4361 import rows
 from app.links.errors import WrongState
@@ -71,6 +72,19 @@ class Setting:
             astart=self.pps(rows.ASTART),
             dfinal=self.pps(rows.DFINAL),
             use_astart_and_vstart=bool(self.value(rows.GENERAL_CONF) & 1),
+        )
+
+    def trapezoid(self, vmax_pps: float) -> Trapezoid:
+        """The trapezoid's parameters with `vmax_pps` [pps] for VMAX. Raises ValueError where they make none."""
+        return Trapezoid(
+            vmax=vmax_pps,
+            amax=self.pps(rows.AMAX),
+            dmax=self.pps(rows.DMAX),
+            vstart=self.pps(rows.VSTART),
+            vstop=self.pps(rows.VSTOP),
+            vbreak=self.pps(rows.VBREAK),
+            astart=self.pps(rows.ASTART),
+            dfinal=self.pps(rows.DFINAL),
         )
 
     def gates(self) -> tuple[bool, bool, bool]:
