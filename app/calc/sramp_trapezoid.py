@@ -75,7 +75,7 @@ def trapezoid_position_plan(p: Trapezoid, distance: float, v_actual: float = 0.0
     legs, first_anchored, stops_first = _onto(p, distance, v_actual, a_actual * v_actual < 0)
     if stops_first:
         warnings.append(warning("stops_first"))
-    pieces = _pieces(legs, min(first_anchored, len(legs) - 1), distance)
+    pieces = _pieces(legs, min(first_anchored, max(len(legs) - 1, 0)), distance)
     overshoot = overshoot_of(pieces, distance)
     if overshoot and v_actual:
         warnings.append(warning("target_overshoot", overshoot))

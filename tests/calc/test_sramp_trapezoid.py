@@ -47,6 +47,11 @@ def codes(plan: SRampPlan) -> list[str]:
     return [warning.code for warning in plan.warnings]
 
 
+def last_digits(p: Trapezoid, fastest: float) -> float:
+    """What those of a velocity mean [s]: a little more of it takes long with a small acceleration."""
+    return 1e-15 * fastest / min(p.amax, p.dmax, p.astart, p.dfinal)
+
+
 def check(p: Trapezoid, plan: SRampPlan) -> None:
     """Gapless, continuous but for the jumps at VSTART and VSTOP, each phase with its acceleration on its side."""
     x = max((abs(piece.position_at(piece.end_s)) for piece in plan.pieces), default=0.0)
@@ -58,6 +63,7 @@ def check(p: Trapezoid, plan: SRampPlan) -> None:
         jump = abs(after.velocity_at(t) - before.velocity_at(t))
         restarts = abs(jump - min(p.vstart, p.vmax)) <= 1e-9 * fastest and "stops_first" in codes(plan)
         assert restarts or jump <= 1e-9 * fastest + late * max(p.amax, p.dmax, p.astart, p.dfinal)
+        late += last_digits(p, fastest)
         assert abs(after.position_at(t) - before.position_at(t)) <= 1e-9 * x + late * fastest
     rates = {"A1L": p.astart, "A1": p.amax, "A2": 0.0, "A3": -p.dmax, "A3L": -p.dfinal}
     for piece in plan.pieces:
@@ -101,9 +107,11 @@ def test_from_rest_it_is_the_sixpoint_ramp(p: Trapezoid, length: float) -> None:
     expected = sixpoint.position_plan(same, distance)
     plan = trapezoid_position_plan(p, distance)
     check(p, plan)
-    assert plan.duration_s == pytest.approx(expected.duration_s, rel=1e-9)
+    late = last_digits(p, max(p.vmax, p.vstart))
+    assert abs(plan.duration_s - expected.duration_s) <= 1e-9 * expected.duration_s + late
     times = np.linspace(0, plan.duration_s, 50)
-    assert plan.at(times).position == pytest.approx(expected.at(times).position, rel=1e-9, abs=1e-9 * distance)
+    near = 1e-9 * distance + 4 * late * p.vmax
+    assert plan.at(times).position == pytest.approx(expected.at(times).position, rel=0, abs=near)
 
 
 @given(p=trapezoids(), distance=signed(decades(1e-3, 1e6)), v=signed(speeds), brakes=st.sampled_from((-1.0, 1.0)))
@@ -117,7 +125,7 @@ def test_a_move_from_any_velocity_ends_on_the_target(p: Trapezoid, distance: flo
         first, last = plan.pieces[0], plan.pieces[-1]
         size = max(abs(piece.position_at(piece.end_s)) for piece in plan.pieces)
         assert abs(last.velocity_at(last.end_s)) <= p.vstop * (1 + 1e-9) + 1e-9 * max(abs(v), p.vmax, p.vstart)
-        assert abs(first.position_at(0.0)) <= 1e-9 * size
+        assert abs(first.position_at(0.0)) <= 1e-9 * size + last_digits(p, abs(v)) * abs(v)
         if v:
             assert first.velocity_at(0.0) == pytest.approx(v)
 
@@ -130,7 +138,11 @@ def test_a_change_of_velocity(p: Trapezoid, target: float, v: float, brakes: flo
     assert plan.at(plan.duration_s).velocity_pps == target
     if plan.pieces:
         last = plan.pieces[-1].velocity_at(plan.duration_s)
-        assert last == pytest.approx(target, rel=1e-9) if target else abs(last) == pytest.approx(p.vstop, rel=1e-9)
+        near = 1e-9 * max(abs(target), abs(v)) + 4 * math.ulp(plan.duration_s) * max(p.amax, p.dmax, p.astart, p.dfinal)
+        ends = (target,) if target else (p.vstop, -p.vstop)
+        if "stops_first" in codes(plan) and p.vstart >= abs(target):
+            ends = (0.0,)  # the start again is a jump
+        assert min(abs(last - end) for end in ends) <= near
         assert plan.end_position == plan.pieces[-1].position_at(plan.duration_s)
 
 
@@ -138,10 +150,10 @@ def test_a_change_of_velocity(p: Trapezoid, target: float, v: float, brakes: flo
 def test_vstart_and_vstop_have_no_part_in_a_reversal() -> None:
     plan = trapezoid_velocity_plan(EXAMPLE, -30_000, 20_000)
     assert names(plan) == ["A3", "A3L", "A1L", "A1"]
-    assert [phase.start_velocity_pps for phase in plan.phases] == pytest.approx([20_000, 10_000, 0, -10_000])
+    assert [phase.start_velocity_pps for phase in plan.phases] == pytest.approx([20_000, 10_000, 0, -10_000], abs=1e-6)
     back = trapezoid_position_plan(EXAMPLE, 5000, -30_000)
     assert names(back) == ["A3", "A3L", "A1L", "A1", "A3", "A3L"]
-    assert back.phases[2].start_velocity_pps == pytest.approx(0)
+    assert back.phases[2].start_velocity_pps == pytest.approx(0, abs=1e-6)
 
 
 @pytest.mark.sheet("002", "8.2.1")
@@ -156,7 +168,7 @@ def test_vstop_ends_a_stop_and_no_other_change() -> None:
 def test_a_braking_motor_stands_before_it_accelerates_again() -> None:
     plan = trapezoid_position_plan(EXAMPLE, 50_000, 30_000, -1.0)
     assert names(plan) == ["A3", "A3L", "A1L", "A1", "A2", "A3", "A3L"]
-    assert plan.phases[1].end_velocity_pps == pytest.approx(0)
+    assert plan.phases[1].end_velocity_pps == pytest.approx(0, abs=1e-6)
     assert plan.phases[2].start_velocity_pps == pytest.approx(1000)  # it starts regularly, with VSTART
     assert "stops_first" in codes(plan)
     accelerating = trapezoid_position_plan(EXAMPLE, 50_000, 30_000, 1.0)
