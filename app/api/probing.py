@@ -9,6 +9,7 @@ from typing import cast
 
 from app.api.schemas import ModelName
 from app.api.schemas_links import ProbeFound, ProbeState
+from app.links import landungsbruecke
 from app.links.discovery import FoundModule, ProbeProgress, probe
 from app.links.errors import BenchError, WrongState
 from app.links.registry import port_url
@@ -18,6 +19,8 @@ log = logging.getLogger("stepscope.api")
 
 MODELS = {pd42.MODULE: "pd42-1241"}
 """What modules call themselves, and the catalog."""
+CHIPS = {board: model for model, board in landungsbruecke.MODELS.items()}
+"""What boards call their chips, and the catalog."""
 
 
 class Probing:
@@ -78,12 +81,13 @@ class Probing:
 
 
 def _found(module: FoundModule) -> ProbeFound:
-    model = MODELS.get(module.number)
+    model = CHIPS.get(module.chip) if module.board else MODELS.get(module.number)
     return ProbeFound(
         port=module.port,
         baud=module.baud,
         address=module.address,
         model=cast("ModelName", model) if model else None,
+        board=module.board or None,
         module=module.number,
         version=module.version,
     )

@@ -85,12 +85,18 @@ class ProbeStart(Body):
 
 
 class ProbeFound(Answer):
-    """A module that answered."""
+    """A module, or an evaluation board, that answered."""
 
     port: str
     baud: int | None = Field(description="null where the line has no baud rate")
     address: int
-    model: ModelName | None = Field(description="null for a module that stepscope has no driver for")
+    model: ModelName | None = Field(
+        description="the module's, or that of the chip on the board; null where stepscope has no driver for it"
+    )
+    board: str | None = Field(
+        description='null for a module; else "Landungsbrücke with TMC4361A and TMC2660": reached by a link of kind '
+        "landungsbruecke"
+    )
     module: int = Field(description="the number that the module calls itself by, e.g. 1241")
     version: str = Field(description='as the module tells it, e.g. "1241V144"')
 

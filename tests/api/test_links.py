@@ -11,6 +11,10 @@ import pytest
 
 from app.registers.catalog import MODELS
 from tests.api.conftest import PORTS
+from tests.peers.board import board, shared_board
+from tests.peers.emulator_process import EmulatorProcess
+
+__all__ = ["board", "shared_board"]
 
 WAIT_S = 20.0
 
@@ -141,8 +145,15 @@ async def test_modules_are_found_by_rate_and_address(client: httpx.AsyncClient, 
     assert [(found["address"], found["baud"]) for found in state["found"]] == [(1, 115_200), (2, 115_200)]
     for found in state["found"]:
         assert (found["model"], found["module"], found["version"]) == ("pd42-1241", 1241, "1241V144")
-        assert found["port"] == far_line
+        assert (found["port"], found["board"]) == (far_line, None)
     assert state["message"] == "2 found"
+
+
+async def test_an_evaluation_board_is_found_with_its_chip(client: httpx.AsyncClient, board: EmulatorProcess) -> None:
+    await client.post("ports/probe", json={"port": str(board.pty), "bauds": [115_200], "addresses": [1]})
+    (found,) = (await probed(client))["found"]
+    assert (found["model"], found["module"], found["version"]) == ("tmc4361", 12, "0012V310")
+    assert found["board"] == "Landungsbrücke with TMC4361A and TMC2660"
 
 
 async def test_one_search_at_a_time_and_it_can_be_ended(client: httpx.AsyncClient, far_line: str) -> None:

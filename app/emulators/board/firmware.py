@@ -84,7 +84,7 @@ class Firmware:
         if opcode in (BoardOpcode.WRITE_MC, _UF_WRITE):
             self._registers.write(address, value)
             return value
-        if opcode <= Opcode.GAP:
+        if Opcode.ROR <= opcode <= Opcode.GAP:
             return self._axis(opcode, type_, motor, value)
         handlers: dict[int, Handler] = {
             Opcode.SGP: self._set_global,

@@ -3704,7 +3704,7 @@ export interface components {
         };
         /**
          * ProbeFound
-         * @description A module that answered.
+         * @description A module, or an evaluation board, that answered.
          */
         ProbeFound: {
             /** Port */
@@ -3718,9 +3718,14 @@ export interface components {
             address: number;
             /**
              * Model
-             * @description null for a module that stepscope has no driver for
+             * @description the module's, or that of the chip on the board; null where stepscope has no driver for it
              */
             model: ("tmc428" | "tmc4210" | "tmc4361" | "pd42-1241") | null;
+            /**
+             * Board
+             * @description null for a module; else "Landungsbrücke with TMC4361A and TMC2660": reached by a link of kind landungsbruecke
+             */
+            board: string | null;
             /**
              * Module
              * @description the number that the module calls itself by, e.g. 1241
