@@ -124,12 +124,13 @@ function drawMark(plot: uPlot, mark: Mark, ratio: number) {
   const wide = ctx.measureText(mark.label).width + 6 * ratio;
   const right = px + wide > bbox.left + bbox.width;
   const left = right ? px - wide : px;
+  const top = mark.low ? bbox.top + bbox.height - 14 * ratio : bbox.top;
   ctx.fillStyle = mark.color;
-  ctx.fillRect(left, bbox.top, wide, 14 * ratio);
+  ctx.fillRect(left, top, wide, 14 * ratio);
   ctx.fillStyle = "#fff";
   ctx.textAlign = "left";
   ctx.textBaseline = "middle";
-  ctx.fillText(mark.label, left + 3 * ratio, bbox.top + 7.5 * ratio);
+  ctx.fillText(mark.label, left + 3 * ratio, top + 7.5 * ratio);
 }
 
 /** min and max of the overlays of one scale within min..max of x, joined with the data's own. */

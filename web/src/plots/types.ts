@@ -75,6 +75,8 @@ export interface Mark {
   x: number;
   color: string;
   label?: string;
+  /** its name stands at the lower end: where the upper one is taken */
+  low?: boolean;
   fixed?: boolean;
 }
 

@@ -6,11 +6,13 @@ import { useTelemetry } from "../../live/useTelemetry";
 import { cut } from "../../live/window";
 import type { Overlay } from "../../plots/types";
 import type { Kind } from "./design";
-import { channelsOf, mirrored } from "./overlay";
+import { channelsOf, mirrored, thinned } from "./overlay";
 import type { PlotHandles } from "./SRampPlots";
 
 const RATE_HZ = 1000;
 const KEEP_S = 60;
+/** More would hide the ramp under them. */
+const MOST_DOTS = 90;
 
 /** What the chip does, for the plots to draw over the ramp: filled by `LiveMotion`, read when a plot draws. */
 export type LiveDrawing = RefObject<Partial<Record<Kind, Overlay[]>>>;
@@ -73,10 +75,12 @@ export function LiveMotion({ device, axis, way, endS, factors, plots, drawing, o
     const flip = mirrored(columns[0] ?? [], way);
     const side = (values: Float64Array | undefined) =>
       flip && values ? values.map((value) => -value) : (values ?? []);
+    const dots = thinned(x.length, MOST_DOTS);
+    const some = (values: ArrayLike<number>) => dots.map((row) => values[row] ?? Number.NaN);
     kinds.forEach((kind, index) => {
       drawing.current[kind] = [
         { x, y: side(columns[2 * index + 1]), shift: -start, color: warm, dash: [5, 3], width: 1.5, aside: true },
-        { x, y: side(columns[2 * index]), shift: -start, color: ink, dots: 2, aside: true },
+        { x: some(x), y: some(side(columns[2 * index])), shift: -start, color: ink, dots: 4, aside: true },
       ];
       plots[kind].current?.redraw();
     });

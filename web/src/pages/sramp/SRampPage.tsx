@@ -265,13 +265,6 @@ function Designer({ device, axis }: Props) {
             plots={plots}
             seen={seen}
           />
-          <MotorSection
-            motor={motor}
-            onMotor={onMotor}
-            answer={good}
-            perVelocity={factors.velocity}
-            velocityUnit={units.velocity}
-          />
           <TimeSection
             answer={good}
             why={
@@ -281,6 +274,13 @@ function Designer({ device, axis }: Props) {
                   ? "Only S-ramps are compared."
                   : null
             }
+          />
+          <MotorSection
+            motor={motor}
+            onMotor={onMotor}
+            answer={good}
+            perVelocity={factors.velocity}
+            velocityUnit={units.velocity}
           />
         </div>
       </div>

@@ -85,13 +85,15 @@ export function SRampPlots(props: Props) {
     };
   }, [result, factors, torque]);
   const worst = result?.torque ?? null;
-  const marks = useMemo<Mark[]>(
-    () =>
-      worst === null
-        ? []
-        : [{ id: "margin", x: worst.margin_at_s, color: "#7a5200", label: marginText(worst.margin), fixed: true }],
-    [worst],
-  );
+  const marks = useMemo<Mark[]>(() => {
+    if (worst === null) return [];
+    // the knobs of AMAX stand above, those of DMAX below
+    const row = result?.time_s.findIndex((at) => at >= worst.margin_at_s) ?? 0;
+    const low = (result?.acceleration_pps2[row] ?? 0) >= 0;
+    return [
+      { id: "margin", x: worst.margin_at_s, color: "#7a5200", label: marginText(worst.margin), fixed: true, low },
+    ];
+  }, [worst, result]);
   const shown = useMemo(() => (result ? stretches(result.phases, options.shape) : []), [result, options.shape]);
   const bands = useMemo(
     () => ({ named: phaseBands(shown, scheme, true), plain: phaseBands(shown, scheme, false) }),

@@ -8,7 +8,7 @@ import type { Device } from "../../api/queries";
 import { fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Section } from "../../lib/Section";
-import { type ChipRamp, type Difference, shownValue, writesFor } from "./chip";
+import { type ChipRamp, type Difference, shownValue, waits, writesFor } from "./chip";
 import type { Options } from "./design";
 import classes from "./sramp.module.css";
 
@@ -159,7 +159,7 @@ export const SendSection = memo(function SendSection({
               <th scope="col">register</th>
               <th scope="col">chip</th>
               <th scope="col">design</th>
-              <th scope="col">last sent</th>
+              <th scope="col">read back</th>
             </tr>
           </thead>
           <tbody>
@@ -203,7 +203,10 @@ function Cautions({ chip, changed }: { chip: ChipRamp | null; changed: readonly 
     positioning && away !== 0 && get("VMAX") === 0 && writes("VMAX")
       ? `VMAX is 0 on the chip and the target is ${fixed(away)} µsteps away: the motor starts as soon as VMAX is written.`
       : null,
-    !positioning && writes("VMAX")
+    waits(chip) && writes("VMAX")
+      ? "The chip stands in velocity mode: it is told to hold its place before VMAX is written, which would turn it."
+      : null,
+    !positioning && !waits(chip) && writes("VMAX")
       ? "The chip is in velocity mode: the motor turns at VMAX as soon as it is written. A move puts it in positioning mode."
       : null,
     moves && changed.some((row) => row.register === "GENERAL_CONF")
@@ -234,7 +237,7 @@ function outcome(row: Difference, result: { sent: string[]; answer: Schemas["Reg
   return (
     <span className={good ? classes.good : classes.fault}>
       {good ? <IconCheck size={12} aria-hidden /> : <IconX size={12} aria-hidden />}
-      <span className="num"> read back {shownValue(row, value ?? null, fixed)}</span>
+      <span className="num"> {shownValue(row, value ?? null, fixed)}</span>
     </span>
   );
 }

@@ -36,13 +36,22 @@ export function shownValue(
   fixed: (value: number) => string,
 ): string {
   if (value === null) return "?";
+  if (row.label === "OPERATION_MODE") return value === POSITIONING ? "positioning" : "velocity";
   return row.label === "RAMP_PROFILE" ? (SHAPE_NAMES[value] ?? fixed(value)) : fixed(value);
+}
+
+const POSITIONING = 1;
+
+/** The chip stands in velocity mode, as after a reset or a stop: whatever is written to VMAX sets it going. */
+export function waits(chip: ChipRamp | null): boolean {
+  const zero = (name: string) => chip?.get(name) === 0;
+  return zero("OPERATION_MODE") && zero("VMAX") && zero("VACTUAL");
 }
 
 /**
  * The design beside the chip, in the order in which it is written: units first, then what shapes the ramp, then what
- * may set it going. Only the shape goes into RAMPMODE: whether VMAX is a limit or a velocity is left to the commands
- * that move the motor, since changing it starts or turns round a motor by itself.
+ * may set it going. While the motor turns only the shape goes into RAMPMODE: whether VMAX is a limit or a velocity is
+ * left to the commands that move it, since changing that starts or turns round a motor by itself.
  */
 export function compared(registers: Answer["registers"], options: Options, chip: ChipRamp | null): Difference[] {
   const row = (register: string, field: string | null, to: number): Difference => ({
@@ -52,6 +61,9 @@ export function compared(registers: Answer["registers"], options: Options, chip:
     from: chip?.get(field ?? register) ?? null,
     to,
   });
+  // At rest in velocity mode a motor turns as soon as VMAX is written: it is told to hold its place first.
+  const place = waits(chip) ? [row("XTARGET", null, chip?.get("XACTUAL") ?? 0)] : [];
+  const mode = waits(chip) ? [row("RAMPMODE", "OPERATION_MODE", POSITIONING)] : [];
   const values = registers.filter(({ name }) => name !== "VMAX").map(({ name, raw }) => row(name, null, raw));
   const vmax = registers.filter(({ name }) => name === "VMAX").map(({ name, raw }) => row(name, null, raw));
   return [
@@ -59,7 +71,9 @@ export function compared(registers: Answer["registers"], options: Options, chip:
     row("GENERAL_CONF", "direct_acc_val_en", options.directAcceleration ? 1 : 0),
     row("GENERAL_CONF", "direct_bow_val_en", options.directBow ? 1 : 0),
     ...values,
+    ...place,
     row("RAMPMODE", "RAMP_PROFILE", SHAPES[options.shape]),
+    ...mode,
     ...vmax,
   ];
 }

@@ -17,3 +17,9 @@ export function mirrored(velocity: ArrayLike<number>, way: 1 | -1): boolean {
   }
   return sum * way < 0;
 }
+
+/** Rows of so many, evenly, with the first and the last: enough to see where something is. */
+export function thinned(length: number, most: number): number[] {
+  if (length <= most) return Array.from({ length }, (_, row) => row);
+  return Array.from({ length: most }, (_, index) => Math.round((index * (length - 1)) / (most - 1)));
+}

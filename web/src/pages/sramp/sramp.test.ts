@@ -16,7 +16,7 @@ import {
 } from "./design";
 import { dragged, handlesOf, shownHandles, stepped, tidy } from "./handles";
 import { MOTOR, marginText, motorBody } from "./motor";
-import { channelsOf, mirrored } from "./overlay";
+import { channelsOf, mirrored, thinned } from "./overlay";
 import { stretches } from "./phases";
 import { corners, share } from "./rivals";
 import { engineering, unitChoices, unitsOf } from "./scales";
@@ -241,6 +241,19 @@ describe("chip and design", () => {
     expect(designOf(chipRamp(CHIP.filter(({ name }) => name !== "VMAX")), 16e6)).toBeNull();
   });
 
+  it("has a motor that stands in velocity mode hold its place before VMAX would turn it", () => {
+    const standing = new Map([...chipRamp(CHIP), ["OPERATION_MODE", 0], ["VMAX", 0], ["VACTUAL", 0], ["XACTUAL", -7]]);
+    const rows = compared(registers, OPTIONS, standing);
+    const writes = writesFor(rows, 0).slice(-3);
+    expect(writes).toEqual([
+      { name: "XTARGET", axis: 0, value: -7 },
+      { name: "RAMPMODE", axis: 0, fields: { RAMP_PROFILE: 2, OPERATION_MODE: 1 } },
+      { name: "VMAX", axis: 0, value: 512_000 },
+    ]);
+    const turning = new Map([...standing, ["VMAX", 5], ["VACTUAL", 5]]);
+    expect(compared(registers, OPTIONS, turning).map((row) => row.label)).not.toContain("OPERATION_MODE");
+  });
+
   it("writes only what differs, units first and VMAX last, and never the mode", () => {
     const rows = compared(registers, { ...OPTIONS, directBow: true }, chipRamp(CHIP));
     expect(rows.map((row) => row.label)).toEqual([
@@ -265,6 +278,11 @@ describe("the live motion", () => {
   it("asks for what the device offers", () => {
     const channels = ["velocity.0", "acceleration.0", "velocity.1", "mscnt.0"].map((name) => ({ name }));
     expect(channelsOf({ channels } as Parameters<typeof channelsOf>[0], 0)).toEqual(["velocity.0", "acceleration.0"]);
+  });
+  it("shows some of many samples, the ends among them", () => {
+    expect(thinned(3, 90)).toEqual([0, 1, 2]);
+    const rows = thinned(1000, 5);
+    expect([rows.length, rows[0], rows[4]]).toEqual([5, 0, 999]);
   });
   it("is mirrored on the way back", () => {
     expect(mirrored([-1, Number.NaN, -2], 1)).toBe(true);

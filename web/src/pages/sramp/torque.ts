@@ -18,7 +18,7 @@ export const TORQUE_SCALE: PlotScale = { side: "right", unit: "Nm", range: aroun
 /** Where there is no room for numbers. */
 export const UNSEEN_SCALE: PlotScale = { ...TORQUE_SCALE, axis: false };
 /** An empty axis on the right: plots above each other keep one width. */
-export const NO_SCALE: PlotScale = { side: "right", range: [0, 1], ticks: (values) => values.map(() => "") };
+export const NO_SCALE: PlotScale = { side: "right", range: [0, 1], at: [] };
 
 /** Torque over time beside the acceleration: what is asked for, within what there is, either way. */
 export function torqueLines(
