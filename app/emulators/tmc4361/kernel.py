@@ -248,7 +248,7 @@ def _feed_back(r: Cells, s: Cells, f: Floats, fb: Floats) -> None:
         f[EXTRA] -= whole
         s[FIELD] += int(whole)
     state = _ramp_state(f) | (4 if v != 0.0 else 0) | (8 if s[FROZEN] else 0)
-    word = motor_and_encoder_tick(fb, s[FIELD], out, FEEDBACK_CLOCKS, s[X], state)
+    word = motor_and_encoder_tick(fb, s[FIELD], out, s[TICK] * TICK_CLOCKS, s[X], state)
     s[FEEDBACK] = word
     if word & _FB_PULSES:
         if word & FB_ENC_DONE:

@@ -12,8 +12,8 @@ The clockwork calls two compiled functions of `feedback/kernel.py`, every `FEEDB
 
 - `regulation_tick(fb, x_actual, velocity_pps) -> float`: the velocity that the step output really gets [pps]: the
   argument itself without a PID, the PID's, or their sum.
-- `motor_and_encoder_tick(fb, commanded_position_256ths, velocity_pps, clocks, x_actual, ramp_state) -> int`: what the
-  steps sent so far ask of the motor [1/256 full step, since ever], `clocks` after the last call; `ramp_state` is
+- `motor_and_encoder_tick(fb, commanded_position_256ths, velocity_pps, clock, x_actual, ramp_state) -> int`: what the
+  steps sent so far ask of the motor [1/256 full step, since ever], at this clock; `ramp_state` is
   STATUS.RAMP_STATE_F (0 constant, 1 rising, 2 falling) | 4 while VACTUAL is not 0 | 8 while frozen. Answers the word
   below.
 

@@ -175,8 +175,8 @@ def _pwm_scale(n: Cells, speed_pps: float) -> float:
 
 
 @compiled
-def energise(fb: Floats, n: Cells, velocity_pps: float, ramp_state: int, clocks: int) -> None:
-    """Scale, wave and driver of one tick, then the motor, unless it rests and nothing has changed."""
+def energise(fb: Floats, n: Cells, velocity_pps: float, ramp_state: int, clocks: int, motor_too: bool) -> None:
+    """Scale, wave and driver of one tick; with `motor_too` a step of the motor, unless it rests and nothing changed."""
     speed = abs(velocity_pps)
     if ramp_state & MOVING:
         n[STILL] = 0
@@ -226,5 +226,5 @@ def energise(fb: Floats, n: Cells, velocity_pps: float, ramp_state: int, clocks:
     if bridges != n[k.BRIDGES]:
         n[k.BRIDGES] = bridges
         n[k.REST] = 0
-    if not n[k.REST] or ref_a != fb[k.REF_A] or ref_b != fb[k.REF_B]:
+    if motor_too and (not n[k.REST] or ref_a != fb[k.REF_A] or ref_b != fb[k.REF_B]):
         k.turn(n, fb, ref_a, ref_b)

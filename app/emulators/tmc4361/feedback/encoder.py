@@ -56,6 +56,7 @@ from app.emulators.tmc4361.feedback.layout import (
     LATCH_FLAG,
     MEAN_AT,
     MEAN_Q16,
+    MOTOR_CLOCKS,
     MOVED_AT,
     MULTI_BITS,
     N_LEVEL,
@@ -84,7 +85,7 @@ from app.emulators.tmc4361.feedback.layout import (
     bit,
     wrap32,
 )
-from app.emulators.tmc4361.layout import FB_ENC_DONE, FB_LATCH_X, FB_N_EVENT, FB_SER_DONE, FB_SER_FAIL
+from app.emulators.tmc4361.layout import FB_ENC_DONE, FB_LATCH_X, FB_N_EVENT, FB_SER_DONE, FB_SER_FAIL, FEEDBACK_CLOCKS
 
 CLEAR_ON_N, CONTINUOUSLY, ONCE, POL_N, POL_A, POL_B, IGNORE_AB, LATCH_ENC, LATCH_X = 1, 2, 3, 4, 7, 8, 9, 10, 11
 MULTI_IN, MULTI_SIGNED, CALC_MULTI, MULTI_CYCLE, GRAY_EN, LEFT_ALIGNED, PREPROC_OR_LIMIT = 12, 13, 16, 17, 18, 19, 31
@@ -202,22 +203,22 @@ def pass_counts(fb: Floats, n: Cells, old: int, new: int) -> int:
 
 
 @inlined
-def _filtered_out(n: Cells, delta: int, clocks: int) -> bool:
+def _filtered_out(n: Cells, delta: int) -> bool:
     """Whether A and B change too fast for INPUT_FILT_CONF: each holds a level for two counts."""
     filtering = n[INPUT_FILT_CONF]
     needed = ((filtering >> 4 & 7) + 1) << (filtering & 7)
-    return needed > 1 and abs(delta) * needed > 2 * clocks
+    return needed > 1 and abs(delta) * needed > 2 * MOTOR_CLOCKS
 
 
 @compiled
-def _incremental(fb: Floats, n: Cells, clocks: int, rested: bool) -> int:
-    """A tick of an ABN encoder."""
-    place = fb[PLACE] if rested else true_place(fb)
+def _count(fb: Floats, n: Cells) -> int:
+    """An ABN encoder after a step of the motor."""
+    place = true_place(fb)
     counts = math.floor(place + 0.5)
     delta = counts - n[COUNTS]
     word = 0
     if delta != 0:
-        if n[KIND] != ABN or _filtered_out(n, delta, clocks):
+        if n[KIND] != ABN or _filtered_out(n, delta):
             n[BASE_COUNTS] += delta
             n[V_COUNTS] += delta
         else:
@@ -225,13 +226,12 @@ def _incremental(fb: Floats, n: Cells, clocks: int, rested: bool) -> int:
             # when it counted last, by how far the shaft has gone on since
             border = counts - 0.5 if delta > 0 else counts + 0.5
             since = (place - border) / (place - fb[PLACE]) if place != fb[PLACE] else 0.0
-            fb[EDGE_AT] = n[NOW] - min(max(since, 0.0), 1.0) * clocks
+            fb[EDGE_AT] = n[NOW] - min(max(since, 0.0), 1.0) * MOTOR_CLOCKS
             n[MOVED_AT] = n[NOW]
             n[VEL0] = 0
         n[COUNTS] = counts
         fb[ENC_POS] = position_at(fb, n, counts)
     fb[PLACE] = place
-    _speed(fb, n)
     return word
 
 
@@ -393,8 +393,14 @@ def _request_period(fb: Floats, n: Cells) -> int:
 
 @inlined
 def _serial(fb: Floats, n: Cells) -> int:
-    """A tick of an SSI or SPI encoder."""
+    """A tick of an SSI or SPI encoder. Requests of ticks that were passed over had the answer that is known."""
     word = 0
+    last = n[NOW] - FEEDBACK_CLOCKS
+    if n[REQUEST_AT] <= last:
+        period = max(_request_period(fb, n), 1)
+        n[REQUEST_AT] += ((last - n[REQUEST_AT]) // period + 1) * period
+        asked = n[REQUEST_AT] - period
+        n[ASKED_AT] = max(n[ASKED_AT], (asked + FEEDBACK_CLOCKS - 1) // FEEDBACK_CLOCKS * FEEDBACK_CLOCKS)
     if n[NOW] >= n[REQUEST_AT]:
         word = _ask(fb, n)
         n[REQUEST_AT] = max(n[REQUEST_AT] + _request_period(fb, n), n[NOW])
@@ -405,8 +411,10 @@ def _serial(fb: Floats, n: Cells) -> int:
 
 
 @compiled
-def encode(fb: Floats, n: Cells, clocks: int, rested: bool) -> int:
-    """A tick of the encoder unit, the shaft having `rested` or not; answers the "now" bits of the feedback's word."""
+def encode(fb: Floats, n: Cells, turned: bool) -> int:
+    """A tick of the encoder unit, the shaft having `turned` or not; answers the "now" bits of the feedback's word."""
     if n[GENERAL_CONF] >> 10 & 3 == ABN:
-        return _incremental(fb, n, clocks, rested)
+        word = _count(fb, n) if turned else 0
+        _speed(fb, n)
+        return word
     return _serial(fb, n)

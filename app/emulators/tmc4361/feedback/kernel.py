@@ -2,7 +2,7 @@
 
 What the ramp generator sends goes to the sequencer, from there as currents to the driver and the motor with its load;
 the encoder on its shaft comes back into ENC_POS and the regulation. Motor and driver are the drive's
-(app/emulators/drive), worked out every 128 clocks here.
+(app/emulators/drive), worked out every 256 clocks as there; what regulates it works every 128.
 """
 
 # mypy: disable-error-code="no-any-return"
@@ -37,6 +37,7 @@ from app.emulators.tmc4361.feedback.layout import (
     HOT,
     INTEGERS_AT,
     LATCH_FLAG,
+    MOTOR_CLOCKS,
     MOVED_AT,
     N_LEVEL,
     NOW,
@@ -81,6 +82,7 @@ from app.emulators.tmc4361.layout import (
     FB_SET_X,
     FB_STALL,
     FB_TARGET_OK,
+    FEEDBACK_CLOCKS,
 )
 
 CALIBRATION_EN = 24
@@ -192,24 +194,26 @@ def motor_and_encoder_tick(
     fb: Floats,
     commanded_position_256ths: int,
     velocity_pps: float,
-    clocks: int,
+    clock: int,
     x_actual: int,
     ramp_state: int,
 ) -> int:
     """One tick of sequencer, driver, motor and encoder; answers the word that app/emulators/tmc4361/layout.py lists.
 
     `commanded_position_256ths` is what the steps sent so far ask of the field [1/256 full step], `velocity_pps` the
-    step output's, `clocks` those since the last call, `ramp_state` RAMP_STATE_F | 4 while VACTUAL is not 0 | 8 while
-    frozen.
+    step output's, `clock` the chip's clocks since power-on, `ramp_state` RAMP_STATE_F | 4 while VACTUAL is not 0 | 8
+    while frozen. While the word says FB_QUIET calls may be left out.
     """
     n = fb[INTEGERS_AT:].view(np.int64)
-    n[NOW] += clocks
+    clocks = clock - n[NOW]
+    n[NOW] = clock
     phase, look, rested = n[PHASE], n[k.LOOK], n[k.REST] != 0
+    motor_too = clock & (MOTOR_CLOCKS - 1) < FEEDBACK_CLOCKS
     _sequence(fb, n, commanded_position_256ths, velocity_pps, clocks)
-    energise(fb, n, velocity_pps, ramp_state, clocks)
+    energise(fb, n, velocity_pps, ramp_state, clocks, motor_too)
     _stall_guard(fb, n, velocity_pps, look)
     fb[SHAFT_FULLSTEPS] = fb[k.THETA] * fb[k.TEETH] / (math.pi / 2.0)
-    word = encode(fb, n, clocks, rested and n[k.REST] != 0)
+    word = encode(fb, n, motor_too and not (rested and n[k.REST]))
     n[DEV] = error_of(fb, x_actual)
     conf = n[ENC_IN_CONF]
     if bit(conf, CALIBRATION_EN) and conf >> 22 & 3 == OPEN_LOOP:
@@ -217,6 +221,6 @@ def motor_and_encoder_tick(
     if _corrected_x(fb, n):
         word |= FB_SET_X
     word |= _levels(fb, n)
-    if _quiet(n, n[PHASE] != phase, ramp_state):
+    if motor_too and _quiet(n, n[PHASE] != phase, ramp_state):
         word |= FB_QUIET
     return word

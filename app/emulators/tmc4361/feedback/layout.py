@@ -35,6 +35,8 @@ DUTY_A, DUTY_B = range(k.REALS + 10, k.REALS + 12)
 COUNT_RATE, COUNT_TURNS = range(k.REALS + 12, k.REALS + 14)
 """Velocity of one count a clock [pps]; turns a count. Divisions are what a tick has no time for."""
 
+MOTOR_CLOCKS = 256
+"""Clocks from one step of the motor to the next, as in the drive: every other tick."""
 INTEGERS_AT = 64
 """From here on int64."""
 

@@ -164,7 +164,8 @@ def commutate(fb: Floats, n: Cells, velocity_pps: float, clocks: int) -> None:
     if n[GENERAL_CONF] >> 10 & 3 != ABN:
         if n[NOW] < n[CL_DUE]:
             return
-        n[CL_DUE] = n[NOW] + (n[ENC_VMEAN] >> 16 & 0xFFFF)
+        cycle = max(n[ENC_VMEAN] >> 16 & 0xFFFF, 1)
+        n[CL_DUE] += ((n[NOW] - n[CL_DUE]) // cycle + 1) * cycle
     gamma = _gamma(n)
     angle = _correction(n) + gamma
     rotor = n[DIRECTION] * math.floor(fb[ENC_POS]) + n[CL_OFFSET]

@@ -30,7 +30,6 @@ from app.emulators.tmc4361.feedback.words import (
     signed32,
     wave,
 )
-from app.emulators.tmc4361.layout import FEEDBACK_CLOCKS
 from app.registers.tmc4361 import TMC4361
 
 _KINDS = {"abn": c.ABN, "ssi": c.SSI, "spi": c.SPI}
@@ -67,7 +66,7 @@ class FeedbackUnit:
         self._hot = False
         self._memory: dict[int, int] = {}
         self._drive: DriveOptions = options.drive(clock_hz)
-        set_physics(self._drive, self._n, self.fb, FEEDBACK_CLOCKS)
+        set_physics(self._drive, self._n, self.fb, c.MOTOR_CLOCKS)
         self.world = World(self._drive, self._n, self.fb, self._world_changed)
         self.fb[k.THETA] = options.start_fullsteps * self.world.fullstep_rad
         self._n[k.RNG] = (options.seed << 16 | 0x330E) & 0xFFFFFFFFFFFF
@@ -262,7 +261,7 @@ class FeedbackUnit:
         if patch.inertia_kgm2 is not None:
             load = self._drive.load.model_copy(update={"inertia_kgm2": patch.inertia_kgm2})
             self._drive = DriveOptions(**{**dict(self._drive), "load": load})
-            set_physics(self._drive, self._n, self.fb, FEEDBACK_CLOCKS)
+            set_physics(self._drive, self._n, self.fb, c.MOTOR_CLOCKS)
             world.refit(self._drive)
         for name, value in (
             ("load_torque_nm", patch.load_torque_nm),

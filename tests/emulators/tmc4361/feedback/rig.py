@@ -17,6 +17,7 @@ from app.emulators.tmc4361.layout import FB_SET_X
 
 F_CLK = 16e6
 TICK_S = 128 / F_CLK
+MOTOR_S = 2 * TICK_S
 TURN = 51_200
 
 GENERAL_CONF, REFERENCE_CONF, INPUT_FILT_CONF, SPI_OUT_CONF, CURRENT_CONF, SCALE_VALUES = 0, 1, 3, 4, 5, 6
@@ -36,16 +37,17 @@ CALIBRATION = 1 << 24
 
 
 def _loop(fb: Any, state: Any, ticks: int, velocity: float, ramp_state: int) -> int:
-    """`state`: XACTUAL, commanded position, last word. A sum of many ticks may miss a step by its rounding."""
+    """`state`: XACTUAL, commanded position, last word, clock. A sum of many ticks may miss a step by its rounding."""
     seen = 0
     word = 0
     spare = 1e-6
     for _ in range(ticks):
         state[0] += velocity * 128.0 / 16e6
+        state[3] += 128.0
         out = regulation_tick(fb, math.floor(state[0] + spare), velocity)
         state[1] += out * 128.0 / 16e6
         word = motor_and_encoder_tick(
-            fb, math.floor(state[1] + spare), out, 128, math.floor(state[0] + spare), ramp_state
+            fb, math.floor(state[1] + spare), out, int(state[3]), math.floor(state[0] + spare), ramp_state
         )
         seen |= word
         if word & FB_SET_X:
@@ -69,7 +71,7 @@ class Bench:
 
     def __init__(self, registers: Mapping[int, int] | None = None, **options: Any) -> None:
         self.unit = FeedbackUnit(FeedbackOptions(**options), F_CLK)
-        self.state: NDArray[np.float64] = np.zeros(3)
+        self.state: NDArray[np.float64] = np.zeros(4)
         self.seen = 0
         self.write({ENC_IN_RES: self.unit.options.encoder.counts} | dict(registers or {}))
 
@@ -132,7 +134,7 @@ class Bench:
     def turn_by_hand(self, microsteps: float) -> None:
         """Put the shaft there, and let the encoder see it. The motor has to be let go: `loose()`."""
         self.change(rotor_fullsteps=microsteps / 256)
-        self.ticks(1)
+        self.ticks(2)
 
     def calibrate(self, conf: int = 0, align: bool = True) -> None:
         """The vendor's procedure, facts tmc4361-encoder-closed-loop section 6, then closed loop with `conf`.

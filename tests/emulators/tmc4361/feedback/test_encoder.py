@@ -40,6 +40,7 @@ from tests.emulators.tmc4361.feedback.rig import (
     ENC_VMEAN,
     GENERAL_CONF,
     INPUT_FILT_CONF,
+    MOTOR_S,
     REFERENCE_CONF,
     SER_PTIME,
     TURN,
@@ -140,12 +141,12 @@ def test_another_resolution_leaves_enc_pos_where_it_is() -> None:
 
 @pytest.mark.sheet("002", "6.1")
 def test_pulses_too_short_for_the_input_filter_are_not_counted() -> None:
-    # SR 2, FILT_L 7: a level has to last 32 clocks, so 8 transitions in 128 clocks are the most
+    # SR 2, FILT_L 7: a level has to last 32 clocks, so 16 transitions in 256 clocks are the most
     slow, fast = loose({INPUT_FILT_CONF: 2 | 7 << 4}), loose({INPUT_FILT_CONF: 2 | 7 << 4})
-    for bench, step in ((slow, 8), (fast, 9)):
+    for bench, step in ((slow, 16), (fast, 17)):
         for tick in range(1, 101):
             bench.turn_by_hand(tick * step * 1.28)
-    assert slow.read(ENC_POS) == pytest.approx(100 * 8 * 1.28, abs=2)
+    assert slow.read(ENC_POS) == pytest.approx(100 * 16 * 1.28, abs=2)
     assert fast.read(ENC_POS) == 0
 
 
@@ -162,10 +163,10 @@ def beside_zero(conf: int, registers: dict[int, int] | None = None) -> Bench:
     """A quarter turn before the N pulse, XACTUAL 777."""
     bench = loose(encoder=AT_ZERO)
     bench.change(rotor_fullsteps=-50.0)
-    bench.ticks(1)
+    bench.ticks(2)
     bench.write({ENC_POS: -12_800 & 0xFFFFFFFF, ENC_IN_CONF: conf, ENC_RESET_VAL: 4321} | dict(registers or {}))
     bench.x = 777
-    bench.ticks(1)
+    bench.ticks(2)
     return bench
 
 
@@ -173,16 +174,16 @@ def beside_zero(conf: int, registers: dict[int, int] | None = None) -> Bench:
 def test_an_n_event_latches_and_clears_enc_pos_each_time() -> None:
     bench = beside_zero(POL_N | 1 << 5 | IGNORE_AB | EACH | CLEAR | LATCH | LATCH_X_TOO)
     bench.change(rotor_fullsteps=50.0)
-    word = bench.ticks(1)
+    word = bench.ticks(2)
     for bit in (FB_N_EVENT, FB_ENC_DONE, FB_LATCH_X, FB_ENC_LATCH):
         assert word & bit
     assert bench.word & FB_ENC_LATCH
     assert bench.read(ENC_LATCH) in (-1, 0)  # count 0 of the turn, before it was set to ENC_RESET_VAL
-    bench.ticks(1)
+    bench.ticks(2)
     assert not bench.word & FB_ENC_LATCH  # read
     assert bench.read(ENC_POS) == pytest.approx(4321 + 12_800, abs=2)
     bench.change(rotor_fullsteps=250.0)
-    assert bench.ticks(1) & FB_ENC_DONE
+    assert bench.ticks(2) & FB_ENC_DONE
     assert bench.read(ENC_POS) == pytest.approx(4321 + 12_800, abs=2)
     assert bench.read(ENC_LATCH) == pytest.approx(4321 + TURN, abs=2)
 
@@ -192,7 +193,7 @@ def test_once_means_once() -> None:
     bench = beside_zero(POL_N | 1 << 5 | IGNORE_AB | ONCE | CLEAR | LATCH)
     for place in (50.0, 250.0):
         bench.change(rotor_fullsteps=place)
-        bench.ticks(1)
+        bench.ticks(2)
     assert bench.read(ENC_POS) == pytest.approx(4321 + 12_800 + TURN, abs=2)
     assert not (bench.unit.read(ENC_IN_CONF) or 0) & ONCE  # it clears itself
 
@@ -200,7 +201,7 @@ def test_once_means_once() -> None:
 def test_an_active_n_channel_is_no_event_until_it_is_armed() -> None:
     bench = beside_zero(POL_N | 1 << 5 | IGNORE_AB | CLEAR | LATCH)
     bench.change(rotor_fullsteps=50.0)
-    assert not bench.ticks(1) & (FB_N_EVENT | FB_ENC_DONE)
+    assert not bench.ticks(2) & (FB_N_EVENT | FB_ENC_DONE)
     assert bench.read(ENC_POS) == pytest.approx(12_800, abs=2)
 
 
@@ -214,10 +215,10 @@ def test_the_edge_that_counts_can_be_chosen(sensitivity: int, forward: int, back
     for start, end, place in ((-50.0, 50.0, forward), (50.0, -50.0, backward)):
         bench = beside_zero(POL_N | sensitivity << 5 | IGNORE_AB | EACH | LATCH)
         bench.change(rotor_fullsteps=start)
-        bench.ticks(1)
+        bench.ticks(2)
         bench.write({ENC_POS: round(start * 256) & 0xFFFFFFFF})
         bench.change(rotor_fullsteps=end)
-        bench.ticks(1)
+        bench.ticks(2)
         assert bench.read(ENC_LATCH) == pytest.approx(place * 1.28, abs=1.3)
 
 
@@ -227,10 +228,10 @@ def test_polarities_of_a_and_b_choose_one_count_of_the_n_pulse(count: int) -> No
     a, b = count in (1, 2), count >= 2  # A rises first
     bench = beside_zero(POL_N | 1 << 5 | POL_A * a | POL_B * b | EACH | LATCH)
     bench.change(rotor_fullsteps=50.0)
-    bench.ticks(1)
+    bench.ticks(2)
     assert bench.read(ENC_LATCH) in (math.floor(count * 1.28) - 1, math.floor(count * 1.28))
     bench.change(rotor_fullsteps=count * 1.28 / 256)
-    bench.ticks(1)
+    bench.ticks(2)
     assert bench.word & FB_N_ACTIVE
 
 
@@ -238,7 +239,7 @@ def test_the_n_channel_may_be_low_active() -> None:
     bench = beside_zero(IGNORE_AB)
     assert bench.word & FB_N_ACTIVE  # between the pulses the line is low
     bench.change(rotor_fullsteps=0.0)
-    bench.ticks(1)
+    bench.ticks(2)
     assert not bench.word & FB_N_ACTIVE
 
 
@@ -249,7 +250,7 @@ def test_enc_pos_dev_is_enc_pos_minus_xactual_a_choice_as_no_source_tells_the_si
     bench = loose(encoder=AT_ZERO)
     bench.turn_by_hand(500)
     bench.x = 200
-    bench.ticks(1)
+    bench.ticks(2)
     assert bench.read(ENC_POS_DEV) == bench.read(ENC_POS) - 200
     assert bench.read(ENC_POS_DEV) > 0
 
@@ -259,7 +260,7 @@ def test_enc_fail_means_beyond_the_tolerance_either_way() -> None:
     bench = loose({ENC_POS_DEV_TOL: 100}, encoder=AT_ZERO)
     for x, fails in ((100, False), (101, True), (-100, False), (-101, True)):
         bench.x = x
-        bench.ticks(1)
+        bench.ticks(2)
         assert bool(bench.word & FB_ENC_FAIL) is fails
 
 
@@ -269,7 +270,7 @@ def test_cl_clr_xact_makes_xactual_follow_the_encoder() -> None:
     bench.turn_by_hand(90)
     assert bench.x == 0
     bench.change(rotor_fullsteps=2.0)
-    assert bench.ticks(1) & FB_SET_X
+    assert bench.ticks(2) & FB_SET_X
     assert bench.x == bench.read(ENC_POS) == pytest.approx(512, abs=2)
 
 
@@ -279,7 +280,7 @@ def test_enc_pos_can_be_circular() -> None:
         bench.turn_by_hand(place)
         assert bench.read(ENC_POS) == pytest.approx(shown, abs=2)
     bench.x = -990
-    bench.ticks(1)
+    bench.ticks(2)
     assert bench.read(ENC_POS_DEV) == pytest.approx(-30, abs=2)  # the short way around
 
 
@@ -335,12 +336,17 @@ class PlainSpeed:
         self.v = 0
         self.mean = 0
 
+    def turn(self, place: float) -> None:
+        """The shaft goes there in 256 clocks; the unit looks in the middle and at the end."""
+        self.tick(self.place)
+        self.tick(place)
+
     def tick(self, place: float) -> None:
         self.now += 128
         before, after = math.floor(self.place + 0.5), math.floor(place + 0.5)
         if after != before:
             border = after - 0.5 if after > before else after + 0.5
-            self.edge = self.now - 128 * (place - border) / (place - self.place)
+            self.edge = self.now - 256 * (place - border) / (place - self.place)
         self.place = place
         if self.now - self.updated >= self.interval:
             if after != self.counted:
@@ -363,9 +369,9 @@ def test_velocities_are_those_of_a_slow_reference(interval: int, wait: int, expo
     reference.constant = round(5.12 * 65536) / 65536
     place = 0.0
     for tick in range(4000):
-        place += 1.5 * math.sin(tick / 300)  # microsteps: up to 187,500 pps either way
+        place += 3.0 * math.sin(tick / 300)  # microsteps: up to 187,500 pps either way
         bench.turn_by_hand(place)
-        reference.tick(place / 5.12)
+        reference.turn(place / 5.12)
         assert abs(bench.read(V_ENC) - reference.v) <= 1
         assert abs(bench.read(0x66) - (reference.mean + 32768 >> 16)) <= 1
 
@@ -373,13 +379,13 @@ def test_velocities_are_those_of_a_slow_reference(interval: int, wait: int, expo
 def test_v_enc_is_the_shafts_velocity_and_its_mean_follows_with_the_time_constant() -> None:
     bench = loose({ENC_VMEAN: 100 | 7 << 8 | 500 << 16}, encoder=AT_ZERO)
     place, mean = 0.0, []
-    for _ in range(2500):
-        place += 51_200 * 8e-6
+    for _ in range(1250):
+        place += 51_200 * MOTOR_S
         bench.turn_by_hand(place)
         mean.append(bench.read(0x66))
     assert bench.read(V_ENC) == pytest.approx(51_200, rel=0.01)
     assert mean[-1] == pytest.approx(51_200, rel=0.01)
-    reached = next(tick for tick, value in enumerate(mean) if value > 51_200 * (1 - math.exp(-1))) * 8e-6
+    reached = next(tick for tick, value in enumerate(mean) if value > 51_200 * (1 - math.exp(-1))) * MOTOR_S
     assert reached == pytest.approx(2**7 * 100 / 16e6, rel=0.1)  # 0.8 ms
 
 
@@ -387,7 +393,7 @@ def test_v_enc_is_the_shafts_velocity_and_its_mean_follows_with_the_time_constan
 def test_an_encoder_without_counts_stands() -> None:
     bench = loose({ENC_VEL_ZERO: 16_000, ENC_VMEAN: 100 | 2 << 8 | 500 << 16})
     for tick in range(500):
-        bench.turn_by_hand(tick * 0.4)
+        bench.turn_by_hand(tick * 0.8)
     assert bench.read(V_ENC) != 0
     assert not bench.word & FB_ENC_VEL0
     bench.ticks(100)
@@ -403,7 +409,7 @@ def test_a_bench_at_rest_tells_that_nothing_will_happen() -> None:
     assert bench.word & FB_QUIET
     before = bench.unit.fb.copy()
     bench.unit.write(CL_OFFSET, 0)
-    bench.ticks(3)
+    bench.ticks(4)
     assert bench.word & FB_QUIET
     changed = {int(cell) for cell in np.flatnonzero(before.view(np.int64) != bench.unit.fb.view(np.int64))}
     assert len(changed) <= 4  # clocks, standstill counter: no place, no current, no speed
@@ -471,11 +477,11 @@ def test_requests_come_every_ser_ptime() -> None:
     bench = absolute(registers={SER_PTIME: 160_000})  # 10 ms
     bench.run(0.02)
     bench.change(rotor_fullsteps=40.0)
-    bench.ticks(1)
+    bench.ticks(2)
     waited = 0.0
     while bench.read(ENC_POS) == 0 and waited < 0.02:
-        bench.ticks(1)
-        waited += 8e-6
+        bench.ticks(2)
+        waited += MOTOR_S
     assert waited <= 0.01
     bench.change(rotor_fullsteps=80.0)
     seen = bench.read(ENC_POS)
