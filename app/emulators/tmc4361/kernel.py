@@ -39,6 +39,7 @@ from app.emulators.tmc4361.layout import (
     FB_ENC_DONE,
     FB_ENC_VEL0,
     FB_LATCH_X,
+    FB_N_ACTIVE,
     FB_N_EVENT,
     FB_QUIET,
     FB_SER_DONE,
@@ -64,6 +65,7 @@ from app.emulators.tmc4361.layout import (
     KIND,
     MOVING,
     NEVER,
+    PASSING,
     PIN_FREEZE,
     PIN_START,
     PINS,
@@ -204,13 +206,23 @@ def flags(r: Cells, s: Cells, f: Floats, fb: Floats, pins: int, virtual: int) ->
 
 
 @inlined
+def _wake(r: Cells, s: Cells) -> None:
+    """A change at START lets stopped clocks run again: a choice, as for datagrams."""
+    s[GATED] = 0
+    s[GATE_AT] = NEVER
+    r[RESET_CLK_GATING] &= ~7
+
+
+@inlined
 def _settle(r: Cells, s: Cells, f: Floats, fb: Floats, ramp: bool) -> None:
     """Take over what Python wrote into the cells. `ramp`: into something that the ramp generator goes by."""
     s[IDLE] = 0
     s[FEEDBACK] &= ~FB_QUIET  # of before the write: the unit has its say first, at the next even tick
     s[INPUTS] = levels(r, s, f, fb)
     if s[GATED]:
-        return
+        if not (s[SEEN] ^ s[INPUTS]) & PIN_START:
+            return
+        _wake(r, s)
     follow(r, s)
     take_over(r, s, f)
     if r[RESET_CLK_GATING] & 7 == 7 and r[GENERAL_CONF] >> 17 & 1 and s[GATE_AT] == NEVER:
@@ -249,8 +261,9 @@ def _feed_back(r: Cells, s: Cells, f: Floats, fb: Floats) -> None:
         s[FIELD] += int(whole)
     state = _ramp_state(f) | (4 if v != 0.0 else 0) | (8 if s[FROZEN] else 0)
     word = motor_and_encoder_tick(fb, s[FIELD], out, s[TICK] * TICK_CLOCKS, s[X], state)
+    n_begins = word & ~s[FEEDBACK] & FB_N_ACTIVE
     s[FEEDBACK] = word
-    if word & _FB_PULSES:
+    if word & _FB_PULSES or n_begins:
         if word & FB_ENC_DONE:
             s[PULSES] |= _EV_ENC_DONE
         if word & FB_SER_FAIL:
@@ -260,7 +273,7 @@ def _feed_back(r: Cells, s: Cells, f: Floats, fb: Floats) -> None:
         if word & FB_LATCH_X:
             s[X_LATCH] = s[X]
             s[PULSES] |= XLATCH_DONE
-        if word & FB_N_EVENT:
+        if word & FB_N_EVENT or n_begins:  # armed or not, homing waits for it
             track_home(r, s, 0, _heading(f), True)
         if word & FB_SET_X:
             s[X] = int(fb[fl.X_NEW])
@@ -319,8 +332,6 @@ def _tick(r: Cells, s: Cells, f: Floats, fb: Floats) -> None:
     """One tick, but for what comes of it."""
     s[TICK] += 1
     tick = s[TICK]
-    if s[GATED] and (s[SEEN] ^ s[INPUTS]) & PIN_START:
-        s[GATED] = 0  # a change at START wakes the chip: a choice, as for datagrams
     awake = not s[GATED]
     beyond = 0
     if awake:
@@ -388,7 +399,7 @@ def advance(r: Cells, s: Cells, f: Floats, fb: Floats, until: int, written: int)
             if s[FEEDBACK] & FB_QUIET:
                 s[IDLE], s[WAKE] = 1, NEVER
             continue
-        if s[SEEN] != s[INPUTS]:
+        if s[SEEN] != s[INPUTS] or s[PASSING]:
             changed = filtered(r, s, clock)
             if changed:
                 _inputs_changed(r, s, f, changed)

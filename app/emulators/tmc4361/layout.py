@@ -125,6 +125,10 @@ COVER_AT = 57
 """Tick at which the cover datagram is through."""
 REPLAN = 58
 """The ramp generator has to plan anew before the next tick."""
+ZONE = 59
+"""The virtual stop on whose side the closed zone of circular motion was entered: 0, 1, 2."""
+PASSING = 60
+"""A change is on its way through a filter."""
 FILTER = 64
 """From here, for each pin (in bit order): clock at which a change counts, or `NEVER`."""
 INTEGERS = 72

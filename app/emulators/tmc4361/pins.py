@@ -12,6 +12,7 @@ from __future__ import annotations
 from app.emulators.tmc4361.compiled import compiled, inlined
 from app.emulators.tmc4361.feedback.layout import SHAFT_FULLSTEPS
 from app.emulators.tmc4361.layout import (
+    DIR,
     EVENTS,
     FILTER,
     FORCE,
@@ -26,6 +27,7 @@ from app.emulators.tmc4361.layout import (
     LBLOCK,
     LEFT_AT,
     NEVER,
+    PASSING,
     PIN_FREEZE,
     PIN_HOME,
     PIN_START,
@@ -44,6 +46,7 @@ from app.emulators.tmc4361.layout import (
     VRBLOCK,
     X_HOME,
     X_LATCH,
+    ZONE,
     Cells,
     Floats,
     X,
@@ -83,7 +86,7 @@ def _passes_at(r: Cells, pin: int, clock: int) -> int:
 @compiled
 def filtered(r: Cells, s: Cells, clock: int) -> int:
     """Follow the pins' levels; returns which of the filtered ones have changed by `clock`."""
-    changed = 0
+    changed = s[PASSING] = 0
     different = s[INPUTS] ^ s[SEEN]
     for n in range(PINS):
         pin = 1 << n
@@ -95,6 +98,8 @@ def filtered(r: Cells, s: Cells, clock: int) -> int:
         if s[FILTER + n] <= clock:
             s[FILTER + n] = NEVER
             changed |= pin
+        else:
+            s[PASSING] = 1
     s[SEEN] ^= changed
     return changed
 
@@ -112,16 +117,21 @@ def stop_pins(r: Cells, s: Cells) -> int:
 
 
 @inlined
-def virtual_stops(r: Cells, s: Cells, heading: int) -> int:
+def virtual_stops(r: Cells, s: Cells) -> int:
     """Enabled virtual stops that are met: 1 left, 2 right.
 
-    In circular motion with the left limit above the right one the zone between them is closed, from both sides.
+    In circular motion with the left limit above the right one the zone between them is closed: the stop on whose side
+    it was entered is met.
     """
     conf = r[REFERENCE_CONF]
     left, right = signed(r[VIRT_STOP_LEFT]), signed(r[VIRT_STOP_RIGHT])
     met = (1 if conf >> 6 & 1 and s[X] <= left else 0) | (2 if conf >> 7 & 1 and s[X] >= right else 0)
     if conf >> 22 & 1 and conf >> 6 & conf >> 7 & 1 and left > right:
-        met = 0 if met != 3 else (2 if heading > 0 else 1)
+        if met != 3:
+            s[ZONE] = 0
+        elif s[ZONE] == 0:
+            s[ZONE] = 2 if s[DIR] > 0 else 1
+        return s[ZONE]
     return met
 
 

@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import math
 
-from app.emulators.tmc4361.compiled import compiled, inlined
+from app.emulators.tmc4361.compiled import compiled
 from app.emulators.tmc4361.layout import (
     A0,
     AMAX,
@@ -65,7 +65,7 @@ _NEAR = 1e-6
 """Ends that differ by less [pulses] are the same end: no correction is worth so little."""
 
 
-@inlined
+@compiled
 def _go(s: Cells, f: Floats, duration: float, jerk: float) -> None:
     """Append a piece and go to its end."""
     if duration <= 0.0 or s[PIECES] >= MOST_PIECES:
@@ -80,7 +80,7 @@ def _go(s: Cells, f: Floats, duration: float, jerk: float) -> None:
     f[END_A] = a + duration * jerk
 
 
-@inlined
+@compiled
 def _begin(s: Cells, f: Floats) -> None:
     """Throw the plan away; the next piece starts at `P0`, `V0`, `A0`."""
     s[PIECES] = s[PIECE] = 0
@@ -88,7 +88,7 @@ def _begin(s: Cells, f: Floats) -> None:
     f[END_P], f[END_V], f[END_A] = f[P0], f[V0], f[A0]
 
 
-@inlined
+@compiled
 def _square_root(x: float) -> float:
     return math.sqrt(x) if x > 0.0 else 0.0
 
@@ -156,13 +156,13 @@ def _change_s(s: Cells, f: Floats, goal: float) -> None:
     f[END_A] = 0.0
 
 
-@inlined
+@compiled
 def _leads_through_zero(f: Floats, u: float, a: float) -> bool:
     """Whether a deceleration, ended by BOW4 at once, still takes the velocity below 0."""
     return a < 0.0 and u - a * a / (2.0 * f[BOW4]) < -1e-9 * max(u, 1.0)
 
 
-@inlined
+@compiled
 def _to_zero(s: Cells, f: Floats, d: float, u: float, a: float, beyond: float) -> None:
     """Slow down from `u` > 0 to 0 on the way to `beyond` in the other direction, a <= 0.
 
@@ -201,7 +201,7 @@ def _stop_s(s: Cells, f: Floats, vstop: float, last: float, ends: bool) -> None:
 # --- trapezoid ---------------------------------------------------------------------------------------------------
 
 
-@inlined
+@compiled
 def _line(s: Cells, f: Floats, d: float, end: float, acceleration: float) -> None:
     """Straight to speed `end` in direction `d`."""
     change = abs(end - d * f[END_V])
@@ -241,7 +241,7 @@ def _change_lines(s: Cells, f: Floats, goal: float) -> None:
 # --- both --------------------------------------------------------------------------------------------------------
 
 
-@inlined
+@compiled
 def change(s: Cells, f: Floats, shape: int, goal: float) -> None:
     """Change to velocity `goal` with acceleration 0 at the end."""
     if shape == S_SHAPE:

@@ -6,6 +6,7 @@ from typing import Literal
 
 from app.emulators.drive.options import StageSwitches
 from app.emulators.tmc4361 import layout as c
+from app.emulators.tmc4361.feedback.layout import SHAFT_FULLSTEPS
 from app.emulators.tmc4361.options import Forced, StageChange, Tmc4361Patch
 from app.emulators.tmc4361.registers import Chip
 from app.emulators.tmc4361.state import (
@@ -74,6 +75,8 @@ def change(chip: Chip, wanted: Tmc4361Patch, clock_hz: float) -> None:
     if wanted.step_dir is not None:
         chip.s[c.EXT_LEFT] += wanted.step_dir.pulses
         chip.f[c.EXT_RATE] = wanted.step_dir.rate_hz * c.TICK_CLOCKS / clock_hz
+    # the shaft may have been turned by hand, and the switches look at it at once
+    chip.feedback.fb[SHAFT_FULLSTEPS] = chip.feedback.truth.rotor_fullsteps
     chip.settle()
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import random
 from dataclasses import replace
@@ -154,11 +155,14 @@ def slope_by_ticks(vmax: float, amax: float, bow_up: float, bow_down: float) -> 
 
 
 @pytest.mark.sheet("002", "8.2")
-@pytest.mark.parametrize(("bow", "seconds", "pulses"), [(2e6, 0.35, 8750.0), (4e5, 0.7071, 17678.0), (8e5, 0.5, 12500.0)])
+@pytest.mark.parametrize(
+    ("bow", "seconds", "pulses"), [(2e6, 0.35, 8750.0), (4e5, 0.7071, 17678.0), (8e5, 0.5, 12500.0)]
+)
 def test_slopes_are_those_of_a_plain_tick_law(bow: float, seconds: float, pulses: float) -> None:
     """The three cases of the fact sheet: with B12, AMAX not reached, and just reached."""
     t, x = slope_by_ticks(50_000.0, 200_000.0, bow, bow)
-    assert (t, x) == (pytest.approx(seconds, rel=6e-3), pytest.approx(pulses, rel=6e-3))
+    assert t == pytest.approx(seconds, rel=6e-3)
+    assert x == pytest.approx(pulses, rel=6e-3)
     rig = Rig()
     rig.ramp(replace(BASE, bow1=bow, bow2=bow, bow3=bow, bow4=bow), S_VELOCITY)
     rig.wait(seconds - 1e-3)
@@ -178,7 +182,7 @@ def test_the_bow_changes_the_acceleration_every_64_clocks() -> None:
         rig.now_s = clock / 16e6
         seen.append(rig.state().ramp.acceleration_pps2)
     steps = sorted(set(seen))
-    assert [round(b - a, 6) for a, b in zip(steps, steps[1:], strict=False)] == [8.0] * (len(steps) - 1)
+    assert [round(b - a, 6) for a, b in itertools.pairwise(steps)] == [8.0] * (len(steps) - 1)
     assert all(seen.count(step) == 4 for step in steps[1:-1])
 
 
@@ -288,7 +292,7 @@ def test_a_reversal_passes_zero_without_vstart_and_vstop(mode: int) -> None:
         rig.wait(0.001)
         speeds.append(rig.signed("VACTUAL"))
     assert speeds[-1] == -50_000
-    assert max(abs(b - a) for a, b in zip(speeds, speeds[1:], strict=False)) < 300  # no jump anywhere
+    assert max(abs(b - a) for a, b in itertools.pairwise(speeds)) < 300  # no jump anywhere
 
 
 @pytest.mark.sheet("002", "8.2")
@@ -301,7 +305,7 @@ def test_dfinal_ends_an_s_ramp_in_velocity_mode_and_is_ignored_in_positioning() 
     last = 0.0
     while (now := rig.state().ramp).kind != "rest":
         last = now.acceleration_pps2
-        rig.wait(TICK_S)
+        rig.wait(20 * TICK_S)
     assert last == pytest.approx(-100_000, rel=0.01)
     rig = Rig()
     rig.ramp(ramp, S_POSITION)
@@ -463,7 +467,12 @@ def test_a_vstart_too_high_for_the_way_overshoots_and_comes_back_without_it() ->
 def test_direct_values_are_changes_a_clock() -> None:
     rig = Rig()
     rig.write("GENERAL_CONF", 0x6020 | 2 | 4)
-    for name, word in (("VMAX", 100_000 << 8), ("AMAX", 5369), ("DMAX", 5369), *((f"BOW{n}", 220) for n in (1, 2, 3, 4))):
+    for name, word in (
+        ("VMAX", 100_000 << 8),
+        ("AMAX", 5369),
+        ("DMAX", 5369),
+        *((f"BOW{n}", 220) for n in (1, 2, 3, 4)),
+    ):
         rig.write(name, word)
     rig.write("RAMPMODE", S_VELOCITY)
     rig.wait(1e-4)
