@@ -7,7 +7,8 @@ from typing import Any
 import httpx
 import pytest
 
-from app.calc.mslut import POWER_ON, decode
+from app.calc.mslut import POWER_ON, Wave, decode
+from app.clock import VirtualClock
 
 POWER_1100_LUT = ["A492487E", "294A52A4", "492494A5", "82110912", "00000080", "DB777DF8", "252AAAD6", "00808449"]
 POWER_1100 = [*POWER_1100_LUT, "FFA20659", "00F70000"]
@@ -108,3 +109,75 @@ async def test_a_chip_of_64_values_takes_no_wave_of_256(client: httpx.AsyncClien
     answer = await client.put("devices/bench/microstep-table", json={"values": [0] * 256})
     assert answer.status_code == 422
     assert "64 values" in answer.json()["detail"]
+
+
+@pytest.fixture
+async def chip(client: httpx.AsyncClient) -> str:
+    """An emulated TMC4361 that can move: the address of its table."""
+    body = {"name": "wave", "model": "tmc4361", "link": {"kind": "emulator"}}
+    answer = await client.post("devices", json=body)
+    assert answer.status_code == 201, answer.text
+    for register, value in (("VMAX", 20_000 * 256), ("AMAX", 200_000 * 4), ("DMAX", 200_000 * 4)):
+        answer = await client.put(f"devices/wave/registers/{register}", json={"value": value})
+        assert answer.status_code == 200, answer.text
+    return "devices/wave/microstep-table"
+
+
+async def test_a_chip_begins_with_the_power_on_wave(client: httpx.AsyncClient, chip: str, clock: VirtualClock) -> None:
+    await clock.advance(0.001)
+    held = (await client.get(chip)).json()
+    assert held["written"] is False
+    assert held["values"] == list(decode(POWER_ON).values)
+    assert (held["position"], held["current_a"], held["current_b"]) == (0, 0, 247)
+    assert held["agrees"] is True
+
+
+async def test_a_wave_is_in_the_chip_and_its_currents_show_it_all_around(
+    client: httpx.AsyncClient, chip: str, clock: VirtualClock
+) -> None:
+    wanted = await designed(client, sigma=0.4, grid="opposite")
+    answer = await client.put(chip, json={"values": wanted["values"], "mirror": wanted["mirror"]})
+    assert answer.status_code == 200, answer.text
+    held = answer.json()
+    assert held["written"] is True
+    assert held["registers"] == wanted["table"]["registers"]
+    period = Wave(tuple(wanted["values"]), wanted["mirror"])
+    places = set()
+    for _ in range(28):
+        move = {"target": 37, "relative": True, "unit": "microsteps"}
+        assert (await client.post("devices/wave/axes/0/move", json=move)).status_code == 200
+        await clock.advance(0.2)
+        shown = (await client.get(chip)).json()
+        assert (shown["current_a"], shown["current_b"]) == period.currents(shown["position"])
+        assert shown["agrees"] is True
+        places.add(shown["position"])
+    assert len(places) == 28
+    assert min(places) < 256
+    assert max(places) >= 768
+
+
+async def test_registers_go_in_as_they_are_and_the_dac_offset_stays(client: httpx.AsyncClient, chip: str) -> None:
+    name = "START_SIN___START_SIN90_120___DAC_OFFSET"
+    offset = await client.put(f"devices/wave/registers/{name}", json={"value": 0x5AF7_0000})
+    assert offset.status_code == 200, offset.text
+    words = {"mslut": list(POWER_ON.words), "mslutsel": POWER_ON.select, "mslutstart": POWER_ON.start}
+    held = (await client.put(chip, json={"registers": words})).json()
+    assert [register["value"] for register in held["registers"]] == [*POWER_ON.words, POWER_ON.select, 0x5AF7_0000]
+
+
+async def test_a_chip_takes_no_wave_that_cannot_be_encoded(client: httpx.AsyncClient, chip: str) -> None:
+    values = list(decode(POWER_ON).values)
+    values[10] += 20
+    answer = await client.put(chip, json={"values": values})
+    assert answer.status_code == 422
+    problem = answer.json()
+    assert (problem["facts"]["index"], problem["facts"]["reason"]) == (10, "difference")
+    assert "nearest" in problem["way_out"]
+    assert (await client.get(chip)).json()["written"] is False
+
+
+@pytest.mark.parametrize(
+    "body", [{}, {"values": [0] * 64}, {"values": [0] * 256, "registers": {"mslut": [0] * 8}}, {"mirror": 0}]
+)
+async def test_half_a_table_is_refused(client: httpx.AsyncClient, chip: str, body: dict[str, object]) -> None:
+    assert (await client.put(chip, json=body)).status_code == 422
