@@ -19,6 +19,7 @@ from app.tuning.closed_loop import Calibration
 from app.tuning.closed_loop_state import NOT_CALIBRATED, NOT_RECORDED, CalibrationState, Load, ResponseState
 from app.tuning.edges import Switch
 from app.tuning.hold import Hold, check_hold
+from app.tuning.latch_search import LatchSearch
 from app.tuning.module_search import ModuleSearch
 from app.tuning.procedure import Procedure
 from app.tuning.reference_search import ReferenceSearch
@@ -76,6 +77,8 @@ class Procedures:
             search = ModuleSearch(
                 device, axis, self._clock, mode, search_speed_pps or velocity_pps, switch_speed_pps, max_travel
             )
+        elif isinstance(device, Tmc4361):
+            search = LatchSearch(device, axis, self._clock, switch, velocity_pps, max_travel)
         else:
             search = ReferenceSearch(_ramp_chip(device), axis, self._clock, switch, velocity_pps, max_travel)
         return self._start(search).state
