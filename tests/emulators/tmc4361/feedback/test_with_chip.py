@@ -148,17 +148,49 @@ def test_slip_of_the_encoder_shows_as_deviation() -> None:
     assert "ENC_FAIL" in rig.events()
 
 
+def looked_at(rig: Rig, seconds: float, looks: int) -> None:
+    start = rig.now_s
+    for look in range(1, looks + 1):
+        rig.now_s = start + seconds * look / looks
+        rig.read("ENC_POS")
+
+
+NAMES = ("XACTUAL", "ENC_POS", "V_ENC", "V_ENC_MEAN", "MSCNT", "CURRENTA_B_SPI", "SCALE_PARAM")
+
+
 def test_it_makes_no_difference_how_often_somebody_looks() -> None:
+    """Neither while the motor moves nor while it rests and the chip passes over ticks."""
     words = []
-    for looks in (1, 500):
+    for looks in (1, 97):
         rig = calibrated(CURRENT_CONF=1 << 7, SCALE_VALUES=60 | 240 << 8 | 30 << 16)
+        looked_at(rig, 3.0, looks)
         rig.chip.patch(Tmc4361Patch(load_torque_nm=0.2), rig.now_s)
         rig.ramp(RAMP, S_POSITION)
         rig.write("XTARGET", 40_000)
-        start = rig.now_s
-        for look in range(1, looks + 1):
-            rig.now_s = start + 1.5 * look / looks
-            rig.read("ENC_POS")
-        names = ("XACTUAL", "ENC_POS", "V_ENC_MEAN", "MSCNT", "CURRENTA_B_SPI", "SCALE_PARAM")
-        words.append([rig.read(name) for name in names])
+        looked_at(rig, 0.33, looks)
+        words.append([rig.read(name) for name in NAMES])
+        looked_at(rig, 1.5, looks)
+        words.append([rig.read(name) for name in NAMES])
+    assert words[:2] == words[2:]
+
+
+@pytest.mark.sheet("002", "14.3")
+def test_nor_does_it_with_a_serial_encoder() -> None:
+    words = []
+    for looks in (1, 97):
+        rig = Rig(Tmc4361Options(encoder=ShaftEncoder(kind="ssi")))
+        for name, word in (
+            ("GENERAL_CONF", 0x6020 | 1 << 10),
+            ("ENC_IN_RES", 8192),
+            ("ENC_IN_DATA", 12 | 11 << 5),
+            ("ENC_IN_CONF", 1 << 12),
+            ("ENC_VEL_ZERO", 16_000),
+            ("SER_PTIME", 20_111),
+        ):
+            rig.write(name, word)
+        looked_at(rig, 2.0, looks)
+        rig.ramp(RAMP, S_VELOCITY)
+        looked_at(rig, 0.05, looks)
+        words.append([rig.read(name) for name in NAMES])
+        assert rig.signed("V_ENC") > 1000
     assert words[0] == words[1]
