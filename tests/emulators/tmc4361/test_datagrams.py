@@ -11,6 +11,8 @@ from tests.emulators.tmc4361.rig import TRAPEZOID_POSITION, Ramp, Rig
 RST, TARGET_REACHED, VEL_REACHED = 1 << 31, 1 << 0, 1 << 2
 
 
+@pytest.mark.sheet("002", "5")
+@pytest.mark.sheet("002", "5.1")
 @pytest.mark.sheet("002", "5.1.1")
 def test_the_worked_exchange_is_answered_as_printed() -> None:
     """The data belong to the datagram before: a register after a read, what was written after a write.
@@ -96,6 +98,7 @@ def test_registers_hold_their_reset_values_after_power_on() -> None:
             assert rig.read(row.address) == row.reset, row.name
 
 
+@pytest.mark.sheet("002", "5.1.2")
 def test_what_is_written_to_a_plain_register_reads_back_through_its_mask() -> None:
     rig = Rig()
     active = {"RESET_CLK_GATING", "FREEZE"}
@@ -105,6 +108,7 @@ def test_what_is_written_to_a_plain_register_reads_back_through_its_mask() -> No
             assert rig.read(row.address) & row.write_mask == 0x00A5A5A5 & row.write_mask, row.name
 
 
+@pytest.mark.sheet("002", "17.12")
 @pytest.mark.sheet("002", "7.2")
 def test_the_status_byte_packs_the_selected_events_in_their_order() -> None:
     rig = Rig()
@@ -124,6 +128,8 @@ def test_of_more_than_eight_selected_events_the_first_eight_are_told() -> None:
     assert rig.send(FETCH).status == 1 << 7
 
 
+@pytest.mark.sheet("002", "7")
+@pytest.mark.sheet("002", "17.13")
 @pytest.mark.sheet("002", "7.2")
 def test_reading_events_clears_them_but_for_those_that_are_kept() -> None:
     rig = Rig()
@@ -166,6 +172,9 @@ def test_an_event_is_an_edge_and_not_a_level() -> None:
     assert "TARGET_REACHED" not in rig.events()
 
 
+@pytest.mark.sheet("002", "1.6")
+@pytest.mark.sheet("002", "7.1")
+@pytest.mark.sheet("002", "17.14")
 @pytest.mark.sheet("002", "7.2")
 def test_each_code_of_a_state_of_two_bits_has_an_event() -> None:
     rig = Rig()
@@ -198,6 +207,7 @@ def test_intr_is_the_or_of_the_chosen_events_with_its_polarity() -> None:
     assert not rig.state().pins.intr
 
 
+@pytest.mark.sheet("002", "17.18")
 def test_a_soft_reset_brings_registers_back_and_tells_so() -> None:
     rig = Rig()
     rig.ramp(Ramp(), 1)

@@ -221,6 +221,10 @@ def test_a_hold_ramp_jumps_to_vmax_and_at_the_target_to_zero(sign: int) -> None:
     assert (rig.signed("VACTUAL"), rig.position) == (0, sign * 5000)
 
 
+@pytest.mark.sheet("002", "1.5")
+@pytest.mark.sheet("002", "1.5.1")
+@pytest.mark.sheet("002", "8")
+@pytest.mark.sheet("002", "17.16")
 @pytest.mark.sheet("002", "8.2")
 def test_in_velocity_mode_the_sign_of_vmax_counts_and_in_positioning_it_does_not() -> None:
     rig = Rig()
