@@ -13,6 +13,13 @@ from app.api.schemas_sramp import RampFinding, RampLimit, RampRegister, RampRiva
 from app.calc.motor_torque import FastMove, StepperMotor, fastest_move, fastest_trapezoid
 from app.calc.ramp_trapezoid import trapezoid_ramp
 from app.calc.sramp import RampWarning, SRamp, SRampCurve, SRampPlan, position_plan, velocity_plan
+from app.calc.sramp_trapezoid import (
+    Trapezoid,
+    hold_position_plan,
+    hold_velocity_plan,
+    trapezoid_position_plan,
+    trapezoid_velocity_plan,
+)
 from app.calc.tmc4361_formats import CLOCK_HZ_DEFAULT, Units
 from app.links.errors import UsageError
 
@@ -134,13 +141,23 @@ def _complete(values: dict[str, float], shape: str) -> None:
 
 
 def _plan(wanted: Wanted, distance: float) -> SRampPlan:
+    values, state = wanted.values, (wanted.v_actual, wanted.a_actual)
+    if wanted.shape == "hold":
+        return (
+            hold_position_plan(values["vmax"], distance) if wanted.positioning else hold_velocity_plan(wanted.v_target)
+        )
+    if wanted.shape == "trapezoid":
+        trapezoid = Trapezoid(**{field.name: values[field.name] for field in fields(Trapezoid) if field.name in values})
+        if wanted.positioning:
+            return trapezoid_position_plan(trapezoid, distance, *state)
+        return trapezoid_velocity_plan(trapezoid, wanted.v_target, *state)
     ramp = SRamp(
-        **{name: wanted.values[name] for name in VALUES if name in wanted.values},
+        **{name: values[name] for name in VALUES if name in values},
         use_astart_and_vstart=wanted.use_astart_and_vstart,
     )
     if wanted.positioning:
-        return position_plan(ramp, distance, wanted.v_actual, wanted.a_actual)
-    return velocity_plan(ramp, wanted.v_target, wanted.v_actual, wanted.a_actual)
+        return position_plan(ramp, distance, *state)
+    return velocity_plan(ramp, wanted.v_target, *state)
 
 
 def _seen_s(plan: SRampPlan, distance: float) -> float:
