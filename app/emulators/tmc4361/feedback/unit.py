@@ -14,6 +14,7 @@ from app.emulators.drive.world import OT_C, OTPW_C, UNDERVOLTAGE_V, Truth
 from app.emulators.tmc4361.feedback import layout as c
 from app.emulators.tmc4361.feedback.encoder import position_at, true_place
 from app.emulators.tmc4361.feedback.options import FeedbackOptions
+from app.emulators.tmc4361.feedback.regulation import error_of
 from app.emulators.tmc4361.feedback.state import (
     EncoderPatch,
     EncoderState,
@@ -90,6 +91,8 @@ class FeedbackUnit:
                     n[c.PID_FRESH], n[c.CL_ISUM], n[c.CL_DUE] = 1, 0, 0
                     n[c.PID_E] = n[c.PID_VEL] = n[c.PID_ISUM] = n[c.PID_DIFF] = 0
                     self.fb[c.REACH] = 0.0
+            case 0x21:
+                n[c.DEV] = error_of(self.fb, signed32(word))
             case 0x31:
                 self.fb[c.CLK_FREQ] = float(word & 0x1FFFFFF) or 1.0
                 self._scale()
@@ -223,10 +226,12 @@ class FeedbackUnit:
     def _place(self, position: int) -> None:
         """ENC_POS is written."""
         n, fb = self._n, self.fb
+        x_actual = signed32(int(fb[c.ENC_POS]) + int(n[c.DEV]))
         n[c.BASE], n[c.BASE_COUNTS] = position, n[c.COUNTS]
         for _ in range(3):  # the compensation hangs on the uncompensated place, gently
             n[c.BASE] += position - int(position_at(fb, n, int(n[c.COUNTS])))
         fb[c.ENC_POS] = float(position_at(fb, n, int(n[c.COUNTS])))
+        n[c.DEV] = error_of(fb, x_actual)
 
     def _exchange_with_encoder(self, writes: bool) -> None:
         """An SPI encoder's own registers: DATA_TO_ENC stores at ADDR_TO_ENC, ADDR_TO_ENC asks what is there."""

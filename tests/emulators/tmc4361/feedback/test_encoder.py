@@ -284,6 +284,31 @@ def test_enc_pos_can_be_circular() -> None:
     assert bench.read(ENC_POS_DEV) == pytest.approx(-30, abs=2)  # the short way around
 
 
+@pytest.mark.parametrize(
+    ("registers", "period"),
+    [
+        ({X_RANGE: 300, 0x7C: 0x8000_0000}, 601),  # facts tmc4361-io, section 6
+        ({X_RANGE: 300, ENC_IN_CONF: 1 << 15}, TURN),
+    ],
+)
+def test_a_circular_turn_may_be_odd_or_that_of_the_motor(registers: dict[int, int], period: int) -> None:
+    bench = loose({REFERENCE_CONF: 1 << 31, **registers}, encoder={**AT_ZERO, "lines": 1 << 20})
+    shown = []
+    for turns in range(-20, 21):
+        bench.turn_by_hand(turns * period + 100.5)
+        shown.append(bench.read(ENC_POS))
+    assert shown == pytest.approx([100] * 41, abs=1)
+
+
+def test_a_deviation_is_right_at_once_when_a_position_is_written() -> None:
+    bench = loose(encoder=AT_ZERO)
+    bench.turn_by_hand(500)
+    bench.write({0x21: 200})
+    assert bench.read(ENC_POS_DEV) == bench.read(ENC_POS) - 200
+    bench.write({ENC_POS: 150})
+    assert bench.read(ENC_POS_DEV) == -50
+
+
 # --- misalignment (section 4) ------------------------------------------------------------------------
 
 
