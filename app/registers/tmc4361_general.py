@@ -24,6 +24,7 @@ RESET_CODE = 0x525354
 
 PINS = "pins and their drivers are not emulated"
 NO_DCSTEP = "the emulated motor driver has no dcStep"
+NO_LEVELS = "the emulated pulses at STPIN are clean, and tell their direction themselves"
 NO_ENCODER_OUTPUT = "nothing listens to the emulated serial encoder output"
 
 _SAMPLE_RATES = {n: f"fCLK / {1 << n}" for n in range(8)}
@@ -34,7 +35,14 @@ def _filter_group(suffix: str, lsb: int, pins: str) -> tuple[Field, ...]:
     return (
         Field(f"sr_{suffix}", 3, f"sample rate for {pins}", lsb=lsb, values=_SAMPLE_RATES),
         Field(f"filt_l_{suffix}", 3, f"equal samples that make a new level at {pins}", lsb=lsb + 4, values=_LENGTHS),
-        Field(f"sd_filt{lsb // 8}", 1, f"the filter of {pins} also serves STPIN and DIRIN", lsb=lsb + 7, values=OFF_ON),
+        Field(
+            f"sd_filt{lsb // 8}",
+            1,
+            f"the filter of {pins} also serves STPIN and DIRIN",
+            lsb=lsb + 7,
+            values=OFF_ON,
+            behaviour=NO_LEVELS,
+        ),
     )
 
 
@@ -78,7 +86,14 @@ GENERAL_ROWS = (
                     3: "STPIN, both edges",
                 },
             ),
-            Field("pol_dir_in", 1, "level of DIRIN for the negative direction", lsb=8, values={0: "low", 1: "high"}),
+            Field(
+                "pol_dir_in",
+                1,
+                "level of DIRIN for the negative direction",
+                lsb=8,
+                values={0: "low", 1: "high"},
+                behaviour=NO_LEVELS,
+            ),
             Field("sd_indirect_control", 1, "steps at STPIN move XTARGET, and the ramp follows", lsb=9, values=OFF_ON),
             Field(
                 "serial_enc_in_mode",

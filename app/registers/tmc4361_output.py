@@ -19,6 +19,8 @@ from app.registers.tmc4361_rows import (
 SCALE_UNIT = "1/256, plus 1/256"
 NO_DAC = "the emulated chip drives a TMC driver, not a DAC"
 NO_CHOPSYNC = "the emulated motor driver chops by itself"
+NO_LISTENER = "nothing listens to the emulated serial encoder output"
+NO_POLLING = "the emulated motor driver's status is always there, and cover datagrams are the only ones"
 ONE_DRIVER = "the emulated motor driver is reached whatever these bits say"
 
 _FORMATS = {
@@ -43,7 +45,15 @@ _SPI_OUT_CONF = Register(
     source=TOM_TBONE_STEPPYR,
     fields=(
         Field("spi_output_format", 4, "what is connected to the SPI output", lsb=0, values=_FORMATS),
-        Field("ssi_out_mtime", 20, "monoflop time", unit=CLOCKS, lsb=4, when="serial encoder output"),
+        Field(
+            "ssi_out_mtime",
+            20,
+            "monoflop time",
+            unit=CLOCKS,
+            lsb=4,
+            when="serial encoder output",
+            behaviour=NO_LISTENER,
+        ),
         Field("mixed_decay", 2, "phases with mixed decay", lsb=4, when=TMC24X, behaviour=ONE_DRIVER),
         Field("stdby_on_stall_for_24x", 1, "a stall switches to standby", lsb=6, when=TMC24X, behaviour=ONE_DRIVER),
         Field(
@@ -65,23 +75,43 @@ _SPI_OUT_CONF = Register(
             behaviour=NO_CHOPSYNC,
         ),
         Field("three_phase_stepper_en", 1, "three-phase motor at a TMC389", lsb=4, when=TMC26X, behaviour=ONE_DRIVER),
-        Field("scale_val_transfer_en", 1, "current scales are sent to the driver", lsb=5, when=_STEP_DIR),
-        Field("disable_polling", 1, "the driver is not asked for its status", lsb=6, when=_STEP_DIR),
+        Field(
+            "scale_val_transfer_en",
+            1,
+            "current scales are sent to the driver",
+            lsb=5,
+            when=_STEP_DIR,
+            behaviour=ONE_DRIVER,
+        ),
+        Field(
+            "disable_polling", 1, "the driver is not asked for its status", lsb=6, when=_STEP_DIR, behaviour=NO_POLLING
+        ),
         Field(
             "poll_block_mult",
             6,
             "rest between two questions to the driver, as the original chip's header has it",
             lsb=7,
             when=f"{_STEP_DIR} (PY4361)",
+            behaviour=NO_POLLING,
         ),
-        Field("autorepeat_cover_en", 1, "cover datagrams repeat", lsb=7, when=f"{TMC26X} (TMC4361A)"),
-        Field("poll_block_exp", 4, "rest between two questions, as a power of 2", lsb=8, when=f"{TMC26X} (TMC4361A)"),
+        Field(
+            "autorepeat_cover_en", 1, "cover datagrams repeat", lsb=7, when=f"{TMC26X} (TMC4361A)", behaviour=NO_POLLING
+        ),
+        Field(
+            "poll_block_exp",
+            4,
+            "rest between two questions, as a power of 2",
+            lsb=8,
+            when=f"{TMC26X} (TMC4361A)",
+            behaviour=NO_POLLING,
+        ),
         Field(
             "cover_done_only_for_cover",
             1,
             "COVER_DONE means cover datagrams only",
             lsb=12,
             when=f"{TMC26X} (TMC4361A)",
+            behaviour=NO_POLLING,
         ),
         Field("sck_low_before_csn", 1, "clock before chip select", lsb=4, when=_NO_TMC, behaviour=ONE_DRIVER),
         Field("new_out_bit_at_rise", 1, "clock edge of new bits", lsb=5, when=_NO_TMC, behaviour=ONE_DRIVER),
@@ -89,7 +119,7 @@ _SPI_OUT_CONF = Register(
         Field("cover_data_length", 7, "bits of a cover datagram, up to 64; 0 for those of TMC drivers", lsb=13),
         Field("spi_out_low_time", 4, "low time of the clock", unit=CLOCKS, lsb=20),
         Field("spi_out_high_time", 4, "high time of the clock", unit=CLOCKS, lsb=24),
-        Field("spi_out_block_time", 4, "rest between datagrams", unit=CLOCKS, lsb=28),
+        Field("spi_out_block_time", 4, "rest between datagrams", unit=CLOCKS, lsb=28, behaviour=NO_POLLING),
     ),
 )
 
@@ -411,6 +441,7 @@ _DRIVER_ROWS = (
         volatile=True,
         group="spi output",
         source=HEADERS,
+        behaviour="reads 0: the emulated motor driver is a TMC26x",
     ),
     Register(
         "COVER_DRV_LOW",
