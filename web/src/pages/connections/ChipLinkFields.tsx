@@ -5,6 +5,13 @@ import { StageFields } from "./AxisFields";
 import css from "./connections.module.css";
 import { clockLimits, type Draft, LIMITS, WIRINGS } from "./draft";
 import { OptionalNumber } from "./fields";
+import { PortField } from "./PortField";
+
+const SPI = [
+  ["bus", "Bus", ""],
+  ["device", "Chip select", ""],
+  ["speedHz", "Clock of the bus", "Hz"],
+] as const;
 
 interface Props {
   draft: Draft;
@@ -18,7 +25,7 @@ interface Props {
   onMore: (open: boolean) => void;
 }
 
-/** The way to a chip: here, or 4-byte datagrams through a socket. */
+/** The way to a chip: here, raw datagrams through a socket or on an SPI bus, or an evaluation board. */
 export function ChipLinkFields({ draft, model, problems, problem, onChange, more, onMore }: Props) {
   return (
     <>
@@ -52,11 +59,43 @@ export function ChipLinkFields({ draft, model, problems, problem, onChange, more
             onChange={(timeoutS) => onChange({ timeoutS })}
           />
         </div>
+      ) : draft.kind === "landungsbruecke" ? (
+        <>
+          <PortField
+            label="Port of the Landungsbrücke"
+            value={draft.module.serialPort}
+            problem={problem("module.serialPort", draft.module.serialPort)}
+            onChange={(serialPort) => onChange({ module: { ...draft.module, serialPort } })}
+          />
+          <OptionalNumber
+            label="Answer within"
+            unit="s"
+            value={draft.timeoutS}
+            limits={LIMITS.boardTimeoutS}
+            problem={problem("timeoutS", draft.timeoutS)}
+            onChange={(timeoutS) => onChange({ timeoutS })}
+          />
+        </>
+      ) : draft.kind === "spidev" ? (
+        <div className={css.three}>
+          {SPI.map(([part, label, unit]) => (
+            <OptionalNumber
+              key={part}
+              label={label}
+              {...(unit === "" ? {} : { unit })}
+              value={draft.spi[part]}
+              limits={LIMITS[part]}
+              problem={problem(`spi.${part}`, draft.spi[part])}
+              onChange={(text) => onChange({ spi: { ...draft.spi, [part]: text } })}
+            />
+          ))}
+        </div>
       ) : (
         <>
           <button type="button" className={css.more} aria-expanded={more} onClick={() => onMore(!more)}>
             <IconChevronRight size={13} className={css.chevron} data-open={more} aria-hidden />
-            Emulator: time, seed, {model === "tmc428" && "wiring, "}stages
+            Emulator: time, seed{model === "tmc428" && ", wiring"}
+            {draft.stages.length > 0 && ", stages"}
           </button>
           {more && (
             <>
@@ -88,7 +127,9 @@ export function ChipLinkFields({ draft, model, problems, problem, onChange, more
                   onChange={(wiring) => onChange({ wiring: wiring ?? "" })}
                 />
               )}
-              <StageFields draft={draft} problems={problems} onChange={(stages) => onChange({ stages })} />
+              {draft.stages.length > 0 && (
+                <StageFields draft={draft} problems={problems} onChange={(stages) => onChange({ stages })} />
+              )}
             </>
           )}
         </>

@@ -6,7 +6,18 @@ import { ProblemAlert } from "../../lib/ProblemAlert";
 import { AxesFields } from "./AxisFields";
 import { ChipLinkFields } from "./ChipLinkFields";
 import css from "./connections.module.css";
-import { axesOf, type Draft, isModule, type Kind, kindsOf, linkOf, type Model, problemsOf, withModel } from "./draft";
+import {
+  axesOf,
+  type Draft,
+  isModule,
+  type Kind,
+  kindsOf,
+  linkOf,
+  type Model,
+  moduleKind,
+  problemsOf,
+  withModel,
+} from "./draft";
 import { ModuleLinkFields } from "./ModuleLinkFields";
 import { TestResult } from "./TestResult";
 import { useCatalog, useLinkTest, useSaveDevice } from "./useConnections";
@@ -110,7 +121,7 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
         />
         {isModule(model) ? (
           <ModuleLinkFields
-            kind={draft.kind}
+            kind={moduleKind(draft)}
             draft={draft.module}
             problem={problem}
             onChange={(change) => setDraft((now) => ({ ...now, module: { ...now.module, ...change } }))}

@@ -35,6 +35,10 @@ export function Found({ onAdd, names }: Props) {
       },
     });
   };
+  const addBoard = (port: string) => {
+    const draft = newDraft("tmc4361", "landungsbruecke");
+    onAdd({ ...draft, name: freeName("tmc4361", names), module: { ...draft.module, serialPort: port } });
+  };
   return (
     <>
       <section className={css.box} aria-label="Found on this machine">
@@ -72,7 +76,11 @@ export function Found({ onAdd, names }: Props) {
           </p>
         )}
       </section>
-      <Probe onAdd={(found) => addSerial(found.port, found.baud ?? undefined, found.address)} />
+      <Probe
+        onAdd={(found) =>
+          found.board === null ? addSerial(found.port, found.baud ?? undefined, found.address) : addBoard(found.port)
+        }
+      />
       <section className={css.box} aria-label="A device in another process">
         <h2>A device in another process</h2>
         <p className={css.note}>Serve an emulated one to any client, then connect to it like to hardware:</p>

@@ -110,6 +110,7 @@ export function Probe({ onAdd }: { onAdd: (found: Found) => void }) {
               <li key={`${found.port} ${found.baud} ${found.address}`}>
                 <span>
                   <b className="num">{found.version}</b>
+                  {found.board !== null && <span className={css.portNote}>{found.board}</span>}
                   <span className={css.portNote}>
                     address <span className="num">{found.address}</span>,{" "}
                     {found.baud === null ? (

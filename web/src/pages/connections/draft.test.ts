@@ -1,7 +1,18 @@
 import { describe, expect, it } from "vitest";
 import type { Device } from "../../api/queries";
 import { parseAddresses } from "./addresses";
-import { changeBody, createBody, draftOf, freeName, linkOf, linkText, newDraft, problemsOf, withModel } from "./draft";
+import {
+  changeBody,
+  createBody,
+  draftOf,
+  freeName,
+  kindsOf,
+  linkOf,
+  linkText,
+  newDraft,
+  problemsOf,
+  withModel,
+} from "./draft";
 
 const DEVICE = {
   id: "bench",
@@ -180,6 +191,42 @@ describe("a link to a module", () => {
       "serial /dev/ttyACM0 at 115\u202f200 baud, address 2",
     );
     expect(linkText({ kind: "can", interface: "socketcan", channel: "can0" })).toBe("can socketcan can0");
+  });
+});
+
+describe("a TMC4361", () => {
+  const named = { ...newDraft("tmc4361"), name: "far" };
+
+  it("has a board, a socket and an SPI bus besides the emulator", () => {
+    expect(kindsOf("tmc4361").map((kind) => kind.value)).toEqual(["emulator", "landungsbruecke", "tcp", "spidev"]);
+    expect(linkOf(named)).toEqual({ kind: "emulator" });
+    expect(withModel({ ...named, kind: "spidev" }, "tmc428").kind).toBe("emulator");
+  });
+
+  it("is reached over a board once the port is said", () => {
+    const board = { ...named, kind: "landungsbruecke" as const };
+    expect(problemsOf(board)).toHaveProperty("module.serialPort");
+    const ready = { ...board, timeoutS: "0.5", module: { ...board.module, serialPort: " /dev/ttyACM0 " } };
+    expect(problemsOf(ready)).toEqual({});
+    const link = { kind: "landungsbruecke", port: "/dev/ttyACM0", timeout_s: 0.5 };
+    expect(linkOf(ready)).toEqual(link);
+    expect(linkText(link)).toBe("evaluation board at /dev/ttyACM0");
+    const device = { ...DEVICE, model: "tmc4361", link, axes: DEVICE.axes.slice(0, 1) } as unknown as Device;
+    expect(linkOf(draftOf(device))).toEqual(link);
+  });
+
+  it("is reached on the first bus where nothing is said", () => {
+    const spi = { ...named, kind: "spidev" as const };
+    expect(problemsOf(spi)).toEqual({});
+    expect(linkOf(spi)).toEqual({ kind: "spidev", bus: 0, device: 0 });
+    const other = { ...spi, spi: { bus: "1", device: "2", speedHz: "4000000" } };
+    expect(linkOf(other)).toEqual({ kind: "spidev", bus: 1, device: 2, speed_hz: 4_000_000 });
+    expect(problemsOf({ ...spi, spi: { bus: "x", device: "256", speedHz: "5" } })).toEqual({
+      "spi.bus": expect.stringContaining("Not a number"),
+      "spi.device": expect.stringContaining("255"),
+      "spi.speedHz": expect.stringContaining("10"),
+    });
+    expect(linkText({ kind: "spidev", bus: 1, device: 0 })).toBe("spi 1.0");
   });
 });
 

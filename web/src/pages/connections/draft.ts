@@ -6,7 +6,7 @@ import { type Limits, numberOf, numberProblem, only, said } from "./limits";
 import { type ModuleDraft, type ModuleKind, moduleLink, moduleOf, moduleProblems, newModule } from "./module";
 
 export type Model = Device["model"];
-export type Kind = ModuleKind;
+export type Kind = ModuleKind | "landungsbruecke" | "spidev";
 export type Link = Schemas["DeviceCreate"]["link"];
 export type AxisConfig = Schemas["AxisConfig"];
 
@@ -27,6 +27,12 @@ export interface StageDraft {
   start: string;
 }
 
+export interface SpiDraft {
+  bus: string;
+  device: string;
+  speedHz: string;
+}
+
 export interface Draft {
   name: string;
   model: Model;
@@ -40,8 +46,10 @@ export interface Draft {
   wiring: string;
   stages: StageDraft[];
   axes: AxisDraft[];
-  /** the link of a module */
+  /** the link of a module; an evaluation board has its port and its time from here */
   module: ModuleDraft;
+  /** the SPI bus of the server's machine */
+  spi: SpiDraft;
 }
 
 /** The ranges of the server's own models (AxisConfig, EmulatorOptions, TcpLink), so that a slip shows at once. */
@@ -59,6 +67,10 @@ export const LIMITS = {
   refFrom: { minimum: -1e6, maximum: 1e6, fallback: 250 },
   refTo: { minimum: -1e6, maximum: 1e6, fallback: 350 },
   start: { minimum: -1e6, maximum: 1e6, fallback: 3750 },
+  bus: { minimum: 0, maximum: 255, integer: true, fallback: 0 },
+  device: { minimum: 0, maximum: 255, integer: true, fallback: 0 },
+  speedHz: { minimum: 10_000, maximum: 16e6, integer: true, fallback: 1_000_000 },
+  boardTimeoutS: { minimum: 0.001, maximum: 60, fallback: 0.25 },
 } as const satisfies Record<string, Limits>;
 
 export const WIRINGS = [
@@ -93,6 +105,8 @@ export function isModule(model: Model): model is Exclude<Model, ChipModel> {
 export function kindsOf(model: Model): { value: Kind; label: string }[] {
   const emulator = { value: "emulator" as const, label: "Emulated here" };
   const tcp = { value: "tcp" as const, label: "TCP" };
+  if (model === "tmc4361")
+    return [emulator, { value: "landungsbruecke", label: "Eval board" }, tcp, { value: "spidev", label: "SPI bus" }];
   if (!isModule(model)) return [emulator, tcp];
   return [emulator, { value: "serial", label: "Serial" }, tcp, { value: "can", label: "CAN" }];
 }
@@ -117,6 +131,7 @@ export function newDraft(model: Model = "tmc428", kind: Kind = "emulator"): Draf
       stages: [],
       axes: [],
       module: newModule(),
+      spi: { bus: "", device: "", speedHz: "" },
     },
     model,
   );
@@ -130,7 +145,8 @@ export function withModel(draft: Draft, model: Model): Draft {
     model,
     kind: kindsOf(model).some((kind) => kind.value === draft.kind) ? draft.kind : "emulator",
     axes: indices.map((index) => draft.axes[index] ?? emptyAxis(AXIS_NAMES[index] ?? `axis ${index}`)),
-    stages: isModule(model) ? [] : indices.map((index) => draft.stages[index] ?? EMPTY_STAGE),
+    // A TMC4361's stage is one object of its own, changed in the emulator panel.
+    stages: isModule(model) || model === "tmc4361" ? [] : indices.map((index) => draft.stages[index] ?? EMPTY_STAGE),
   };
 }
 
@@ -164,7 +180,10 @@ export function draftOf(device: Device): Draft {
         gear: String(axis.gear_ratio),
         travelMm: axis.travel_mm_per_rev === null ? "" : String(axis.travel_mm_per_rev),
       })),
-      module: isModule(device.model) ? moduleOf(link) : newModule(),
+      module: isModule(device.model)
+        ? moduleOf(link)
+        : { ...newModule(), serialPort: link.kind === "landungsbruecke" ? String(link.port) : "" },
+      spi: { bus: said(link.bus), device: said(link.device), speedHz: said(link.speed_hz) },
     },
     device.model,
   );
@@ -182,7 +201,7 @@ export function problemsOf(draft: Draft, others: readonly string[] = []): Record
   else if (others.some((other) => other.toLowerCase() === name.toLowerCase()))
     note("name", "Another device has that name");
   if (isModule(draft.model))
-    for (const [path, problem] of moduleProblems(draft.kind, draft.module)) note(path, problem);
+    for (const [path, problem] of moduleProblems(moduleKind(draft), draft.module)) note(path, problem);
   else noteChipLink(draft, draft.model, note);
   draft.axes.forEach((axis, index) => {
     if (axis.name.trim() === "") note(`axes.${index}.name`, "A name is needed");
@@ -199,6 +218,13 @@ function noteChipLink(draft: Draft, model: ChipModel, note: (path: string, probl
     if (draft.host.trim() === "") note("host", "A host name or address is needed");
     note("port", numberProblem(draft.port, LIMITS.port, true));
     note("timeoutS", numberProblem(draft.timeoutS, LIMITS.timeoutS));
+  } else if (draft.kind === "landungsbruecke") {
+    if (draft.module.serialPort.trim() === "")
+      note("module.serialPort", "A port is needed: choose one, or type a device name or address");
+    note("timeoutS", numberProblem(draft.timeoutS, LIMITS.boardTimeoutS));
+  } else if (draft.kind === "spidev") {
+    for (const part of ["bus", "device", "speedHz"] as const)
+      note(`spi.${part}`, numberProblem(draft.spi[part], LIMITS[part]));
   } else {
     note("seed", numberProblem(draft.seed, LIMITS.seed));
     note("timeScale", numberProblem(draft.timeScale, LIMITS.timeScale));
@@ -212,8 +238,26 @@ function noteChipLink(draft: Draft, model: ChipModel, note: (path: string, probl
   }
 }
 
+/** A module's kind: no form offers it another one. */
+export function moduleKind(draft: Draft): ModuleKind {
+  return draft.kind === "landungsbruecke" || draft.kind === "spidev" ? "emulator" : draft.kind;
+}
+
 export function linkOf(draft: Draft): Link {
-  if (isModule(draft.model)) return moduleLink(draft.kind, draft.module) as unknown as Link;
+  if (isModule(draft.model)) return moduleLink(moduleKind(draft), draft.module) as unknown as Link;
+  if (draft.kind === "landungsbruecke")
+    return only({
+      kind: draft.kind,
+      port: draft.module.serialPort.trim(),
+      timeout_s: numberOf(draft.timeoutS),
+    }) as Link;
+  if (draft.kind === "spidev")
+    return only({
+      kind: draft.kind,
+      bus: numberOf(draft.spi.bus) ?? LIMITS.bus.fallback,
+      device: numberOf(draft.spi.device) ?? LIMITS.device.fallback,
+      speed_hz: numberOf(draft.spi.speedHz),
+    }) as Link;
   if (draft.kind === "tcp") {
     const link = {
       kind: "tcp",
@@ -241,7 +285,7 @@ export function linkOf(draft: Draft): Link {
     wiring: tmc428 && draft.wiring !== "" ? draft.wiring : undefined,
     stages: stages.some((stage) => Object.keys(stage).length > 0) ? stages : undefined,
     // One motor, one driver: what the emulated driver does is what the axis is reckoned with.
-    driver_microsteps: tmc428 ? undefined : numberOf(draft.axes[0]?.driverMicrosteps ?? ""),
+    driver_microsteps: draft.model !== "tmc4210" ? undefined : numberOf(draft.axes[0]?.driverMicrosteps ?? ""),
   }) as Link;
 }
 
@@ -299,6 +343,8 @@ export function linkText(link: Record<string, unknown>): string {
     const baud = typeof link.baud === "number" ? ` at ${fixed(link.baud)} baud` : "";
     return `serial ${String(link.port)}${baud}${address}`;
   }
+  if (link.kind === "landungsbruecke") return `evaluation board at ${String(link.port)}`;
+  if (link.kind === "spidev") return `spi ${String(link.bus)}.${String(link.device)}`;
   if (link.kind === "can") return `can ${String(link.interface)} ${String(link.channel)}`;
   const scale =
     typeof link.time_scale === "number" && link.time_scale !== 1 ? `, time × ${compact(link.time_scale)}` : "";
