@@ -182,12 +182,18 @@ def track_home(r: Cells, s: Cells, changed: int, heading: int, n_event: bool) ->
 
     The four bits of `home_event` draw HOME_REF over the way, from negative to positive positions, with X_HOME in the
     middle: 2 is the rising edge of a high zone, 4 its falling edge, 6 its centre; 13, 11, 9 are those of a low zone;
-    3 and 12 have one edge only. 0 is the next N event.
+    3 and 12 have one edge only. 0 is the next N event. A stop switch that is home (bits 14, 15) finds it where it
+    becomes active, whatever home_event says: a choice.
     """
     conf = r[REFERENCE_CONF]
     if not conf >> 20 & 1:
         s[HOME_ENTERED] = 0
         return
+    for n in range(2):  # stop_left_is_home, stop_right_is_home
+        pin = PIN_STOPL if n == 0 else PIN_STOPR
+        if conf >> (14 + n) & 1 and changed & pin and (s[SEEN] & pin != 0) == (conf >> (2 + n) & 1 != 0):
+            _found_home(r, s, s[X])
+            return
     drawn = conf >> 16 & 15
     if drawn == 0:
         if n_event:

@@ -533,3 +533,57 @@ def test_tzerowait_rests_before_the_next_ramp() -> None:
     assert rig.position == 100
     rig.wait(0.2)
     assert rig.position == 0
+
+
+# --- robustness ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mode", [TRAPEZOID_POSITION, S_POSITION])
+@pytest.mark.parametrize("vstop", [0.0, 3000.0])
+def test_writing_the_same_target_again_and_again_changes_nothing(mode: int, vstop: float) -> None:
+    ramp = replace(BASE, vstop=vstop, bow2=1e6, bow4=5e6)
+    durations = []
+    for repeated in (False, True):
+        rig = Rig()
+        rig.ramp(ramp, mode)
+        rig.write("XTARGET", 20_000)
+        while rig.state().ramp.kind != "rest":
+            rig.wait(0.001)
+            if repeated:
+                rig.write("XTARGET", 20_000)
+        assert rig.position == 20_000
+        durations.append(rig.now_s)
+    assert durations[1] == pytest.approx(durations[0], abs=0.0021)
+
+
+@pytest.mark.parametrize("begin", [2**31 - 100, -(2**31) + 100])
+def test_positions_wrap_at_32_bits_and_the_way_is_the_short_one(begin: int) -> None:
+    rig = Rig()
+    rig.write("XACTUAL", begin)
+    rig.write("XTARGET", begin)
+    rig.ramp(BASE, S_POSITION)
+    rig.write("XTARGET", -begin)
+    rig.wait_for_rest()
+    assert rig.position == -begin
+    assert abs(rig.state().step_output.microsteps_256) == 200
+
+
+def test_constant_velocity_stays_exact_for_minutes() -> None:
+    rig = Rig()
+    rig.ramp(Ramp(vmax=12_345.0), HOLD_VELOCITY)
+    for seconds in (17.0, 60.0, 100.0):
+        rig.now_s = seconds
+        assert rig.position == pytest.approx(12_345 * seconds, abs=1)
+
+
+def test_several_writes_in_one_tick_are_one_start() -> None:
+    """VSTART is taken once, and the ramp that begins is that of all of them."""
+    rig = Rig()
+    rig.ramp(replace(BASE, vstart=1000.0), S_POSITION)
+    rig.write("XTARGET", 5000)
+    rig.write("VSTART", 2000 << 8)
+    rig.write("XTARGET", 6000)
+    assert rig.state().ramp.velocity_pps == 2000.0
+    rig.write("XTARGET", 0)
+    assert rig.state().ramp.kind == "rest"
+    assert rig.signed("VACTUAL") == 0

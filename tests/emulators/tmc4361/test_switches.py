@@ -246,6 +246,19 @@ def test_home_event_0_waits_for_the_next_n_event() -> None:
 
 
 @pytest.mark.sheet("002", "9.3")
+@pytest.mark.parametrize(("bit", "pin", "sign"), [(14, "left", -1), (15, "right", 1)])
+def test_a_stop_switch_can_be_home(bit: int, pin: str, sign: int) -> None:
+    rig = Rig()
+    rig.write("REFERENCE_CONF", high_active() | 1 << bit | 3 << 16 | TRACK_HOME)
+    rig.ramp(replace(BASE, vmax=sign * 20_000.0), HOLD_VELOCITY)
+    rig.wait(0.1)
+    rig.patch(switches={pin: True})
+    rig.wait(1e-3)
+    assert rig.signed("X_HOME") == rig.position == pytest.approx(sign * 2000, abs=2)
+    assert not rig.read("REFERENCE_CONF") & TRACK_HOME
+
+
+@pytest.mark.sheet("002", "9.3")
 @pytest.mark.sheet("002", "9")
 def test_home_error_is_not_judged_within_the_margin() -> None:
     rig = Rig()
