@@ -117,7 +117,9 @@ async def chip(client: httpx.AsyncClient) -> str:
     body = {"name": "wave", "model": "tmc4361", "link": {"kind": "emulator"}}
     answer = await client.post("devices", json=body)
     assert answer.status_code == 201, answer.text
-    for register, value in (("VMAX", 20_000 * 256), ("AMAX", 200_000 * 4), ("DMAX", 200_000 * 4)):
+    # positioning first: in velocity mode a VMAX turns the motor at once
+    ramp = {"RAMPMODE": 0b101, "VMAX": 20_000 * 256, "AMAX": 200_000 * 4, "DMAX": 200_000 * 4}
+    for register, value in ramp.items():
         answer = await client.put(f"devices/wave/registers/{register}", json={"value": value})
         assert answer.status_code == 200, answer.text
     return "devices/wave/microstep-table"
