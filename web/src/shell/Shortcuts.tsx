@@ -8,7 +8,7 @@ const KEYS: readonly (readonly [string, readonly [keys: string, what: string][]]
     [
       ["Esc", "Stop all axes of all devices. Always."],
       ["?", "This list"],
-      ["Alt 1 … 7", "Go to a page, in the order of the menu"],
+      ["Alt 1 … 9", "Go to a page, in the order of the menu"],
     ],
   ],
   [

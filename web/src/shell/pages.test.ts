@@ -17,7 +17,16 @@ describe("pages", () => {
       "Console",
       "Connections",
     ]);
-    for (const own of ["Bench", "Registers", "S-ramp", "Microsteps", "Console", "Connections"])
+    for (const own of [
+      "Bench",
+      "Registers",
+      "S-ramp",
+      "Closed loop",
+      "Input filters",
+      "Microsteps",
+      "Console",
+      "Connections",
+    ])
       expect(names("sramp")).toContain(own);
     for (const other of ["Ramps", "Driver chain", "Parameters", "Encoder", "StallGuard"])
       expect(names("sramp")).not.toContain(other);

@@ -2,6 +2,7 @@ import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { api, unwrap } from "../../api/client";
 import { batchOf, merge, settle } from "./staging";
 import { stagedOf, updateStaged } from "./store";
+import { rememberWritten } from "./written";
 
 /** Sends a device's staged edits in their order; what failed or was not tried stays staged. */
 export function useApply(device: string) {
@@ -17,6 +18,7 @@ export function useApply(device: string) {
       );
       const { applied, left } = settle(sent, result);
       updateStaged(device, (now) => ({ edits: merge(now.edits, sent, left), applied, appliedAt: Date.now() }));
+      rememberWritten(device, applied);
       return { applied: applied.length, left: left.length };
     },
     onSettled: () =>

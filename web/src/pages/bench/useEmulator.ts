@@ -1,6 +1,7 @@
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { api, type Schemas, unwrap } from "../../api/client";
 import type { Device } from "../../api/queries";
+import { forgetWritten } from "../../lib/rows/written";
 
 export type ChipState = Schemas["EmulatorState"];
 export type Tmc4361State = Schemas["Tmc4361State"];
@@ -41,6 +42,9 @@ export function useChangeEmulator(device: string) {
   return useMutation({
     mutationFn: async (body: EmulatorPatch) =>
       unwrap(await api.PATCH("/api/v1/devices/{device}/emulator", { params: { path: { device } }, body })),
-    onSuccess: (state) => queries.setQueryData(key(device), state),
+    onSuccess: (state, body) => {
+      if (body.power_cycle) forgetWritten(device);
+      queries.setQueryData(key(device), state);
+    },
   });
 }

@@ -104,7 +104,17 @@ describe("the scope's model", () => {
     const bare = { ...device("a", 1, 1000) };
     bare.axes = bare.axes.map((axis) => ({ ...axis, microsteps_per_full_step: null }));
     const rows = buildRows([bare], { device: "a", axis: 0 }, SETTINGS, "dark");
-    expect(rows.map(({ unit }) => unit)).toEqual(["microsteps", "microsteps", "microsteps", "pps", "pps2", "", "", ""]);
+    expect(rows.map(({ unit }) => unit)).toEqual([
+      "microsteps",
+      "microsteps",
+      "microsteps",
+      "pps",
+      "pps2",
+      "",
+      "deg",
+      "",
+      "",
+    ]);
     const lamp = rows.at(-1)?.traces[0];
     expect(lamp && [valueText(lamp, 1), valueText(lamp, 0), valueText(lamp, Number.NaN)]).toEqual(["on", "off", "–"]);
   });

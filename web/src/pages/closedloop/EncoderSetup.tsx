@@ -1,0 +1,122 @@
+import { Text } from "@mantine/core";
+import { fixed, hex } from "../../lib/format";
+import { NumberField } from "../../lib/NumberField";
+import { ChipField } from "../../lib/rows/ChipField";
+import type { ChipRows } from "../../lib/rows/useChipRows";
+import { Section } from "../../lib/Section";
+import classes from "./closedloop.module.css";
+import { encConst, encConstValue, type Form, fractionText } from "./encConst";
+
+const DEFAULT_LINES = 1000;
+
+interface Props {
+  chip: ChipRows;
+  microstepsPerTurn: number;
+  disabled: boolean;
+}
+
+/** Kind and resolution of the encoder, and what a count of it is worth: exactly, and as each of the two words. */
+export function EncoderSetup({ chip, microstepsPerTurn, disabled }: Props) {
+  const kind = chip.planned("GENERAL_CONF", "serial_enc_in_mode");
+  const planned = chip.planned("ENC_IN_RES", "ENC_IN_RES");
+  const manual = chip.planned("ENC_IN_RES", "MANUAL_ENC_CONST") === 1;
+  const decimal = chip.planned("ENC_IN_CONF", "enc_sel_decimal") === 1;
+  const heldDecimal = chip.held("ENC_IN_CONF", "enc_sel_decimal") === 1;
+  const inChip = chip.held("ENC_CONST");
+  const incremental = kind === null || kind === 0;
+  const counts = planned === null || planned === 0 ? null : planned;
+  const found = manual ? null : encConst(counts ?? DEFAULT_LINES * 4, microstepsPerTurn);
+  return (
+    <Section title="Encoder" note={inChip === 0 ? "no resolution is set" : undefined}>
+      <ChipField chip={chip} register="GENERAL_CONF" field="serial_enc_in_mode" label="kind" disabled={disabled} />
+      <div className={classes.pair}>
+        <ChipField
+          chip={chip}
+          register="ENC_IN_RES"
+          field="ENC_IN_RES"
+          disabled={disabled}
+          {...(incremental && !manual
+            ? { physical: (value: number) => (value === 0 ? "none" : `${Number((value / 4).toPrecision(6))} lines`) }
+            : {})}
+        />
+        {incremental ? (
+          <NumberField
+            label="Lines a turn"
+            integer
+            min={1}
+            max={2 ** 28}
+            value={counts === null || counts % 4 !== 0 ? null : counts / 4}
+            placeholder="not known"
+            disabled={disabled || manual}
+            description="four counts each"
+            inputWrapperOrder={["label", "input", "description", "error"]}
+            onChange={(lines) => chip.put("ENC_IN_RES", "ENC_IN_RES", 4 * lines)}
+            data-testid="encoder-lines"
+          />
+        ) : (
+          <span />
+        )}
+        <ChipField chip={chip} register="ENC_POS_DEV_TOL" disabled={disabled} />
+        <ChipField chip={chip} register="ENC_IN_CONF" field="enc_sel_decimal" disabled={disabled} />
+      </div>
+      <div className={classes.checks}>
+        <ChipField
+          chip={chip}
+          register="ENC_IN_CONF"
+          field="invert_enc_dir"
+          label="counts the other way"
+          disabled={disabled}
+        />
+      </div>
+      <dl className={classes.facts} data-testid="enc-const">
+        <dt>ENC_CONST in the chip</dt>
+        <dd className="num" data-testid="enc-const-chip">
+          {inChip === null ? "–" : `${hex(inChip, 32)} = ${Number(encConstValue(inChip, heldDecimal).toPrecision(9))}`}
+        </dd>
+        {found && (
+          <>
+            <dt>exactly, for {fixed(counts ?? DEFAULT_LINES * 4)} counts</dt>
+            <dd className="num" data-testid="enc-const-exact">
+              {fixed(microstepsPerTurn)}/{fixed(counts ?? DEFAULT_LINES * 4)} = {fractionText(found.exact)}
+            </dd>
+            <FormRow name="binary" form={found.binary} chosen={!decimal} better={found.better === "binary"} />
+            <FormRow name="decimal" form={found.decimal} chosen={decimal} better={found.better === "decimal"} />
+          </>
+        )}
+      </dl>
+      {manual && (
+        <Text size="xs" c="dimmed">
+          MANUAL_ENC_CONST: the word written is the constant itself.
+        </Text>
+      )}
+      {!manual && counts !== null && found === null && (
+        <Text size="xs" role="alert" className={classes.warning}>
+          So many counts for {fixed(microstepsPerTurn)} microsteps a turn leave no constant of 15 and 16 bits.
+        </Text>
+      )}
+      {counts === null && !manual && (
+        <Text size="xs" c="dimmed">
+          {inChip === null || inChip === 0
+            ? `Set how many counts a turn has. Shown is what ${DEFAULT_LINES} lines would give.`
+            : `ENC_IN_RES cannot be read back. Shown is what ${DEFAULT_LINES} lines would give.`}
+        </Text>
+      )}
+    </Section>
+  );
+}
+
+function FormRow({ name, form, chosen, better }: { name: string; form: Form; chosen: boolean; better: boolean }) {
+  const drift = form.driftPerTurn;
+  return (
+    <>
+      <dt data-chosen={chosen}>
+        {name}
+        {chosen && ", in use"}
+        {better && !chosen && ", drifts less"}
+      </dt>
+      <dd className="num" data-testid={`enc-const-${name}`}>
+        {hex(form.raw, 32)}, {drift === 0 ? "no drift" : `${fixed(drift, 4)} µsteps a turn`}
+      </dd>
+    </>
+  );
+}
