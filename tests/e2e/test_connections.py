@@ -53,6 +53,22 @@ def far_modules() -> Iterator[int]:
     process.stdout.close()
 
 
+@pytest.fixture
+def far_board() -> Iterator[int]:
+    """An emulated evaluation board with a TMC4361 in another process: the port that it is behind."""
+    port = free_port()
+    program = str(Path(sys.executable).with_name("stepscope"))
+    process = subprocess.Popen(
+        [program, "emulate", "landungsbruecke", "--tcp", f"127.0.0.1:{port}"], stdout=subprocess.PIPE
+    )
+    assert process.stdout is not None
+    assert str(port).encode() in process.stdout.readline(), "it says where it listens when it does"
+    yield port
+    process.send_signal(signal.SIGINT)
+    process.wait(10)
+    process.stdout.close()
+
+
 def open_form(page: Page) -> None:
     page.goto("/connections")
     expect(page.get_by_role("region", name="bench")).to_contain_text("connected")
@@ -150,6 +166,39 @@ def test_modules_on_a_line_are_found_and_added(page: Page, api: httpx.Client, fa
     remove(page)
 
 
+def test_an_evaluation_board_is_found_and_its_chip_added(page: Page, api: httpx.Client, far_board: int) -> None:
+    page.goto("/connections")
+    search = page.get_by_role("region", name="Look for modules")
+    search.get_by_label("Port or address").fill(f"socket://127.0.0.1:{far_board}")
+    search.get_by_label("Addresses").fill("1")
+    search.get_by_role("button", name="Probe").click()
+    found = search.get_by_label("Modules found").get_by_role("listitem")
+    expect(found).to_contain_text("Landungsbrücke with TMC4361A and TMC2660", timeout=20_000)
+    found.get_by_role("button", name="Add").click()
+    form = page.get_by_role("form", name="Add a device")
+    form.get_by_label("Name", exact=True).fill(NAME)
+    form.get_by_role("button", name="Test the link").click()
+    expect(form).to_contain_text("It answers")
+    form.get_by_role("button", name="Add and connect").click()
+    entry = page.get_by_role("region", name=NAME)
+    expect(entry).to_have_attribute("data-state", "connected")
+    expect(entry).to_contain_text("evaluation board at socket://")
+    assert api.get(f"/devices/{NAME}/registers/AMAX").json()["value"] == 320_000
+    remove(page)
+
+
+def test_an_spi_bus_that_is_not_there_is_told_with_a_way_out(page: Page) -> None:
+    open_form(page)
+    page.get_by_role("combobox", name="Model").click()
+    page.get_by_role("option", name="TMC4361").click()
+    page.get_by_text("SPI bus", exact=True).click()
+    form = page.get_by_role("form", name="Add a device")
+    form.get_by_label("Bus", exact=True).fill("250")
+    form.get_by_role("button", name="Test the link").click()
+    problem = form.get_by_role("alert").filter(has_text="The link does not work")
+    expect(problem).to_contain_text("spidev")
+
+
 def test_a_search_is_aborted(page: Page, far_modules: int) -> None:
     page.goto("/connections")
     search = page.get_by_role("region", name="Look for modules")
@@ -174,11 +223,19 @@ def test_a_port_that_is_not_there_is_told_with_a_way_out(page: Page, api: httpx.
     assert api.get(f"/devices/{NAME}").status_code == 404
 
 
-@pytest.mark.parametrize("kind", ["Serial", "TCP", "CAN", "Emulated here"])
-def test_every_kind_of_link_is_open_to_everybody(page: Page, check_axe: Callable[[Page], None], kind: str) -> None:
+@pytest.mark.parametrize(
+    ("model", "kind"),
+    [
+        *(("PD42-1241", kind) for kind in ("Serial", "TCP", "CAN", "Emulated here")),
+        *(("TMC4361", kind) for kind in ("Eval board", "SPI bus")),
+    ],
+)
+def test_every_kind_of_link_is_open_to_everybody(
+    page: Page, check_axe: Callable[[Page], None], model: str, kind: str
+) -> None:
     open_form(page)
     page.get_by_role("combobox", name="Model").click()
-    page.get_by_role("option", name="PD42-1241").click()
+    page.get_by_role("option", name=model).click()
     page.get_by_text(kind, exact=True).click()
     if kind == "Emulated here":
         page.get_by_role("button", name="Emulator: motor").click()
