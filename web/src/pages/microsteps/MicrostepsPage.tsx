@@ -337,7 +337,15 @@ function FormatChoice({ format, onFormat }: { format: Format; onFormat: (format:
 }
 
 /** What to do where there is no table to design. */
-function NoTable({ device, onOther }: { device: Device; onOther: (() => void) | null }) {
+function NoTable({
+  device,
+  others,
+  onOther,
+}: {
+  device: Device;
+  others: readonly Device[];
+  onOther: (other: Device) => void;
+}) {
   return (
     <EmptyState title={`${device.name} has no microstep table`} icon={<IconWaveSine size={24} />}>
       <Text size="sm" maw={560}>
@@ -345,13 +353,12 @@ function NoTable({ device, onOther }: { device: Device; onOther: (() => void) | 
         resolution is set there (now {device.axes[0]?.driver_microsteps ?? 16} microsteps per full step, under
         Connections), and its wave, where it can be changed, in the driver's own table.
       </Text>
-      {onOther ? (
-        <Button size="xs" onClick={onOther}>
-          Show the TMC428
+      {others.slice(0, 3).map((other) => (
+        <Button key={other.id} size="xs" onClick={() => onOther(other)}>
+          Show the {other.title} {other.name}
         </Button>
-      ) : (
-        <Text size="sm">Add a TMC428 or a TMC4361 under Connections to design a table.</Text>
-      )}
+      ))}
+      {others.length === 0 && <Text size="sm">Add a TMC428 or a TMC4361 under Connections to design a table.</Text>}
     </EmptyState>
   );
 }
@@ -367,10 +374,10 @@ export default function MicrostepsPage() {
   });
   if (devices.isPending) return null;
   if (device?.model === "tmc4210") {
-    const other = devices.data?.find((candidate) => candidate.model === "tmc428");
+    const others = devices.data?.filter(({ model }) => model === "tmc428" || model === "tmc4361") ?? [];
     return (
       <Page name="Microsteps">
-        <NoTable device={device} onOther={other ? () => select(other.id, 0) : null} />
+        <NoTable device={device} others={others} onOther={(other) => select(other.id, 0)} />
       </Page>
     );
   }
