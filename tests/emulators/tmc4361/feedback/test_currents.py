@@ -6,7 +6,7 @@ import pytest
 
 from app.emulators.drive import MotorOptions
 from app.emulators.tmc4361.feedback import layout as c
-from app.emulators.tmc4361.layout import FB_FS_ACTIVE
+from app.emulators.tmc4361.layout import FB_FS_ACTIVE, FB_QUIET
 from tests.emulators.tmc4361.feedback.rig import (
     BOOST_TIME,
     CURRENT_CONF,
@@ -207,6 +207,18 @@ def test_freewheeling_lets_the_shaft_go() -> None:
     assert truth.bridges == "open"
     assert truth.current_a_a == truth.current_b_a == 0.0
     assert truth.speed_rad_s < -1.0
+
+
+def test_ticks_may_be_passed_over_only_when_every_delay_is_over() -> None:
+    delays = {STDBY_DELAY: 1_600_000, FREEWHEEL_DELAY: 1_600_000, 0x62: 1000}
+    bench = Bench({CURRENT_CONF: HOLD | FREEWHEEL, SCALE_VALUES: VALUES} | delays)
+    for _ in range(20):
+        assert not bench.run(0.0099) & FB_QUIET
+        assert bench.unit.truth.bridges == "regulated"
+    bench.run(0.4)
+    assert bench.word & FB_QUIET
+    assert bench.word >> 31  # the driver's standstill flag
+    assert bench.unit.truth.bridges == "open"
 
 
 @pytest.mark.sheet("002", "12.1")
