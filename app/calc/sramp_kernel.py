@@ -73,9 +73,18 @@ def _add(rows: FloatArray, n: int, s: float, phase: int, t: float, v0: float, a0
 
 @compiled
 def _region(
-    p: FloatArray, rows: FloatArray, n: int, s: float, braking: bool, v0: float, v1: float, a0: float, a1: float
+    p: FloatArray,
+    rows: FloatArray,
+    n: int,
+    s: float,
+    braking: bool,
+    v0: float,
+    v1: float,
+    dv: float,
+    a0: float,
+    a1: float,
 ) -> int:
-    """Up from v0 to v1 on one side of velocity 0, from acceleration a0 to at most a1, both not negative.
+    """Up from v0 by dv to v1 on one side of velocity 0, from acceleration a0 to at most a1, both not negative.
 
     The caller knows that a0 can come down to a1 within the way.
     """
@@ -83,15 +92,14 @@ def _region(
         up, cap, down, first = p[BOW3], p[DMAX], p[BOW4], B3
     else:
         up, cap, down, first = p[BOW1], p[AMAX], p[BOW2], B1
-    dv = v1 - v0
     if a0 > cap:  # after AMAX or DMAX was lowered
         least = math.sqrt(max(a0 * a0 - 2 * down * dv, 0.0))
         if least >= cap:
             return _add(rows, n, s, first + 2, (a0 - least) / down, v0, a0, v1, least)
         at_cap = v0 + (a0 - cap) * (a0 + cap) / (2 * down)
         n = _add(rows, n, s, first + 2, (a0 - cap) / down, v0, a0, at_cap, cap)
+        dv -= at_cap - v0
         v0, a0 = at_cap, cap
-        dv = v1 - v0
     a1 = min(a1, cap, math.sqrt(a0 * a0 + 2 * up * dv))
     peak = math.sqrt((2 * up * down * dv + down * a0 * a0 + up * a1 * a1) / (up + down))
     flat = peak > cap
@@ -111,7 +119,7 @@ def _region(
 def _slope(p: FloatArray, rows: FloatArray, n: int, s: float, v0: float, a0: float, v1: float) -> int:
     """Up from v0 with a0 >= 0 to v1 with acceleration 0; a0 can come down to 0 within the way."""
     if v0 >= 0 or v1 <= 0:
-        return _region(p, rows, n, s, v0 < 0, v0, v1, a0, 0.0)
+        return _region(p, rows, n, s, v0 < 0, v0, v1, v1 - v0, a0, 0.0)
     # squared accelerations at velocity 0: what can be reached, what is allowed, what cannot be avoided
     if a0 <= p[DMAX]:
         reached = min(p[DMAX] ** 2, a0 * a0 - 2 * p[BOW3] * v0)
@@ -119,8 +127,8 @@ def _slope(p: FloatArray, rows: FloatArray, n: int, s: float, v0: float, a0: flo
         reached = max(p[DMAX] ** 2, a0 * a0 + 2 * p[BOW4] * v0)
     allowed = min(p[AMAX] ** 2, 2 * p[BOW2] * v1)
     at_zero = math.sqrt(max(min(reached, allowed), a0 * a0 + 2 * p[BOW4] * v0))
-    n = _region(p, rows, n, s, True, v0, 0.0, a0, at_zero)
-    return _region(p, rows, n, s, False, 0.0, v1, at_zero, 0.0)
+    n = _region(p, rows, n, s, True, v0, 0.0, -v0, a0, at_zero)
+    return _region(p, rows, n, s, False, 0.0, v1, v1, at_zero, 0.0)
 
 
 @compiled
@@ -172,19 +180,19 @@ def stop(p: FloatArray, rows: FloatArray, n: int, v: float, a: float, vstop: flo
     v, a = s * v, s * a
     last = math.inf if vstop > 0 else dfinal
     if a >= 0:
-        top = coasting(p, v, a)
         n = _let_go(p, rows, n, s * v, s * a)
-        if top <= vstop:
+        above = v - vstop + a * a / (2 * p[BOW2])  # so it keeps its digits where both are near VSTOP
+        if above <= 0:
             return n
-        return _region(p, rows, n, -s, True, -top, -vstop, 0.0, last)
+        return _region(p, rows, n, -s, True, -coasting(p, v, a), -vstop, above, 0.0, last)
     if v <= vstop:
         return n
     if vstop > 0 or a * a <= dfinal * dfinal + 2 * p[BOW4] * v * (1 + ALIKE):
-        return _region(p, rows, n, -s, True, -v, -vstop, -a, last)
+        return _region(p, rows, n, -s, True, -v, -vstop, v - vstop, -a, last)
     # too hard to be let go before velocity 0: through it and back
     beyond = coasting(p, v, a)
     n = _let_go(p, rows, n, s * v, s * a)
-    return _region(p, rows, n, s, True, beyond, 0.0, 0.0, dfinal)
+    return _region(p, rows, n, s, True, beyond, 0.0, -beyond, 0.0, dfinal)
 
 
 @compiled

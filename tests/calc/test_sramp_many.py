@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from numpy.typing import ArrayLike
 
 from app.calc.sramp import SRamp, position_plan
 from app.calc.sramp_many import PHASES, plan_many
@@ -57,10 +58,10 @@ def test_shapes_broadcast_and_rates_default_to_the_rising_slope() -> None:
 
 @pytest.mark.parametrize("bad", [0.0, -1.0, float("nan"), float("inf")])
 def test_bad_parameters_are_named(bad: float) -> None:
-    good = {"vmax": 1.0, "amax": 1.0, "bow1": 1.0}
+    good: dict[str, ArrayLike] = {"vmax": 1.0, "amax": 1.0, "bow1": 1.0}
     for name in ("vmax", "amax", "dmax", "bow1", "bow2", "bow3", "bow4"):
         with pytest.raises(ValueError, match=f"{name} is finite and above 0"):
-            plan_many(1.0, **{**good, name: [1.0, bad]})
+            plan_many(1.0, **(good | {name: [1.0, bad]}))
 
 
 def test_other_bad_input_is_named() -> None:

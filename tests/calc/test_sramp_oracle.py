@@ -19,7 +19,7 @@ def moderate_ramps(draw: st.DrawFn) -> SRamp:
     return SRamp(vmax, amax, dmax, bow1, bow2, bow3, bow4)
 
 
-@settings(max_examples=30)
+@settings(max_examples=20)
 @given(p=moderate_ramps(), distance=st.floats(-6, 6), v=st.floats(-2, 2), a=st.floats(-1, 1))
 def test_moves(p: SRamp, distance: float, v: float, a: float) -> None:
     dt = max(position_plan(p, distance, v, a).duration_s, 1.0) / STEPS
@@ -29,7 +29,7 @@ def test_moves(p: SRamp, distance: float, v: float, a: float) -> None:
     assert min(planned) - 10 * dt <= sramp_oracle.move_time(p, distance, v, a, dt) <= max(planned) + 10 * dt
 
 
-@settings(max_examples=50)
+@settings(max_examples=30)
 @given(p=moderate_ramps(), target=st.floats(-3, 3), v=st.floats(-3, 3), a=st.floats(-2, 2))
 def test_changes_of_velocity(p: SRamp, target: float, v: float, a: float) -> None:
     planned = velocity_plan(p, target, v, a).duration_s

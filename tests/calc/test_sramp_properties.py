@@ -109,6 +109,31 @@ def test_a_move_from_rest(data: st.DataObject, p: SRamp) -> None:
         assert plan.overshoot == 0
 
 
+E = math.e
+STEEP_BOW4 = SRamp(E, E, E, 1.0, 1.0, 1.0, 3269017.3724721107, vstart=E)
+VSTART_ABOVE_VSTOP = SRamp(1.0, E, E, 1.0, 1.0, 1.0, 1.0, vstart=1.0, vstop=1 / E)
+NOISE_OF_A_STEEP_BOW3 = SRamp(1.0, 1.0, 8103.08, 1.0, 1.0, 12241134.27, E, vstop=0.0301973834223185)
+VSTART_IS_VSTOP = SRamp(22026.5, 1.0, 1.0, 1.0, 13359.7, 1.0, 1.0, vstart=17154.228809290984, vstop=17154.228809290984)
+BRAKES_TOO_HARD = SRamp(1.0, E, 1.0, 1.0, 1.0, 1.0, 1.0, vstop=1.0)
+
+
+@pytest.mark.parametrize(
+    ("p", "distance", "v", "a"),
+    [
+        pytest.param(STEEP_BOW4, -1.0, 0.0, 0.0, id="a bow that ends within the last digits of another"),
+        pytest.param(VSTART_ABOVE_VSTOP, -1 / E, 0.0, 0.0, id="passes the target with more than VSTOP and comes back"),
+        pytest.param(NOISE_OF_A_STEEP_BOW3, -1.0, 0.0, 0.0, id="rounding is no phase of its own"),
+        pytest.param(VSTART_IS_VSTOP, -1.0, 0.0, 0.0, id="hardly above VSTOP all the way"),
+        pytest.param(BRAKES_TOO_HARD, -1.0, 1.0, -E, id="is below VSTOP, but soon fast the other way"),
+    ],
+)
+def test_knife_edges(p: SRamp, distance: float, v: float, a: float) -> None:
+    """What hypothesis found while this was built."""
+    plan = position_plan(p, distance, v, a)
+    check_pieces(p, plan)
+    check_ends_on(plan, p, distance, v)
+
+
 @given(data=st.data(), p=ramps())
 def test_a_move_from_any_state(data: st.DataObject, p: SRamp) -> None:
     distance, state = data.draw(distances(p)), data.draw(states(p))
