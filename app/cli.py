@@ -87,7 +87,7 @@ def emulate(
     model: Annotated[str, typer.Argument(help="pd42-1241, landungsbruecke, tmc428, tmc4210 or tmc4361")],
     chip: Annotated[str | None, typer.Option(help="Landungsbruecke: the chip in its slot. [default: tmc4361]")] = None,
     pty: Annotated[
-        Path | None, typer.Option(metavar="PATH", help="Line: a serial port under this name (a symbolic link).")
+        Path | None, typer.Option(metavar="PATH", help="A serial port under this name (a symbolic link).")
     ] = None,
     tcp: Annotated[
         str | None, typer.Option(metavar="HOST:PORT", help="Where to listen; port 0 picks a free one.")
@@ -96,7 +96,8 @@ def emulate(
         list[int] | None, typer.Option(help="Module: its address; more than one put several on the line. [default: 1]")
     ] = None,
     baud: Annotated[
-        int | None, typer.Option(help="Line: model the time on the wire. [default: no wire time]", min=300)
+        int | None,
+        typer.Option(help="Of a serial port: model the time on the wire. [default: none]", min=300),
     ] = None,
     shared_bus: Annotated[
         bool, typer.Option("--shared-bus", help="Line: every TCP client hears everything, as on RS485.")
@@ -117,7 +118,7 @@ def emulate(
     Ctrl-C ends it.
     """
     of_modules: dict[str, object] = {"address": address, "data_dir": data_dir}
-    of_line: dict[str, object] = {"pty": pty, "baud": baud, "control": control, "shared_bus": shared_bus or None}
+    of_line: dict[str, object] = {"control": control, "shared_bus": shared_bus or None}
     with _told():
         from app import emulating
 
@@ -144,11 +145,9 @@ def emulate(
             )
             emulating.emulate_line(options, typer.echo)
         else:
-            if tcp is None:
-                raise ValueError("say where: --tcp HOST:PORT")
             of_chip = {"seed": seed, "clock_hz": clock_hz, "wiring": wiring}
             given = {name: value for name, value in of_chip.items() if value is not None}
-            emulating.emulate(model, tcp, given, time_scale, typer.echo)
+            emulating.emulate(model, given, time_scale, typer.echo, tcp=tcp, pty=pty, baud=baud)
 
 
 def _refuse(options: dict[str, object], model: str) -> None:

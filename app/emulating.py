@@ -18,11 +18,12 @@ from app.clock import Clock, WallClock
 from app.emulators.line.ends import End
 from app.emulators.line.line import GAP_S, Line
 from app.emulators.line.module import LineModule
+from app.emulators.line.raw import RawChip
 from app.emulators.line.server import LineServer
 from app.emulators.line.tcp import TcpEnd
 from app.emulators.pd42.module import EmulatedModule
 from app.emulators.pd42.options import Pd42Options
-from app.emulators.server import Served, serve_tcp
+from app.emulators.server import Served, frame_bytes_of, serve_tcp
 from app.listening import CannotListen, host_and_port, listen, url_of, why
 
 if TYPE_CHECKING:
@@ -36,31 +37,54 @@ GRACE_S = 0.3
 
 
 def emulate(
-    model: str, address: str, options: Mapping[str, object], time_scale: float, announce: Callable[[str], None]
+    model: str,
+    options: Mapping[str, object],
+    time_scale: float,
+    announce: Callable[[str], None],
+    *,
+    tcp: str | None = None,
+    pty: Path | None = None,
+    baud: int | None = None,
 ) -> None:
-    """Serve one emulated chip until Ctrl-C or SIGTERM.
+    """Serve the raw frames of one emulated chip until Ctrl-C or SIGTERM: at a TCP port, or at a `pty` at `baud`.
 
     Raises ValueError for options that cannot be, and CannotListen.
     """
-    host, port = host_and_port("--tcp", address)
+    if (tcp is None) == (pty is None):
+        raise ValueError("say where: --tcp HOST:PORT, or --pty PATH")
+    if baud is not None and pty is None:
+        raise ValueError("--baud is for a line: use it with --pty")
+    where = None if tcp is None else host_and_port("--tcp", tcp)
     with _killed_by_signals():
         from app.emulators.build import build_emulator, options_of
 
-        device = build_emulator(model, WallClock(), options_of(model).model_validate(options))
-        device.clock.scale = time_scale
-        device.catch_up(0.0)  # compiles: whoever is told that we listen gets answers at once
-    asyncio.run(_emulate(device, host, port, announce))
+        chip = build_emulator(model, WallClock(), options_of(model).model_validate(options))
+        assert not isinstance(chip, EmulatedModule)  # those hang on lines
+        chip.clock.scale = time_scale
+        chip.catch_up(0.0)  # compiles: whoever is told that we listen gets answers at once
+    if where is not None:
+        asyncio.run(_emulate(chip, *where, announce))
+    elif pty is not None:
+        line = Line([RawChip(chip)], WallClock(), baud=baud, frame_bytes=frame_bytes_of(model))
+        with contextlib.ExitStack() as stack:
+            try:
+                server = stack.enter_context(LineServer(line, _ends(LineOptions(pty=pty))))
+            except OSError as error:
+                raise CannotListen(str(error)) from error
+            stack.enter_context(_ended_by_signals(server.stop))
+            announce(f"emulated {model} at {server.ends[0].name}  (Ctrl-C ends it)")
+            server.run()
 
 
-async def _emulate(device: Served, host: str, port: int, announce: Callable[[str], None]) -> None:
+async def _emulate(chip: Served, host: str, port: int, announce: Callable[[str], None]) -> None:
     ended, loop = asyncio.Event(), asyncio.get_running_loop()
     with _ended_by_signals(lambda: loop.call_soon_threadsafe(ended.set)):
         try:
-            server = await serve_tcp(device, host, port)
+            server = await serve_tcp(chip, host, port)
         except OSError as error:
             raise CannotListen(why(error, host, port)) from error
         bound = server.sockets[0].getsockname()
-        announce(f"emulated {device.model} listens on tcp {bound[0]}:{bound[1]}  (Ctrl-C ends it)")
+        announce(f"emulated {chip.model} listens on tcp {bound[0]}:{bound[1]}  (Ctrl-C ends it)")
         await ended.wait()
         server.close()  # clients that are still there are cut off as the loop ends
 

@@ -44,7 +44,8 @@ class Line:
     pause; None takes no time. Transactions come one after the other, whoever asks: bytes that come in
     meanwhile wait for the end of the reply. A reply goes to the client that asked, an event to the
     client that asked for events last; with `shared_bus` everybody hears all of it, and the questions
-    of the others too, and bytes of several clients get mixed up, as on RS485.
+    of the others too, and bytes of several clients get mixed up, as on RS485. Frames are those of TMCL, or, with
+    another number of `frame_bytes`, whatever its one module makes of them.
     """
 
     def __init__(
@@ -58,6 +59,7 @@ class Line:
         addresses: Sequence[int] = (),
         seed: int = 1241,
         gap_s: float = GAP_S,
+        frame_bytes: int = FRAME_BYTES,
     ) -> None:
         self.modules = tuple(modules)
         self.clock = clock
@@ -66,6 +68,8 @@ class Line:
         self._shared_bus = shared_bus
         self._addresses = list(addresses)
         self._gap_s = gap_s
+        self._frame_bytes = frame_bytes
+        self._speaks_tmcl = frame_bytes == FRAME_BYTES
         self._noise = random.Random(seed)
         self._clients: dict[Hashable, _Assembly] = {}
         self._common = _Assembly()
@@ -106,13 +110,13 @@ class Line:
             start_s = max(at_s, self._wire_free_s)
             if assembly.held and start_s - assembly.heard_s > self._gap_s:
                 assembly.held = b""
-            piece = data[position : position + FRAME_BYTES - len(assembly.held)]
+            piece = data[position : position + self._frame_bytes - len(assembly.held)]
             position += len(piece)
             assembly.held += piece
             assembly.heard_s = self._wire_free_s = start_s + len(piece) * byte_s
             if self._shared_bus:
                 self._tell_others(client, piece, assembly.heard_s)
-            if len(assembly.held) == FRAME_BYTES:
+            if len(assembly.held) == self._frame_bytes:
                 frame, assembly.held = assembly.held, b""
                 self._transact(client, frame, assembly.heard_s, byte_s)
 
@@ -185,7 +189,7 @@ class Line:
             said = module.receive(frame, module.clock.at(heard_s))
             if said is None or faults.silence or self.faults.silence:
                 continue
-            if frame[1] == Opcode.REQUEST_EVENT and said[2] == Status.OK:
+            if self._speaks_tmcl and frame[1] == Opcode.REQUEST_EVENT and said[2] == Status.OK:
                 self._listen(index, client, again=frame[2] != 0, at_s=heard_s)
             due_s = max(due_s, heard_s + module.reply_pause_s + len(said) * byte_s)
             late_s = max(late_s, faults.late_reply_s)
