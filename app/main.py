@@ -19,6 +19,7 @@ from app.api.bench import Bench
 from app.api.problems import findings
 from app.api.routes.ports import serial_ports
 from app.api.schemas import Port
+from app.calc import sramp
 from app.calc.ramp import RampParameters, exact_ramp
 from app.clock import Clock, WallClock
 from app.devices.device import Device
@@ -143,6 +144,7 @@ def bench_of(app: FastAPI) -> Bench:
 def compile_kernels() -> None:
     """Compile what numba has to compile, or load it from its cache: else the first move would wait for it."""
     warm_up()
+    sramp.warm_up()
     exact_ramp(RampParameters(v_min=1, v_max=1000, a_max=100, ramp_div=5, pulse_div=5, pmul=100, pdiv=4), 1000, 10)
 
 
