@@ -322,30 +322,34 @@ def to_position(s: Cells, f: Floats, shape: int, goal: float, from_rest: bool, f
         _begin(s, f)
         stop(s, f, shape, f[VSTOP], f[DMAX] if f[VSTOP] > 0.0 else 0.0, f[VSTOP] > 0.0)
         ahead = d * (goal - f[END_P])
-        if ahead > -_NEAR and not (shape == S_SHAPE and _leads_through_zero(f, u, a)):
-            if ahead < _NEAR:
-                f[PLAN_END] = f[END_T]
+        if abs(ahead) < _NEAR:
+            f[PLAN_END] = f[END_T]
+            return goal
+        if ahead > 0.0 and shape == S_SHAPE and _leads_through_zero(f, u, a):
+            e = d
+            if u > f[VSTOP] > 0.0 and e * (_direct(s, f, 0.0, True) - goal) > 0.0:
+                return _between(s, f, goal, e)
+            _begin(s, f)
+            change(s, f, shape, 0.0)
+            if 0.0 < e * _cut(s, f, goal, e) <= f[VSTOP] * (1.0 + 1e-9):
                 return goal
+            ahead = -1.0
+        elif ahead > 0.0:
             natural = u
             if shape == S_SHAPE:
                 natural += a * a / (2.0 * f[BOW2]) if a > 0.0 else -a * a / (2.0 * f[BOW4])
-            e, low = d, max(min(min(f[VSTOP], high), natural), 0.0)
-            if e * (_attempt(s, f, shape, e * low, False, 0.0, 0.0) - goal) > 0.0:  # VSTOP ends it, if it can
-                if u > f[VSTOP] and (natural >= f[VSTOP] or e * (_direct(s, f, 0.0, True) - goal) > 0.0):
-                    return _between(s, f, goal, e)
-                _attempt(s, f, shape, e * low, False, 0.0, 0.0)
-                if e * _cut(s, f, goal, e) <= f[VSTOP] * (1.0 + 1e-9):
-                    return goal
-                ahead = -1.0
-            elif low < natural < high:
-                # Two slopes with a smooth turn between them are longer than one: between standstill and the velocity
-                # to which the acceleration tends, the way over a peak has no one root. The higher one is the faster.
-                if e * (goal - _attempt(s, f, shape, e * natural, False, 0.0, 0.0)) >= 0.0:
-                    low = natural
-                else:
-                    high = natural
-        else:
-            ahead = -1.0
+            e, low = d, max(min(natural, high), 0.0)
+            # Two slopes with a smooth turn between them are longer than one, so below the velocity to which the
+            # acceleration tends the way over a peak has no one root: first look above it, that is faster, too.
+            if e * (_attempt(s, f, shape, e * low, False, 0.0, 0.0) - goal) > _NEAR:
+                high, low = low, min(f[VSTOP], low)
+                if e * (_attempt(s, f, shape, e * low, False, 0.0, 0.0) - goal) > 0.0:  # VSTOP ends it, if it can
+                    if u > f[VSTOP] and (natural >= f[VSTOP] or e * (_direct(s, f, 0.0, True) - goal) > 0.0):
+                        return _between(s, f, goal, e)
+                    _attempt(s, f, shape, e * low, False, 0.0, 0.0)
+                    if e * _cut(s, f, goal, e) <= f[VSTOP] * (1.0 + 1e-9):
+                        return goal
+                    ahead, high = -1.0, f[VMAX]
         if ahead < 0.0:  # to zero, and from there to wherever the target is
             low = 0.0
             _begin(s, f)
@@ -382,12 +386,12 @@ def to_position(s: Cells, f: Floats, shape: int, goal: float, from_rest: bool, f
 
 @compiled
 def _cut(s: Cells, f: Floats, goal: float, e: float) -> float:
-    """End the plan where it passes `goal` in direction `e`; the velocity there."""
+    """End the plan where it passes `goal` in direction `e`; the velocity there, infinite if it does not."""
     for piece in range(s[PIECES]):
         at = PLAN + PIECE_CELLS * piece
         last = piece + 1 == s[PIECES]
         end = f[END_P] if last else f[at + PIECE_CELLS + P_P]
-        if e * (end - goal) < 0.0 and not last:
+        if e * (end - goal) < 0.0:
             continue
         p, v, a, j = f[at + P_P], f[at + P_V], f[at + P_A], f[at + P_J]
         low, high = 0.0, (f[END_T] if last else f[at + PIECE_CELLS + P_T]) - f[at + P_T]
@@ -401,7 +405,7 @@ def _cut(s: Cells, f: Floats, goal: float, e: float) -> float:
         f[PLAN_END] = f[END_T] = f[at + P_T] + high
         f[END_P] = p + high * (v + high * (a / 2.0 + high * j / 6.0))
         return v + high * (a + high * j / 2.0)
-    return 0.0
+    return e * math.inf
 
 
 @compiled

@@ -166,6 +166,7 @@ def commutate(fb: Floats, n: Cells, velocity_pps: float, clocks: int) -> None:
             return
         cycle = max(n[ENC_VMEAN] >> 16 & 0xFFFF, 1)
         n[CL_DUE] += ((n[NOW] - n[CL_DUE]) // cycle + 1) * cycle
+        clocks = max(clocks, cycle)
     gamma = _gamma(n)
     angle = _correction(n) + gamma
     rotor = n[DIRECTION] * math.floor(fb[ENC_POS]) + n[CL_OFFSET]

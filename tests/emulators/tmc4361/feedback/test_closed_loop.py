@@ -374,6 +374,22 @@ def test_the_limiter_adds_the_ramps_velocity() -> None:
     assert (bench.rotor - start) / 0.1 == pytest.approx(80_000, rel=0.05)
 
 
+def test_the_limiter_knows_how_long_a_cycle_of_a_serial_encoder_is() -> None:
+    serial = {GENERAL_CONF: 0x6020 | 1 << 10, ENC_IN_DATA: 12 | 11 << 5, ENC_IN_CONF: MULTI, 0x56: 8 | 8 << 16}
+    bench = Bench(
+        LOOP | serial | {ENC_VMEAN: 1280 << 16, PID_P: 256 * 1000, PID_DV_CLIP: 20_000}, encoder={"kind": "ssi"}
+    )
+    bench.run(0.1)
+    bench.calibrate(MULTI | VLIMIT)
+    bench.change(blocked=True)
+    bench.run(0.1, 100_000)
+    bench.change(blocked=False)
+    bench.run(0.05)
+    start = bench.rotor
+    bench.run(0.1)
+    assert (bench.rotor - start) / 0.1 == pytest.approx(20_000, rel=0.05)
+
+
 def test_in_velocity_mode_no_backlog_builds_up() -> None:
     bench = closed(VELOCITY_MODE)
     bench.change(blocked=True)

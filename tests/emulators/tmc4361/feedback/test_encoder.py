@@ -88,6 +88,12 @@ def test_enc_const_is_the_quotient_of_microsteps_and_resolution(counts: int, bin
     assert bench.unit.read(ENC_CONST) == decimal
 
 
+def test_the_chip_does_not_choose_decimals_by_itself_a_choice_where_the_facts_leave_it_open() -> None:
+    bench = loose({ENC_IN_RES: 4000})  # decimals would be exact
+    assert bench.unit.read(ENC_CONST) == 0x000CCCCD
+    assert not (bench.unit.read(ENC_IN_CONF) or 0) & DECIMAL
+
+
 def test_a_manual_constant_is_taken_as_it_is() -> None:
     bench = loose({ENC_IN_RES: 1 << 31 | 0x0007_8000})
     assert bench.unit.read(ENC_CONST) == 0x0007_8000
