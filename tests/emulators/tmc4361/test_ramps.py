@@ -117,8 +117,7 @@ def test_velocities_are_changed_on_the_fly_as_planned(seed: int) -> None:
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_a_target_changed_on_the_fly_is_reached_about_as_soon_as_can_be(seed: int) -> None:
-    """From a running ramp the emulator never is faster than the planner, and rarely slower; see plan.py."""
+def test_a_target_changed_on_the_fly_is_reached_as_soon_as_planned(seed: int) -> None:
     source = random.Random(300 + seed)
     ramp = rounded(replace(random_ramp(source, S_POSITION), vstart=0.0, vstop=0.0, astart=0.0, dfinal=0.0))
     rig = Rig()
@@ -129,11 +128,11 @@ def test_a_target_changed_on_the_fly_is_reached_about_as_soon_as_can_be(seed: in
     target = source.choice((-1, 1)) * round(ramp.vmax * source.uniform(0.0, 1.0))
     plan = position_plan(planned(ramp), target - now.position, now.velocity_pps, now.acceleration_pps2)
     rig.write("XTARGET", target)
-    begin_s = rig.now_s
-    rig.wait_for_rest(step_s=0.001)
+    rig.wait(max(plan.duration_s - 3 * TICK_S, 0.0))
+    assert rig.state().ramp.kind == "ramp"
+    rig.wait(6 * TICK_S)
+    assert rig.state().ramp.kind == "rest"
     assert rig.position == target
-    took_s = rig.now_s - begin_s
-    assert plan.duration_s - 2e-4 <= took_s <= plan.duration_s * 1.15 + 0.002
 
 
 # --- a plain law ---------------------------------------------------------------------------------------------------
