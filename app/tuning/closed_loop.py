@@ -113,6 +113,9 @@ class Calibration(Procedure):
             self._scaled = True
 
     async def _look_at_encoder(self) -> None:
+        for way in (FULL_STEP, -FULL_STEP):  # the rotor may have stood anywhere: now it follows the field
+            await self._go(way)
+            await self._pass(self._settle_s)
         before = (await self._read("ENC_POS")).value
         await self._go(FULL_STEP)
         await self._pass(self._settle_s)

@@ -101,6 +101,7 @@ class LatchSearch(Search):
         enable, active, inactive = SIDES[side]
         # It has to stop the motor while it is searched, whatever it is used for otherwise.
         await self._borrow({enable: 1, active: 1, inactive: 1, "soft_stop_en": 0, "invert_stop_direction": 0})
+        await self.clock.sleep(POLL_S)  # switched on, the flag of the switch follows its pin behind the input filter
         way = -1 if side == "left" else 1
 
         def met(state: AxisState) -> bool:

@@ -98,6 +98,7 @@ class Chip(RegisterChip):
         """`word` went out by somebody's hand."""
         if not register.access.readable:
             self._blind[register.address] = word
+            self._known.pop(register.address, None)  # ENC_CONST follows from ENC_IN_RES
         if register is rows.RESET and rows.part(rows.RESET, "RESET_REG").unpack(word) == RESET_CODE:
             self._forget_setting()
         if register.address in rows.MOVING:

@@ -92,6 +92,9 @@ class Raw(Samples):
         self._saw_word(register, data)
         if register.address in rows.MOVING:
             await self._moved_by_hand()
+            if register.access.readable and self.access.frame_bytes == datagram40.FRAME_BYTES:
+                # The next datagram is to be answered by what this one has written.
+                await self.queue.exchange(datagram40.read(register.address))
 
     def _status_flags(self, status: int) -> dict[str, bool]:
         """The status byte's bits by the events that SPI_STATUS_SELECTION shows there; none before that was seen."""

@@ -162,7 +162,7 @@ class Samples(Looks):
         """NaN while ENC_IN_RES is not set and so no count of an encoder counts."""
 
         def decoded(times_s: FloatArray, words: IntArray, status: IntArray) -> FloatArray:
-            if not self.known(rows.ENC_CONST):
+            if self.known(rows.ENC_CONST) == 0:
                 return np.full(len(times_s), np.nan)
             return decode(times_s, words, status)
 
@@ -206,7 +206,8 @@ class Samples(Looks):
 
     def _event_words(self, status: IntArray) -> FloatArray:
         """EVENTS as the status bytes show it, and as it was read last."""
-        words = np.full(len(status), self._events, dtype=np.int64)
+        shown = self._bits_of_status(0xFF)  # of these the rows know best
+        words = np.full(len(status), self._events & ~shown, dtype=np.int64)
         for byte in np.unique(status):
             words[status == byte] |= self._bits_of_status(int(byte))
         return words.astype(np.float64)

@@ -1,12 +1,9 @@
 """Stops, ahead of everything that waits for the link; and setting the position of an axis that stands.
 
-"ramp" goes to velocity mode and writes VMAX 0 there: writing VMAX 0 alone is not allowed while an S-ramp is positioning
-(002, 8.2.2, case 2). Between the two datagrams VMAX is a target velocity with a sign, which it was not while
-positioning; an axis that goes the other way then brakes, and does so anyway. One that stands gets VMAX 0 first, so that
-it does not set off in between.
-
-"immediate" writes VMAX 0 and then velocity mode with hold ramps, in which VACTUAL is VMAX at once (002, 8.2.1). In this
-order the velocity never jumps to an old VMAX. The case above does not matter: it lasts for one datagram.
+Writing VMAX 0 alone is not allowed while an S-ramp is positioning (002, 8.2.2, case 2). So "ramp" writes the least VMAX
+that is not 0, which the same section offers for a way out, then velocity mode, then VMAX 0. "immediate" does the same
+with velocity mode on hold ramps, in which VACTUAL is VMAX at once (002, 8.2). Should the link fail in between, the axis
+is left at a pulse in four minutes: the other order, mode first, would leave it turning at its speed limit for good.
 
 A START_CONF that makes VMAX or RAMPMODE wait for a start signal would make the stop wait too: its bits go first, and
 stay cleared.
@@ -73,13 +70,13 @@ class Stops(Moves):
         setting = self.setting()
         at_once = mode == "immediate" or (setting is not None and setting.never_slows())
         shape = rows.HOLD if at_once else self.cruise.shape
-        to_mode, to_zero = Write(rows.RAMPMODE, shape), Write(rows.VMAX, 0)
+        slow, to_mode, to_zero = Write(rows.VMAX, 1), Write(rows.RAMPMODE, shape), Write(rows.VMAX, 0)
         gates = 0 if setting is None else setting.value(rows.START_CONF) & GATES
         ungate = [Write(rows.START_CONF, setting.value(rows.START_CONF) & ~GATES)] if setting and gates else []
         self.cruise.overwrite_mode(shape)
         self.cruise.overwrite_vmax(0)
         checked = (rows.RAMPMODE, rows.VMAX, *STATE)
-        order = (to_zero, to_mode) if at_once or stands else (to_mode, to_zero)
+        order = (to_zero, to_mode) if stands else (slow, to_mode, to_zero)
         held = Held(checked, (await words.chain(*ungate, *order, checked))[0])
         self._watch.stop_commanded(words.time_s)
         if held.value(rows.RAMPMODE) != shape or held.value(rows.VMAX) != 0:
