@@ -57,8 +57,8 @@ async def serve_tcp(chip: Served, host: str, port: int, half_frame_s: float = HA
             await _answer(exchange, frame_bytes_of(chip.model), reader, writer, half_frame_s)
             writer.close()
             await writer.wait_closed()
-        except ConnectionError:
-            pass  # the client left, or the chip was unplugged: either way this line is dead
+        except (ConnectionError, asyncio.CancelledError):
+            pass  # the client left, the chip was unplugged, or the loop ends (asyncio would log it): this line is dead
         finally:
             writer.transport.abort()  # nothing after an orderly close; else whoever does not read would hold us up
 

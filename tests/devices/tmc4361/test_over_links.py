@@ -85,7 +85,7 @@ async def test_it_starts_up_moves_arrives_and_stops(device: Tmc4361) -> None:
     assert (await device.read("XTARGET", 0)).value == 5000
     await device.rotate(0, -20_000)
     await reached(device, "VACTUAL", -20_000)
-    await device.stop(0)
+    assert (await device.stop(0)).ok
     await reached(device, "VACTUAL", 0)
 
 
