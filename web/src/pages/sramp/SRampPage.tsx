@@ -195,9 +195,13 @@ function Designer({ device, axis }: Props) {
     [units, scale],
   );
 
-  // The plots follow a handle at once; the numbers beside them when there is time.
-  const shown = useDeferredValue(sketch);
-  const good = useDeferredValue(calculation.error === null ? answer : undefined);
+  // While a handle is dragged the plots follow at once, and the numbers beside them when there is time.
+  const [holds, setHolds] = useState(false);
+  const later = useDeferredValue(sketch);
+  const shown = holds ? later : sketch;
+  const known = calculation.error === null ? answer : undefined;
+  const knownLater = useDeferredValue(known);
+  const good = holds ? knownLater : known;
   const differences = useMemo(
     () => (good ? compared(good.registers, shown.options, chip) : null),
     [good, shown.options, chip],
@@ -226,9 +230,9 @@ function Designer({ device, axis }: Props) {
             design={shown.design}
             onChange={onChange}
             onPreset={onPreset}
-            lock={shown.lock}
+            lock={sketch.lock}
             onLock={onLock}
-            options={shown.options}
+            options={options}
             onOptions={onOptions}
             units={units}
             scale={scale}
@@ -263,6 +267,8 @@ function Designer({ device, axis }: Props) {
             onUnits={setUnits}
             live={live}
             plots={plots}
+            held={holds}
+            onHold={setHolds}
             seen={seen}
           />
           <TimeSection

@@ -1,5 +1,5 @@
 import { SegmentedControl, Select } from "@mantine/core";
-import { type RefObject, useMemo, useRef, useState } from "react";
+import { type RefObject, useMemo, useRef } from "react";
 import { compact, withUnit } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { ProblemAlert } from "../../lib/ProblemAlert";
@@ -45,6 +45,9 @@ interface Props {
   onUnits: (key: string) => void;
   live: LiveOverlays;
   plots: PlotHandles;
+  /** a handle is held */
+  held: boolean;
+  onHold: (held: boolean) => void;
   /** a motion of the chip lies over the ramp */
   seen: boolean;
 }
@@ -53,10 +56,10 @@ const POSITION_MAX = 2 ** 31 - 1;
 
 export function SRampPlots(props: Props) {
   const { calculation, design, options, onOptions, distance, onDistance, reach, scale, units } = props;
+  const { held } = props;
   const { result, stale, error, retry } = calculation;
   const scheme = useScheme();
   const phone = usePhone();
-  const [held, setHeld] = useState(false);
   const end = useWindow(result, held);
   const way = distance < 0 ? -1 : 1;
 
@@ -154,7 +157,7 @@ export function SRampPlots(props: Props) {
         text={text}
         onChange={props.onChange}
         held={held}
-        onHold={setHeld}
+        onHold={props.onHold}
       />
     );
   };
