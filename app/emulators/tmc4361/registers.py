@@ -69,7 +69,6 @@ class Chip:
         self._general_told = 0
         self._selected: tuple[int, ...] = ()
         self._freeze_written = False
-        self._answers: list[int] = []
         self._readers: dict[int, Callable[[], int]] = {
             c.XACTUAL: lambda: int(self.s[c.X]),
             c.VACTUAL: lambda: int(self.f[c.V]),
