@@ -38,7 +38,11 @@ PEAKS: Final = MOST_ROWS - 1
 """This row has, in its first columns, the highest velocity, and accelerations when accelerating and when braking."""
 
 PHASES: Final = ("B1", "B12", "B2", "B23", "B3", "B34", "B4")
-B1, B12, B2, B23, B3, B34, B4 = range(7)
+B1, B12, B2, B23, B3, B34, B4 = (float(phase) for phase in range(7))
+# Numba compiles a function anew for each whole number that is passed as such. These are no literals to it, and phases
+# are floats: half the time to compile.
+FIRST: Final = cast("int", np.int64(0))
+AT_START: Final = cast("int", np.int64(-1))
 
 ALIKE: Final = 1e-12
 """Relative: velocities and places that differ by less come of rounding. To correct them would take visible time,
@@ -58,7 +62,7 @@ def compiled(function: F) -> F:
 
 
 @compiled
-def _add(rows: FloatArray, n: int, s: float, phase: int, t: float, v0: float, a0: float, v1: float, a1: float) -> int:
+def _add(rows: FloatArray, n: int, s: float, phase: float, t: float, v0: float, a0: float, v1: float, a1: float) -> int:
     """Write a row that lasts; `s` mirrors it."""
     if not t > 0:
         return n
@@ -77,7 +81,6 @@ def _region(
     rows: FloatArray,
     n: int,
     s: float,
-    braking: bool,
     v0: float,
     v1: float,
     dv: float,
@@ -88,7 +91,7 @@ def _region(
 
     The caller knows that a0 can come down to a1 within the way.
     """
-    if braking:
+    if v0 < 0:
         up, cap, down, first = p[BOW3], p[DMAX], p[BOW4], B3
     else:
         up, cap, down, first = p[BOW1], p[AMAX], p[BOW2], B1
@@ -119,7 +122,7 @@ def _region(
 def _slope(p: FloatArray, rows: FloatArray, n: int, s: float, v0: float, a0: float, v1: float) -> int:
     """Up from v0 with a0 >= 0 to v1 with acceleration 0; a0 can come down to 0 within the way."""
     if v0 >= 0 or v1 <= 0:
-        return _region(p, rows, n, s, v0 < 0, v0, v1, v1 - v0, a0, 0.0)
+        return _region(p, rows, n, s, v0, v1, v1 - v0, a0, 0.0)
     # squared accelerations at velocity 0: what can be reached, what is allowed, what cannot be avoided
     if a0 <= p[DMAX]:
         reached = min(p[DMAX] ** 2, a0 * a0 - 2 * p[BOW3] * v0)
@@ -127,8 +130,8 @@ def _slope(p: FloatArray, rows: FloatArray, n: int, s: float, v0: float, a0: flo
         reached = max(p[DMAX] ** 2, a0 * a0 + 2 * p[BOW4] * v0)
     allowed = min(p[AMAX] ** 2, 2 * p[BOW2] * v1)
     at_zero = math.sqrt(max(min(reached, allowed), a0 * a0 + 2 * p[BOW4] * v0))
-    n = _region(p, rows, n, s, True, v0, 0.0, -v0, a0, at_zero)
-    return _region(p, rows, n, s, False, 0.0, v1, v1, at_zero, 0.0)
+    n = _region(p, rows, n, s, v0, 0.0, -v0, a0, at_zero)
+    return _region(p, rows, n, s, 0.0, v1, v1, at_zero, 0.0)
 
 
 @compiled
@@ -184,15 +187,15 @@ def stop(p: FloatArray, rows: FloatArray, n: int, v: float, a: float, vstop: flo
         above = v - vstop + a * a / (2 * p[BOW2])  # so it keeps its digits where both are near VSTOP
         if above <= 0:
             return n
-        return _region(p, rows, n, -s, True, -coasting(p, v, a), -vstop, above, 0.0, last)
+        return _region(p, rows, n, -s, -coasting(p, v, a), -vstop, above, 0.0, last)
     if v <= vstop:
         return n
     if vstop > 0 or a * a <= dfinal * dfinal + 2 * p[BOW4] * v * (1 + ALIKE):
-        return _region(p, rows, n, -s, True, -v, -vstop, v - vstop, -a, last)
+        return _region(p, rows, n, -s, -v, -vstop, v - vstop, -a, last)
     # too hard to be let go before velocity 0: through it and back
     beyond = coasting(p, v, a)
     n = _let_go(p, rows, n, s * v, s * a)
-    return _region(p, rows, n, s, True, beyond, 0.0, -beyond, 0.0, dfinal)
+    return _region(p, rows, n, s, beyond, 0.0, -beyond, 0.0, dfinal)
 
 
 @compiled
@@ -386,7 +389,7 @@ def position(p: FloatArray, rows: FloatArray, distance: float, v: float, a: floa
 def _moved(p: FloatArray, rows: FloatArray, distance: float, v: float, a: float) -> tuple[int, int]:
     from_rest = v == 0 and a == 0
     if distance == 0 and (from_rest or (p[VSTOP] > 0 and abs(v) <= p[VSTOP])):
-        return _finished(rows, 0, 0, 1.0)
+        return _finished(rows, FIRST, FIRST, 1.0)
     s = 1.0
     v_start = 0.0
     if from_rest:
@@ -399,44 +402,44 @@ def _moved(p: FloatArray, rows: FloatArray, distance: float, v: float, a: float)
     wanted = s * distance
 
     # first the way in which the motor runs; s = -s where it then has to come back
-    n = _brake(p, rows, 0, v, a)
-    ending = _length(rows, 0, n)
+    n = _brake(p, rows, FIRST, v, a)
+    ending = _length(rows, FIRST, n)
     size = abs(wanted)
     for row in range(n):
         size += abs(rows[row, LENGTH])
     if from_rest and ending > wanted:  # a start too steep for so short a move
         if p[VSTOP] > 0:
-            n = _cut_if_slow(p, rows, follow(p, rows, 0, v, a, p[VMAX]), wanted)
+            n = _cut_if_slow(p, rows, follow(p, rows, FIRST, v, a, p[VMAX]), wanted)
             if n > 0:
                 return _mirrored(rows, n, n - 1, s)
-        a = _moment(p, rows, 0, -1, a, v_start, wanted)
-        n = _brake(p, rows, 0, v, a)
-        ending = _length(rows, 0, n)
+        a = _moment(p, rows, FIRST, AT_START, a, v_start, wanted)
+        n = _brake(p, rows, FIRST, v, a)
+        ending = _length(rows, FIRST, n)
     if abs(ending - wanted) <= ALIKE * size:
-        return _mirrored(rows, n, 0, s)
+        return _mirrored(rows, n, FIRST, s)
     if p[VSTOP] > 0:
-        n = _cut_if_slow(p, rows, follow(p, rows, 0, v, a, p[VMAX]), wanted)
+        n = _cut_if_slow(p, rows, follow(p, rows, FIRST, v, a, p[VMAX]), wanted)
         if n > 0:
             return _mirrored(rows, n, n - 1, s)
         if ending > wanted:
-            n = _cut_if_slow(p, rows, _brake(p, rows, 0, v, a), wanted)
+            n = _cut_if_slow(p, rows, _brake(p, rows, FIRST, v, a), wanted)
             if n > 0:
                 return _mirrored(rows, n, n - 1, s)
     if ending > wanted:
         s, wanted, v, a = -s, -wanted, -v, -a
         if p[VSTOP] > 0:
-            n = _cut_if_slow(p, rows, follow(p, rows, 0, v, a, p[VMAX]), wanted)
+            n = _cut_if_slow(p, rows, follow(p, rows, FIRST, v, a, p[VMAX]), wanted)
             if n > 0:
                 return _mirrored(rows, n, n - 1, s)
-            n = _brake(p, rows, 0, v, a)
-            if _length(rows, 0, n) > wanted:  # below VSTOP, but braking so hard that it is fast the other way
+            n = _brake(p, rows, FIRST, v, a)
+            if _length(rows, FIRST, n) > wanted:  # below VSTOP, but braking so hard that it is fast the other way
                 n = _cut_if_slow(p, rows, n, wanted)
                 if n > 0:
                     return _mirrored(rows, n, n - 1, s)
                 s, wanted, v, a = -s, -wanted, -v, -a
 
-    n = follow(p, rows, 0, v, a, p[VMAX])
-    x = _length(rows, 0, n)
+    n = follow(p, rows, FIRST, v, a, p[VMAX])
+    x = _length(rows, FIRST, n)
     if n > 0:
         v = rows[n - 1, V1]
     reach = x + _stopping(p, rows, n + 1, v, 0.0)
@@ -508,14 +511,14 @@ def velocity(p: FloatArray, rows: FloatArray, target: float, v: float, a: float)
     """Rows of a change to velocity `target` from state (v, a); VSTOP may leave the last velocity to a jump to 0."""
     if target == 0:
         if (abs(v) <= p[VSTOP] and p[VSTOP] > 0) or (v == 0 and abs(a) <= p[DFINAL]):
-            return _finished(rows, 0, 0, 1.0)[0]
-        n = stop(p, rows, 0, v, a, p[VSTOP], p[DFINAL])
+            return _finished(rows, FIRST, FIRST, 1.0)[0]
+        n = stop(p, rows, FIRST, v, a, p[VSTOP], p[DFINAL])
         return _finished(rows, n, n, 1.0)[0]
     if v == 0 and a == 0:
         s = 1.0 if target > 0 else -1.0
         v = s * min(p[VSTART], abs(target))
         a = s * starting_acceleration(p, abs(v), abs(target))
-    n = follow(p, rows, 0, v, a, target)
+    n = follow(p, rows, FIRST, v, a, target)
     return _finished(rows, n, n, 1.0)[0]
 
 
