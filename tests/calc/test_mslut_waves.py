@@ -51,6 +51,7 @@ def test_the_linearity_correction_is_the_firmwares(thousandths: int) -> None:
 @given(sigma=st.floats(-1, 1), amplitude=st.floats(10, 255))
 def test_sigma_is_that_of_the_smaller_table(sigma: float, amplitude: float) -> None:
     wanted = wanted_wave(Formula(sigma=sigma, amplitude=amplitude, grid="opposite"))
+    assert wanted.ideal is not None
     np.testing.assert_allclose(wanted.ideal, amplitude * f_sigma(HALF_STEPS, sigma), atol=1e-9)
 
 
@@ -154,6 +155,8 @@ def test_a_phase_between_cannot_be_in_a_quarter_wave_and_its_symmetric_part_is_k
     assert wanted.refusal.reason == "asymmetric"
     assert "0 or 180" in wanted.refusal.detail
     half = wanted_wave(Formula(harmonics=(Term(3, 0.025),), grid="opposite"))
+    assert wanted.ideal is not None
+    assert half.ideal is not None
     np.testing.assert_allclose(wanted.ideal, half.ideal, atol=1e-9)
 
 
