@@ -76,6 +76,7 @@ from app.emulators.tmc4361.feedback.layout import (
     STATUS_WORD,
     TURN,
     TURNS,
+    UNASKED,
     V_AT,
     V_COUNTS,
     V_ENC,
@@ -402,6 +403,7 @@ def _serial(fb: Floats, n: Cells) -> int:
         asked = n[REQUEST_AT] - period
         n[ASKED_AT] = max(n[ASKED_AT], (asked + FEEDBACK_CLOCKS - 1) // FEEDBACK_CLOCKS * FEEDBACK_CLOCKS)
     if n[NOW] >= n[REQUEST_AT]:
+        n[UNASKED] = 0
         word = _ask(fb, n)
         n[REQUEST_AT] = max(n[REQUEST_AT] + _request_period(fb, n), n[NOW])
         if n[DATA_DONE]:

@@ -19,7 +19,6 @@ from app.emulators.tmc4361.feedback.currents import FROZEN, LONGEST, MOVING, ene
 from app.emulators.tmc4361.feedback.encoder import encode
 from app.emulators.tmc4361.feedback.layout import (
     ABN,
-    ASKED_AT,
     CL_OFFSET,
     CL_TR_TOLERANCE,
     CLOSED_LOOP,
@@ -38,7 +37,6 @@ from app.emulators.tmc4361.feedback.layout import (
     INTEGERS_AT,
     LATCH_FLAG,
     MOTOR_CLOCKS,
-    MOVED_AT,
     N_LEVEL,
     NOW,
     OPEN_LOOP,
@@ -46,13 +44,13 @@ from app.emulators.tmc4361.feedback.layout import (
     PID_DIFF,
     PID_E,
     PID_VEL,
-    REQUEST_AT,
     SATURATED,
     SCALE_CLOCKS,
     SHAFT_FULLSTEPS,
     STDBY_DELAY,
     STILL,
     TOLERANCE,
+    UNASKED,
     VEL0,
     X_NEW,
     Cells,
@@ -185,8 +183,7 @@ def _quiet(n: Cells, moved: bool, ramp_state: int) -> bool:
         return False
     if n[ENC_IN_CONF] >> 22 & 3 > CLOSED_LOOP and (n[PID_E] or n[PID_VEL] or n[PID_DIFF]):
         return False
-    # a serial encoder has been asked since it moved
-    return n[GENERAL_CONF] >> 10 & 3 == ABN or (n[ASKED_AT] > n[MOVED_AT] and n[REQUEST_AT] > n[NOW])
+    return n[GENERAL_CONF] >> 10 & 3 == ABN or not n[UNASKED]
 
 
 @compiled
@@ -213,7 +210,10 @@ def motor_and_encoder_tick(
     energise(fb, n, velocity_pps, ramp_state, clocks, motor_too)
     _stall_guard(fb, n, velocity_pps, look)
     fb[SHAFT_FULLSTEPS] = fb[k.THETA] * fb[k.TEETH] / (math.pi / 2.0)
-    word = encode(fb, n, motor_too and not (rested and n[k.REST]))
+    turned = motor_too and not (rested and n[k.REST])
+    if turned:
+        n[UNASKED] = 1
+    word = encode(fb, n, turned)
     n[DEV] = error_of(fb, x_actual)
     conf = n[ENC_IN_CONF]
     if bit(conf, CALIBRATION_EN) and conf >> 22 & 3 == OPEN_LOOP:

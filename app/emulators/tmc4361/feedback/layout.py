@@ -63,6 +63,8 @@ REQUEST_AT, ASKED_AT, SINGLE, TURNS, ANSWERED, ENC_FLAGS, FAILED, DATA_DONE, GLI
 whether there was an answer, its flags, whether it was refused, data of ADDR_FROM_ENC are new, bits to spoil once."""
 KIND, PER_TURN, SINGLE_BITS, MULTI_BITS, GRAY, STATUS_BITS, STATUS_WORD = range(_I + 52, _I + 59)
 """The encoder that is really there: as serial_enc_in_mode counts kinds, counts a turn, bits of its answer."""
+UNASKED = _I + 60
+"""The shaft may have moved since a serial encoder was asked."""
 HOT = _I + 59
 """Driver flags as STATUS 31:24 has them, as far as they come from outside: temperature, shorts, unplugged coils."""
 WORD = _I + 64
