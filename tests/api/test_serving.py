@@ -129,4 +129,4 @@ async def test_an_emulated_chip_answers_any_client() -> None:
         writer.close()
         await writer.wait_closed()
         process.send_signal(signal.SIGINT)
-        assert process.wait(5) == 0
+        assert process.wait(20) == 0

@@ -34,7 +34,7 @@ def far_chip() -> Iterator[tuple[int, subprocess.Popen[bytes]]]:
     assert str(port).encode() in process.stdout.readline(), "it says where it listens when it does"
     yield port, process
     process.send_signal(signal.SIGINT)
-    process.wait(10)
+    process.wait(30)
     process.stdout.close()
 
 
@@ -49,7 +49,7 @@ def far_modules() -> Iterator[int]:
     assert str(port).encode() in process.stdout.readline(), "it says where it listens when it does"
     yield port
     process.send_signal(signal.SIGINT)
-    process.wait(10)
+    process.wait(30)
     process.stdout.close()
 
 
@@ -65,7 +65,7 @@ def far_board() -> Iterator[int]:
     assert str(port).encode() in process.stdout.readline(), "it says where it listens when it does"
     yield port
     process.send_signal(signal.SIGINT)
-    process.wait(10)
+    process.wait(30)
     process.stdout.close()
 
 
@@ -113,7 +113,7 @@ def test_a_chip_at_the_far_end_of_a_socket(
     written = api.put(f"/devices/{NAME}/registers/V_MAX", params={"axis": 1}, json={"value": 1234})
     assert written.raise_for_status().json()["value"] == 1234
     process.send_signal(signal.SIGINT)
-    process.wait(10)
+    process.wait(30)
     expect(entry).not_to_have_attribute("data-state", "connected", timeout=20_000)
     expect(entry.get_by_role("alert")).to_be_visible(timeout=20_000)
     remove(page)
