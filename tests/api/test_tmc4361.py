@@ -11,7 +11,7 @@ from app.clock import VirtualClock
 
 CHIP = "devices/slide"
 AXIS = f"{CHIP}/axes/0"
-SETUP = [
+SETUP: list[tuple[str, dict[str, Any]]] = [
     ("STEP_CONF", {"fields": {"mstep_per_fs": 0, "fs_per_rev": 200}}),
     ("ENC_IN_RES", {"value": 40_000}),
     ("CL_DELTA_P", {"value": 65_536}),

@@ -36,6 +36,8 @@ class Events(Chip):
         self._timeline = Timeline(rows.AXIS)
         self._kept: int | None = None
         """EVENT_CLEAR_CONF as its user wants it; None where not seen yet."""
+        self._owed: tuple[int, int] | None = None
+        """What was written over EVENT_CLEAR_CONF and what is its user's, while that is not put back."""
         self._events = 0
         """EVENTS as last seen."""
         self._acquainted = False
@@ -53,9 +55,7 @@ class Events(Chip):
         if kept == ALL:
             steps = [await words.read_many(asked)]
         else:
-            steps = await words.chain(
-                Write(rows.EVENT_CLEAR_CONF, ALL), asked, Write(rows.EVENT_CLEAR_CONF, kept), again=True
-            )
+            steps = await self._read_keeping(words, ALL, asked, kept)
         *others, events = steps[0]
         self._saw_events(events, events, words.time_s)
         held = Held(registers, others)
@@ -67,9 +67,7 @@ class Events(Chip):
         if not bits:
             return
         kept = await self._user_keeps(words)
-        steps = await words.chain(
-            Write(rows.EVENT_CLEAR_CONF, ALL & ~bits), (rows.EVENTS,), Write(rows.EVENT_CLEAR_CONF, kept), again=True
-        )
+        steps = await self._read_keeping(words, ALL & ~bits, (rows.EVENTS,), kept)
         events = steps[0][0]
         self._saw_events(events, events & ~bits, words.time_s)
 
@@ -80,9 +78,21 @@ class Events(Chip):
         await self._clear(words, self._events & free & EVENT_MASK)
         return held
 
+    async def _read_keeping(
+        self, words: Words, meanwhile: int, registers: Sequence[Register], kept: int
+    ) -> list[list[int]]:
+        """Read while EVENT_CLEAR_CONF is `meanwhile`; afterwards it is `kept` again."""
+        self._owed = (meanwhile, kept)
+        before, after = Write(rows.EVENT_CLEAR_CONF, meanwhile), Write(rows.EVENT_CLEAR_CONF, kept)
+        steps = await words.chain(before, registers, after, again=True)
+        self._owed = None
+        return steps
+
     async def _user_keeps(self, words: Words) -> int:
         if self._kept is None:
             kept = await words.read(rows.EVENT_CLEAR_CONF)
+            if self._owed is not None and kept == self._owed[0]:
+                kept = self._owed[1]  # the link failed before this was put back
             self._kept = kept
             return kept
         return self._kept

@@ -24,7 +24,7 @@ from app.registers.model import Field, Register
 IntArray = NDArray[np.int64]
 
 ROW_RATE_MAX_HZ = 1000.0
-FRAMES_EMULATED_HZ = 25_000.0
+FRAMES_EMULATED_HZ = 15_000.0
 """Datagrams a second asked of an emulated chip in this process: a share of a core that leaves room for all else."""
 FRAMES_WIRE_HZ = 10_000.0
 """The same for a wire that sets no limit of its own (spidev, a socket)."""

@@ -7,6 +7,7 @@ import pytest
 from app.devices.results import ChipEvents
 from app.devices.tmc4361 import rows
 from app.devices.tmc4361.timeline import KEPT, Timeline
+from app.emulators.tmc4361.options import FaultsChange, Tmc4361Patch
 from tests.devices.tmc4361.bench import bench
 
 EVENTS, CLEAR_CONF = 0x0E, 0x0C
@@ -105,6 +106,24 @@ async def test_reading_events_by_hand_tells_what_it_clears() -> None:
         if held["POS_COMP_REACHED"]:
             assert "POS_COMP_REACHED" in b.event_names()
         assert (await b.device.read("EVENTS", 0)).fields["POS_COMP_REACHED"] == 0
+
+
+async def test_a_link_that_fails_in_between_leaves_no_other_choice_of_events() -> None:
+    async with bench() as b:
+        await b.device.write("EVENT_CLEAR_CONF", 0, 0x8)
+        pulled: list[bytes] = []
+
+        def pull(frame: bytes) -> None:
+            if frame[0] == EVENTS and not pulled:
+                pulled.append(frame)
+                b.wire.patch(Tmc4361Patch(faults=FaultsChange(unplugged=True)))
+
+        b.port.before_frame = pull
+        await b.clock.advance(1)
+        assert pulled
+        b.fault(unplugged=False)
+        await b.clock.advance(3)
+        assert (await b.device.read("EVENT_CLEAR_CONF", 0)).value == 0x8
 
 
 async def test_a_reset_is_noticed_and_forgets_what_was_written() -> None:
