@@ -442,10 +442,11 @@ def _moved(p: FloatArray, rows: FloatArray, distance: float, v: float, a: float)
     x = _length(rows, FIRST, n)
     if n > 0:
         v = rows[n - 1, V1]
-    reach = x + _stopping(p, rows, n + 1, v, 0.0)
-    if reach <= wanted:
-        n = _add(rows, n, 1.0, B23, (wanted - reach) / v, v, 0.0, v, 0.0)
-        return _mirrored(rows, _brake(p, rows, n, v, 0.0), n, s)
+    end = _brake(p, rows, n + 1, v, 0.0)  # behind a row that is kept free for B23
+    reach = x + _length(rows, n + 1, end)
+    if reach < wanted:
+        _add(rows, n, 1.0, B23, (wanted - reach) / v, v, 0.0, v, 0.0)
+        return _mirrored(rows, end, n + 1, s)
     # braking begins within the slope: in the first row whose end is too late
     last = n - 1
     x = 0.0
