@@ -50,8 +50,9 @@ export function LiveMotion({ device, axis, way, endS, factors, plots, drawing, o
   useEffect(
     () => () => {
       drawing.current = {};
+      onSeen(false);
     },
-    [drawing],
+    [drawing, onSeen],
   );
 
   useFrame(() => {

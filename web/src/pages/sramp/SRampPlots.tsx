@@ -115,11 +115,19 @@ export function SRampPlots(props: Props) {
     const color = scheme === "light" ? "#8a8f98" : "#7b828c";
     return [{ x, y: y.map((value) => value / factors.velocity), color, dash: [4, 4], aside: true }];
   }, [trapezoid, way, factors, scheme]);
-  const overlays = {
-    velocity: () => [...ghost, ...props.live.velocity()],
-    acceleration: props.live.acceleration,
-    jerk: props.live.jerk,
-  };
+  // Functions that stay: a plot draws with what they say then, and is not told of every answer twice.
+  const drawn = useRef({ ghost, marks });
+  drawn.current = { ghost, marks };
+  const { live } = props;
+  const overlays = useMemo(
+    () => ({
+      velocity: () => [...drawn.current.ghost, ...live.velocity()],
+      acceleration: live.acceleration,
+      jerk: live.jerk,
+      marks: () => drawn.current.marks,
+    }),
+    [live],
+  );
 
   const text = (parameter: Parameter, value: number) =>
     withUnit(value / factors[KIND[parameter]], units[KIND[parameter]], 5);
@@ -148,7 +156,7 @@ export function SRampPlots(props: Props) {
         height={height}
         symmetric={kind !== "velocity"}
         overlays={overlays[kind]}
-        {...(kind === "acceleration" && torque ? { marks } : {})}
+        {...(kind === "acceleration" ? { marks: overlays.marks } : {})}
         {...(torque ? { right: phone ? UNSEEN_SCALE : kind === "acceleration" ? TORQUE_SCALE : NO_SCALE } : {})}
         last={kind === "jerk"}
         handles={handles.filter((handle) => handle.track === kind)}
@@ -215,7 +223,7 @@ export function SRampPlots(props: Props) {
       {columns && result ? (
         <div className={error !== null ? "stale" : undefined} aria-busy={stale}>
           {track("velocity", "Velocity", phone ? 170 : 190)}
-          {options.shape !== "hold" && track("acceleration", "Acceleration", phone ? 160 : 172)}
+          {options.shape !== "hold" && track("acceleration", "Acceleration", phone ? (torque ? 200 : 160) : 172)}
           {options.shape === "s" && track("jerk", "Jerk", phone ? 170 : 188)}
           <PhaseList phases={shown} />
           <Key trapezoid={trapezoid !== undefined} seen={props.seen} />

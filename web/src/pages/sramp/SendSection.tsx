@@ -109,7 +109,11 @@ export const SendSection = memo(function SendSection({
     <Section
       title="To the chip"
       note={
-        why === null ? (changed.length === 0 ? "the chip holds this design" : `${changed.length} values differ`) : ""
+        why === null
+          ? changed.length === 0
+            ? "the chip holds this design"
+            : `${changed.length} ${changed.length === 1 ? "value differs" : "values differ"}`
+          : ""
       }
       actions={
         <>
@@ -153,26 +157,28 @@ export const SendSection = memo(function SendSection({
       {why !== null && <p className={classes.hint}>{why}</p>}
       {why === null && <Cautions chip={chip} changed={changed} />}
       {differences && device && (
-        <table className={classes.diff}>
-          <thead>
-            <tr>
-              <th scope="col">register</th>
-              <th scope="col">chip</th>
-              <th scope="col">design</th>
-              <th scope="col">read back</th>
-            </tr>
-          </thead>
-          <tbody>
-            {differences.map((row) => (
-              <tr key={row.label} data-changed={row.from !== row.to || undefined}>
-                <th scope="row">{row.label}</th>
-                <td className="num">{shownValue(row, row.from, fixed)}</td>
-                <td className="num">{shownValue(row, row.to, fixed)}</td>
-                <td>{outcome(row, result)}</td>
+        <div className={classes.wide}>
+          <table className={classes.diff}>
+            <thead>
+              <tr>
+                <th scope="col">register</th>
+                <th scope="col">chip</th>
+                <th scope="col">design</th>
+                <th scope="col">read back</th>
               </tr>
-            ))}
-          </tbody>
-        </table>
+            </thead>
+            <tbody>
+              {differences.map((row) => (
+                <tr key={row.label} data-changed={row.from !== row.to || undefined}>
+                  <th scope="row">{row.label}</th>
+                  <td className="num">{shownValue(row, row.from, fixed)}</td>
+                  <td className="num">{shownValue(row, row.to, fixed)}</td>
+                  <td>{outcome(row, result)}</td>
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        </div>
       )}
       <div aria-live="polite">
         {result?.answer.failed && <ProblemAlert error={result.answer.failed} doing="Sending the design" />}

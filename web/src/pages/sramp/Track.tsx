@@ -27,7 +27,7 @@ interface Props {
   handle: RefObject<PlotHandle | null>;
   last?: boolean;
   right?: PlotScale;
-  marks?: readonly Mark[];
+  marks?: () => readonly Mark[];
   handles: readonly Handle[];
   factor: number;
   reach: (parameter: Parameter) => Reach;

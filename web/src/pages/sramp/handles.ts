@@ -19,14 +19,16 @@ export interface Handle {
 interface Place {
   /** the phases that it stands on, the first one that there is */
   on: readonly string[];
-  at: "start" | "middle" | "end";
+  at: "start" | "middle" | "beside" | "end";
+  /** where it has no phase it stands a little aside */
+  aside?: true;
   brakes?: true;
   /** of the whole motion, not of a phase */
   whole?: true;
 }
 
 const PLACES: Record<Parameter, Place> = {
-  vmax: { on: ["B23", "A2", "HOLD", "B2"], at: "middle" },
+  vmax: { on: ["B23", "A2", "HOLD", "B2"], at: "beside" },
   amax: { on: ["B12", "A1", "B2"], at: "middle" },
   dmax: { on: ["B34", "A3", "B4"], at: "middle", brakes: true },
   bow1: { on: ["B1"], at: "middle" },
@@ -37,7 +39,7 @@ const PLACES: Record<Parameter, Place> = {
   vstop: { on: [], at: "end", whole: true },
   astart: { on: [], at: "start", whole: true },
   dfinal: { on: [], at: "end", whole: true, brakes: true },
-  vbreak: { on: ["A1L"], at: "end" },
+  vbreak: { on: ["A1L"], at: "end", aside: true },
 };
 
 /** Which parameters are on the plots: those of the ramp, but DFINAL where it is ignored (positioning, 002, 8.2.1). */
@@ -76,10 +78,14 @@ export function handlesOf(
 
 function timeOf(place: Place, stretch: Stretch | undefined, first: Stretch | undefined, durationS: number): number {
   if (place.whole || !stretch) return place.at === "start" ? 0 : place.at === "end" ? durationS : durationS / 2;
+  // VBREAK and VSTART would lie on each other
+  if (first?.empty && place.aside) return durationS * 0.08;
   // the phase itself takes no time: the moment where it would be
   if (first?.empty) return first.startS;
   if (place.at === "end") return stretch.endS;
-  return place.at === "start" ? stretch.startS : (stretch.startS + stretch.endS) / 2;
+  // in the middle of a phase stands its name, at the height of VMAX
+  const share = place.at === "start" ? 0 : place.at === "beside" ? 0.72 : 0.5;
+  return stretch.startS + share * (stretch.endS - stretch.startS);
 }
 
 function idle(place: Place, value: number, first: Stretch | undefined): boolean {
