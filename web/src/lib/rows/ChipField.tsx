@@ -70,7 +70,7 @@ export function ChipField({ chip, register, field, label, physical, disabled = f
       max={bits.maximum}
       step={step}
       value={planned}
-      placeholder="not known"
+      placeholder="?"
       description={noteOf(planned, staged, origin, physical)}
       inputWrapperOrder={["label", "input", "description", "error"]}
       onChange={put}
@@ -81,7 +81,7 @@ export function ChipField({ chip, register, field, label, physical, disabled = f
 function unitOf(unit: string): string {
   if (unit === "tCLK") return "clocks";
   // a fraction of a turn or a fixed point says nothing beside a field: the note below it has the angle or the number
-  return /[/]/.test(unit) && unit !== "counts/rev" ? "" : chipUnit(unit);
+  return /[/]/.test(unit) ? "" : chipUnit(unit);
 }
 
 function noteOf(
@@ -91,7 +91,7 @@ function noteOf(
   physical: ((value: number) => string) | undefined,
 ): string {
   const meaning = value === null || physical === undefined ? "" : physical(value);
-  const state = staged ? "not applied" : origin === "written" ? "as last written" : origin === "unknown" ? "" : "";
+  const state = staged ? "not applied" : origin === "written" ? "as last written" : "";
   return [meaning, state].filter(Boolean).join(", ") || "\u00a0";
 }
 

@@ -17,7 +17,7 @@ export function StagedDrawer({ chip, device }: { chip: ChipRows; device: Device 
       onError: () => setOpen(true),
     });
   return (
-    <div className={css.tokens}>
+    <div className={`${css.tokens} ${css.sticky}`}>
       <StagedBar
         count={count}
         staged={staged}

@@ -69,6 +69,11 @@ export interface Segment {
   whole: boolean;
 }
 
+/** A field whose name holds whatever else is set. */
+export function plain(field: Pick<FieldRow, "when">): boolean {
+  return !field.when;
+}
+
 /** The word cut into named stretches and gaps, highest bit first, for drawing. */
 export function segments(row: Pick<RegisterRow, "width" | "fields">, bits = WORD_BITS): Segment[] {
   const total = Math.max(bits, row.width);
@@ -79,8 +84,10 @@ export function segments(row: Pick<RegisterRow, "width" | "fields">, bits = WORD
   }
   const drawn: Segment[] = [];
   let next = total - 1;
-  for (const field of [...row.fields].sort((a, b) => b.lsb - a.lsb)) {
+  for (const field of [...row.fields].filter(plain).sort((a, b) => b.lsb - a.lsb)) {
     const msb = field.lsb + field.width - 1;
+    // a second name of bits that have one already: the list below the strip has it
+    if (msb > next) continue;
     if (msb < next) drawn.push(gap(next, msb + 1));
     drawn.push({ msb, lsb: field.lsb, field, whole: false });
     next = field.lsb - 1;
@@ -105,7 +112,7 @@ export function summary(row: RegisterRow, raw: number): string {
   if (row.fields.length === 0) return fixed(row.signed ? toSigned(raw, row.width) : raw);
   const shown: string[] = [];
   let flags = 0;
-  for (const field of row.fields) {
+  for (const field of row.fields.filter(plain)) {
     const value = unpackField(raw, field);
     const name = enumName(field, value);
     if (editorOf(field) === "check") {

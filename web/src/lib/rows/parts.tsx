@@ -37,9 +37,29 @@ export function AccessMark({ access }: { access: string }) {
   );
 }
 
+/** What else has to be known beside a register's name: when it is one, and that the emulator only stores it. */
+export function NameTags({ row }: { row: Pick<RegisterRow, "when" | "behaviour"> }) {
+  return (
+    <>
+      {row.when && <span className={css.tag}>if {row.when}</span>}
+      {row.behaviour && (
+        <span className={css.tag} title={`The emulator keeps it without acting on it: ${row.behaviour}`}>
+          stored only
+        </span>
+      )}
+    </>
+  );
+}
+
 /** The raw word, or why there is none. */
 export function RawText({ row, raw }: { row: RegisterRow; raw: number | null }) {
   if (row.access === "W") return <span className={css.noRaw}>write only</span>;
+  if (row.read_clears)
+    return (
+      <span className={css.noRaw} title="Reading clears it, so it is not polled">
+        not polled
+      </span>
+    );
   return raw === null ? (
     <span className={css.dim}>–</span>
   ) : (

@@ -30,13 +30,18 @@ export function liveScale(
 export function motionOf(unit: string): Motion | null {
   if (unit.startsWith("fCLK^2/")) return "acceleration";
   if (unit.startsWith("fCLK/(65536")) return "velocity";
+  if (unit in PPS) return "velocity";
   return unit === "microsteps" ? "position" : null;
 }
+
+/** Velocities that a chip keeps as steps a second, and how many of them 1 in the register is. */
+const PPS: Readonly<Record<string, number>> = { pps: 1, "1/256 pps": 1 / 256 };
 
 /** A short unit for beside the number; the catalog's formula is in the help. */
 export function chipUnit(unit: string): string {
   const motion = motionOf(unit);
   if (motion === "position") return symbolOf("microsteps");
+  if (unit in PPS) return unit;
   if (motion !== null) return symbolOf("chip");
   if (unit === "sequencer steps") return "steps";
   return unit.startsWith("fCLK/32") ? "" : unit; // an exponent has none; `derived` tells what it comes to
@@ -52,7 +57,7 @@ const SHOWN: Record<Motion, readonly string[]> = {
 export function scalesOf(unit: string, scale: AxisScale | null): Scale[] {
   const motion = motionOf(unit);
   if (motion === null || scale === null) return [];
-  const chip = factorOf("chip", scale, motion);
+  const chip = PPS[unit] ?? factorOf("chip", scale, motion);
   if (chip === null) return [];
   return SHOWN[motion].flatMap((name) => {
     const steps = factorOf(name, scale, motion);
@@ -64,6 +69,8 @@ export function scalesOf(unit: string, scale: AxisScale | null): Scale[] {
 export function derived(bits: Pick<FieldRow | RegisterRow, "name" | "unit">, value: number, clockHz: number): string {
   if (bits.unit === "fCLK/32/2^n") return frequency(clockHz / 32 / 2 ** value);
   if (bits.name === "clk2_div") return frequency(clockHz / (2 * (value + 1)));
+  if (bits.unit === "tCLK") return duration(value / clockHz);
+  if (bits.unit === "128 tCLK") return duration((128 * value) / clockHz);
   return bits.unit === "16 tCLK" ? duration((16 * (value + 1)) / clockHz) : "";
 }
 

@@ -1,10 +1,11 @@
 import { describe, expect, it } from "vitest";
 import type { Schemas } from "../../api/client";
 import { bitOf, editorOf, type FieldRow, packField, segments, summary, toRaw, toSigned, unpackField } from "./bits";
+import { scaleOf } from "../units";
 import { parseInput } from "./input";
 import { derived, liveScale, pairText, physicalText, scalesOf } from "./physical";
 import { field, register } from "./samples";
-import { groupRows, matches, matchingFields } from "./search";
+import { besideText, groupRows, matches, matchingFields } from "./search";
 import { batchOf, changes, countChanges, type Edit, keyOf, merge, settle, stage, stagedRaw, unstage } from "./staging";
 
 const VELOCITY = "fCLK/(65536*2^pulse_div) Hz";
@@ -247,5 +248,44 @@ describe("physical", () => {
     const pair = (pmul: FieldRow) => register("pmul_pdiv", 16, { fields: [field("pdiv", 0, 4), pmul] });
     expect(pairText(pair(field("pmul", 8, 7)), 0x8000 | (64 << 8) | 3)).toBe("p 3");
     expect(pairText(pair(field("PMUL", 8, 8)), (192 << 8) | 3)).toBe("p 3");
+  });
+});
+
+describe("a word with several names", () => {
+  const latch = register("X_LATCH", 32, { address: 0x36, access: "R" });
+  const turns = register("REV_CNT", 32, { address: 0x36, access: "R", when: "circular_cnt_as_xlatch is on" });
+  const range = register("X_RANGE", 32, { address: 0x36, access: "W" });
+  const other = register("X_HOME", 32, { address: 0x35 });
+  const rows = [latch, turns, range, other];
+
+  it("tells who else is at an address, and when", () => {
+    expect(besideText(latch, rows)).toBe(
+      "REV_CNT when read, if circular_cnt_as_xlatch is on; X_RANGE when written",
+    );
+    expect(besideText(range, rows)).toContain("X_LATCH when read");
+    expect(besideText(other, rows)).toBe("");
+  });
+
+  it("draws bits once, by the name that always holds", () => {
+    const scales = register("SCALE_VALUES", 16, {
+      fields: [
+        field("boost", 0, 8),
+        field("drive", 8, 8),
+        field("cl_imin", 0, 8, { when: "closed_loop_scale_en" }),
+        field("cl_imax", 8, 8, { when: "closed_loop_scale_en" }),
+      ],
+    });
+    const drawn = segments(scales, 16);
+    expect(drawn.map((part) => part.field?.name)).toEqual(["drive", "boost"]);
+    expect(summary(scales, 0x0102)).toBe("boost 2 · drive 1");
+  });
+});
+
+describe("velocities that are kept as steps", () => {
+  it("have their physical units, and clocks their time", () => {
+    const scale = scaleOf({ microsteps_per_full_step: 256, full_steps_per_rev: 200 } as Schemas["AxisInfo"], 16e6);
+    expect(scalesOf("1/256 pps", scale)[0]).toMatchObject({ unit: "pps", perChip: 1 / 256 });
+    expect(scalesOf("pps", scale)[0]).toMatchObject({ unit: "pps", perChip: 1 });
+    expect(derived({ name: "START_DELAY", unit: "tCLK" }, 1600, 16e6)).toBe("100\u202fµs");
   });
 });

@@ -44,6 +44,19 @@ export function matchingFields(row: RegisterRow, query: string): string[] {
     .map((field) => field.name);
 }
 
+/** The other registers at a row's address, and when each is the one that is meant; nothing where it is alone. */
+export function besideText(row: RegisterRow, rows: readonly RegisterRow[]): string {
+  return rows
+    .filter(
+      (other) => other !== row && other.address === row.address && other.space === row.space && other.axis === row.axis,
+    )
+    .map((other) => {
+      const way = other.access === "R" ? " when read" : other.access === "W" ? " when written" : "";
+      return `${other.name}${way}${other.when ? `, if ${other.when}` : ""}`;
+    })
+    .join("; ");
+}
+
 /** Rows of the axis (null: of every axis) and of the whole chip, grouped in the catalog's order. */
 export function groupRows(rows: readonly RegisterRow[], axis: number | null, query: string): Group[] {
   const groups = new Map<string, Group>();

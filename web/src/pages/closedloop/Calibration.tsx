@@ -93,7 +93,7 @@ export function Calibration({ calibration, disabled, why }: Props) {
               : state.message || state.phase)}
       </Text>
       {state?.offset !== null && state?.offset !== undefined && (
-        <Text size="sm" className="num" data-testid="calibration-offset">
+        <Text size="sm" data-testid="calibration-offset">
           CL_OFFSET {state.offset_before !== null && `${fixed(state.offset_before)} → `}
           <b>{fixed(state.offset)}</b>{" "}
           <Text span size="xs" c="dimmed">

@@ -46,7 +46,7 @@ export function EncoderSetup({ chip, microstepsPerTurn, disabled }: Props) {
             min={1}
             max={2 ** 28}
             value={counts === null || counts % 4 !== 0 ? null : counts / 4}
-            placeholder="not known"
+            placeholder="?"
             disabled={disabled || manual}
             description="four counts each"
             inputWrapperOrder={["label", "input", "description", "error"]}

@@ -41,7 +41,7 @@ export function LoadDial({ read, beta, gamma, regulated, emf }: Props) {
   return (
     <figure ref={figure} className={classes.dial} data-zone="unknown" data-testid="load-dial">
       <svg
-        viewBox="-76 -72 152 146"
+        viewBox="-84 -68 168 136"
         role="img"
         aria-label={`Load angle on an electrical turn. Closed loop may lead by ${fixed(betaDeg, 1)} degrees both ways${
           gammaDeg > 0 ? `, at speed by ${fixed(gammaDeg, 1)} more` : ""
@@ -65,10 +65,17 @@ export function LoadDial({ read, beta, gamma, regulated, emf }: Props) {
           const outer = onCircle(angle, RADIUS + 3);
           return <path key={angle} d={`M${inner.x} ${inner.y}L${outer.x} ${outer.y}`} className={classes.dialLimit} />;
         })}
-        {[0, 90, 180, -90].map((angle) => {
-          const at = onCircle(angle, RADIUS + 11);
+        {(
+          [
+            [0, "middle"],
+            [90, "start"],
+            [180, "middle"],
+            [-90, "end"],
+          ] as const
+        ).map(([angle, anchor]) => {
+          const at = onCircle(angle, RADIUS + 7);
           return (
-            <text key={angle} x={at.x} y={at.y + 3.5} textAnchor="middle" className={classes.dialText}>
+            <text key={angle} x={at.x} y={at.y + 3} textAnchor={anchor} className={classes.dialText}>
               {fixed(angle)}°
             </text>
           );

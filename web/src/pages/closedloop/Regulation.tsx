@@ -1,4 +1,4 @@
-import { SegmentedControl, Tabs, Text } from "@mantine/core";
+import { Button, SegmentedControl, Tabs, Text } from "@mantine/core";
 import { useState } from "react";
 import { duration, fixed } from "../../lib/format";
 import { ChipField } from "../../lib/rows/ChipField";
@@ -14,6 +14,14 @@ const MEANINGS = [
   "The regulator alone makes the velocity, from the deviation.",
   "The regulator adds to the velocity of the ramp.",
 ] as const;
+
+/** What a loop begins to work with: a quarter turn at most, gain 1, and windows of 100 microsteps. */
+const START_VALUES: readonly (readonly [register: string, field: string | undefined, value: number])[] = [
+  ["CL_ANGLES", "CL_BETA", 255],
+  ["CL_DELTA_P", undefined, 65_536],
+  ["CL_TOLERANCE", undefined, 100],
+  ["CL_TR_TOLERANCE", undefined, 100],
+];
 
 interface Props {
   chip: ChipRows;
@@ -89,6 +97,18 @@ export function Regulation({ chip, clockHz, disabled, microstepsPerFullStep }: P
             {field("CL_VADD_EMF")}
           </div>
           <div className={classes.checks}>{field("ENC_IN_CONF", "cl_emf_en", { label: "CL_GAMMA with speed" })}</div>
+          <Button
+            size="compact-xs"
+            variant="default"
+            disabled={disabled}
+            title="CL_BETA 255, gain 1, tolerances 100: after a reset gain and tolerance are 0, and the field follows nothing"
+            onClick={() => {
+              for (const [register, name, value] of START_VALUES) chip.put(register, name, value);
+            }}
+            data-testid="start-values"
+          >
+            Stage start values
+          </Button>
         </Tabs.Panel>
         <Tabs.Panel value="speed" pt={8}>
           <div className={classes.pair}>

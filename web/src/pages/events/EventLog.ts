@@ -100,14 +100,7 @@ export function nearest(lane: Lane | undefined, time: number, reach: number): nu
 }
 
 /** Faults among the events: these are red, and a diamond. */
-const FAULTS: ReadonlySet<string> = new Set([
-  "HOME_ERROR",
-  "ENC_FAIL",
-  "SER_ENC_DATA_FAIL",
-  "STOP_ON_STALL",
-  "MOTOR_EV",
-  "FROZEN",
-]);
+const FAULTS: ReadonlySet<string> = new Set(["HOME_ERROR", "ENC_FAIL", "SER_ENC_DATA_FAIL", "STOP_ON_STALL", "FROZEN"]);
 
 export function isFault(name: string): boolean {
   return FAULTS.has(name);

@@ -60,5 +60,7 @@ describe("lanes", () => {
   it("tells faults from what is wanted", () => {
     expect(isFault("ENC_FAIL")).toBe(true);
     expect(isFault("TARGET_REACHED")).toBe(false);
+    // standstill is one of the driver's flags that make it
+    expect(isFault("MOTOR_EV")).toBe(false);
   });
 });

@@ -217,7 +217,7 @@ function FilterDesigner({ device, axis, filters }: Props) {
                 value={Math.min(phase, period - 1)}
                 disabled={period === 1}
                 onChange={setPhase}
-                w={132}
+                w={160}
               />
               {shown === "own" && (
                 <Button size="xs" variant="default" onClick={() => setChoice("bounce")}>

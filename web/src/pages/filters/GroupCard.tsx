@@ -73,7 +73,7 @@ export function GroupCard({ group, setting, clockHz, chosen, onChoose, onChange 
           value={String(setting.length)}
           data={RATES.map((length) => ({
             value: String(length),
-            label: length === 0 ? "0 · each sample" : `${length} · ${length + 1} equal`,
+            label: length === 0 ? "0 · off" : `${length} · ${length + 1} equal`,
           }))}
           onChange={(event) => onChange({ length: Number(event.currentTarget.value) })}
         />

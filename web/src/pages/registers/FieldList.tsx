@@ -24,55 +24,65 @@ interface Props {
 export function FieldList(props: Props) {
   const { row, raw, edit, stage, unstage, scalesOf, clockHz } = props;
   const ordered = [...row.fields].sort((a, b) => b.lsb - a.lsb);
-  return (
-    <ul className={css.fields}>
-      {ordered.map((field) => {
-        const chip = raw === null ? null : unpackField(raw, field);
-        const staged = edit?.fields[field.name];
-        const scales = scalesOf(field.unit);
-        const shown = staged ?? chip;
-        return (
-          <li key={field.name} className={css.field} data-staged={staged !== undefined} data-field={field.name}>
-            <span className={`num ${css.fieldBits}`}>
-              {field.width === 1 ? field.lsb : `${field.lsb + field.width - 1}:${field.lsb}`}
-            </span>
-            <span className={css.fieldName}>{field.name}</span>
-            <span className={css.fieldControl}>
-              <FieldControl
-                row={row}
-                field={field}
-                chip={chip}
-                staged={staged}
-                scales={scales}
-                stage={(value) => stage(field, value)}
-                unstage={() => unstage(field.name)}
-              />
-            </span>
-            <span className={css.fieldMeaning}>
-              {shown !== null && (physicalText(shown, scales) || derived(field, shown, clockHz))}
-              {staged !== undefined && (
-                <span className={css.was}>
-                  {field.access !== "R+WC" &&
-                    `was ${chip === null ? "unknown" : (enumName(field, chip) ?? fixed(chip))}`}
-                  <Tooltip label="Discard this edit">
-                    <ActionIcon
-                      size={20}
-                      variant="subtle"
-                      aria-label={`Discard the edit of ${field.name}`}
-                      onClick={() => unstage(field.name)}
-                    >
-                      <IconArrowBackUp size={13} />
-                    </ActionIcon>
-                  </Tooltip>
+  // plain names first, then under each condition what the bits are called by it
+  const conditions = [...new Set(ordered.map((field) => field.when ?? ""))].sort((a, b) => a.localeCompare(b));
+  return conditions.map((condition) => (
+    <div key={condition}>
+      {condition !== "" && <h3 className={css.condition}>If {condition}</h3>}
+      <ul className={css.fields}>
+        {ordered
+          .filter((field) => (field.when ?? "") === condition)
+          .map((field) => {
+            const chip = raw === null ? null : unpackField(raw, field);
+            const staged = edit?.fields[field.name];
+            const scales = scalesOf(field.unit);
+            const shown = staged ?? chip;
+            return (
+              <li key={field.name} className={css.field} data-staged={staged !== undefined} data-field={field.name}>
+                <span className={`num ${css.fieldBits}`}>
+                  {field.width === 1 ? field.lsb : `${field.lsb + field.width - 1}:${field.lsb}`}
                 </span>
-              )}
-            </span>
-            <span className={css.fieldHelp}>{field.help}</span>
-          </li>
-        );
-      })}
-    </ul>
-  );
+                <span className={css.fieldName}>{field.name}</span>
+                <span className={css.fieldControl}>
+                  <FieldControl
+                    row={row}
+                    field={field}
+                    chip={chip}
+                    staged={staged}
+                    scales={scales}
+                    stage={(value) => stage(field, value)}
+                    unstage={() => unstage(field.name)}
+                  />
+                </span>
+                <span className={css.fieldMeaning}>
+                  {shown !== null && (physicalText(shown, scales) || derived(field, shown, clockHz))}
+                  {staged !== undefined && (
+                    <span className={css.was}>
+                      {field.access !== "R+WC" &&
+                        `was ${chip === null ? "unknown" : (enumName(field, chip) ?? fixed(chip))}`}
+                      <Tooltip label="Discard this edit">
+                        <ActionIcon
+                          size={20}
+                          variant="subtle"
+                          aria-label={`Discard the edit of ${field.name}`}
+                          onClick={() => unstage(field.name)}
+                        >
+                          <IconArrowBackUp size={13} />
+                        </ActionIcon>
+                      </Tooltip>
+                    </span>
+                  )}
+                </span>
+                <span className={css.fieldHelp}>
+                  {field.help}
+                  {field.behaviour && ` (the emulator keeps it without acting on it: ${field.behaviour})`}
+                </span>
+              </li>
+            );
+          })}
+      </ul>
+    </div>
+  ));
 }
 
 interface ControlProps {

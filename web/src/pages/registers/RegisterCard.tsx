@@ -4,7 +4,7 @@ import { memo } from "react";
 import { hex } from "../../lib/format";
 import { toSigned, writable } from "../../lib/rows/bits";
 import { NumberEntry } from "../../lib/rows/NumberEntry";
-import { AccessMark, PackedText, PhysicalText, RawText, RegisterName, ValueText } from "../../lib/rows/parts";
+import { AccessMark, NameTags, PackedText, PhysicalText, RawText, RegisterName, ValueText } from "../../lib/rows/parts";
 import { scalesOf } from "../../lib/rows/physical";
 import common from "../../lib/rows/rows.module.css";
 import { keyOf } from "../../lib/rows/staging";
@@ -34,6 +34,7 @@ export const RegisterCard = memo(function RegisterCard(props: RowProps) {
       >
         <span className={common.cardTop}>
           <RegisterName name={row.name} />
+          <NameTags row={row} />
           <span className={`num ${common.dim}`}>{hex(row.address, 8)}</span>
           <AccessMark access={row.access} />
         </span>
@@ -74,7 +75,7 @@ export const RegisterCard = memo(function RegisterCard(props: RowProps) {
             </Button>
           )}
           <RegisterBits row={row} raw={raw} edit={edit} scale={scale} clockHz={clockHz} actions={actions} />
-          <RegisterHelp row={row} raw={raw} actions={actions} />
+          <RegisterHelp row={row} raw={raw} beside={props.beside} actions={actions} />
         </div>
       )}
     </li>

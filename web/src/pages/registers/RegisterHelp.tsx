@@ -9,12 +9,14 @@ import common from "../../lib/rows/rows.module.css";
 interface Props {
   row: RegisterRow;
   raw: number | null;
+  /** what else stands at its address: "X_RANGE when written" */
+  beside: string;
   actions: RowActions;
   heading?: boolean;
 }
 
 /** Everything that is known about one register, and the way back to its default. */
-export function RegisterHelp({ row, raw, actions, heading = false }: Props) {
+export function RegisterHelp({ row, raw, beside, actions, heading = false }: Props) {
   const anyWrite = /\bany write\b/i.test(`${row.help} ${row.write_note}`);
   const canReset = writable(row.access) && row.reset !== null && !anyWrite;
   return (
@@ -33,6 +35,18 @@ export function RegisterHelp({ row, raw, actions, heading = false }: Props) {
           <span className="num">{hex(row.address, 8)}</span>, {row.axis === null ? "whole chip" : `axis ${row.axis}`},{" "}
           {row.group}
         </dd>
+        {row.when && (
+          <>
+            <dt>Holds if</dt>
+            <dd>{row.when}. Otherwise the word has its plain name.</dd>
+          </>
+        )}
+        {beside !== "" && (
+          <>
+            <dt>Shares it</dt>
+            <dd>{beside}</dd>
+          </>
+        )}
         <dt>Access</dt>
         <dd>
           <AccessMark access={row.access} /> {accessText(row.access)}
@@ -41,6 +55,21 @@ export function RegisterHelp({ row, raw, actions, heading = false }: Props) {
           <>
             <dt>Writing</dt>
             <dd>{sentence(row.write_note)}</dd>
+          </>
+        )}
+        {row.read_clears && (
+          <>
+            <dt>Reading</dt>
+            <dd>
+              Reading clears it, so this page does not poll it. What it tells is below the scope of the bench, where
+              nothing is lost.
+            </dd>
+          </>
+        )}
+        {row.behaviour && (
+          <>
+            <dt>Emulator</dt>
+            <dd>It keeps the word without acting on it: {row.behaviour}.</dd>
           </>
         )}
         {row.volatile && (
@@ -109,7 +138,10 @@ function stageReset(row: RegisterRow, raw: number | null, actions: RowActions): 
   }
 }
 
-/** "001" and "000" are the house's numbers for the two data sheets. */
+/** "001", "000" and "002" are the house's numbers for the data sheets. */
 function sourceText(source: string): string {
-  return source.replace(/\b001\b/g, "TMC428 data sheet").replace(/\b000\b/g, "TMC4210 data sheet");
+  return source
+    .replace(/\b001\b/g, "TMC428 data sheet")
+    .replace(/\b000\b/g, "TMC4210 data sheet")
+    .replace(/\b002\b/g, "TMC4361 data sheet");
 }

@@ -5,7 +5,7 @@ import { hex } from "../../lib/format";
 import type { RowActions } from "../../lib/rows/actions";
 import { type RegisterRow, toSigned, writable } from "../../lib/rows/bits";
 import { NumberEntry } from "../../lib/rows/NumberEntry";
-import { AccessMark, PackedText, PhysicalText, RawText, RegisterName, ValueText } from "../../lib/rows/parts";
+import { AccessMark, NameTags, PackedText, PhysicalText, RawText, RegisterName, ValueText } from "../../lib/rows/parts";
 import { scalesOf } from "../../lib/rows/physical";
 import common from "../../lib/rows/rows.module.css";
 import { type Edit, keyOf, stagedRaw } from "../../lib/rows/staging";
@@ -23,6 +23,8 @@ export interface RowProps {
   clockHz: number;
   axisName: string | null;
   found: string;
+  /** what else stands at its address: "X_RANGE when written" */
+  beside: string;
   selected: boolean;
   expanded: boolean;
   editing: boolean;
@@ -71,6 +73,7 @@ export const RegisterLine = memo(function RegisterLine(props: RowProps) {
         </td>
         <th scope="row" className={common.nameCell}>
           <RegisterName name={row.name} />
+          <NameTags row={row} />
           {found !== "" && <span className={common.found}>{found}</span>}
         </th>
         <td className="num">{hex(row.address, 8)}</td>

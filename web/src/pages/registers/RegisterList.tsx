@@ -2,9 +2,9 @@ import { Button, Text } from "@mantine/core";
 import { IconSearchOff } from "@tabler/icons-react";
 import { EmptyState } from "../../lib/EmptyState";
 import type { RowActions } from "../../lib/rows/actions";
-import type { RegisterRow } from "../../lib/rows/bits";
+import { type RegisterRow, readable } from "../../lib/rows/bits";
 import common from "../../lib/rows/rows.module.css";
-import { type Group, matchingFields } from "../../lib/rows/search";
+import { besideText, type Group, matchingFields } from "../../lib/rows/search";
 import { type Edit, type Key, keyOf } from "../../lib/rows/staging";
 import { GroupHead, onTableKey, RowsLoading } from "../../lib/rows/table";
 import type { Reading } from "../../lib/rows/useRegisters";
@@ -16,6 +16,8 @@ interface Props {
   phone: boolean;
   loading: boolean;
   groups: readonly Group[];
+  /** all rows, whatever the search finds */
+  rows: readonly RegisterRow[];
   query: string;
   isFolded: (group: Group) => boolean;
   onFold: (key: string, folded: boolean) => void;
@@ -31,6 +33,13 @@ interface Props {
   old: boolean;
   actions: RowActions;
   onClearSearch: () => void;
+}
+
+/** What was read of the word whose second name that is. */
+function plainReading(row: RegisterRow, { rows, readings }: Pick<Props, "rows" | "readings">): Reading | undefined {
+  if (!readable(row.access)) return undefined;
+  const first = rows.find((other) => other.address === row.address && readable(other.access) && !other.when);
+  return first && readings.get(keyOf(first));
 }
 
 /** All groups of registers, as a table or, on a phone, as cards. */
@@ -60,11 +69,12 @@ export function RegisterList(props: Props) {
     const tabStop = props.selected ?? keyOf(groups[0]?.rows[0] ?? row);
     return {
       row,
-      reading: props.readings.get(key),
+      reading: props.readings.get(key) ?? (row.when ? plainReading(row, props) : undefined),
       edit: props.edits.find((edit) => keyOf(edit) === key) ?? null,
       scale: row.axis === null ? null : (props.scales[row.axis] ?? null),
       clockHz: props.clockHz,
       axisName: props.showAxis && row.axis !== null ? (axisNames[row.axis] ?? `axis ${row.axis}`) : null,
+      beside: besideText(row, props.rows),
       found: matchingFields(row, query).slice(0, 3).join(", "),
       selected: tabStop === key,
       expanded: props.open.has(key),

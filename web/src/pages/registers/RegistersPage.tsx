@@ -11,7 +11,7 @@ import type { RegisterRow } from "../../lib/rows/bits";
 import { liveScale } from "../../lib/rows/physical";
 import { RowsPage } from "../../lib/rows/RowsPage";
 import common from "../../lib/rows/rows.module.css";
-import { foldedByDefault, groupRows } from "../../lib/rows/search";
+import { besideText, foldedByDefault, groupRows } from "../../lib/rows/search";
 import { type Key, keyOf } from "../../lib/rows/staging";
 import { useStaged } from "../../lib/rows/store";
 import { Toolbar } from "../../lib/rows/Toolbar";
@@ -105,6 +105,7 @@ export default function RegistersPage() {
           phone={phone}
           loading={live.catalog.isPending}
           groups={groups}
+          rows={rows ?? []}
           query={query}
           isFolded={(group) => (query !== "" ? false : (folded[group.key] ?? foldedByDefault(group)))}
           onFold={(key, fold) => setFolded((now) => ({ ...now, [key]: fold }))}
@@ -124,7 +125,13 @@ export default function RegistersPage() {
       }
       help={
         selected ? (
-          <RegisterHelp row={selected} raw={selectedRaw} actions={actions} heading />
+          <RegisterHelp
+            row={selected}
+            raw={selectedRaw}
+            beside={besideText(selected, rows ?? [])}
+            actions={actions}
+            heading
+          />
         ) : (
           <EmptyState title="Choose a register" icon={<IconTableColumn size={22} />}>
             <Text size="sm" className={common.dim} maw={270}>

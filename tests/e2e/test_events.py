@@ -1,0 +1,118 @@
+"""Events of a chip below the bench's scope: a row for each that occurred, with its marks; on a phone a list."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+import httpx
+import pytest
+from playwright.sync_api import BrowserContext, Page, expect
+
+from tests.e2e.closed_loop import Loop, a_loop
+from tests.e2e.conftest import DESKTOP, PHONE
+from tests.e2e.modules import select
+from tests.e2e.motor import wait_for
+
+PATIENCE_MS = 30_000
+
+
+@pytest.fixture(scope="module")
+def chip(api: httpx.Client) -> Iterator[Loop]:
+    with a_loop(api, "eventful") as running:
+        running.with_encoder()
+        yield running
+
+
+@pytest.fixture
+def bench(page: Page, chip: Loop) -> Page:
+    select(page.context, chip.device)
+    page.goto("/")
+    expect(page.get_by_test_id("events")).to_be_visible(timeout=PATIENCE_MS)
+    return page
+
+
+def there_and_back(chip: Loop) -> None:
+    """A short move, and wait for its end."""
+    chip.call("POST", "axes/0/move", {"target": 2000, "relative": True, "unit": "microsteps"})
+    wait_for(lambda: not chip.axis()["moving"], "the move is over")
+    chip.call("POST", "axes/0/move", {"target": -2000, "relative": True, "unit": "microsteps"})
+    wait_for(lambda: not chip.axis()["moving"], "and the one back")
+
+
+def times(page: Page, event: str) -> int:
+    row = page.locator(f"[data-event={event}] .num")
+    return int(row.inner_text()) if row.count() else 0
+
+
+@pytest.mark.sheet("002", "7.2")
+def test_what_the_chip_tells_gets_a_row(bench: Page, chip: Loop) -> None:
+    before = times(bench, "TARGET_REACHED")
+    there_and_back(chip)
+    wait_for(lambda: times(bench, "TARGET_REACHED") >= before + 2, "both ends are told", 30)
+    seen = chip.api.get(f"/devices/{chip.device}/axes/0/events").raise_for_status().json()["events"]
+    told = sum("TARGET_REACHED" in event["names"] for event in seen)
+    wait_for(lambda: times(bench, "TARGET_REACHED") == told, "the page counts as the server does", 30)
+
+
+def test_a_mark_tells_its_event_under_the_pointer_and_with_the_keys(bench: Page, chip: Loop) -> None:
+    there_and_back(chip)
+    expect(bench.locator("[data-event=TARGET_REACHED]")).to_be_visible(timeout=PATIENCE_MS)
+    bench.get_by_role("button", name="Pause").click()
+    lanes = bench.get_by_test_id("event-lanes")
+    lanes.focus()
+    lanes.press("ArrowLeft")
+    tip = bench.get_by_test_id("event-tip")
+    expect(tip).to_be_visible()
+    expect(tip).to_contain_text(" s")
+    name = tip.locator("b").inner_text()
+    left = tip.evaluate("node => parseFloat(node.style.left)")
+    top = tip.evaluate("node => parseFloat(node.style.top)")
+    bench.mouse.move(0, 0)
+    lanes.blur()
+    expect(tip).to_have_count(0)
+    lanes.hover(position={"x": left, "y": top + 9})
+    expect(tip.locator("b")).to_have_text(name)
+
+
+def test_a_switch_that_stops_the_motor_is_seen(bench: Page, chip: Loop) -> None:
+    chip.call("PATCH", "emulator", {"switches": {"left": True}})
+    try:
+        chip.write("stop_left_en", 1)
+        chip.write("pol_stop_left", 1)
+        chip.call("POST", "axes/0/rotate", {"velocity": -20_000, "unit": "pps"})
+        expect(bench.locator("[data-event=STOPL_EVENT]")).to_be_visible(timeout=PATIENCE_MS)
+    finally:
+        chip.call("PATCH", "emulator", {"switches": {"left": "auto"}})
+        chip.write("stop_left_en", 0)
+        chip.stop()
+
+
+def test_as_a_list_on_a_phone(
+    new_context: Callable[..., BrowserContext], check_axe: Callable[[Page], None], chip: Loop
+) -> None:
+    there_and_back(chip)
+    context = new_context(viewport=PHONE)
+    select(context, chip.device)
+    page = context.new_page()
+    page.goto("/")
+    entries = page.get_by_test_id("event-list").locator("li")
+    expect(entries.first).to_be_attached(timeout=PATIENCE_MS)
+    expect(page.get_by_test_id("event-list")).to_contain_text("TARGET_REACHED", timeout=PATIENCE_MS)
+    check_axe(page)
+    assert page.evaluate("document.documentElement.scrollWidth <= window.innerWidth")
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_accessible_as_timeline_and_as_list(
+    new_context: Callable[..., BrowserContext], check_axe: Callable[[Page], None], chip: Loop, scheme: str
+) -> None:
+    there_and_back(chip)
+    context = new_context(viewport=DESKTOP, color_scheme=scheme)
+    select(context, chip.device)
+    page = context.new_page()
+    page.goto("/")
+    expect(page.get_by_test_id("event-lanes")).to_be_visible(timeout=PATIENCE_MS)
+    check_axe(page)
+    page.get_by_text("List", exact=True).click()
+    expect(page.get_by_test_id("event-list")).to_be_visible()
+    check_axe(page)
