@@ -24,6 +24,7 @@ from app.emulators.tmc4361.feedback.kernel import motor_and_encoder_tick, regula
 from app.emulators.tmc4361.layout import (
     ACT_RAMPMODE,
     ACT_XTARGET,
+    BEYOND,
     CLK_GATING_DELAY,
     CLOCK,
     CLOSED,
@@ -123,6 +124,8 @@ from app.emulators.tmc4361.units import signed, take_over
 _EV_POS_COMP, _EV_FROZEN, _EV_ENC_DONE, _EV_SER_FAIL, _EV_SER_DONE = 1 << 1, 1 << 10, 1 << 20, 1 << 21, 1 << 23
 _EV_COVER_DONE, _EV_STALL, _EV_MOTOR = 1 << 25, 1 << 29, 1 << 30
 _FB_PULSES = FB_ENC_DONE | FB_SER_FAIL | FB_SER_DONE | FB_LATCH_X | FB_N_EVENT | FB_SET_X
+_STOPS = 0xC3 | 1 << 26
+"""What stops in REFERENCE_CONF: the switches, the virtual limits, a stall."""
 
 
 @inlined
@@ -166,7 +169,7 @@ def flags(r: Cells, s: Cells, f: Floats, fb: Floats, pins: int, virtual: int) ->
     status = (word & FB_STATUS_MASK) | state << 3 | ramp_state << 5 | pins << 7 | virtual << 9
     if s[X] == s[ACT_XTARGET] and word & FB_TARGET_OK and s[SURPLUS] == 0:
         status |= 1
-    if _compared(r, s, fb) == 0:
+    if s[BEYOND] == 0:
         status |= 2
     positioning = s[ACT_RAMPMODE] & 4 != 0
     if (abs(v) if positioning else v) == f[VMAX]:
@@ -333,9 +336,7 @@ def _tick(r: Cells, s: Cells, f: Floats, fb: Floats) -> None:
     s[TICK] += 1
     tick = s[TICK]
     awake = not s[GATED]
-    beyond = 0
     if awake:
-        beyond = _compared(r, s, fb)
         if s[KIND] != IDLING or s[EXT_LEFT] != 0 or s[HELD] != 0:
             _move(r, s, f)
         if tick == s[ZERO_WAIT]:
@@ -346,7 +347,8 @@ def _tick(r: Cells, s: Cells, f: Floats, fb: Floats) -> None:
     if tick & 1 == 0:  # the motor lives on with stopped clocks, too
         _feed_back(r, s, f, fb)
     if awake:
-        now_beyond = _compared(r, s, fb)
+        beyond = s[BEYOND]
+        now_beyond = s[BEYOND] = _compared(r, s, fb)
         if (beyond < 0 < now_beyond or now_beyond < 0 < beyond) and abs(now_beyond - beyond) < 1 << 16:
             s[PULSES] |= _EV_POS_COMP  # passed within the tick
 
@@ -383,6 +385,7 @@ def advance(r: Cells, s: Cells, f: Floats, fb: Floats, until: int, written: int)
     end = until // TICK_CLOCKS
     if written:
         _settle(r, s, f, fb, written > 1)
+        s[BEYOND] = _compared(r, s, fb)
     while written or s[TICK] < end:
         clock = s[CLOCK]
         if not written:
@@ -403,9 +406,11 @@ def advance(r: Cells, s: Cells, f: Floats, fb: Floats, until: int, written: int)
             changed = filtered(r, s, clock)
             if changed:
                 _inputs_changed(r, s, f, changed)
-        pins = stop_pins(r, s)
-        virtual = virtual_stops(r, s)
-        _stops(r, s, f, pins, virtual)
+        pins = virtual = 0
+        if r[REFERENCE_CONF] & _STOPS or s[CLOSED]:
+            pins = stop_pins(r, s)
+            virtual = virtual_stops(r, s)
+            _stops(r, s, f, pins, virtual)
         while True:
             if s[REPLAN]:
                 s[REPLAN] = 0
@@ -420,6 +425,7 @@ def advance(r: Cells, s: Cells, f: Floats, fb: Floats, until: int, written: int)
             start(r, s)
             take_over(r, s, f)
             s[REPLAN] = 1
+            s[BEYOND] = _compared(r, s, fb)
         if s[KIND] == IDLING:
             _rest(r, s)
     s[CLOCK] = until

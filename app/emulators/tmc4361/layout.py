@@ -129,6 +129,8 @@ ZONE = 59
 """The virtual stop on whose side the closed zone of circular motion was entered: 0, 1, 2."""
 PASSING = 60
 """A change is on its way through a filter."""
+BEYOND = 61
+"""How far the compared position is beyond the compare position."""
 FILTER = 64
 """From here, for each pin (in bit order): clock at which a change counts, or `NEVER`."""
 INTEGERS = 72
