@@ -26,19 +26,20 @@ from tests.api.live import live_server
 
 STEPSCOPE = [sys.executable, "-c", "from app.cli import main; main()"]
 
-SOON_S = 2.5
-"""It takes 0.6 s alone on a machine; tests share theirs with others."""
+SOON_S = 12.0
+"""It takes 0.6 s alone on a machine; tests share theirs with others. What is waited for in vain here takes 30 s or more."""
 
 
 @contextmanager
 def running(*arguments: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
-    """A process that has said its first line, and that line."""
+    """A process that has said that it is ready, and how; that kernels are compiled first is not yet that."""
     process = subprocess.Popen(
         [*STEPSCOPE, *arguments], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment()
     )
     assert process.stdout is not None
     try:
-        yield process, process.stdout.readline()
+        line = process.stdout.readline()
+        yield process, process.stdout.readline() if line.startswith("WARNING") else line
     finally:
         if process.poll() is None:
             process.kill()
@@ -77,15 +78,15 @@ def test_it_prints_the_url_when_it_is_ready_and_ends_soon_after_ctrl_c(tmp_path:
                 chip.sendall(datagram32.read(0x15))
                 return int.from_bytes(chip.recv(4)[1:], "big")
 
-            until_s = time.monotonic() + 5
+            until_s = time.monotonic() + 20
             while v_actual() != 50 and time.monotonic() < until_s:
                 time.sleep(0.01)
             assert v_actual() == 50
             asked_s = time.monotonic()
             server.send_signal(signal.SIGINT)
-            assert server.wait(5) == 0
+            assert server.wait(20) == 0
             assert time.monotonic() - asked_s < SOON_S
-            until_s = time.monotonic() + 2
+            until_s = time.monotonic() + 10
             while v_actual() and time.monotonic() < until_s:
                 time.sleep(0.01)
             assert v_actual() == 0, "the motor was stopped before the server went"
@@ -101,7 +102,7 @@ def test_open_sockets_do_not_hold_up_the_end(tmp_path: Path) -> None:
             assert json.loads(reader.recv())["type"] == "start"
             asked_s = time.monotonic()
             server.send_signal(signal.SIGTERM)
-            assert server.wait(5) in (0, -signal.SIGTERM)
+            assert server.wait(20) in (0, -signal.SIGTERM)
             assert time.monotonic() - asked_s < SOON_S
 
 
