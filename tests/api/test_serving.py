@@ -27,7 +27,7 @@ from tests.api.live import live_server
 STEPSCOPE = [sys.executable, "-c", "from app.cli import main; main()"]
 
 SOON_S = 12.0
-"""It takes 0.6 s alone on a machine; tests share theirs with others. What is waited for in vain here takes 30 s or more."""
+"""It takes 0.6 s alone on a machine; tests share theirs with others. What would hold it up here takes 30 s."""
 
 
 @contextmanager
