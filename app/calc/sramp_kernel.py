@@ -460,13 +460,17 @@ def _moved(p: FloatArray, rows: FloatArray, distance: float, v: float, a: float)
         known = 0 < t < limit
         if known:
             t = t if 2 * t < limit else t - limit
-            known = abs(_ends_at(p, rows, n, row, t, 0.0) + x - wanted) <= NEAR * wanted
+            way, v, a = _within(rows, row, t)
+            end = _brake(p, rows, row + 1, v, a)  # over the rest of the slope, which is not needed again
+            known = abs(x + way + _length(rows, row + 1, end) - wanted) <= NEAR * wanted
         if not known:
-            t = _moment(p, rows, n, row, limit, 0.0, wanted - x)
-        way, v, a = _within(rows, row, t)
+            t = _moment(p, rows, row + 1, row, limit, 0.0, wanted - x)
+            way, v, a = _within(rows, row, t)
         if t < 0:
-            t += rows[row, TIME]
+            t += limit
         rows[row, TIME], rows[row, V1], rows[row, A1], rows[row, LENGTH] = t, v, a, way
+        if known:
+            return _mirrored(rows, end, row + 1, s)
         n = row + 1 if t > 0 else row
         break
     return _mirrored(rows, _brake(p, rows, n, v, a), n, s)
