@@ -1,6 +1,7 @@
 """Takes pictures of every page at desktop and phone size, in light and dark: scripts/screenshots.py FOLDER [--url URL].
 
-Without --url it starts a server of its own with the demo bench, and sets its axes moving: there is something to see.
+Without --url it starts a server of its own with the demo bench, a module and a TMC4361, and sets their axes moving:
+there is something to see. A server at --url shows its module pages where it has devices of these names.
 """
 
 from __future__ import annotations
@@ -19,13 +20,36 @@ from chromium import chromium_flags, find_chromium
 from playwright.sync_api import Browser, ViewportSize, sync_playwright
 from server_process import ServerProcess
 
+MODULE, SERVO = "module", "servo"
 PAGES = {
-    "bench": "/",
-    "registers": "/registers",
-    "ramps": "/ramps",
-    "microsteps": "/microsteps",
-    "chain": "/chain",
-    "connections": "/connections",
+    "bench": ("/", "bench"),
+    "registers": ("/registers", "bench"),
+    "ramps": ("/ramps", "bench"),
+    "microsteps": ("/microsteps", "bench"),
+    "chain": ("/chain", "bench"),
+    "module-bench": ("/", MODULE),
+    "parameters": ("/parameters", MODULE),
+    "encoder": ("/encoder", MODULE),
+    "stallguard": ("/stallguard", MODULE),
+    "console": ("/console", MODULE),
+    "servo-bench": ("/", SERVO),
+    "servo-registers": ("/registers", SERVO),
+    "sramp": ("/sramp", SERVO),
+    "closedloop": ("/closedloop", SERVO),
+    "filters": ("/filters", SERVO),
+    "mslut": ("/microsteps", SERVO),
+    "connections": ("/connections", "bench"),
+}
+"""Page by name: its path, and the device that it shows."""
+SERVO_RAMP = {
+    "RAMPMODE": 6,
+    "AMAX": 4 * 200_000,
+    "DMAX": 4 * 300_000,
+    "BOW1": 1_000_000,
+    "BOW2": 1_000_000,
+    "BOW3": 2_000_000,
+    "BOW4": 2_000_000,
+    "VMAX": 256 * 60_000,
 }
 SIZES: dict[str, ViewportSize] = {
     "desktop": {"width": 1440, "height": 900},
@@ -44,6 +68,14 @@ def a_server(url: str | None) -> Iterator[str]:
         yield server.url
 
 
+def add_devices(url: str) -> None:
+    """A module and a chip of the families that the demo bench lacks, ready to move."""
+    for name, model in ((MODULE, "pd42-1241"), (SERVO, "tmc4361")):
+        _call(f"{url}/api/v1/devices", {"name": name, "model": model, "link": {"kind": "emulator"}})
+    for register, value in SERVO_RAMP.items():
+        _call(f"{url}/api/v1/devices/{SERVO}/registers/{register}?axis=0", {"value": value}, "PUT")
+
+
 def shuttle(url: str) -> None:
     """Send every axis of every device back and forth."""
     for device in _call(f"{url}/api/v1/devices"):
@@ -53,9 +85,9 @@ def shuttle(url: str) -> None:
             _call(f"{address}/shuttle", {"first": here, "second": here + 20_000 * (1 + axis["index"])})
 
 
-def _call(url: str, body: dict[str, object] | None = None) -> Any:
+def _call(url: str, body: dict[str, object] | None = None, method: str | None = None) -> Any:
     data = None if body is None else json.dumps(body).encode()
-    request = urllib.request.Request(url, data, {"content-type": "application/json"})
+    request = urllib.request.Request(url, data, {"content-type": "application/json"}, method=method)
     with urllib.request.urlopen(request, timeout=10) as answer:
         return json.load(answer)
 
@@ -70,12 +102,21 @@ def take(browser: Browser, url: str, folder: Path, pages: list[str], settle_s: f
             page.on("console", lambda message: said.append(message.text) if message.type == "error" else None)
             page.on("pageerror", lambda error: said.append(str(error)))
             for name in pages:
-                page.goto(PAGES[name])
+                path, device = PAGES[name]
+                page.goto(path)
+                page.evaluate(
+                    "to => localStorage.setItem('stepscope.selection', JSON.stringify(to))", _selection(device)
+                )
+                page.goto(path)
                 # Not for "networkidle": a page with a live socket and polling is never idle.
                 page.wait_for_timeout(settle_s * 1000)
                 page.screenshot(path=folder / f"{name}-{size}-{scheme}.png")
             context.close()
     return said
+
+
+def _selection(device: str) -> dict[str, object]:
+    return {"device": device, "axis": 0}
 
 
 def main() -> int:
@@ -89,6 +130,7 @@ def main() -> int:
     arguments.folder.mkdir(parents=True, exist_ok=True)
     with a_server(arguments.url) as url, sync_playwright() as playwright:
         if not arguments.url:
+            add_devices(url)
             shuttle(url)
         browser = playwright.chromium.launch(executable_path=find_chromium(), args=chromium_flags())
         said = take(browser, url, arguments.folder, arguments.page or list(PAGES), arguments.settle)
