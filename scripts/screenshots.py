@@ -35,7 +35,7 @@ PAGES = {
     "servo-bench": ("/", SERVO),
     "servo-registers": ("/registers", SERVO),
     "sramp": ("/sramp", SERVO),
-    "closedloop": ("/closedloop", SERVO),
+    "closed-loop": ("/closed-loop", SERVO),
     "filters": ("/filters", SERVO),
     "mslut": ("/microsteps", SERVO),
     "connections": ("/connections", "bench"),
