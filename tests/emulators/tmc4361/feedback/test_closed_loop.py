@@ -257,6 +257,9 @@ def test_calibration_follows_while_its_bit_is_set_and_keeps_its_value_after() ->
     bench.write({ENC_IN_CONF: 0, ENC_POS: 0})
     bench.ticks(1)
     assert bench.read(CL_OFFSET) == first - 200
+    bench.write({ENC_IN_CONF: CALIBRATION | CLOSED_LOOP})  # a choice: only with regulation off
+    bench.run(0.1, 1000)
+    assert bench.read(CL_OFFSET) == first - 200
 
 
 def test_a_saved_offset_lets_an_absolute_encoder_start_without_calibration() -> None:

@@ -268,6 +268,16 @@ def test_the_duty_grows_from_pwm_ampl_to_full_at_pwm_vmax(velocity: float, ampli
     assert reached == pytest.approx(amplitude, rel=0.003)
 
 
+def test_the_duty_has_the_steps_of_a_pwm_period() -> None:
+    bench = Bench({GENERAL_CONF: RESET_CONF | PWM_OUT, PWM_FREQ: 10})
+    bench.change(blocked=True)
+    duties = set()
+    for _ in range(300):
+        bench.ticks(8, 60_000.0)
+        duties.add(round(float(bench.unit.fb[c.DUTY_A]), 9))
+    assert duties == {tenth / 10 for tenth in range(11)}
+
+
 def test_pwm_turns_the_motor() -> None:
     # 1/16 of 24 V at rest: 3 V * 247.5 / 248 over 2.3 ohm
     bench = Bench(

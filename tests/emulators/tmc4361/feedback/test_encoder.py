@@ -435,8 +435,9 @@ def test_an_encoder_without_counts_stands() -> None:
 
 
 def test_a_bench_at_rest_tells_that_nothing_will_happen() -> None:
-    bench = Bench({ENC_VEL_ZERO: 1000})
-    bench.run(0.4)
+    bench = Bench({ENC_VEL_ZERO: 4_800_000})
+    assert not bench.run(0.29) & FB_QUIET  # V_ENC may still have to become 0
+    bench.run(0.1)
     assert bench.word & FB_QUIET
     before = bench.unit.fb.copy()
     bench.unit.write(CL_OFFSET, 0)
