@@ -157,28 +157,26 @@ export const SendSection = memo(function SendSection({
       {why !== null && <p className={classes.hint}>{why}</p>}
       {why === null && <Cautions chip={chip} changed={changed} />}
       {differences && device && (
-        <div className={classes.wide}>
-          <table className={classes.diff}>
-            <thead>
-              <tr>
-                <th scope="col">register</th>
-                <th scope="col">chip</th>
-                <th scope="col">design</th>
-                <th scope="col">read back</th>
+        <table className={classes.diff}>
+          <thead>
+            <tr>
+              <th scope="col">register</th>
+              <th scope="col">chip</th>
+              <th scope="col">design</th>
+              <th scope="col">read back</th>
+            </tr>
+          </thead>
+          <tbody>
+            {differences.map((row) => (
+              <tr key={row.label} data-changed={row.from !== row.to || undefined}>
+                <th scope="row">{row.label}</th>
+                <td className="num">{shownValue(row, row.from, fixed)}</td>
+                <td className="num">{shownValue(row, row.to, fixed)}</td>
+                <td>{outcome(row, result)}</td>
               </tr>
-            </thead>
-            <tbody>
-              {differences.map((row) => (
-                <tr key={row.label} data-changed={row.from !== row.to || undefined}>
-                  <th scope="row">{row.label}</th>
-                  <td className="num">{shownValue(row, row.from, fixed)}</td>
-                  <td className="num">{shownValue(row, row.to, fixed)}</td>
-                  <td>{outcome(row, result)}</td>
-                </tr>
-              ))}
-            </tbody>
-          </table>
-        </div>
+            ))}
+          </tbody>
+        </table>
       )}
       <div aria-live="polite">
         {result?.answer.failed && <ProblemAlert error={result.answer.failed} doing="Sending the design" />}
