@@ -37,10 +37,22 @@ export function motionOf(unit: string): Motion | null {
 /** Velocities that a chip keeps as steps a second, and how many of them 1 in the register is. */
 const PPS: Readonly<Record<string, number>> = { pps: 1, "1/256 pps": 1 / 256 };
 
+/** Units that would not fit beside a number. */
+const BRIEF: Readonly<Record<string, string>> = {
+  "1/4 pps^2": "¼ pps²",
+  "pps^2": "pps²",
+  "pps^3": "pps³",
+  revolutions: "rev",
+  "microsteps/2^31": "µst/2³¹",
+  "1/1024 electrical turn": "turn/1024",
+};
+
 /** A short unit for beside the number; the catalog's formula is in the help. */
 export function chipUnit(unit: string): string {
   const motion = motionOf(unit);
   if (motion === "position") return symbolOf("microsteps");
+  const brief = BRIEF[unit];
+  if (brief !== undefined) return brief;
   if (unit in PPS) return unit;
   if (motion !== null) return symbolOf("chip");
   if (unit === "sequencer steps") return "steps";
@@ -55,6 +67,7 @@ const SHOWN: Record<Motion, readonly string[]> = {
 
 /** Physical units of a register's number, most telling first; none where the axis cannot say. */
 export function scalesOf(unit: string, scale: AxisScale | null): Scale[] {
+  if (unit === "tCLK" && scale !== null) return [{ unit: "µs", perChip: 1e6 / scale.clockHz }];
   const motion = motionOf(unit);
   if (motion === null || scale === null) return [];
   const chip = PPS[unit] ?? factorOf("chip", scale, motion);

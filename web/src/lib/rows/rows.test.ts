@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { Schemas } from "../../api/client";
-import { bitOf, editorOf, type FieldRow, packField, segments, summary, toRaw, toSigned, unpackField } from "./bits";
 import { scaleOf } from "../units";
+import { bitOf, editorOf, type FieldRow, packField, segments, summary, toRaw, toSigned, unpackField } from "./bits";
 import { parseInput } from "./input";
 import { derived, liveScale, pairText, physicalText, scalesOf } from "./physical";
 import { field, register } from "./samples";
@@ -259,9 +259,7 @@ describe("a word with several names", () => {
   const rows = [latch, turns, range, other];
 
   it("tells who else is at an address, and when", () => {
-    expect(besideText(latch, rows)).toBe(
-      "REV_CNT when read, if circular_cnt_as_xlatch is on; X_RANGE when written",
-    );
+    expect(besideText(latch, rows)).toBe("REV_CNT when read, if circular_cnt_as_xlatch is on; X_RANGE when written");
     expect(besideText(range, rows)).toContain("X_LATCH when read");
     expect(besideText(other, rows)).toBe("");
   });
@@ -286,6 +284,7 @@ describe("velocities that are kept as steps", () => {
     const scale = scaleOf({ microsteps_per_full_step: 256, full_steps_per_rev: 200 } as Schemas["AxisInfo"], 16e6);
     expect(scalesOf("1/256 pps", scale)[0]).toMatchObject({ unit: "pps", perChip: 1 / 256 });
     expect(scalesOf("pps", scale)[0]).toMatchObject({ unit: "pps", perChip: 1 });
+    expect(scalesOf("tCLK", scale)).toEqual([{ unit: "µs", perChip: 1 / 16 }]);
     expect(derived({ name: "START_DELAY", unit: "tCLK" }, 1600, 16e6)).toBe("100\u202fµs");
   });
 });
