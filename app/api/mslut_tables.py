@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from app.api.convert import calculating
+from app.api.errors import UnencodableWave
 from app.api.schemas_mslut import (
     MslutDesign,
     MslutFigures,
@@ -30,20 +31,6 @@ from app.registers.model import Register, RegisterTable
 
 REFUSALS_TOLD = 40
 """A wave that is far from encodable is refused at most of its entries; the first ones are enough to see where."""
-
-
-class UnencodableWave(UsageError):
-    """A wave that no register values make: the place, the reason, and how far the nearest encodable one is."""
-
-    def __init__(self, refusal: mslut.Refusal, distance_max: float) -> None:
-        super().__init__(f"entry {refusal.index} of the wave cannot be encoded: {refusal.detail}")
-        self.index = refusal.index
-        self.reason = refusal.reason
-        self.distance_max = distance_max
-        self.way_out = (
-            "POST /calc/microstep-table answers the nearest encodable wave, "
-            f"which is at most {distance_max:.1f} counts away"
-        )
 
 
 def has_mslut(table: RegisterTable) -> bool:

@@ -18,6 +18,7 @@ from fastapi.responses import JSONResponse
 from pydantic import ValidationError
 from starlette.exceptions import HTTPException
 
+from app.api.errors import UnencodableWave
 from app.api.schemas import Problem
 from app.links.errors import (
     BadReply,
@@ -58,6 +59,7 @@ KINDS: dict[type[Exception], Kind] = {
         "check its power and cable, then connect it again",
     ),
     OutOfRange: Kind(422, "/problems/out-of-range", "A value is out of range"),
+    UnencodableWave: Kind(422, "/problems/unencodable-wave", "The chip's table cannot hold this wave"),
     UsageError: Kind(422, "/problems/unusable-request", "The request asks for what cannot be"),
     BadReply: Kind(502, "/problems/bad-reply", "The device answered wrongly", "check the wiring, then ask again"),
     LinkError: Kind(502, "/problems/link-failed", "The link to the device failed"),

@@ -18,7 +18,8 @@ from tests.api.live import live_server
 SEED = 428
 EXAMPLES = 4
 MODULE = "module"
-"""An emulated PD42-1241 beside the demo's chips."""
+CHIP40 = "chip40"
+"""An emulated PD42-1241 and an emulated TMC4361 beside the demo's chips."""
 RUNS = {
     "new": ("add_device", "test_link"),
     "destructive": ("edit_device", "remove_device", "disconnect_device", "change_emulator"),
@@ -36,13 +37,25 @@ positive_data_acceptance.expected-statuses = ["2xx", 404, 409, 422, 502, 504]
 def with_real_names(schema: dict[str, Any]) -> dict[str, Any]:
     """The schema with what there is on the bench: random names would be 404 before anything is reached."""
     names = {
-        "device": {"type": "string", "enum": ["bench", "slider", MODULE]},
+        "device": {"type": "string", "enum": ["bench", "slider", MODULE, CHIP40]},
         "axis": {"type": "integer", "enum": [0, 1, 2]},
         "name": {
             "type": "string",
-            "enum": ["v_max", "pmul_pdiv", "rm", "LSMD", "ap4", "gp2_5", "coord3", "out0"],
+            "enum": [
+                "v_max",
+                "pmul_pdiv",
+                "rm",
+                "LSMD",
+                "ap4",
+                "gp2_5",
+                "coord3",
+                "out0",
+                "RAMPMODE",
+                "EVENTS",
+                "PID_P",
+            ],
         },
-        "model": {"type": "string", "enum": ["tmc428", "tmc4210", "pd42-1241"]},
+        "model": {"type": "string", "enum": ["tmc428", "tmc4210", "tmc4361", "pd42-1241"]},
     }
     for operations in schema["paths"].values():
         for operation in operations.values():
@@ -72,11 +85,12 @@ async def _sweep(client: httpx.AsyncClient) -> None:
     while True:
         await asyncio.sleep(0.2)
         for device in (await client.get("/api/v1/devices")).json():
-            if not device["demo"] and device["id"] != MODULE:
+            if not device["demo"] and device["id"] not in (MODULE, CHIP40):
                 await client.delete(f"/api/v1/devices/{device['id']}")
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(400)  # a minute when nobody else is busy
 @pytest.mark.parametrize("which", ["rest", *RUNS])
 async def test_the_server_keeps_its_contract(tmp_path: Path, which: str) -> None:
     how, calls = ("--include-operation-id", RUNS[which]) if which in RUNS else ("--exclude-operation-id", ALL_RUNS)
@@ -84,8 +98,9 @@ async def test_the_server_keeps_its_contract(tmp_path: Path, which: str) -> None
     config = tmp_path / "schemathesis.toml"
     config.write_text(CONFIG)
     async with live_server(tmp_path / "data") as url, httpx.AsyncClient(base_url=url) as client:
-        module = {"name": MODULE, "model": "pd42-1241", "link": {"kind": "emulator"}}
-        assert (await client.post("/api/v1/devices", json=module)).status_code == 201
+        for name, model in ((MODULE, "pd42-1241"), (CHIP40, "tmc4361")):
+            device = {"name": name, "model": model, "link": {"kind": "emulator"}}
+            assert (await client.post("/api/v1/devices", json=device)).status_code == 201
         schema = tmp_path / "openapi.json"
         schema.write_text(json.dumps(with_real_names((await client.get("/openapi.json")).json())))
         command = [sys.executable, "-m", "schemathesis.cli", "--config-file", str(config), "run", str(schema)]

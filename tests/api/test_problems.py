@@ -122,7 +122,7 @@ async def test_a_table_of_63_entries_names_the_range(client: httpx.AsyncClient) 
     assert problem["facts"] == {
         "errors": [
             {
-                "where": "body.values",
+                "where": "body.quarter.values",
                 "message": "List should have at least 64 items after validation, not 63",
                 "rule": "too_short",
                 "minimum_length": 64,
