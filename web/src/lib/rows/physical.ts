@@ -43,6 +43,9 @@ const BRIEF: Readonly<Record<string, string>> = {
   "pps^2": "pps²",
   "pps^3": "pps³",
   revolutions: "rev",
+  "counts/rev": "c/rev",
+  "15.16 bits": "15.16",
+  "1/256, plus 1/256": "",
   "microsteps/2^31": "µst/2³¹",
   "1/1024 electrical turn": "turn/1024",
 };
