@@ -5,7 +5,7 @@ import { ChipField } from "../../lib/rows/ChipField";
 import type { ChipRows } from "../../lib/rows/useChipRows";
 import { Section } from "../../lib/Section";
 import classes from "./closedloop.module.css";
-import { encConst, encConstValue, type Form, fractionText } from "./encConst";
+import { countsOf, encConst, encConstValue, type Form, fractionText } from "./encConst";
 
 const DEFAULT_LINES = 1000;
 
@@ -25,7 +25,10 @@ export function EncoderSetup({ chip, microstepsPerTurn, disabled }: Props) {
   const inChip = chip.held("ENC_CONST");
   const incremental = kind === null || kind === 0;
   const counts = planned === null || planned === 0 ? null : planned;
-  const found = manual ? null : encConst(counts ?? DEFAULT_LINES * 4, microstepsPerTurn);
+  // ENC_IN_RES cannot be read back, but what the chip has made of it can
+  const told = inChip === null || manual ? null : countsOf(inChip, heldDecimal, microstepsPerTurn);
+  const shown = counts ?? told ?? DEFAULT_LINES * 4;
+  const found = manual ? null : encConst(shown, microstepsPerTurn);
   return (
     <Section title="Encoder" note={inChip === 0 ? "no resolution is set" : undefined}>
       <ChipField chip={chip} register="GENERAL_CONF" field="serial_enc_in_mode" label="kind" disabled={disabled} />
@@ -75,9 +78,9 @@ export function EncoderSetup({ chip, microstepsPerTurn, disabled }: Props) {
         </dd>
         {found && (
           <>
-            <dt>exactly, for {fixed(counts ?? DEFAULT_LINES * 4)} counts</dt>
+            <dt>exactly, for {fixed(shown)} counts</dt>
             <dd className="num" data-testid="enc-const-exact">
-              {fixed(microstepsPerTurn)}/{fixed(counts ?? DEFAULT_LINES * 4)} = {fractionText(found.exact)}
+              {fixed(microstepsPerTurn)}/{fixed(shown)} = {fractionText(found.exact)}
             </dd>
             <FormRow name="binary" form={found.binary} chosen={!decimal} better={found.better === "binary"} />
             <FormRow name="decimal" form={found.decimal} chosen={decimal} better={found.better === "decimal"} />
@@ -96,9 +99,9 @@ export function EncoderSetup({ chip, microstepsPerTurn, disabled }: Props) {
       )}
       {counts === null && !manual && (
         <Text size="xs" c="dimmed">
-          {inChip === null || inChip === 0
+          {told === null
             ? `Set how many counts a turn has. Shown is what ${DEFAULT_LINES} lines would give.`
-            : `ENC_IN_RES cannot be read back. Shown is what ${DEFAULT_LINES} lines would give.`}
+            : `ENC_IN_RES cannot be read back: ${fixed(told)} counts follow from the constant.`}
         </Text>
       )}
     </Section>

@@ -5,7 +5,7 @@ import { Plot } from "../../plots/Plot";
 import type { PlotData } from "../../plots/series";
 import type { Level, Overlay, PlotSeries } from "../../plots/types";
 import classes from "./closedloop.module.css";
-import { columnOf, originOf, type Run, type View } from "./runs";
+import { columnOf, originOf, type Run, type View, wayOf } from "./runs";
 
 /** Curves of before, from the newer to the older: paler, and told apart by their dashes. */
 const GHOSTS: readonly { light: string; dark: string; dash: number[] }[] = [
@@ -43,7 +43,10 @@ export function ResponsePlot({ runs, view, band }: Props) {
     if (view === "deviation" || view === "angle") return [time, measured];
     if (view === "velocity") return [time, measured, columnOf(recording, view, "commanded")];
     const start = originOf(recording);
-    const target = Float64Array.from(recording.target, (value) => (value === null ? Number.NaN : value - start));
+    const way = wayOf(recording);
+    const target = Float64Array.from(recording.target, (value) =>
+      value === null ? Number.NaN : way * (value - start),
+    );
     return [time, measured, columnOf(recording, view, "commanded"), target];
   }, [newest, view]);
   const ghosts = useMemo(
@@ -110,6 +113,6 @@ export function ResponsePlot({ runs, view, band }: Props) {
 }
 
 function finalTarget(run: Run): number {
-  const last = [...run.recording.target].reverse().find((value) => value !== null) ?? 0;
-  return last - originOf(run.recording);
+  const last = run.recording.target.findLast((value) => value !== null) ?? 0;
+  return Math.abs(last - originOf(run.recording));
 }

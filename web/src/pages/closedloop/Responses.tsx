@@ -382,7 +382,8 @@ function Scores({ runs, kind, onForget }: { runs: readonly Run[]; kind: Kind; on
         </tbody>
       </table>
       <Text size="xs" c="dimmed" mt={4}>
-        Distances in microsteps, of the encoder; RMS, peak and IAE [µsteps·s] of its deviation from the command.
+        Curves are drawn in the direction of the step. Distances in microsteps, of the encoder; RMS, peak and IAE
+        [µsteps·s] of its deviation from the command.
       </Text>
     </section>
   );

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { degrees, onCircle, sector, zoneOf } from "./angle";
-import { encConst, encConstValue, fractionText } from "./encConst";
-import { bestOf, columnOf, KEPT, type Recording, type Run, type Score, withRun } from "./runs";
+import { countsOf, encConst, encConstValue, fractionText } from "./encConst";
+import { bestOf, columnOf, KEPT, type Recording, type Run, type Score, wayOf, withRun } from "./runs";
 
 /** counts a turn, constant, binary word, drift of it [microsteps a turn], decimal word, drift of it. */
 const TABLE: readonly (readonly [number, string, number, number, number, number])[] = [
@@ -31,6 +31,14 @@ describe("ENC_CONST", () => {
     expect(found?.better).toBe(better === null ? null : better ? "binary" : "decimal");
     expect(encConstValue(binary, false)).toBeCloseTo(found?.binary.value ?? Number.NaN, 10);
     expect(encConstValue(decimal, true)).toBeCloseTo(found?.decimal.value ?? Number.NaN, 10);
+  });
+
+  it("tells the counts back", () => {
+    for (const [counts, , binary, , decimal] of TABLE) {
+      expect(countsOf(binary, false, 51_200)).toBe(counts);
+      expect(countsOf(decimal, true, 51_200)).toBe(counts);
+    }
+    expect(countsOf(0, false, 51_200)).toBeNull();
   });
 
   it("has none for what cannot be", () => {
@@ -101,6 +109,14 @@ describe("runs", () => {
     expect([...columnOf(RECORDING, "position", "commanded")]).toEqual([0, 50, 100]);
     expect([...columnOf(RECORDING, "deviation")]).toEqual([0, Number.NaN, -10]);
     expect([...columnOf(RECORDING, "angle")]).toEqual([0, 12, 4]);
+  });
+
+  it("turns a step back round, so that it lies over the one there", () => {
+    const back = { ...RECORDING, target: [100, 0, 0], commanded: [100, 50, 0], encoder: [100, null, 10] };
+    expect(wayOf(RECORDING)).toBe(1);
+    expect(wayOf(back)).toBe(-1);
+    expect([...columnOf(back, "position")]).toEqual([-0, Number.NaN, 90]);
+    expect([...columnOf(back, "deviation")]).toEqual([-0, Number.NaN, 10]);
   });
 
   it("names the best only where all can be compared and one is", () => {

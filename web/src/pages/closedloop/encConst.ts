@@ -61,6 +61,13 @@ export function encConstValue(raw: number, decimal: boolean): number {
   return Math.floor(raw / 65_536) + (raw % 65_536) / (decimal ? PARTS.decimal : PARTS.binary);
 }
 
+/** How many counts a turn has by the constant in the chip, to the nearest whole one; null where it holds none. */
+export function countsOf(raw: number, decimal: boolean, microstepsPerTurn: number): number | null {
+  const value = encConstValue(raw, decimal);
+  const counts = value > 0 ? Math.round(microstepsPerTurn / value) : 0;
+  return counts > 0 ? counts : null;
+}
+
 export function fractionText({ numerator, denominator }: Fraction): string {
   return denominator === 1 ? String(numerator) : `${numerator}/${denominator}`;
 }

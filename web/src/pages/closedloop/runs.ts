@@ -62,7 +62,16 @@ export function useRuns(key: string) {
 /** The columns that are compared, for runs that are drawn over one another. */
 export type View = "position" | "deviation" | "velocity" | "angle";
 
-/** A column of a recording for a view, position relative to where the motor was: null becomes NaN. */
+/** The direction of a step, so that there and back can be laid over one another; of a load +1. */
+export function wayOf(recording: Recording): 1 | -1 {
+  const last = recording.target.findLast((value) => value !== null) ?? 0;
+  return last < originOf(recording) ? -1 : 1;
+}
+
+/**
+ * A column of a recording for a view, position relative to where the motor was, all in the direction of the step: null
+ * becomes NaN.
+ */
 export function columnOf(recording: Recording, view: View, which: "measured" | "commanded" = "measured"): Float64Array {
   const raw = {
     position: which === "measured" ? recording.encoder : recording.commanded,
@@ -71,7 +80,8 @@ export function columnOf(recording: Recording, view: View, which: "measured" | "
     angle: recording.load_angle_deg,
   }[view];
   const start = view === "position" ? originOf(recording) : 0;
-  return Float64Array.from(raw, (value) => (value === null ? Number.NaN : value - start));
+  const way = wayOf(recording);
+  return Float64Array.from(raw, (value) => (value === null ? Number.NaN : way * (value - start)));
 }
 
 /** XACTUAL before the step: positions are told from there. */
