@@ -121,3 +121,19 @@ def test_accessible_as_timeline_and_as_list(
     page.get_by_text("List", exact=True).click()
     expect(page.get_by_test_id("event-list")).to_be_visible()
     check_axe(page)
+
+
+@pytest.mark.sheet("002", "7.2")
+def test_the_registers_page_does_not_read_events_away(page: Page, chip: Loop) -> None:
+    select(page.context, chip.device)
+    page.goto("/registers")
+    row = page.locator("tr[data-row='0/EVENTS']")
+    expect(row).to_contain_text("not polled", timeout=PATIENCE_MS)
+    row.click()
+    expect(page.get_by_text("Reading clears it, so this page does not poll it.")).to_be_visible()
+    # one word, three names: who is meant when
+    page.locator("tr[data-row='0/X_LATCH']").click()
+    help_text = page.get_by_role("complementary")
+    expect(help_text).to_contain_text("REV_CNT when read, if circular_cnt_as_xlatch is on; X_RANGE when written")
+    expect(page.locator("tr[data-row='0/REV_CNT']")).to_contain_text("if circular_cnt_as_xlatch is on")
+    expect(page.locator("tr[data-row='0/ENC_OUT_RES']")).to_contain_text("stored only")
