@@ -8,7 +8,7 @@ import httpx
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
-from tests.e2e.conftest import DESKTOP, PHONE
+from tests.e2e.conftest import DESKTOP, PHONE, Errors
 from tests.e2e.modules import a_module, select
 
 
@@ -127,7 +127,10 @@ def test_folded_subjects_are_not_asked_for(page: Page, api: httpx.Client, drive:
     expect(row(page, "user_variable_200")).to_contain_text("0")
 
 
-def test_a_lost_module_shows_its_values_as_old_and_edits_wait(page: Page, api: httpx.Client, drive: str) -> None:
+def test_a_lost_module_shows_its_values_as_old_and_edits_wait(
+    page: Page, api: httpx.Client, drive: str, errors: Errors
+) -> None:
+    errors.expect("status of 409")  # a look that is under way when the connection goes
     page.goto("/parameters")
     expect(row(page, "target_position")).to_contain_text("0")
     api.post(f"/devices/{drive}/disconnect").raise_for_status()
