@@ -46,7 +46,7 @@ def test_random_walks_over_many_wraps_are_followed_exactly(counter: Counter, dat
     axis = ExtendedPosition(counter, counter.shows(true), 0.0, true)
     speed_pps = 1000.0
     for _ in range(data.draw(st.integers(0, 30))):
-        elapsed_s = data.draw(st.floats(0, counter.allowed_s(speed_pps)))
+        elapsed_s = data.draw(st.floats(0, 0.999 * counter.allowed_s(speed_pps)))  # sums of times are rounded
         reach = math.floor(elapsed_s * speed_pps)
         reach = min(reach, counter.half - 1)
         true += data.draw(st.integers(-reach, reach))

@@ -138,15 +138,21 @@ def check_axe() -> Callable[[Page], None]:
     """Fail for what axe calls serious or critical on a page, naming the rule and the elements."""
     axe = Axe()
 
-    def check(page: Page) -> None:
-        # Colours half-way between two schemes are nobody's choice.
-        page.add_style_tag(content="*, *::before, *::after { transition: none !important; animation: none !important }")
-        findings = [
+    def look(page: Page) -> list[str]:
+        # What is being calculated anew is faded for that moment, and meant to be.
+        page.wait_for_function("document.querySelector('.stale') === null")
+        return [
             f"{violation['id']} ({violation['impact']}): {violation['help']}\n"
             + "\n".join(f"    {node['html']}\n    {node['failureSummary']}" for node in violation["nodes"])
             for violation in axe.run(page).response["violations"]
             if violation["impact"] in ("serious", "critical")
         ]
+
+    def check(page: Page) -> None:
+        # Colours half-way between two schemes are nobody's choice.
+        page.add_style_tag(content="*, *::before, *::after { transition: none !important; animation: none !important }")
+        # Twice, for a calculation may begin while axe looks; what is wrong stays wrong.
+        findings = look(page) and look(page)
         assert not findings, "\n".join(findings)
 
     return check
