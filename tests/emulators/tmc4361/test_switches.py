@@ -77,6 +77,17 @@ def test_a_soft_stop_is_a_straight_slope_of_dstop_without_vstop() -> None:
     assert speeds == [pytest.approx(20_000 - 1000 * n, abs=10) for n in range(1, 20)] + [0]
 
 
+def test_a_soft_stop_without_dstop_is_a_hard_one() -> None:
+    """In no source; the other reading, no stop at all, would drive into the switch."""
+    rig = Rig()
+    rig.write("REFERENCE_CONF", high_active(SOFT))
+    rig.ramp(replace(BASE, dstop=0.0), TRAPEZOID_VELOCITY)
+    rig.wait(0.5)
+    rig.patch(switches={"right": True})
+    rig.wait(1e-4)
+    assert rig.signed("VACTUAL") == 0
+
+
 @pytest.mark.sheet("002", "9.1")
 def test_a_closed_direction_opens_when_event_and_switch_are_gone() -> None:
     rig = Rig()
