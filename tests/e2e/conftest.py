@@ -33,12 +33,9 @@ PHONE: ViewportSize = {"width": 390, "height": 844}
 expect.set_options(timeout=10_000)  # the machine may be busy; passing tests do not wait for it
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark every test here, and keep them on one xdist worker: two browsers starve each other on two cores."""
-    for item in items:
-        if item.path.is_relative_to(Path(__file__).parent):
-            item.add_marker(pytest.mark.e2e)
-            item.add_marker(pytest.mark.xdist_group("e2e"))
+def pytest_itemcollected(item: pytest.Item) -> None:
+    """Mark every test here: `make test` runs them apart, two browsers starve each other on two cores."""
+    item.add_marker(pytest.mark.e2e)
 
 
 class Errors:
