@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import random
-import threading
+from dataclasses import asdict
 
-from app.clock import Clock, ScaledClock
+from app.clock import Clock
 from app.emulators import stage
+from app.emulators.far_end import ChipFaults, FarEnd
 from app.emulators.options import EmulatorOptions, EmulatorPatch
 from app.emulators.state import EmulatorState, Faults, Inputs
 from app.emulators.tmc428 import Tmc428
@@ -15,23 +16,16 @@ from app.links.datagram32 import FRAME_BYTES
 from app.links.errors import OutOfRange
 
 
-class EmulatedDevice:
-    """Bytes in, bytes out, at its own clock's time; safe to use from several threads.
-
-    The chip never runs by itself: whoever asks makes it catch up first.
-    """
+class EmulatedDevice(FarEnd):
+    """Bytes in, bytes out, at its own clock's time; safe to use from several threads."""
 
     def __init__(self, model: str, clock: Clock, options: EmulatorOptions) -> None:
+        super().__init__(clock, options.time_scale)
         self.model = model
-        self.clock = ScaledClock(clock, options.time_scale)
         self._clock_hz = options.clock_hz
         self._chip = Tmc428(options) if model == "tmc428" else Tmc4210(options)
         self._options = options
-        self._lock = threading.Lock()
-        self._latest_s = 0.0
-        self._silence = False
-        self._unplugged = False
-        self._bit_error_rate = 0.0
+        self._faults = ChipFaults()
         self._noise = random.Random(options.seed)
 
     def exchange(self, frame: bytes, at_s: float | None = None) -> bytes:
@@ -42,22 +36,15 @@ class EmulatedDevice:
         """
         if len(frame) != FRAME_BYTES:
             raise ValueError(f"a datagram has {FRAME_BYTES} bytes, not {len(frame)}")
-        if self._unplugged:
-            raise ConnectionError(f"emulated {self.model} is unplugged")
+        self._faults.require_plugged(self.model)
         with self._lock:
-            reply: int = self._chip.exchange(int.from_bytes(frame, "big"), self._clocks(at_s))
-            if self._bit_error_rate:
-                for bit in range(32):
-                    if self._noise.random() < self._bit_error_rate:
-                        reply ^= 1 << bit
-        if self._silence:
-            raise TimeoutError(f"emulated {self.model} is silent")
-        return reply.to_bytes(FRAME_BYTES, "big")
+            reply: int = self._chip.exchange(int.from_bytes(frame, "big"), self._clocks(at_s, self._clock_hz))
+            return self._faults.pass_on(self.model, reply.to_bytes(FRAME_BYTES, "big"), self._noise)
 
     def state(self, at_s: float | None = None) -> EmulatorState:
         """Everything that GET /emulator answers, at chip time `at_s` [s], by default now."""
         with self._lock:
-            self._chip.advance(self._clocks(at_s))
+            self._run_until(at_s)
             return self._describe()
 
     def patch(self, change: EmulatorPatch, at_s: float | None = None) -> EmulatorState:
@@ -77,7 +64,7 @@ class EmulatedDevice:
         if change.drivers and not isinstance(chip, Tmc428):
             raise OutOfRange("drivers", len(change.drivers), 0, 0, f"a {self.model} has no driver chain")
         with self._lock:
-            clocks = self._clocks(at_s)
+            clocks = self._clocks(at_s, self._clock_hz)
             chip.advance(clocks)
             if change.power_cycle:
                 chip.power_cycle(clocks)
@@ -91,34 +78,13 @@ class EmulatedDevice:
             if change.inputs.gp_in is not None:
                 chip.set_general_input(change.inputs.gp_in)
             chip.refresh()
-            faults = change.faults
-            self._silence = self._silence if faults.silence is None else faults.silence
-            self._unplugged = self._unplugged if faults.unplugged is None else faults.unplugged
-            if faults.bit_error_rate is not None:
-                self._bit_error_rate = faults.bit_error_rate
+            self._faults.change(change.faults)
             if change.time_scale is not None:
                 self.clock.scale = change.time_scale
             return self._describe()
 
-    def caught_up(self, lag_s: float = 1e-9) -> bool:
-        """Has the chip been brought to within `lag_s` [s] of its clock?"""
-        return self.clock.now() - self._latest_s <= lag_s
-
-    def catch_up(self, slice_s: float) -> bool:
-        """Bring the chip on by at most `slice_s` [s] of its time; True once it is up to date.
-
-        Never needed for correctness: who asks after hours without it just waits for all of them at once.
-        """
-        now_s = self.clock.now()
-        with self._lock:
-            until_s = min(now_s, self._latest_s + slice_s)
-            self._chip.advance(self._clocks(until_s))
-        return until_s == now_s
-
-    def _clocks(self, at_s: float | None) -> int:
-        """Clocks of the chip's oscillator by `at_s`, rounded so that exact instants stay exact."""
-        self._latest_s = max(self._latest_s, self.clock.now() if at_s is None else at_s)
-        return int(self._latest_s * self._clock_hz + 0.5)
+    def _run_until(self, at_s: float | None) -> None:
+        self._chip.advance(self._clocks(at_s, self._clock_hz))
 
     def _describe(self) -> EmulatorState:
         chip = self._chip
@@ -130,7 +96,7 @@ class EmulatedDevice:
             wiring=self._options.wiring if isinstance(chip, Tmc428) else "triple-switch",
             axes=[stage.describe(index, axis, chip.stage_units) for index, axis in enumerate(chip.axes)],
             inputs=Inputs(gp_in=chip.general_input),
-            faults=Faults(silence=self._silence, unplugged=self._unplugged, bit_error_rate=self._bit_error_rate),
+            faults=Faults(**asdict(self._faults)),
             powered_down=chip.powered_down,
             driver_chain=chip.describe_chain() if isinstance(chip, Tmc428) else None,
             step_dir=chip.describe_step_dir() if isinstance(chip, Tmc4210) else None,

@@ -12,8 +12,9 @@ from collections.abc import Hashable, Sequence
 from typing import NamedTuple
 
 from app.clock import Clock
-from app.emulators.line.faults import LineFaults, LinePatch, LineState, cut, flip
+from app.emulators.line.faults import LineFaults, LinePatch, LineState
 from app.emulators.line.module import LineModule
+from app.emulators.noise import cut, flip
 from app.links.tmcl import FRAME_BYTES
 from app.registers.tmcl import Opcode, Status
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import random
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
-from app.emulators.pd42.options import FaultsChange
+from app.emulators.far_end import ChipFaults
+from app.emulators.noise import cut, flip
 from app.emulators.pd42.state import FaultsState
 
 UNDERVOLTAGE_V = 6.0
@@ -13,36 +14,16 @@ UNDERVOLTAGE_V = 6.0
 
 
 @dataclass(slots=True)
-class Faults:
+class Faults(ChipFaults):
     """On the wire, and `undervoltage` of the supply. A serial line looks at them for every frame."""
 
-    silence: bool = False
     late_reply_s: float = 0.0
-    bit_error_rate: float = 0.0
     half_frame_rate: float = 0.0
-    unplugged: bool = False
     undervoltage: bool = False
 
-    def change(self, change: FaultsChange) -> None:
-        """Take what `change` names."""
-        for name, value in change.model_dump(exclude_none=True).items():
-            setattr(self, name, value)
-
     def describe(self) -> FaultsState:
-        return FaultsState(
-            silence=self.silence,
-            late_reply_s=self.late_reply_s,
-            bit_error_rate=self.bit_error_rate,
-            half_frame_rate=self.half_frame_rate,
-            unplugged=self.unplugged,
-            undervoltage=self.undervoltage,
-        )
+        return FaultsState(**asdict(self))
 
     def spoil(self, reply: bytes, noise: random.Random) -> bytes:
         """What arrives of `reply`: flipped bits, and perhaps only its beginning."""
-        if self.bit_error_rate:
-            mask = sum(1 << bit for bit in range(8 * len(reply)) if noise.random() < self.bit_error_rate)
-            reply = (int.from_bytes(reply, "big") ^ mask).to_bytes(len(reply), "big")
-        if self.half_frame_rate and noise.random() < self.half_frame_rate:
-            reply = reply[: noise.randrange(1, len(reply))]
-        return reply
+        return cut(flip(reply, self.bit_error_rate, noise), self.half_frame_rate, noise)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import random
-import threading
 from pathlib import Path
 
-from app.clock import Clock, ScaledClock
+from app.clock import Clock
 from app.emulators.drive import Drive
+from app.emulators.far_end import FarEnd
 from app.emulators.pd42 import world
 from app.emulators.pd42.eeprom import Eeprom
 from app.emulators.pd42.faults import UNDERVOLTAGE_V, Faults
@@ -22,7 +22,7 @@ from app.links.tmcl import FRAME_BYTES
 MODEL = "pd42-1241"
 
 
-class EmulatedModule:
+class EmulatedModule(FarEnd):
     """Frames of nine bytes in and out, at its own clock's time; safe to use from several threads.
 
     The module never runs by itself: whoever asks makes it catch up first. Behind a serial line `receive` and
@@ -32,7 +32,7 @@ class EmulatedModule:
     def __init__(self, clock: Clock, options: Pd42Options | None = None, eeprom: Path | None = None) -> None:
         """A module that has just been switched on and lives by `clock`; `eeprom` is the file of its memory."""
         self.options = options or Pd42Options()
-        self.clock = ScaledClock(clock, self.options.time_scale)
+        super().__init__(clock, self.options.time_scale)
         self.faults = Faults()
         delivered = {ADDRESS: self.options.address, BAUD: self.options.baud_code}
         self._drive = Drive(self.options.drive())
@@ -40,8 +40,6 @@ class EmulatedModule:
         self._clock_hz = self._drive.options.clock_hz
         self._supply_v = self.options.supply_v
         self._noise = random.Random(self.options.seed)
-        self._lock = threading.Lock()
-        self._latest_s = 0.0
 
     @property
     def model(self) -> str:
@@ -64,13 +62,13 @@ class EmulatedModule:
         if len(frame) != FRAME_BYTES:
             raise ValueError(f"a TMCL frame has {FRAME_BYTES} bytes, not {len(frame)}")
         with self._lock:
-            self._catch_up(at_s)
+            self._run_until(at_s)
             return self._firmware.receive(frame)
 
     def unsolicited(self, at_s: float | None = None) -> list[tuple[float, bytes]]:
         """Position reached events that came up by `at_s` [s] and were not fetched yet: (chip time [s], frame)."""
         with self._lock:
-            self._catch_up(at_s)
+            self._run_until(at_s)
             events = self._firmware.events
             if not events:
                 return []
@@ -101,7 +99,7 @@ class EmulatedModule:
     def state(self, at_s: float | None = None) -> Pd42State:
         """Everything that GET .../emulator answers, at chip time `at_s` [s], by default now."""
         with self._lock:
-            self._catch_up(at_s)
+            self._run_until(at_s)
             return self._describe()
 
     def patch(self, change: Pd42Patch, at_s: float | None = None) -> Pd42State:
@@ -110,7 +108,7 @@ class EmulatedModule:
         Raises OutOfRange for switches that would change places, WrongState where factory settings cannot be written.
         """
         with self._lock:
-            self._catch_up(at_s)
+            self._run_until(at_s)
             world.check_stage(self._drive, change.stage)
             if change.factory_default:
                 self._erase()
@@ -128,25 +126,9 @@ class EmulatedModule:
                 self.clock.scale = change.time_scale
             return self._describe()
 
-    def caught_up(self, lag_s: float = 1e-9) -> bool:
-        """Has the module been brought to within `lag_s` [s] of its clock?"""
-        return self.clock.now() - self._latest_s <= lag_s
-
-    def catch_up(self, slice_s: float) -> bool:
-        """Bring the module on by at most `slice_s` [s] of its time; True once it is up to date.
-
-        Never needed for correctness: who asks after hours without it just waits for all of them at once.
-        """
-        now_s = self.clock.now()
-        with self._lock:
-            until_s = min(now_s, self._latest_s + slice_s)
-            self._catch_up(until_s)
-        return until_s == now_s
-
     # --- within ----------------------------------------------------------------------------------
 
-    def _catch_up(self, at_s: float | None) -> None:
-        """Run to `at_s`, rounded to a clock so that exact instants stay exact."""
+    def _run_until(self, at_s: float | None) -> None:
         if at_s is None:
             at_s = self.clock.now()
         if at_s > self._latest_s:
