@@ -2,14 +2,20 @@ import type { Device } from "../api/queries";
 
 /**
  * Who is served by the same pages. "pmul": chips whose ramps hang on pmul and pdiv (TMC428, TMC4210). "sramp": the
- * TMC4361, with bows, encoder and closed loop. "module": parameters instead of registers, and commands.
+ * TMC4361, with bows, encoder and closed loop. "sixpoint": the TMC5xxx, whose ramps have six points, with the driver on
+ * board. "module": parameters instead of registers, and commands.
  */
-export type Family = "pmul" | "sramp" | "module";
+export type Family = "pmul" | "sramp" | "sixpoint" | "module";
 
 const FAMILIES: Readonly<Record<string, Family>> = {
   tmc428: "pmul",
   tmc4210: "pmul",
   tmc4361: "sramp",
+  tmc5031: "sixpoint",
+  tmc5062: "sixpoint",
+  tmc5072: "sixpoint",
+  tmc5130: "sixpoint",
+  tmc5160: "sixpoint",
   "pd42-1241": "module",
 };
 
@@ -27,12 +33,13 @@ export function pmulModel(device: Device | undefined): PmulModel | null {
   return device?.model === "tmc428" || device?.model === "tmc4210" ? device.model : null;
 }
 
-export const CHIPS: readonly Family[] = ["pmul", "sramp"];
+export const CHIPS: readonly Family[] = ["pmul", "sramp", "sixpoint"];
 
 /** How people call what belongs to a family: the one they have, and those that a page is for. */
 const WORDS: Record<Family, { one: string; many: string; add: string }> = {
   pmul: { one: "a chip that ramps by pmul and pdiv", many: "chips that ramp by pmul and pdiv", add: "a TMC428" },
   sramp: { one: "a chip with S-ramps and an encoder", many: "chips with S-ramps", add: "a TMC4361" },
+  sixpoint: { one: "a chip with SixPoint ramps", many: "chips with SixPoint ramps", add: "a TMC5160" },
   module: { one: "a module with parameters", many: "modules with parameters", add: "a module" },
 };
 

@@ -2,18 +2,39 @@ import { describe, expect, it } from "vitest";
 import type { Family } from "../lib/family";
 import { insteadOf, PAGES, pageAt, pagesFor } from "./pages";
 
-const FAMILIES: readonly Family[] = ["pmul", "sramp", "module"];
+const FAMILIES: readonly Family[] = ["pmul", "sramp", "sixpoint", "module"];
 const names = (family: Family | null) => pagesFor(family).map((entry) => entry.label);
 
 describe("pages", () => {
   it("shows each family its own", () => {
-    expect(names("module")).toEqual(["Bench", "Parameters", "Encoder", "StallGuard", "Console", "Connections"]);
+    expect(names("module")).toEqual([
+      "Bench",
+      "Parameters",
+      "Encoder",
+      "StallGuard",
+      "Rotary",
+      "Console",
+      "Connections",
+    ]);
     expect(names("pmul")).toEqual([
       "Bench",
       "Registers",
       "Ramps",
       "Microsteps",
       "Driver chain",
+      "Rotary",
+      "Console",
+      "Connections",
+    ]);
+    expect(names("sixpoint")).toEqual([
+      "Bench",
+      "Registers",
+      "SixPoint ramp",
+      "Currents",
+      "Microsteps",
+      "Encoder",
+      "StallGuard",
+      "Rotary",
       "Console",
       "Connections",
     ]);
@@ -30,7 +51,16 @@ describe("pages", () => {
       expect(names("sramp")).toContain(own);
     for (const other of ["Ramps", "Driver chain", "Parameters", "Encoder", "StallGuard"])
       expect(names("sramp")).not.toContain(other);
-    for (const alone of ["Bench", "Ramps", "S-ramp", "Microsteps", "Driver chain", "Connections"])
+    for (const alone of [
+      "Bench",
+      "Ramps",
+      "S-ramp",
+      "SixPoint ramp",
+      "Currents",
+      "Microsteps",
+      "Driver chain",
+      "Connections",
+    ])
       expect(names(null)).toContain(alone);
   });
 

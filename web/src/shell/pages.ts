@@ -2,14 +2,17 @@ import {
   IconActivity,
   IconAdjustments,
   IconBinaryTree,
+  IconBolt,
   IconChartLine,
   IconFilter,
   IconGauge,
   IconPlugConnected,
+  IconRotate360,
   IconRotateClockwise2,
   IconTableColumn,
   IconTargetArrow,
   IconTerminal2,
+  IconTimeline,
   IconVectorSpline,
   IconWaveSine,
 } from "@tabler/icons-react";
@@ -29,8 +32,6 @@ export interface PageEntry {
   instead: Partial<Record<Family, string>>;
 }
 
-const MODULE: readonly Family[] = ["module"];
-
 /** The pages, in the order of the navigation. */
 export const PAGES: readonly PageEntry[] = [
   page("/", "Bench", "Bench", IconActivity, { alone: true }),
@@ -41,21 +42,31 @@ export const PAGES: readonly PageEntry[] = [
   page("/ramps", "Ramps", "Ramps", IconChartLine, {
     families: ["pmul"],
     alone: true,
-    instead: { module: "/parameters", sramp: "/sramp" },
+    instead: { module: "/parameters", sramp: "/sramp", sixpoint: "/sixpoint" },
   }),
   page("/sramp", "S-ramp", "S-ramp", IconVectorSpline, {
     families: ["sramp"],
     alone: true,
-    instead: { module: "/parameters", pmul: "/ramps" },
+    instead: { module: "/parameters", pmul: "/ramps", sixpoint: "/sixpoint" },
+  }),
+  page("/sixpoint", "SixPoint ramp", "SixPoint", IconTimeline, {
+    families: ["sixpoint"],
+    alone: true,
+    instead: { module: "/parameters", pmul: "/ramps", sramp: "/sramp" },
   }),
   page("/closed-loop", "Closed loop", "Loop", IconTargetArrow, {
     families: ["sramp"],
-    instead: { module: "/encoder", pmul: "/registers" },
+    instead: { module: "/encoder", pmul: "/registers", sixpoint: "/encoder" },
   }),
   page("/filters", "Input filters", "Filters", IconFilter, {
     families: ["sramp"],
     alone: true,
-    instead: { module: "/parameters", pmul: "/registers" },
+    instead: { module: "/parameters", pmul: "/registers", sixpoint: "/registers" },
+  }),
+  page("/currents", "Currents", "Currents", IconBolt, {
+    families: ["sixpoint"],
+    alone: true,
+    instead: { module: "/parameters", pmul: "/registers", sramp: "/registers" },
   }),
   page("/microsteps", "Microsteps", "µsteps", IconWaveSine, {
     families: CHIPS,
@@ -65,17 +76,18 @@ export const PAGES: readonly PageEntry[] = [
   page("/chain", "Driver chain", "Chain", IconBinaryTree, {
     families: ["pmul"],
     alone: true,
-    instead: { module: "/parameters", sramp: "/registers" },
+    instead: { module: "/parameters", sramp: "/registers", sixpoint: "/registers" },
   }),
   page("/parameters", "Parameters", "Params", IconAdjustments, {
-    families: MODULE,
-    instead: { pmul: "/registers", sramp: "/registers" },
+    families: ["module"],
+    instead: { pmul: "/registers", sramp: "/registers", sixpoint: "/registers" },
   }),
   page("/encoder", "Encoder", "Encoder", IconRotateClockwise2, {
-    families: MODULE,
+    families: ["sixpoint", "module"],
     instead: { sramp: "/closed-loop", pmul: "/registers" },
   }),
-  page("/stallguard", "StallGuard", "Stall", IconGauge, { families: MODULE }),
+  page("/stallguard", "StallGuard", "Stall", IconGauge, { families: ["sixpoint", "module"] }),
+  page("/rotary", "Rotary", "Rotary", IconRotate360, {}),
   page("/console", "Console", "Console", IconTerminal2, {}),
   page("/connections", "Connections", "Links", IconPlugConnected, { alone: true }),
 ];

@@ -5,10 +5,20 @@ import type { Device } from "../../../api/queries";
 import { type Family, familyOf } from "../../../lib/family";
 import { type AxisScale, toSteps } from "../../../lib/units";
 
-/** The register of the highest velocity by family; a TMC4361's counts 1/256 pps whatever else is set (002, 8). */
-const TOP: Record<Family, { name: string; pps?: number }> = {
+interface TopRegister {
+  name: string;
+  /** pps of one unit of it; by the axis's dividers where none is said */
+  pps?: (clockHz: number) => number;
+}
+
+/**
+ * The register of the highest velocity by family. A TMC4361's counts 1/256 pps whatever else is set (002, 8), a
+ * TMC5xxx's fCLK / 2^24 (TMC5160A data sheet, 12.1).
+ */
+const TOP: Record<Family, TopRegister> = {
   pmul: { name: "V_MAX" },
-  sramp: { name: "VMAX", pps: 1 / 256 },
+  sramp: { name: "VMAX", pps: () => 1 / 256 },
+  sixpoint: { name: "VMAX", pps: (clockHz) => clockHz / 2 ** 24 },
   module: { name: "maximum_positioning_speed" },
 };
 
@@ -30,7 +40,7 @@ export function useTopSpeed(at: AxisAddress, model: Device["model"], scale: Axis
     refetchInterval: 5000,
   });
   const value = register.data?.value ?? Number.NaN;
-  const chip = unit === undefined ? toSteps(value, "chip", scale, "velocity") : Math.abs(value) * unit;
+  const chip = unit === undefined ? toSteps(value, "chip", scale, "velocity") : Math.abs(value) * unit(scale.clockHz);
   const pps = register.data?.unit === "pps" ? value : chip;
   return Number.isFinite(pps) && pps > 0 ? pps : CAREFUL_PPS;
 }
