@@ -8,7 +8,7 @@ reset that does not fit, an enumeration beyond its width). What only the whole t
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import reduce
 from operator import or_
@@ -225,6 +225,23 @@ class Register(Bits):
         if not self.fields:
             return self.mask
         return reduce(or_, (part.mask for part in self.fields if part.access.writable), 0)
+
+    def completed(self, axis: int | None) -> Register:
+        """The row on `axis`, its fields with the word's access and their part of its reset.
+
+        A word is read and written whole, so a field differs from it in nothing but that a write may leave it alone:
+        one that says `Access.R` stays so. A word that cannot be read says that in its note.
+        """
+        parts = tuple(
+            replace(
+                part,
+                access=Access.R if part.access is Access.R else self.access,
+                reset=None if self.reset is None else part.unpack(self.reset),
+            )
+            for part in self.fields
+        )
+        note = self.write_note or ("cannot be read back" if self.access is Access.W else "")
+        return replace(self, axis=axis, write_note=note, fields=parts)
 
     def field_named(self, name: str) -> Field | None:
         """The field of that name, without regard to case, or None."""

@@ -13,19 +13,18 @@ from app.registers.tmc4361_feedback import FEEDBACK_ROWS
 from app.registers.tmc4361_general import CLOCK_HZ_DEFAULT, CLOCK_HZ_MAX, CLOCK_HZ_MIN, GENERAL_ROWS
 from app.registers.tmc4361_motion import RAMP_ROWS, REFERENCE_ROWS
 from app.registers.tmc4361_output import OUTPUT_ROWS
-from app.registers.tmc4361_rows import finished
+from app.registers.tmc4361_rows import AXIS
 from app.registers.tmc4361_start import START_ROWS
 
 AXES = 1
 
 TMC4361 = RegisterTable(
     "tmc4361",
-    finished(
-        tuple(
-            sorted(
-                (*GENERAL_ROWS, *REFERENCE_ROWS, *START_ROWS, *OUTPUT_ROWS, *FEEDBACK_ROWS, *EVENT_ROWS, *RAMP_ROWS),
-                key=lambda row: row.address,
-            )
+    tuple(
+        row.completed(AXIS)
+        for row in sorted(
+            (*GENERAL_ROWS, *REFERENCE_ROWS, *START_ROWS, *OUTPUT_ROWS, *FEEDBACK_ROWS, *EVENT_ROWS, *RAMP_ROWS),
+            key=lambda row: row.address,
         )
     ),
 )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from app.registers.microstep_rows import mslut_rows
 from app.registers.model import Access, Field, Register
 from app.registers.tmc4361_events import TMC24X, TMC26X
 from app.registers.tmc4361_general import NO_DCSTEP
@@ -465,54 +466,8 @@ _DRIVER_ROWS = (
     ),
 )
 
-MSLUT_RESET = (
-    0xAAAAB554,
-    0x4A9554AA,
-    0x24492929,
-    0x10104222,
-    0xFBFFFFFF,
-    0xB5BB777D,
-    0x49295556,
-    0x00404222,
-)
-
 _MICROSTEP_ROWS = (
-    *(
-        Register(
-            f"MSLUT[{n}]",
-            32,
-            f"differences of the quarter wave at places {32 * n} to {32 * n + 31}, one bit each",
-            address=0x70 + n,
-            access=Access.W,
-            reset=word,
-            group="microsteps",
-            source=STEPPYR,
-        )
-        for n, word in enumerate(MSLUT_RESET)
-    ),
-    Register(
-        "MSLUTSEL",
-        32,
-        "borders of the four segments of the quarter wave, and what a bit means in each",
-        address=0x78,
-        access=Access.W,
-        reset=0xFFFF8056,
-        group="microsteps",
-        source=f"{STEPPYR} (fields as in the TMC5130's data sheet)",
-        fields=(
-            *(
-                Field(
-                    f"W{n}",
-                    2,
-                    f"differences that a 0 and a 1 stand for in segment {n}",
-                    lsb=2 * n,
-                    values={0: "-1 and 0", 1: "0 and 1", 2: "1 and 2", 3: "2 and 3"},
-                )
-                for n in range(4)
-            ),
-            *(Field(f"X{n}", 8, f"place at which segment {n} begins", lsb=8 * n) for n in (1, 2, 3)),
-        ),
-    ),
+    *mslut_rows(0x70, STEPPYR, f"{STEPPYR} (fields as in the TMC5130's data sheet)"),
     Register(
         "MSCNT",
         10,

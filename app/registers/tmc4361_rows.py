@@ -14,10 +14,6 @@ A register without a reset in any of them resets to 0, as all do that OLDC's tab
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-from app.registers.model import Access, Field, Register
-
 AXIS = 0
 
 VELOCITY_UNIT = "1/256 pps"
@@ -36,21 +32,3 @@ TOM_TBONE = f"TOM4361; TBONE; {HEADERS}"
 STEPPYR = f"STEPPYR; {HEADERS}"
 TOM_STEPPYR = f"TOM4361; STEPPYR; {HEADERS}"
 TOM_TBONE_STEPPYR = f"TOM4361; TBONE; STEPPYR; {HEADERS}"
-
-
-def finished(rows: tuple[Register, ...]) -> tuple[Register, ...]:
-    """Rows on the chip's only axis, whose fields have their word's access and their part of its reset.
-
-    A word is read and written whole, so a field never differs from it in either.
-    """
-    return tuple(_finished(row) for row in rows)
-
-
-def _finished(row: Register) -> Register:
-    if row.access is Access.W and not row.write_note:
-        row = replace(row, write_note="cannot be read back")
-    return replace(row, axis=AXIS, fields=tuple(_inherited(part, row) for part in row.fields))
-
-
-def _inherited(part: Field, row: Register) -> Field:
-    return replace(part, access=row.access, reset=None if row.reset is None else part.unpack(row.reset))
