@@ -10,11 +10,12 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Sequence
 from contextvars import ContextVar
 from dataclasses import dataclass
-from typing import cast
+from typing import ClassVar, cast
 
 from app.calc.mslut import MslutRegisters
 from app.clock import Clock
 from app.devices.config import AxisSettings, DeviceConfig
+from app.devices.counter import CounterLook, CounterWritten, PositionSeen
 from app.devices.prediction import Prediction
 from app.devices.results import (
     AxisMove,
@@ -72,7 +73,7 @@ class MotionCommanded:
     by: object
 
 
-DeviceEvent = StateChanged | MotionStarted | MotionCommanded | MotionEnd | ChipEvents
+DeviceEvent = StateChanged | MotionStarted | MotionCommanded | MotionEnd | ChipEvents | PositionSeen | CounterWritten
 
 motion_owner: ContextVar[object] = ContextVar("motion_owner", default=None)
 """Who commands in this task: how a procedure tells its own commands from everybody else's."""
@@ -237,6 +238,12 @@ class Device(ABC):
         """For drivers: something that may move or stop `axis` is on its way to the chip."""
         self.motion_commands[axis] += 1
         self._tell(MotionCommanded(axis, what, motion_owner.get()))
+        if what in self.COUNTER_WRITES:
+            self._tell(CounterWritten(axis, what))
+
+    def saw_position(self, axis: int, count: int, asked_at_s: float, encoder_count: int | None = None) -> None:
+        """For drivers: the position counter of `axis` was read, and with it the encoder's (see `PositionSeen`)."""
+        self._tell(PositionSeen(axis, count, asked_at_s, encoder_count))
 
     def _link_result(self, error: LinkError | None) -> None:
         if self._state == "disconnected":
@@ -331,6 +338,46 @@ class Device(ABC):
         if outcome.problem is not None:
             raise outcome.problem
         return outcome
+
+    # --- the position counter -------------------------------------------------------------------
+
+    COUNTER_WRITES: ClassVar[frozenset[str]] = frozenset({"set_position"})
+    """Commands, as `commanded` names them, after which the position counter shows another number for the same place."""
+
+    def counter_bits(self, axis: int) -> int | None:
+        """Bits of the position counter of `axis`, which wraps; None where it wraps elsewhere as the chip is set."""
+        self.axis(axis)
+        return 32
+
+    def speed_limit_pps(self, axis: int) -> float:
+        """What the ramp generator can at most do at this clock, however its registers are set [pps]."""
+        self.axis(axis)
+        return self.clock_hz / 2
+
+    async def look(self, axis: int) -> CounterLook:
+        """Read the position counter, and then whether the chip was reset. Raises BenchError.
+
+        By default the whole state of the axis, and nothing is known of resets.
+        """
+        asked_at_s = self.device_time_s()
+        return CounterLook((await self.axis_state(axis)).position, asked_at_s, None)
+
+    async def retarget(self, axis: int, count_target: int) -> MoveStarted:
+        """Go on to where the counter shows `count_target`, the shorter way round, also over the counter's end.
+
+        What `move` raises. The axis may stand or be under way, by an earlier target or at a velocity.
+        """
+        return (await self.move_together([AxisMove(axis, count_target, over_the_end=True)]))[0]
+
+    def latch_register(self, axis: int) -> str | None:
+        """The register that keeps the counter's number at an edge of a switch; None where there is none."""
+        self.axis(axis)
+        return None
+
+    def compare_register(self, axis: int) -> str | None:
+        """The register that the counter is compared with; None where there is none."""
+        self.axis(axis)
+        return None
 
     @abstractmethod
     def prediction(self, axis: int) -> Prediction | None:

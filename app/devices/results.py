@@ -114,6 +114,9 @@ class AxisMove:
     target: float
     relative: bool = False
     unit: str = "microsteps"
+    over_the_end: bool = False
+    """The target is what the position counter shall show, in microsteps, and the way to it the shorter one round: where
+    it leads over the counter's end it is not refused."""
 
 
 @dataclass(slots=True)
