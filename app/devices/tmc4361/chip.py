@@ -2,59 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 from app.calc.mechanics import Mechanics
 from app.clock import Clock
 from app.devices.config import DeviceConfig
-from app.devices.own_tasks import OwnTasks
+from app.devices.keeping_chip import NOTHING, KeepingChip
 from app.devices.planned_motion import PlannedMotion
 from app.devices.prediction import Prediction, PredictionBook
-from app.devices.register_chip import RegisterChip, reading, written
-from app.devices.results import DeviceState, RegisterWritten
+from app.devices.results import DeviceState
 from app.devices.tmc4361 import rows
 from app.devices.tmc4361.cruise import Cruise
 from app.devices.tmc4361.setting import Setting
-from app.devices.words import Held, Words
-from app.links import landungsbruecke
-from app.links.errors import BadReply, BenchError, WrongState
+from app.links.errors import BenchError, WrongState
 from app.links.port import FramePort
-from app.links.register_access import access_of
-from app.links.wire_budget import WireBudget
 from app.registers.model import Register
 from app.registers.tmc4361_general import CLOCK_HZ_MAX, CLOCK_HZ_MIN, RESET_CODE
 
-NOTHING = (0, 0xFFFF_FFFF)
-"""What a bus reads on which nobody drives the line."""
 CLOCK_TOLERANCE = 0.005
 """By how much CLK_FREQ may differ from the clock before a move warns of it: a crystal's error and some rounding."""
 
 
-class Chip(RegisterChip):
+class Chip(KeepingChip):
     """A TMC4361, without what it does."""
 
-    READ_AT_ONCE = 16
-
     def __init__(self, device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> None:
-        super().__init__(device_id, config, port, clock, access_of(config.link))
-        self.tasks = OwnTasks()
+        super().__init__(device_id, config, port, clock)
         self.cruise = Cruise()
-        self._known: dict[int, int] = {}
-        """Words as last seen, by address, of `rows.REMEMBERED`; forgotten when the link fails."""
-        self._blind: dict[int, int] = {}
-        """Words as last written since the chip's reset, by address, of registers that cannot be read."""
         self._remembered = frozenset(register.address for register in rows.REMEMBERED)
         self._book: PredictionBook[PlannedMotion] = PredictionBook()
 
     # --- who it is ------------------------------------------------------------------------------
 
     async def probe(self) -> str:
-        where = ""
-        if self.link.get("kind") == "landungsbruecke":
-            board = await landungsbruecke.identify(self.queue)
-            if board is None:
-                raise WrongState("no evaluation board answers here", "a PD42-1241 has a model of its own")
-            where = f" on {board}"
+        where = await self._on_board()
         async with self.queue.turn() as turn:
             version, clock_hz = await self.words(turn).read_many((rows.VERSION, rows.CLK_FREQ))
         if version == clock_hz and version in NOTHING:
@@ -71,14 +50,6 @@ class Chip(RegisterChip):
     async def refresh(self) -> None:
         async with self.queue.turn() as turn:
             await self._remember(self.words(turn), rows.REMEMBERED)
-
-    async def _remember(self, words: Words, registers: tuple[Register, ...]) -> None:
-        self._saw(Held(registers, await words.read_many(registers)))
-
-    def _saw(self, held: Held) -> None:
-        """The chip was seen to hold these."""
-        for register in held.registers:
-            self._saw_word(register, held.word(register))
 
     # --- what is kept in mind -------------------------------------------------------------------
 
@@ -117,10 +88,6 @@ class Chip(RegisterChip):
             return None
         return Setting(dict(self._known))
 
-    def known(self, register: Register) -> int | None:
-        """A remembered word; None where it was not seen yet."""
-        return self._known.get(register.address)
-
     @staticmethod
     def _microsteps(step_conf: int) -> int:
         """Microsteps per full step, of STEP_CONF: 0 stands for 256, 8 for full steps, and more has no meaning."""
@@ -146,20 +113,6 @@ class Chip(RegisterChip):
         faster = f"{self.clock_hz / told_hz:.3g} times as fast as the registers say"
         return [f"CLK_FREQ says {told} and the clock is {real}: all is {faster}"]
 
-    # --- write-only registers -------------------------------------------------------------------
-
-    async def _held(self, words: Words, register: Register) -> int:
-        if register.access.readable:
-            return await words.read(register)
-        held = self._blind.get(register.address, register.reset)
-        return 0 if held is None else held
-
-    def _written_blind(self, register: Register, word: int, arrived: bool, notes: Sequence[str]) -> RegisterWritten:
-        if not arrived:
-            raise BadReply(self.port.name, f"what was sent to {register.name} may have arrived otherwise", b"")
-        note = "; ".join([*notes, register.write_note, "the link has shown that it arrived"])
-        return written(reading(register, None, word), word, True, note)
-
     # --- predictions ----------------------------------------------------------------------------
 
     def prediction(self, axis: int) -> Prediction | None:
@@ -168,27 +121,8 @@ class Chip(RegisterChip):
 
     # --- the link -------------------------------------------------------------------------------
 
-    @property
-    def calls_per_s_possible(self) -> float | None:
-        wire = self._wire
-        return None if wire is None else wire.calls_per_s_possible
-
-    @property
-    def calls_per_s(self) -> float:
-        wire = self._wire
-        return super().calls_per_s if wire is None else wire.calls_per_s
-
-    @property
-    def _wire(self) -> WireBudget | None:
-        """What the wire can carry, where the port knows of one."""
-        wire = getattr(self.port, "wire", None)
-        return wire if isinstance(wire, WireBudget) else None
-
     def set_state(self, state: DeviceState, problem: BenchError | None = None) -> None:
         super().set_state(state, problem)
         if state == "failed":  # it may be another chip, or the same after a power-on, when it comes back
             self._known.clear()
             self._book.end(self.device_time_s(), "the link failed")
-
-    async def let_go(self) -> None:
-        await self.tasks.end()

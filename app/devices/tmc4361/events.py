@@ -16,14 +16,14 @@ from collections.abc import Sequence
 from app.clock import Clock
 from app.devices.config import DeviceConfig
 from app.devices.results import DeviceState, EventPage
+from app.devices.timeline import Timeline
 from app.devices.tmc4361 import rows
 from app.devices.tmc4361.chip import Chip
-from app.devices.tmc4361.timeline import Timeline
 from app.devices.words import Held, Words, Write
 from app.links.errors import BenchError
 from app.links.port import FramePort
 from app.registers.model import Register
-from app.registers.tmc4361_bits import EVENT_MASK, selected_events
+from app.registers.tmc4361_bits import EVENT_MASK, event_names, selected_events
 
 ALL = 0xFFFF_FFFF
 
@@ -33,7 +33,7 @@ class Events(Chip):
 
     def __init__(self, device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> None:
         super().__init__(device_id, config, port, clock)
-        self._timeline = Timeline(rows.AXIS)
+        self._timeline = Timeline(rows.AXIS, EVENT_MASK, event_names)
         self._kept: int | None = None
         """EVENT_CLEAR_CONF as its user wants it; None where not seen yet."""
         self._owed: tuple[int, int] | None = None

@@ -5,9 +5,10 @@ from __future__ import annotations
 import pytest
 
 from app.devices.results import ChipEvents
+from app.devices.timeline import KEPT, Timeline
 from app.devices.tmc4361 import rows
-from app.devices.tmc4361.timeline import KEPT, Timeline
 from app.emulators.tmc4361.options import FaultsChange, Tmc4361Patch
+from app.registers.tmc4361_bits import EVENT_MASK, event_names
 from tests.devices.tmc4361.bench import bench
 
 EVENTS, CLEAR_CONF = 0x0E, 0x0C
@@ -147,7 +148,7 @@ async def test_events_are_told_to_listeners() -> None:
 
 
 def test_a_timeline_counts_on_and_says_what_it_lost() -> None:
-    timeline = Timeline(0)
+    timeline = Timeline(0, EVENT_MASK, event_names)
     for index in range(KEPT + 5):
         assert timeline.read(1, 0, float(index)) is not None
     page = timeline.page(0, 10)
@@ -157,7 +158,7 @@ def test_a_timeline_counts_on_and_says_what_it_lost() -> None:
 
 
 def test_a_bit_that_stays_is_told_once() -> None:
-    timeline = Timeline(0)
+    timeline = Timeline(0, EVENT_MASK, event_names)
     assert timeline.read(0b101, 0b101, 1.0) is not None
     assert timeline.read(0b101, 0b001, 2.0) is None
     again = timeline.read(0b101, 0, 3.0)
@@ -166,7 +167,7 @@ def test_a_bit_that_stays_is_told_once() -> None:
 
 
 def test_a_glimpse_of_before_the_latest_reading_is_old_news() -> None:
-    timeline = Timeline(0)
+    timeline = Timeline(0, EVENT_MASK, event_names)
     assert timeline.read(1, 0, 2.0) is not None
     assert timeline.glimpsed(1, 1.9) is None
     assert timeline.glimpsed(1, 2.1) is not None
