@@ -23,14 +23,21 @@ export function familyOf(model: string | undefined): Family | null {
   return model === undefined ? null : (FAMILIES[model] ?? null);
 }
 
+/** The models with SixPoint ramps. */
+export type SixPointModel = "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160";
 /** The models with registers. */
-export type ChipModel = Exclude<Device["model"], "pd42-1241">;
+export type ChipModel = Exclude<Device["model"], "pd42-1241"> | SixPointModel;
 /** The models whose ramps are designed with pmul and pdiv. */
 export type PmulModel = "tmc428" | "tmc4210";
 
 /** The model of a chip whose ramps hang on pmul and pdiv; of any other device, and without one, null. */
 export function pmulModel(device: Device | undefined): PmulModel | null {
   return device?.model === "tmc428" || device?.model === "tmc4210" ? device.model : null;
+}
+
+/** The model of a chip with SixPoint ramps; of any other device, and without one, null. */
+export function sixPointModel(device: Device | undefined): SixPointModel | null {
+  return familyOf(device?.model) === "sixpoint" ? (device?.model as SixPointModel) : null;
 }
 
 export const CHIPS: readonly Family[] = ["pmul", "sramp", "sixpoint"];

@@ -1,6 +1,7 @@
 import { TextInput } from "@mantine/core";
+import { CHIP_LIMITS } from "./chip";
 import css from "./connections.module.css";
-import { type AxisDraft, type Draft, LIMITS, type StageDraft } from "./draft";
+import { AXIS_LIMITS, type AxisDraft, type Draft, type StageDraft } from "./draft";
 import { OptionalNumber } from "./fields";
 
 interface AxesProps {
@@ -46,7 +47,7 @@ export function AxesFields({ draft, problems, strict, onChange }: AxesProps) {
                 cell
                 label={label("Full steps per revolution")}
                 value={axis.fullSteps}
-                limits={LIMITS.fullSteps}
+                limits={AXIS_LIMITS.fullSteps}
                 problem={of(index, "fullSteps")}
                 onChange={(fullSteps) => set(index, { fullSteps })}
               />
@@ -55,7 +56,7 @@ export function AxesFields({ draft, problems, strict, onChange }: AxesProps) {
                   cell
                   label={label("Driver microsteps per full step")}
                   value={axis.driverMicrosteps}
-                  limits={LIMITS.driverMicrosteps}
+                  limits={AXIS_LIMITS.driverMicrosteps}
                   problem={of(index, "driverMicrosteps")}
                   onChange={(driverMicrosteps) => set(index, { driverMicrosteps })}
                 />
@@ -64,7 +65,7 @@ export function AxesFields({ draft, problems, strict, onChange }: AxesProps) {
                 cell
                 label={label("Motor turns per turn of the load")}
                 value={axis.gear}
-                limits={LIMITS.gear}
+                limits={AXIS_LIMITS.gear}
                 problem={of(index, "gear")}
                 onChange={(gear) => set(index, { gear })}
               />
@@ -74,7 +75,7 @@ export function AxesFields({ draft, problems, strict, onChange }: AxesProps) {
                 unit="mm"
                 placeholder="rotary"
                 value={axis.travelMm}
-                limits={LIMITS.travelMm}
+                limits={AXIS_LIMITS.travelMm}
                 problem={of(index, "travelMm")}
                 onChange={(travelMm) => set(index, { travelMm })}
               />
@@ -139,7 +140,7 @@ export function StageFields({ draft, problems, onChange }: StageProps) {
                 label={`${name}, ${word}`}
                 unit="full steps"
                 value={stage[part]}
-                limits={LIMITS[part]}
+                limits={CHIP_LIMITS[part]}
                 problem={problems[`stages.${index}.${part}`]}
                 onChange={(text) => set(index, { [part]: text })}
               />

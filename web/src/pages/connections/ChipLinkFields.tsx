@@ -1,10 +1,13 @@
-import { Select, TextInput } from "@mantine/core";
+import { Autocomplete, Select, TextInput } from "@mantine/core";
 import { IconChevronRight } from "@tabler/icons-react";
 import type { ChipModel } from "../../lib/family";
+import { fixed } from "../../lib/format";
 import { StageFields } from "./AxisFields";
+import { CHIP_LIMITS, ECHOES, seedLimits, WIRINGS } from "./chip";
 import css from "./connections.module.css";
-import { clockLimits, type Draft, LIMITS, WIRINGS } from "./draft";
+import type { Draft } from "./draft";
 import { OptionalNumber } from "./fields";
+import { factsOf } from "./models";
 import { PortField } from "./PortField";
 
 const SPI = [
@@ -12,6 +15,13 @@ const SPI = [
   ["device", "Chip select", ""],
   ["speedHz", "Clock of the bus", "Hz"],
 ] as const;
+/** The chip measures the rate of each datagram: these are what adapters and lines do well. */
+const UART_BAUDS = [9600, 19_200, 57_600, 115_200, 230_400, 250_000, 460_800, 500_000];
+const ECHO_WORDS: Record<(typeof ECHOES)[number], string> = {
+  auto: "found out when connecting",
+  on: "yes: one wire both ways",
+  off: "no: the adapter takes it off",
+};
 
 interface Props {
   draft: Draft;
@@ -25,123 +35,202 @@ interface Props {
   onMore: (open: boolean) => void;
 }
 
-/** The way to a chip: here, raw datagrams through a socket or on an SPI bus, or an evaluation board. */
-export function ChipLinkFields({ draft, model, problems, problem, onChange, more, onMore }: Props) {
+/** The way to a chip: here, raw datagrams through a socket or on an SPI bus, a UART, or an evaluation board. */
+export function ChipLinkFields(props: Props) {
+  const { draft, model, problem, onChange } = props;
   return (
     <>
-      {draft.kind === "tcp" ? (
-        <div className={css.tcp}>
-          <TextInput
-            size="xs"
-            label="Host"
-            placeholder="127.0.0.1"
-            classNames={{ input: "num", label: css.label }}
-            value={draft.host}
-            error={problem("host", draft.host)}
-            autoComplete="off"
-            spellCheck={false}
-            onChange={(event) => onChange({ host: event.currentTarget.value })}
-          />
-          <OptionalNumber
-            label="Port"
-            value={draft.port}
-            placeholder="4280"
-            limits={LIMITS.port}
-            problem={problem("port", draft.port)}
-            onChange={(port) => onChange({ port })}
-          />
-          <OptionalNumber
-            label="Answer within"
-            unit="s"
-            value={draft.timeoutS}
-            limits={LIMITS.timeoutS}
-            problem={problem("timeoutS", draft.timeoutS)}
-            onChange={(timeoutS) => onChange({ timeoutS })}
-          />
-        </div>
-      ) : draft.kind === "landungsbruecke" ? (
-        <>
-          <PortField
-            label="Port of the Landungsbrücke"
-            value={draft.module.serialPort}
-            problem={problem("module.serialPort", draft.module.serialPort)}
-            onChange={(serialPort) => onChange({ module: { ...draft.module, serialPort } })}
-          />
-          <OptionalNumber
-            label="Answer within"
-            unit="s"
-            value={draft.timeoutS}
-            limits={LIMITS.boardTimeoutS}
-            problem={problem("timeoutS", draft.timeoutS)}
-            onChange={(timeoutS) => onChange({ timeoutS })}
-          />
-        </>
-      ) : draft.kind === "spidev" ? (
-        <div className={css.three}>
-          {SPI.map(([part, label, unit]) => (
-            <OptionalNumber
-              key={part}
-              label={label}
-              {...(unit === "" ? {} : { unit })}
-              value={draft.spi[part]}
-              limits={LIMITS[part]}
-              problem={problem(`spi.${part}`, draft.spi[part])}
-              onChange={(text) => onChange({ spi: { ...draft.spi, [part]: text } })}
-            />
-          ))}
-        </div>
-      ) : (
-        <>
-          <button type="button" className={css.more} aria-expanded={more} onClick={() => onMore(!more)}>
-            <IconChevronRight size={13} className={css.chevron} data-open={more} aria-hidden />
-            Emulator: time, seed{model === "tmc428" && ", wiring"}
-            {draft.stages.length > 0 && ", stages"}
-          </button>
-          {more && (
-            <>
-              <div className={css.two}>
-                <OptionalNumber
-                  label="Chip time runs at"
-                  unit="× real time"
-                  value={draft.timeScale}
-                  limits={LIMITS.timeScale}
-                  problem={problem("timeScale", draft.timeScale)}
-                  onChange={(timeScale) => onChange({ timeScale })}
-                />
-                <OptionalNumber
-                  label="Seed of RAM noise and bit errors"
-                  value={draft.seed}
-                  limits={LIMITS.seed}
-                  problem={problem("seed", draft.seed)}
-                  onChange={(seed) => onChange({ seed })}
-                />
-              </div>
-              {model === "tmc428" && (
-                <Select
-                  size="xs"
-                  label="How the switches reach REF1 to REF3"
-                  classNames={{ label: css.label }}
-                  data={WIRINGS}
-                  value={draft.wiring || "multiplexed"}
-                  allowDeselect={false}
-                  onChange={(wiring) => onChange({ wiring: wiring ?? "" })}
-                />
-              )}
-              {draft.stages.length > 0 && (
-                <StageFields draft={draft} problems={problems} onChange={(stages) => onChange({ stages })} />
-              )}
-            </>
-          )}
-        </>
-      )}
+      <Wire {...props} />
       <OptionalNumber
         label="Clock of the chip"
         unit="MHz"
         value={draft.clockMhz}
-        limits={clockLimits(model)}
+        limits={factsOf(model).clockMhz}
         problem={problem("clockMhz", draft.clockMhz)}
         onChange={(clockMhz) => onChange({ clockMhz })}
       />
+    </>
+  );
+}
+
+function Wire(props: Props) {
+  switch (props.draft.kind) {
+    case "tcp":
+      return <Socket {...props} />;
+    case "landungsbruecke":
+      return (
+        <>
+          <LinePort {...props} label="Port of the Landungsbrücke" />
+          <AnswerWithin {...props} limits={CHIP_LIMITS.lineTimeoutS} />
+        </>
+      );
+    case "uart":
+      return <Uart {...props} />;
+    case "spidev":
+      return <SpiBus {...props} />;
+    default:
+      return <EmulatorFields {...props} />;
+  }
+}
+
+function LinePort({ draft, problem, onChange, label }: Props & { label: string }) {
+  return (
+    <PortField
+      label={label}
+      value={draft.module.serialPort}
+      problem={problem("module.serialPort", draft.module.serialPort)}
+      onChange={(serialPort) => onChange({ module: { ...draft.module, serialPort } })}
+    />
+  );
+}
+
+type TimeLimits = typeof CHIP_LIMITS.timeoutS | typeof CHIP_LIMITS.lineTimeoutS;
+
+function AnswerWithin({ draft, problem, onChange, limits }: Props & { limits: TimeLimits }) {
+  return (
+    <OptionalNumber
+      label="Answer within"
+      unit="s"
+      value={draft.timeoutS}
+      limits={limits}
+      problem={problem("timeoutS", draft.timeoutS)}
+      onChange={(timeoutS) => onChange({ timeoutS })}
+    />
+  );
+}
+
+function Socket(props: Props) {
+  const { draft, problem, onChange } = props;
+  return (
+    <div className={css.tcp}>
+      <TextInput
+        size="xs"
+        label="Host"
+        placeholder="127.0.0.1"
+        classNames={{ input: "num", label: css.label }}
+        value={draft.host}
+        error={problem("host", draft.host)}
+        autoComplete="off"
+        spellCheck={false}
+        onChange={(event) => onChange({ host: event.currentTarget.value })}
+      />
+      <OptionalNumber
+        label="Port"
+        value={draft.port}
+        placeholder="4280"
+        limits={CHIP_LIMITS.port}
+        problem={problem("port", draft.port)}
+        onChange={(port) => onChange({ port })}
+      />
+      <AnswerWithin {...props} limits={CHIP_LIMITS.timeoutS} />
+    </div>
+  );
+}
+
+function Uart(props: Props) {
+  const { draft, model, problem, onChange } = props;
+  const set = (change: Partial<Draft["uart"]>) => onChange({ uart: { ...draft.uart, ...change } });
+  return (
+    <>
+      <LinePort {...props} label="Port of the UART" />
+      <div className={css.three}>
+        <Autocomplete
+          size="xs"
+          label="Baud"
+          placeholder={fixed(CHIP_LIMITS.baud.fallback)}
+          classNames={{ input: "num", label: css.label }}
+          data={UART_BAUDS.map(String)}
+          filter={({ options }) => options}
+          value={draft.uart.baud}
+          error={problem("uart.baud", draft.uart.baud)}
+          inputMode="numeric"
+          onChange={(baud) => set({ baud })}
+        />
+        {factsOf(model).nodes && (
+          <OptionalNumber
+            label="Node address"
+            value={draft.uart.node}
+            limits={CHIP_LIMITS.node}
+            problem={problem("uart.node", draft.uart.node)}
+            onChange={(node) => set({ node })}
+          />
+        )}
+        <AnswerWithin {...props} limits={CHIP_LIMITS.lineTimeoutS} />
+      </div>
+      <Select
+        size="xs"
+        label="What is sent comes back as an echo"
+        classNames={{ label: css.label }}
+        data={ECHOES.map((value) => ({ value, label: ECHO_WORDS[value] }))}
+        value={draft.uart.echo}
+        allowDeselect={false}
+        onChange={(echo) => set({ echo: ECHOES.find((known) => known === echo) ?? "auto" })}
+      />
+    </>
+  );
+}
+
+function SpiBus({ draft, problem, onChange }: Props) {
+  return (
+    <div className={css.three}>
+      {SPI.map(([part, label, unit]) => (
+        <OptionalNumber
+          key={part}
+          label={label}
+          {...(unit === "" ? {} : { unit })}
+          value={draft.spi[part]}
+          limits={CHIP_LIMITS[part]}
+          problem={problem(`spi.${part}`, draft.spi[part])}
+          onChange={(text) => onChange({ spi: { ...draft.spi, [part]: text } })}
+        />
+      ))}
+    </div>
+  );
+}
+
+function EmulatorFields({ draft, model, problems, problem, onChange, more, onMore }: Props) {
+  return (
+    <>
+      <button type="button" className={css.more} aria-expanded={more} onClick={() => onMore(!more)}>
+        <IconChevronRight size={13} className={css.chevron} data-open={more} aria-hidden />
+        Emulator: time, seed{model === "tmc428" && ", wiring"}
+        {draft.stages.length > 0 && ", stages"}
+      </button>
+      {more && (
+        <>
+          <div className={css.two}>
+            <OptionalNumber
+              label="Chip time runs at"
+              unit="× real time"
+              value={draft.timeScale}
+              limits={factsOf(model).timeScale}
+              problem={problem("timeScale", draft.timeScale)}
+              onChange={(timeScale) => onChange({ timeScale })}
+            />
+            <OptionalNumber
+              label={draft.stages.length > 0 ? "Seed of RAM noise and bit errors" : "Seed of noise and bit errors"}
+              value={draft.seed}
+              limits={seedLimits(model)}
+              problem={problem("seed", draft.seed)}
+              onChange={(seed) => onChange({ seed })}
+            />
+          </div>
+          {model === "tmc428" && (
+            <Select
+              size="xs"
+              label="How the switches reach REF1 to REF3"
+              classNames={{ label: css.label }}
+              data={WIRINGS}
+              value={draft.wiring || "multiplexed"}
+              allowDeselect={false}
+              onChange={(wiring) => onChange({ wiring: wiring ?? "" })}
+            />
+          )}
+          {draft.stages.length > 0 && (
+            <StageFields draft={draft} problems={problems} onChange={(stages) => onChange({ stages })} />
+          )}
+        </>
+      )}
     </>
   );
 }

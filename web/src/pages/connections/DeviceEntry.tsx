@@ -9,8 +9,8 @@ import { StateDot } from "../../lib/StateDot";
 import { useLinkInfo } from "../../lib/wire/useLinkInfo";
 import { WireBar } from "../../lib/wire/WireBar";
 import css from "./connections.module.css";
-import { linkText } from "./draft";
 import { useLinkSwitch, useRemoveDevice } from "./useConnections";
+import { linkText } from "./words";
 
 interface Props {
   device: Device;

@@ -6,19 +6,9 @@ import { ProblemAlert } from "../../lib/ProblemAlert";
 import { AxesFields } from "./AxisFields";
 import { ChipLinkFields } from "./ChipLinkFields";
 import css from "./connections.module.css";
-import {
-  axesOf,
-  type Draft,
-  isModule,
-  type Kind,
-  kindsOf,
-  linkOf,
-  type Model,
-  moduleKind,
-  problemsOf,
-  withModel,
-} from "./draft";
+import { type Draft, linkOf, moduleKind, problemsOf, withModel } from "./draft";
 import { ModuleLinkFields } from "./ModuleLinkFields";
+import { axesOf, isModule, type Kind, kindsOf, type Model } from "./models";
 import { TestResult } from "./TestResult";
 import { useCatalog, useLinkTest, useSaveDevice } from "./useConnections";
 

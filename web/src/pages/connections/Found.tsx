@@ -3,10 +3,12 @@ import { IconCheck, IconCopy } from "@tabler/icons-react";
 import type { Schemas } from "../../api/client";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import css from "./connections.module.css";
-import { type Draft, freeName, type Model, newDraft } from "./draft";
+import { type Draft, newDraft } from "./draft";
+import type { Model } from "./models";
 import { portText } from "./PortField";
 import { Probe } from "./Probe";
 import { usePorts } from "./useConnections";
+import { freeName } from "./words";
 
 type Port = Schemas["Port"];
 

@@ -1,18 +1,9 @@
 import { describe, expect, it } from "vitest";
 import type { Device } from "../../api/queries";
 import { parseAddresses } from "./addresses";
-import {
-  changeBody,
-  createBody,
-  draftOf,
-  freeName,
-  kindsOf,
-  linkOf,
-  linkText,
-  newDraft,
-  problemsOf,
-  withModel,
-} from "./draft";
+import { changeBody, createBody, draftOf, linkOf, newDraft, problemsOf, withModel } from "./draft";
+import { kindsOf, type Model } from "./models";
+import { freeName, linkText } from "./words";
 
 const DEVICE = {
   id: "bench",
@@ -215,6 +206,29 @@ describe("a TMC4361", () => {
     expect(linkOf(draftOf(device))).toEqual(link);
   });
 
+  it("keeps of its link what the form does not show", () => {
+    const of = (link: object) =>
+      draftOf({ ...DEVICE, model: "tmc4361", link, axes: DEVICE.axes.slice(0, 1) } as unknown as Device);
+    const emulated = { kind: "emulator", seed: 3, motor: { holding_torque_nm: 1 }, stage: { left_at_fullsteps: -9 } };
+    expect(changeBody(of(emulated), { ...of(emulated), timeScale: "2" }).link).toEqual({
+      ...emulated,
+      time_scale: 2,
+      clock_hz: 8e6,
+    });
+    const board = { kind: "landungsbruecke", port: "/dev/ttyACM0", baud: 9600, motor: 2 };
+    expect(changeBody(of(board), { ...of(board), timeoutS: "0.5" }).link).toEqual({ ...board, timeout_s: 0.5 });
+    const bus = { kind: "spidev", bus: 1, device: 0, mode: 0 };
+    const other = changeBody(of(bus), { ...of(bus), spi: { bus: "1", device: "1", speedHz: "" } });
+    expect(other.link).toEqual({ ...bus, device: 1 });
+    // another kind of link is another link
+    expect(linkOf({ ...of(board), kind: "spidev" })).toEqual({ kind: "spidev", bus: 0, device: 0 });
+  });
+
+  it("takes no more of the emulator's time than that can be worked out in", () => {
+    expect(problemsOf({ ...named, timeScale: "20" })).toEqual({});
+    expect(problemsOf({ ...named, timeScale: "21" })).toHaveProperty("timeScale");
+  });
+
   it("is reached on the first bus where nothing is said", () => {
     const spi = { ...named, kind: "spidev" as const };
     expect(problemsOf(spi)).toEqual({});
@@ -227,6 +241,54 @@ describe("a TMC4361", () => {
       "spi.speedHz": expect.stringContaining("10"),
     });
     expect(linkText({ kind: "spidev", bus: 1, device: 0 })).toBe("spi 1.0");
+  });
+});
+
+describe("a TMC5xxx", () => {
+  const named = (model: Model) => ({ ...newDraft(model), name: "far" });
+  const uart = (model: Model) => {
+    const draft = { ...named(model), kind: "uart" as const };
+    draft.module = { ...draft.module, serialPort: " /dev/ttyUSB0 " };
+    return draft;
+  };
+
+  it("has a UART where the chip has one, and two axes where it has two", () => {
+    const kinds = (model: Model) => kindsOf(model).map((kind) => kind.value);
+    expect(kinds("tmc5160")).toEqual(["emulator", "uart", "landungsbruecke", "tcp", "spidev"]);
+    expect(kinds("tmc5031")).not.toContain("uart");
+    expect(withModel(uart("tmc5130"), "tmc5031").kind).toBe("emulator");
+    expect(named("tmc5072").axes.map((axis) => axis.name)).toEqual(["X", "Y"]);
+    expect(named("tmc5130").axes).toHaveLength(1);
+    expect(linkOf(named("tmc5062"))).toEqual({ kind: "emulator" });
+  });
+
+  it("is reached over a UART once the port is said", () => {
+    expect(problemsOf({ ...uart("tmc5130"), module: newDraft().module })).toHaveProperty("module.serialPort");
+    expect(problemsOf(uart("tmc5130"))).toEqual({});
+    expect(linkOf(uart("tmc5130"))).toEqual({ kind: "uart", port: "/dev/ttyUSB0" });
+    const said = { ...uart("tmc5160"), timeoutS: "0.5", uart: { baud: "500000", node: "3", echo: "on" as const } };
+    const link = { kind: "uart", port: "/dev/ttyUSB0", baud: 500_000, node: 3, echo: "on", timeout_s: 0.5 };
+    expect(linkOf(said)).toEqual(link);
+    expect(linkText(link)).toBe("uart /dev/ttyUSB0 at 500\u202f000 baud, node 3");
+    const device = { ...DEVICE, model: "tmc5160", link, axes: DEVICE.axes.slice(0, 1) } as unknown as Device;
+    expect(linkOf(draftOf(device))).toEqual(link);
+    expect(changeBody(draftOf(device), draftOf(device))).toEqual({});
+  });
+
+  it("has no node to say where its datagrams bear none", () => {
+    const draft = { ...uart("tmc5062"), uart: { baud: "", node: "3", echo: "auto" as const } };
+    expect(problemsOf(draft)).toEqual({});
+    expect(linkOf(draft)).toEqual({ kind: "uart", port: "/dev/ttyUSB0" });
+  });
+
+  it.each([
+    ["uart.node", { uart: { baud: "", node: "256", echo: "auto" as const } }],
+    ["uart.baud", { uart: { baud: "12", node: "", echo: "auto" as const } }],
+    ["timeoutS", { timeoutS: "0" }],
+    ["clockMhz", { clockMhz: "20" }],
+    ["clockMhz", { clockMhz: "3.9" }],
+  ])("refuses %s of %j", (path, change) => {
+    expect(Object.keys(problemsOf({ ...uart("tmc5072"), ...change }))).toEqual([path]);
   });
 });
 

@@ -44,3 +44,11 @@ export function said(value: unknown): string {
 export function only<T extends Record<string, unknown>>(record: T): Partial<T> {
   return Object.fromEntries(Object.entries(record).filter(([, value]) => value !== undefined)) as Partial<T>;
 }
+
+export type Json = Record<string, unknown>;
+
+/** A link as it was, with what a form shows of it said anew; of another kind there is nothing to keep. */
+export function over(before: Json, kind: string | undefined, shown: Json): Json {
+  const kept = before.kind === kind ? before : {};
+  return only({ ...kept, kind, ...shown });
+}

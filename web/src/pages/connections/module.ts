@@ -1,8 +1,7 @@
 import { parseNumber } from "../../lib/format";
-import { type Limits, numberOf, numberProblem, only, said } from "./limits";
+import { type Json, type Limits, numberOf, numberProblem, over, said } from "./limits";
 
 export type ModuleKind = "emulator" | "serial" | "tcp" | "can";
-type Json = Record<string, unknown>;
 
 /** What is typed of a link to a module. Empty text stands for "not said". */
 export interface ModuleDraft {
@@ -20,8 +19,6 @@ export interface ModuleDraft {
   receiveId: string;
   /** of the emulated module, by the keys of OPTIONS */
   options: Record<string, string>;
-  /** the link as it was, so that what the form does not show stays as it is */
-  before: Json;
 }
 
 export const BAUDS = [9600, 14400, 19200, 28800, 38400, 57600, 76800, 115200, 230400, 250000, 500000, 1000000];
@@ -120,7 +117,6 @@ export function newModule(): ModuleDraft {
     sendId: "",
     receiveId: "",
     options: {},
-    before: {},
   };
 }
 
@@ -142,7 +138,6 @@ export function moduleOf(link: Json): ModuleDraft {
     sendId: said(link.send_id),
     receiveId: said(link.receive_id),
     options: Object.fromEntries(ALL_OPTIONS.map((row) => [row.key, said(valueAt(link, row.path))])),
-    before: link,
   };
 }
 
@@ -163,29 +158,29 @@ function withValueAt(record: Json, [key = "", ...rest]: readonly string[], value
   return copy;
 }
 
-/** What goes to the server: only what was said, so that its defaults hold. */
-export function moduleLink(kind: ModuleKind, draft: ModuleDraft): Json {
-  const timeout = numberOf(draft.timeoutS);
+/** What goes to the server: what was said, so that its defaults hold, and what the form does not show as it was. */
+export function moduleLink(kind: ModuleKind, draft: ModuleDraft, before: Json): Json {
+  const kept = (shown: Json) => over(before, kind, shown);
+  const timeout_s = numberOf(draft.timeoutS);
   const address = numberOf(draft.address);
   switch (kind) {
     case "serial":
-      return only({ kind, port: draft.serialPort.trim(), baud: numberOf(draft.baud), address, timeout_s: timeout });
+      return kept({ port: draft.serialPort.trim(), baud: numberOf(draft.baud), address, timeout_s });
     case "tcp":
-      return only({ kind, host: draft.host.trim(), port: numberOf(draft.tcpPort), address, timeout_s: timeout });
+      return kept({ host: draft.host.trim(), port: numberOf(draft.tcpPort), address, timeout_s });
     case "can":
-      return only({
-        kind,
+      return kept({
         interface: draft.canInterface.trim(),
         channel: draft.canChannel.trim(),
         bitrate: numberOf(draft.bitrate),
         send_id: numberOf(draft.sendId),
         receive_id: numberOf(draft.receiveId),
-        timeout_s: timeout,
+        timeout_s,
       });
     default:
       return ALL_OPTIONS.reduce<Json>(
         (link, row) => withValueAt(link, row.path, numberOf(draft.options[row.key] ?? "")),
-        draft.before.kind === "emulator" ? draft.before : { kind },
+        kept({}),
       );
   }
 }
