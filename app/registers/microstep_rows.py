@@ -1,4 +1,4 @@
-"""The microstep table as the TMC4361 and the TMC5xxx have it: eight words of differences, and what a bit of them means."""
+"""The microstep table as TMC4361 and TMC5xxx have it: eight words of differences, and what a bit of them means."""
 
 from __future__ import annotations
 
