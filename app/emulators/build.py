@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Literal, overload
+from typing import Literal, cast, overload
 
 from app.clock import Clock
 from app.emulators.device import EmulatedDevice
@@ -11,18 +11,21 @@ from app.emulators.options import EmulatorOptions
 from app.emulators.pd42.module import MODEL as PD42_MODEL
 from app.emulators.pd42.module import EmulatedModule
 from app.emulators.pd42.options import Pd42Options
+from app.emulators.tmc5xxx import MODELS as TMC5XXX_MODELS
+from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxModel, Tmc5xxxOptions
 from app.emulators.tmc4361 import MODEL as TMC4361_MODEL
 from app.emulators.tmc4361 import EmulatedTmc4361, Tmc4361Options
 from app.links.errors import OutOfRange, UnknownThing
 from app.registers.catalog import MODELS
 
-AnyOptions = EmulatorOptions | Pd42Options | Tmc4361Options
-AnyEmulator = EmulatedDevice | EmulatedModule | EmulatedTmc4361
+AnyOptions = EmulatorOptions | Pd42Options | Tmc4361Options | Tmc5xxxOptions
+AnyEmulator = EmulatedDevice | EmulatedModule | EmulatedTmc4361 | EmulatedTmc5xxx
 _OPTIONS: dict[str, type[AnyOptions]] = {
     "tmc428": EmulatorOptions,
     "tmc4210": EmulatorOptions,
     TMC4361_MODEL: Tmc4361Options,
     PD42_MODEL: Pd42Options,
+    **dict.fromkeys(TMC5XXX_MODELS, Tmc5xxxOptions),
 }
 EMULATED = tuple(_OPTIONS)
 """Models that there is an emulator of."""
@@ -46,9 +49,13 @@ def build_emulator(
     model: Literal["tmc4361"], clock: Clock, options: Tmc4361Options | None = None
 ) -> EmulatedTmc4361: ...
 @overload
+def build_emulator(model: Tmc5xxxModel, clock: Clock, options: Tmc5xxxOptions | None = None) -> EmulatedTmc5xxx: ...
+@overload
 def build_emulator(model: str, clock: Clock, options: EmulatorOptions) -> EmulatedDevice: ...
 @overload
 def build_emulator(model: str, clock: Clock, options: Tmc4361Options) -> EmulatedTmc4361: ...
+@overload
+def build_emulator(model: str, clock: Clock, options: Tmc5xxxOptions) -> EmulatedTmc5xxx: ...
 @overload
 def build_emulator(model: str, clock: Clock, options: Pd42Options, eeprom: Path | None = None) -> EmulatedModule: ...
 @overload
@@ -75,6 +82,8 @@ def build_emulator(
         return EmulatedModule(clock, options, eeprom)
     if isinstance(options, Tmc4361Options):
         return EmulatedTmc4361(clock, options)
+    if isinstance(options, Tmc5xxxOptions):
+        return EmulatedTmc5xxx(cast("Tmc5xxxModel", model), clock, options)
     known = MODELS[model]
     if options.clock_hz > known.clock_hz_max:
         raise OutOfRange("clock_hz", options.clock_hz, 1, known.clock_hz_max, f"the limit of a {known.title}")
@@ -93,3 +102,4 @@ def warm_up() -> None:
         build_emulator(chip, VirtualClock()).exchange(bytes(4))
     warm_up_drive()
     build_emulator("tmc4361", VirtualClock()).exchange(bytes(5), 1e-3)
+    build_emulator("tmc5160", VirtualClock()).exchange(bytes(5), 1e-3)

@@ -1,0 +1,184 @@
+"""What the benches around emulated motors have in common: parts of their REST documents, and what is done with them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Annotated, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from app.emulators.drive.options import FullSteps, MotorOptions
+from app.emulators.drive.world import Truth, World
+from app.links.errors import OutOfRange
+
+Flag = Annotated[bool, Field(strict=True)]
+Forced = Flag | Literal["auto"]
+Rate = Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)]
+Torque = Annotated[float, Field(strict=True, ge=-50, le=50, allow_inf_nan=False)]
+Friction = Annotated[float, Field(strict=True, ge=0, le=50, allow_inf_nan=False)]
+Supply = Annotated[float, Field(strict=True, ge=0, le=60, allow_inf_nan=False)]
+Seed = Annotated[int, Field(strict=True, ge=0, le=2**32 - 1)]
+TimeScale = Annotated[float, Field(strict=True, ge=0, le=20, allow_inf_nan=False)]
+"""A motor that turns is worked out 50 times as fast as it turns, or more; beyond that it would never be caught up."""
+
+PLACES = ("left_at_fullsteps", "right_at_fullsteps", "home_from_fullsteps", "home_to_fullsteps")
+"""Where the switches of a stage are: names in options, changes, states and in `World`."""
+
+
+class Closed(BaseModel):
+    """A document that takes nothing that it does not name."""
+
+    model_config = ConfigDict(extra="forbid")
+
+
+# --- what is told ---------------------------------------------------------------------------------
+
+
+class MotorState(BaseModel):
+    connected: bool
+    temperature_c: float = Field(description="of the driver's bridges [deg C]")
+    fullsteps_per_turn: int
+    torque_constant_nm_a: float = Field(description="of one phase, peak values; also back-EMF constant [V s/rad]")
+    holding_torque_nm: float = Field(description="both coils at rated current [N m]")
+    rated_current_a: float = Field(description="in both coils [A]")
+
+
+class StageState(BaseModel):
+    """Where switches and carriage are [full steps of the rotor]."""
+
+    left_at_fullsteps: float
+    right_at_fullsteps: float
+    home_from_fullsteps: float
+    home_to_fullsteps: float
+    position_fullsteps: float = Field(description="where the carriage really is")
+
+
+class TruthState(BaseModel):
+    """How motor and shaft really are: what nobody tells who is asked over the wire."""
+
+    rotor_rad: float = Field(description="shaft angle, not wrapped [rad]")
+    rotor_fullsteps: float = Field(description="the same in full steps")
+    field_fullsteps: float = Field(description="where an ideal unloaded rotor would stand [full steps]")
+    speed_rad_s: float
+    load_angle_deg: float = Field(description="field minus rotor [deg electrical]; more than 90 does not hold")
+    current_a_a: float = Field(description="coil A [A]")
+    current_b_a: float = Field(description="coil B [A]")
+    torque_nm: float
+    lost_fullsteps: int = Field(description="full steps lost since power-on: multiples of four")
+    current_scale: int = Field(description="current scale in use")
+    bridges: str = Field(description='"regulated", "open", "shorted", or "voltage" while PWM drives them')
+
+
+class ChipFaultsState(BaseModel):
+    """What is wrong between a chip and us at present."""
+
+    silence: bool
+    unplugged: bool
+    bit_error_rate: float
+
+
+def motor_state(world: World, motor: MotorOptions) -> MotorState:
+    """The motor as the API tells it."""
+    return MotorState(
+        connected=world.motor_connected,
+        temperature_c=world.temperature_c,
+        fullsteps_per_turn=4 * motor.rotor_teeth,
+        torque_constant_nm_a=motor.torque_constant,
+        holding_torque_nm=motor.holding_torque_nm,
+        rated_current_a=motor.rated_current_a,
+    )
+
+
+def stage_state(world: World, truth: Truth) -> StageState:
+    """Switches and carriage as the API tells them."""
+    return StageState(
+        left_at_fullsteps=world.left_at_fullsteps,
+        right_at_fullsteps=world.right_at_fullsteps,
+        home_from_fullsteps=world.home_from_fullsteps,
+        home_to_fullsteps=world.home_to_fullsteps,
+        position_fullsteps=truth.rotor_fullsteps,
+    )
+
+
+def truth_state(truth: Truth) -> TruthState:
+    """What no register tells, as the API tells it."""
+    return TruthState(
+        rotor_rad=truth.rotor_rad,
+        rotor_fullsteps=truth.rotor_fullsteps,
+        field_fullsteps=truth.field_fullsteps,
+        speed_rad_s=truth.speed_rad_s,
+        load_angle_deg=truth.load_angle_deg,
+        current_a_a=truth.current_a_a,
+        current_b_a=truth.current_b_a,
+        torque_nm=truth.torque_nm,
+        lost_fullsteps=truth.lost_fullsteps,
+        current_scale=truth.current_scale,
+        bridges=truth.bridges,
+    )
+
+
+# --- what is changed ------------------------------------------------------------------------------
+
+
+class MotorChange(Closed):
+    connected: Flag | None = Field(default=None, description="false pulls the motor's plug")
+    temperature_c: Annotated[float, Field(strict=True, ge=-40, le=250, allow_inf_nan=False)] | None = Field(
+        default=None, description="of the driver's bridges: warning from 120, shutdown from 150 [deg C]"
+    )
+
+
+class StageChange(Closed):
+    """Moves switches of the stage, or turns the shaft as by hand [full steps of the rotor]."""
+
+    left_at_fullsteps: FullSteps | None = None
+    right_at_fullsteps: FullSteps | None = None
+    home_from_fullsteps: FullSteps | None = None
+    home_to_fullsteps: FullSteps | None = None
+    position_fullsteps: FullSteps | None = Field(default=None, description="turns the shaft there and stops it")
+
+
+class ChipFaultsChange(Closed):
+    """Faults between the chip and us."""
+
+    silence: Flag | None = Field(default=None, description="datagrams are obeyed, answers are lost")
+    unplugged: Flag | None = Field(default=None, description="the link is gone")
+    bit_error_rate: Rate | None = Field(default=None, description="probability that a bit of a reply is flipped")
+
+
+def check_stage(places: Mapping[str, float], wanted: StageChange) -> None:
+    """Raises OutOfRange where switches, now at `places` (by the names in `PLACES`), would change places."""
+    moved = {name: places[name] if getattr(wanted, name) is None else getattr(wanted, name) for name in PLACES}
+    for low, high, touching in (
+        ("left_at_fullsteps", "right_at_fullsteps", False),
+        ("home_from_fullsteps", "home_to_fullsteps", True),
+    ):
+        if moved[low] > moved[high] or (moved[low] == moved[high] and not touching):
+            raise OutOfRange(low, moved[low], None, moved[high], f"{high} lies to the right of it")
+
+
+def places_of(world: World) -> dict[str, float]:
+    """Where the switches of a drive's stage are."""
+    return {name: getattr(world, name) for name in PLACES}
+
+
+def change_motor(world: World, wanted: MotorChange) -> None:
+    """Plug and temperature."""
+    if wanted.connected is not None:
+        world.motor_connected = wanted.connected
+    if wanted.temperature_c is not None:
+        world.temperature_c = wanted.temperature_c
+
+
+def change_stage(world: World, wanted: StageChange) -> None:
+    """Switches, then the shaft; the stage has been checked."""
+    for name in PLACES:
+        place = getattr(wanted, name)
+        if place is not None:
+            setattr(world, name, place)
+    if wanted.position_fullsteps is not None:
+        world.rotor_fullsteps = wanted.position_fullsteps
+
+
+def forced(wanted: Forced) -> bool | None:
+    """As `World` counts it: None is the stage's."""
+    return None if wanted == "auto" else wanted

@@ -1,0 +1,9 @@
+"""Emulated TMC5031, 5062, 5072, 5130 and 5160: SPI and UART on one side, motors, encoders and switches on the other."""
+
+from __future__ import annotations
+
+from app.emulators.tmc5xxx.chip import EmulatedTmc5xxx
+from app.emulators.tmc5xxx.options import MODELS, Tmc5xxxModel, Tmc5xxxOptions, Tmc5xxxPatch
+from app.emulators.tmc5xxx.state import Tmc5xxxState
+
+__all__ = ["MODELS", "EmulatedTmc5xxx", "Tmc5xxxModel", "Tmc5xxxOptions", "Tmc5xxxPatch", "Tmc5xxxState"]

@@ -1,0 +1,148 @@
+"""An emulated TMC5xxx as the far end of a wire: seconds, bytes and faults around a chip."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import asdict
+
+from app.clock import Clock
+from app.emulators.drive.bench import ChipFaultsState
+from app.emulators.far_end import ChipFaults, FarEnd
+from app.emulators.tmc5xxx import world
+from app.emulators.tmc5xxx.options import Tmc5xxxModel, Tmc5xxxOptions, Tmc5xxxPatch
+from app.emulators.tmc5xxx.registers import Chip
+from app.emulators.tmc5xxx.state import Tmc5xxxState
+from app.emulators.tmc5xxx.uart import UartEnd
+from app.links.datagram40 import FRAME_BYTES, Reply, Request
+
+
+class EmulatedTmc5xxx(FarEnd):
+    """Bytes in, bytes out, at its own clock's time; safe to use from several threads.
+
+    `exchange` and `transfer` are its SPI, `uart` is its single wire; `read` and `write` are what both reach, for an
+    evaluation board whose firmware does the framing. All of them go by the same registers.
+    """
+
+    def __init__(self, model: Tmc5xxxModel, clock: Clock, options: Tmc5xxxOptions | None = None) -> None:
+        """A chip that has just been switched on and lives by `clock`."""
+        self.options = options = options or Tmc5xxxOptions()
+        super().__init__(clock, options.time_scale)
+        self._model: Tmc5xxxModel = model
+        self._chip = Chip(model, options)
+        self._uart = UartEnd(self._chip)
+        self._noise = random.Random(options.seed)
+        self._data = 0
+        self._faults = ChipFaults()
+
+    @property
+    def model(self) -> Tmc5xxxModel:
+        """The name in the catalog."""
+        return self._model
+
+    # --- SPI -------------------------------------------------------------------------------------
+
+    def exchange(self, frame: bytes, at_s: float | None = None) -> bytes:
+        """Answer one 5-byte datagram at chip time `at_s` [s], by default now; never before the latest time used.
+
+        Raises ValueError for a frame of another length, ConnectionError while unplugged and TimeoutError
+        while silent. A silent chip still obeys: only its answer is lost.
+        """
+        if len(frame) != FRAME_BYTES:
+            raise ValueError(f"a datagram has {FRAME_BYTES} bytes, not {len(frame)}")
+        return self.transfer(frame, at_s)
+
+    def transfer(self, sent: bytes, at_s: float | None = None) -> bytes:
+        """What comes out while `sent` goes in, between CSN low and CSN high: any whole number of bytes.
+
+        Fewer than 40 bits only fetch the beginning of the reply; of more the last 40 are the command, and those
+        before them leave after 40 clocks, to the next chip of a chain. Raises what `exchange` does, but for lengths.
+        """
+        self._faults.require_plugged(self._model)
+        with self._lock:
+            chip = self._chip
+            self._run_until(at_s)
+            received = (Reply(chip.spi_status, self._data).encode() + sent)[: len(sent)]
+            if len(sent) >= FRAME_BYTES:
+                request = Request.decode(sent[-FRAME_BYTES:])
+                if request.write:
+                    chip.write(request.address, request.data)
+                    self._data = request.data
+                else:
+                    self._data = chip.read(request.address)
+            return self._faults.pass_on(self._model, received, self._noise)
+
+    # --- UART ------------------------------------------------------------------------------------
+
+    def uart(self, datagram: bytes, at_s: float | None = None) -> bytes:
+        """Answer one whole datagram of the single-wire UART at chip time `at_s` [s], by default now.
+
+        b"" where nothing is answered: a write, a wrong CRC, another node, no such datagram, a chip without UART. Then
+        nothing was obeyed either, but for the write. Raises ConnectionError while unplugged and TimeoutError while
+        silent, for a question only.
+        """
+        self._faults.require_plugged(self._model)
+        with self._lock:
+            self._run_until(at_s)
+            reply = self._uart.answer(datagram)
+            return self._faults.pass_on(self._model, reply, self._noise) if reply else b""
+
+    @property
+    def reply_delay_bits(self) -> int:
+        """Bit times between the end of a question and the answer: NODECONF.SENDDELAY."""
+        return self._uart.reply_delay_bits
+
+    # --- registers -------------------------------------------------------------------------------
+
+    def read(self, address: int, at_s: float | None = None) -> int:
+        """The word that a bus reads at `address`, with all consequences (flags that a read clears)."""
+        self._faults.require_plugged(self._model)
+        with self._lock:
+            self._run_until(at_s)
+            return self._chip.read(address)
+
+    def write(self, address: int, data: int, at_s: float | None = None) -> None:
+        """Write 32 bits as a bus does. IFCNT counts only what came over the UART."""
+        self._faults.require_plugged(self._model)
+        with self._lock:
+            self._run_until(at_s)
+            self._chip.write(address, data)
+
+    # --- the world around ------------------------------------------------------------------------
+
+    def state(self, at_s: float | None = None) -> Tmc5xxxState:
+        """Everything that GET .../emulator answers, at chip time `at_s` [s], by default now."""
+        with self._lock:
+            self._run_until(at_s)
+            return self._describe()
+
+    def patch(self, change: Tmc5xxxPatch, at_s: float | None = None) -> Tmc5xxxState:
+        """Change the world around the chip at chip time `at_s` [s], by default now.
+
+        Raises OutOfRange for an axis or an encoder that the chip does not have and for switches that would change
+        places, WrongState for a load on a rigid motor. Then nothing was changed.
+        """
+        with self._lock:
+            chip = self._chip
+            world.check(chip, self._model, self.options, change)
+            self._run_until(at_s)
+            if change.power_cycle:
+                chip.reset()
+                self._data = 0
+            world.change(chip, change)
+            self._faults.change(change.faults)
+            if change.time_scale is not None:
+                self.clock.scale = change.time_scale
+            return self._describe()
+
+    def _run_until(self, at_s: float | None) -> None:
+        self._chip.advance(self._clocks(at_s, self.options.clock_hz))
+
+    def _describe(self) -> Tmc5xxxState:
+        return world.describe(
+            self._chip,
+            self._model,
+            self.options,
+            ChipFaultsState(**asdict(self._faults)),
+            time_scale=self.clock.scale,
+            chip_time_s=self._latest_s,
+        )

@@ -1,0 +1,139 @@
+"""What an emulated TMC5xxx can be asked for when it is made, and changed in while it runs."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal, get_args
+
+from pydantic import Field, model_validator
+
+from app.emulators.drive.bench import (
+    ChipFaultsChange,
+    Closed,
+    Flag,
+    Forced,
+    Friction,
+    MotorChange,
+    Seed,
+    StageChange,
+    Supply,
+    TimeScale,
+    Torque,
+)
+from app.emulators.drive.options import (
+    DriveOptions,
+    EncoderOptions,
+    FullSteps,
+    LoadOptions,
+    MotorOptions,
+    StageSwitches,
+)
+
+Tmc5xxxModel = Literal["tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160"]
+MODELS: tuple[Tmc5xxxModel, ...] = get_args(Tmc5xxxModel)
+Rigid = Literal["rigid"]
+
+
+class LineEncoder(Closed):
+    """An encoder with A, B and N lines on the shaft of each motor. N is high for one line a turn, from its count 0."""
+
+    lines: Annotated[int, Field(strict=True, ge=1, le=1 << 20)] = Field(default=10_000, description="four counts each")
+    reversed: Flag = Field(default=False, description="A and B are swapped")
+
+
+class Tmc5xxxOptions(Closed):
+    """How an emulated chip, its motors, encoders and stages are made: the `link` of an emulated device.
+
+    Two motors of one chip are alike.
+    """
+
+    time_scale: TimeScale = Field(default=1.0, description="how fast the chip's time passes; 0 stands still")
+    clock_hz: Annotated[float, Field(strict=True, ge=4e6, le=18e6, allow_inf_nan=False)] = Field(
+        default=16e6, description="fCLK, which the units of all registers hang on [Hz]"
+    )
+    motor: MotorOptions | Rigid = Field(
+        default_factory=MotorOptions,
+        description='"rigid": no physics, the shaft follows the field exactly, and long stretches at constant velocity '
+        "take no time to work out",
+    )
+    load: LoadOptions = Field(default_factory=LoadOptions)
+    encoder: LineEncoder = Field(default_factory=LineEncoder, description="not seen by a TMC5031")
+    stage: StageSwitches = Field(default_factory=StageSwitches)
+    supply_v: Supply = Field(default=24.0, description="motor supply [V]")
+    full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30, allow_inf_nan=False)] | None = Field(
+        default=None,
+        description="peak coil current at current scale 31, vsense 0 or GLOBALSCALER 0; null: as the chip's "
+        "evaluation board has it [A]",
+    )
+    start_fullsteps: FullSteps = Field(default=0.0, description="where the rotors stand at first [full steps]")
+    node_pin: Flag = Field(default=False, description="NEXTADDR is high: the UART's node address is one more")
+    seed: Seed = Field(default=5160, description="of the noise in the load value and of bit errors")
+
+    @property
+    def rigid(self) -> bool:
+        """Whether the shaft follows the field exactly."""
+        return self.motor == "rigid"
+
+    def drive(self, full_scale_a: float) -> DriveOptions:
+        """The part that each motor and its driver are made with; `full_scale_a` [A] is what the chip has by itself."""
+        return DriveOptions(
+            motor=MotorOptions() if self.motor == "rigid" else self.motor,
+            load=self.load,
+            stage=self.stage,
+            encoders=EncoderOptions(external_lines=self.encoder.lines, external_reversed=self.encoder.reversed),
+            clock_hz=self.clock_hz,
+            supply_v=self.supply_v,
+            full_scale_a=self.full_scale_a or full_scale_a,
+            start_fullsteps=self.start_fullsteps,
+            seed=self.seed,
+        )
+
+    @model_validator(mode="after")
+    def _can_be_computed(self) -> Tmc5xxxOptions:
+        self.drive(1.0)
+        return self
+
+
+class SwitchesChange(Closed):
+    """Forces switches, or gives them back to the stage with "auto"."""
+
+    left: Forced | None = Field(default=None, description="level at REFL: true is high, as a pressed switch is")
+    right: Forced | None = Field(default=None, description="level at REFR")
+
+
+class EncoderChange(Closed):
+    slip_fullsteps: FullSteps | None = Field(
+        default=None, description="one shot: lets the encoder slip on the shaft by so much"
+    )
+
+
+class AxisChange(Closed):
+    """One motor, its load, its switches; what is left out stays."""
+
+    axis: Annotated[int, Field(strict=True, ge=0, le=1)]
+    motor: MotorChange = Field(default_factory=MotorChange)
+    load_torque_nm: Torque | None = Field(
+        default=None, description="constant, like a weight: a positive one pulls to negative positions [N m]"
+    )
+    blocked: Flag | None = Field(default=None, description="clamps the shaft where it is")
+    friction: Friction | None = Field(default=None, description="friction on top of the motor's own [N m]")
+    stage: StageChange = Field(default_factory=StageChange)
+    switches: SwitchesChange = Field(default_factory=SwitchesChange)
+    encoder: EncoderChange = Field(default_factory=EncoderChange)
+
+
+class PinsChange(Closed):
+    """Levels from outside: true is high."""
+
+    drv_enn: Flag | None = Field(default=None, description="level at DRV_ENN: high switches all bridges off")
+    nextaddr: Flag | None = Field(default=None, description="level at NEXTADDR: high adds 1 to the node address")
+
+
+class Tmc5xxxPatch(Closed):
+    """A change to a running chip; what is left out stays. A power cycle comes first."""
+
+    time_scale: TimeScale | None = None
+    axes: list[AxisChange] = Field(default_factory=list, max_length=2)
+    supply_v: Supply | None = Field(default=None, description="motor supply [V]; the driver needs 8")
+    pins: PinsChange = Field(default_factory=PinsChange)
+    faults: ChipFaultsChange = Field(default_factory=ChipFaultsChange)
+    power_cycle: Flag = Field(default=False, description="off and on again; motors and stages stay where they are")

@@ -1,0 +1,79 @@
+"""What an emulated TMC5xxx tells about itself, its motors and the world behind its pins."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, Field
+
+from app.emulators.drive.bench import ChipFaultsState, MotorState, StageState, TruthState
+from app.emulators.tmc5xxx.options import Tmc5xxxModel
+
+
+class SwitchState(BaseModel):
+    active: bool = Field(description="the pin is high: polarity and swapping by SW_MODE do not enter")
+    forced: bool | None = Field(description="null while the switch follows the stage")
+
+
+class SwitchesState(BaseModel):
+    left: SwitchState
+    right: SwitchState
+
+
+class EncoderState(BaseModel):
+    counts: int = Field(description="since the start, not wrapped: what no register tells")
+    counts_per_turn: int
+    connected: bool = Field(description="false while GCONF gives the encoder's pins to something else")
+    n_level: bool = Field(description="level of the N line")
+    slip_fullsteps: float = Field(description="how far it has slipped on the shaft in all")
+
+
+class PositionCompareState(BaseModel):
+    """The comparison of XACTUAL with X_COMPARE."""
+
+    x_compare: int
+    output: bool = Field(description="level at the pin, where GCONF lets it out: high while both are equal")
+    enabled: bool = Field(description="whether the pin shows it (dual chips: poscmp_enable)")
+    passed: int = Field(description="how often XACTUAL has come upon X_COMPARE since power-on")
+
+
+class AxisState(BaseModel):
+    axis: int
+    motor: MotorState
+    load_torque_nm: float
+    blocked: bool
+    friction: float = Field(description="friction on top of the motor's own [N m]")
+    stage: StageState
+    switches: SwitchesState
+    encoder: EncoderState | None = Field(description="null: the chip has none")
+    truth: TruthState
+
+
+class UartState(BaseModel):
+    """The single-wire interface."""
+
+    node: int | None = Field(description="address now: NODECONF and the NEXTADDR pin; null: a TMC5062 has none")
+    reply_delay_bits: int = Field(description="bit times before an answer (SENDDELAY)")
+    writes: int = Field(description="IFCNT: accepted writes, modulo 256")
+
+
+class PinsState(BaseModel):
+    """Levels: true is high."""
+
+    drv_enn: bool
+    nextaddr: bool
+    interrupt: bool = Field(description="the interrupt output is active")
+
+
+class Tmc5xxxState(BaseModel):
+    """Everything that GET .../emulator answers for a TMC5xxx."""
+
+    model: Tmc5xxxModel
+    time_scale: float
+    chip_time_s: float
+    clock_hz: float
+    rigid: bool = Field(description="no physics: the shafts follow the fields exactly")
+    supply_v: float
+    axes: list[AxisState]
+    position_compare: PositionCompareState = Field(description="of motor 1")
+    uart: UartState | None
+    pins: PinsState
+    faults: ChipFaultsState
