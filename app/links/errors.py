@@ -65,9 +65,16 @@ class OutOfRange(UsageError):
     """A value outside what is allowed."""
 
     def __init__(self, name: str, value: object, minimum: float | None, maximum: float | None, hint: str = "") -> None:
-        allowed = f"{'' if minimum is None else f'{minimum:g}'}..{'' if maximum is None else f'{maximum:g}'}"
+        allowed = f"{_plain(minimum)}..{_plain(maximum)}"
         super().__init__(f"{name} is {value}, allowed is {allowed}{'; ' + hint if hint else ''}")
         self.name, self.value, self.minimum, self.maximum, self.hint = name, value, minimum, maximum, hint
+
+
+def _plain(limit: float | None) -> str:
+    """A limit as somebody would type it: whole numbers in full."""
+    if limit is None:
+        return ""
+    return str(limit) if isinstance(limit, int) else f"{limit:.10g}"
 
 
 class WrongState(UsageError):
