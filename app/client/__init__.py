@@ -1,0 +1,33 @@
+"""The same bench from a script: typed calls of the REST API, for plain code (`Bench`) and for asyncio (`AsyncBench`).
+
+    from app.client import Bench
+
+    with Bench("http://127.0.0.1:8000") as bench:
+        bench.write("bench", "V_MAX", 1200, axis=0)
+        bench.move("bench", 0, 40_000)  # answers when it has arrived
+        run = bench.watch("bench", ["position.0", "residual.0"], seconds=2, rate_hz=500)
+
+`records` is what comes back, `errors` what may be raised. Nothing here is sent twice: a call whose answer got lost
+may have moved a motor.
+"""
+
+from app.client.asynchronous import AsyncBench
+from app.client.blocking import Bench
+from app.client.errors import ClientError, MoveEnded, NoAnswer, NoServer, Refused
+from app.client.records import AxisState, Device, MoveStarted, Reading, Samples, Written
+
+__all__ = [
+    "AsyncBench",
+    "AxisState",
+    "Bench",
+    "ClientError",
+    "Device",
+    "MoveEnded",
+    "MoveStarted",
+    "NoAnswer",
+    "NoServer",
+    "Reading",
+    "Refused",
+    "Samples",
+    "Written",
+]
