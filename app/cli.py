@@ -1,4 +1,4 @@
-"""The command line: `stepscope serve | emulate | fault | openapi`."""
+"""The command line: `stepscope serve | emulate | fault | openapi`, and the commands that ask a running server."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from typing import Annotated
 import typer
 
 from app import __version__
+from app.commands import COMMANDS
 from app.links.errors import BenchError
 from app.settings import LogLevel, Settings
 
@@ -183,6 +184,10 @@ def openapi() -> None:
     from app.main import create_app
 
     typer.echo(json.dumps(create_app(Settings()).openapi(), indent=1, ensure_ascii=False))
+
+
+for _command in COMMANDS:
+    cli.command(no_args_is_help=_command.__name__ not in ("devices", "stop"))(_command)
 
 
 if __name__ == "__main__":

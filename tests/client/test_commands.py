@@ -1,0 +1,104 @@
+"""The commands that ask a running server, through the program's own parser."""
+
+from __future__ import annotations
+
+import asyncio
+import csv
+import json
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner, Result
+
+from app.cli import cli
+from app.commands import COMMANDS
+
+
+async def run(server: str, *arguments: str) -> Result:
+    """`stepscope ARGUMENTS`, asked of `server`, in a thread: the server's loop has to go on."""
+    return await asyncio.to_thread(CliRunner(env={"STEPSCOPE_URL": server}).invoke, cli, list(arguments))
+
+
+def said(result: Result) -> str:
+    assert result.exit_code == 0, result.output
+    return result.stdout
+
+
+async def test_a_session(server: str, tmp_path: Path) -> None:
+    assert "TMC428" in said(await run(server, "devices"))
+    assert [each["id"] for each in json.loads(said(await run(server, "devices", "--json")))] == ["bench", "slider"]
+    assert "verified" in said(await run(server, "write", "bench", "V_MAX=0x4B0", "A_MAX=300", "--axis", "0"))
+    readings = json.loads(said(await run(server, "read", "bench", "V_MAX", "A_MAX", "--axis", "0", "--json")))
+    assert [reading["value"] for reading in readings] == [1200, 300]
+    assert "at 3200" in said(await run(server, "move", "bench", "3200"))
+    assert "at 1200" in said(await run(server, "move", "bench", "--relative", "--", "-2000"))
+    state = json.loads(said(await run(server, "axis", "bench", "--json")))
+    assert (state["position"], state["position_reached"]) == (1200, True)
+    assert "1200 microsteps" in said(await run(server, "axis", "bench"))
+
+    file = tmp_path / "run.csv"
+    said(await run(server, "watch", "bench", "position.0", "velocity.0", "--seconds", "0.05", "--out", str(file)))
+    rows = list(csv.reader(file.read_text().splitlines()))
+    assert rows[0] == ["time_s", "position.0 [microsteps]", "velocity.0 [pps]"]
+    assert {row[1] for row in rows[1:]} == {"1200"}
+
+
+async def test_turning_and_stopping(server: str) -> None:
+    assert "turns at" in said(await run(server, "rotate", "bench", "1000", "--axis", "1"))
+    assert json.loads(said(await run(server, "axis", "bench", "--axis", "1", "--json")))["moving"]
+    assert "3 axes" in said(await run(server, "stop", "bench"))
+    assert "1 axis" in said(await run(server, "stop", "bench", "--axis", "1", "--immediate"))
+    assert "4 axes" in said(await run(server, "stop"))
+    assert not json.loads(said(await run(server, "axis", "bench", "--axis", "1", "--json")))["moving"]
+
+
+async def test_calculators_and_any_other_call(server: str) -> None:
+    answer = said(await run(server, "calc", "pmul-pdiv", "chip=tmc428", "a_max=500", "ramp_div=7", "pulse_div=5"))
+    assert json.loads(answer)["pmul"] == 109
+    changed = await run(server, "api", "PATCH", "devices/bench/emulator", "faults.silence=true")
+    assert json.loads(said(changed))["faults"]["silence"] is True
+    assert json.loads(said(await run(server, "api", "GET", "/api/v1/health")))["status"] == "ok"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "words"),
+    [
+        (("read", "bench", "NOPE"), 1, "NOPE"),
+        (("move", "bench", "1e30"), 1, "8388607"),
+        (("axis", "nobody"), 1, "known: bench"),
+        (("write", "bench", "V_MAX"), 2, "NAME=VALUE"),
+        (("write", "bench", "V_MAX=fast"), 2, "FIELD"),
+        (("devices", "--url", "http://127.0.0.1:1"), 3, "stepscope serve"),
+        (("devices", "--url", "nowhere"), 2, "http://HOST:PORT"),
+        (("stop", "slider", "--axis", "7"), 1, "axis"),
+    ],
+)
+async def test_what_goes_wrong_is_a_line_and_a_code(
+    server: str, arguments: tuple[str, ...], code: int, words: str
+) -> None:
+    result = await run(server, *arguments)
+    assert result.exit_code == code, result.output
+    assert words in result.output
+    assert result.output.strip().startswith("stepscope: ")
+    assert isinstance(result.exception, SystemExit), "told, not thrown"
+
+
+async def test_a_bad_assignment_writes_nothing(server: str) -> None:
+    before = json.loads(said(await run(server, "read", "bench", "V_MAX", "--axis", "0", "--json")))[0]["value"]
+    assert (await run(server, "write", "bench", "V_MAX=77", "A_MAX", "--axis", "0")).exit_code == 2
+    after = json.loads(said(await run(server, "read", "bench", "V_MAX", "--axis", "0", "--json")))[0]["value"]
+    assert after == before
+
+
+async def test_a_switch_in_the_way_is_told(server: str) -> None:
+    said(await run(server, "api", "PATCH", "devices/bench/emulator", 'switches=[{"axis": 0, "right": true}]'))
+    result = await run(server, "move", "bench", "20000")
+    assert result.exit_code == 5, result.output
+    assert "right" in result.output
+
+
+def test_every_command_explains_itself() -> None:
+    for command in COMMANDS:
+        result = CliRunner().invoke(cli, [command.__name__, "--help"])
+        assert result.exit_code == 0
+        assert "Usage" in result.output
