@@ -1,16 +1,19 @@
-import { Button, Divider, Switch, Text } from "@mantine/core";
-import { IconPower } from "@tabler/icons-react";
+import { Divider } from "@mantine/core";
 import type { Device } from "../../api/queries";
 import { fixed } from "../../lib/format";
-import { NumberField } from "../../lib/NumberField";
 import classes from "./bench.module.css";
-import { SwitchRow, TimeScale } from "./EmulatorParts";
+import { EmulatorTime, Faults, Power, SwitchRow } from "./EmulatorParts";
 import type { ChipAxis, ChipPatch, ChipState } from "./useEmulator";
 
 const SWITCHES = [
   ["left", "Left"],
   ["reference", "Reference"],
   ["right", "Right"],
+] as const;
+
+const FAULTS = [
+  ["silence", "Silent: frames get no answer"],
+  ["unplugged", "Unplugged: the link is gone"],
 ] as const;
 
 interface Props {
@@ -32,41 +35,12 @@ export function ChipControls({ device, state, send }: Props) {
           send={send}
         />
       ))}
-      <Divider label="Time" labelPosition="left" />
-      <TimeScale scale={state.time_scale} chipTimeS={state.chip_time_s} send={(time_scale) => send({ time_scale })} />
-      <Divider label="Faults" labelPosition="left" />
-      <Switch
-        size="sm"
-        label="Silent: frames get no answer"
-        checked={state.faults.silence}
-        onChange={(event) => send({ faults: { silence: event.currentTarget.checked } })}
+      <EmulatorTime state={state} send={send} />
+      <Faults faults={state.faults} names={FAULTS} send={(faults) => send({ faults })} />
+      <Power
+        send={send}
+        note="Resets the chip: registers and RAM lose what was set. The carriages stay where they are."
       />
-      <Switch
-        size="sm"
-        label="Unplugged: the link is gone"
-        checked={state.faults.unplugged}
-        onChange={(event) => send({ faults: { unplugged: event.currentTarget.checked } })}
-      />
-      <NumberField
-        label="Bit error rate of replies"
-        value={state.faults.bit_error_rate}
-        min={0}
-        max={1}
-        step={0.001}
-        onChange={(rate) => send({ faults: { bit_error_rate: rate } })}
-      />
-      <Divider label="Power" labelPosition="left" />
-      <Button
-        size="xs"
-        variant="default"
-        leftSection={<IconPower size={16} aria-hidden />}
-        onClick={() => send({ power_cycle: true })}
-      >
-        Power cycle
-      </Button>
-      <Text size="xs" c="dimmed">
-        Resets the chip: registers and RAM lose what was set. The carriages stay where they are.
-      </Text>
     </>
   );
 }

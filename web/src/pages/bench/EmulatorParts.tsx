@@ -1,5 +1,6 @@
-import { Group, SegmentedControl, Slider, Text } from "@mantine/core";
-import { useState } from "react";
+import { Button, Divider, Group, SegmentedControl, Slider, Switch, Text } from "@mantine/core";
+import { IconPower } from "@tabler/icons-react";
+import { type ReactNode, useState } from "react";
 import { fixed } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import classes from "./bench.module.css";
@@ -35,23 +36,24 @@ export function SwitchRow({ label, of, forced, onChange }: SwitchProps) {
 }
 
 interface TimeProps {
-  scale: number;
-  chipTimeS: number;
-  send: (scale: number) => void;
+  state: { time_scale: number; chip_time_s: number };
+  send: (change: { time_scale: number }) => void;
 }
 
 /** How fast the emulator's time passes. */
-export function TimeScale({ scale, chipTimeS, send }: TimeProps) {
+export function EmulatorTime({ state, send }: TimeProps) {
+  const { time_scale: scale, chip_time_s: chipTimeS } = state;
   const index = SCALES.findIndex((candidate) => candidate >= scale);
   return (
     <>
+      <Divider label="Time" labelPosition="left" />
       <Slider
         thumbLabel="Time scale"
         min={0}
         max={SCALES.length - 1}
         step={1}
         value={index < 0 ? SCALES.length - 1 : index}
-        onChange={(chosen) => send(SCALES[chosen] ?? 1)}
+        onChange={(chosen) => send({ time_scale: SCALES[chosen] ?? 1 })}
         label={(chosen) => `${SCALES[chosen]} x`}
         marks={SCALES.map((each, place) => ({ value: place, label: String(each) }))}
         mb="lg"
@@ -107,18 +109,20 @@ const PLACES = [
   ["home_to_fullsteps", "Home to"],
   ["position_fullsteps", "Carriage at"],
 ] as const;
-type Places = Record<(typeof PLACES)[number][0], number>;
+export type Places = Record<(typeof PLACES)[number][0], number>;
 
 interface PlacesProps {
   stage: Places;
+  /** it has a home switch */
+  home: boolean;
   send: (places: Partial<Places>) => void;
 }
 
 /** Where the switches of a stage stand, and its carriage. */
-export function StagePlacesFields({ stage, send }: PlacesProps) {
+export function StagePlacesFields({ stage, home, send }: PlacesProps) {
   return (
     <div className={classes.pairGrid}>
-      {PLACES.map(([name, label]) => (
+      {PLACES.filter(([name]) => home || !name.startsWith("home")).map(([name, label]) => (
         <NumberField
           key={name}
           label={label}
@@ -133,5 +137,78 @@ export function StagePlacesFields({ stage, send }: PlacesProps) {
         />
       ))}
     </div>
+  );
+}
+
+type FaultChange<Name extends string> = Partial<Record<Name, boolean> & { bit_error_rate: number }>;
+
+interface FaultProps<Name extends string> {
+  faults: Readonly<Record<Name, boolean>> & { bit_error_rate: number };
+  /** those that are there or not, as they are called here */
+  names: readonly (readonly [name: Name, label: string])[];
+  send: (faults: FaultChange<Name>) => void;
+  /** further ones, with a number each */
+  children?: ReactNode;
+}
+
+/** What can go wrong between the emulated device and us. */
+export function Faults<Name extends string>({ faults, names, send, children }: FaultProps<Name>) {
+  return (
+    <>
+      <Divider label="Faults" labelPosition="left" />
+      {names.map(([name, label]) => (
+        <Switch
+          key={name}
+          size="sm"
+          label={label}
+          checked={faults[name]}
+          onChange={(event) => send({ [name]: event.currentTarget.checked } as FaultChange<Name>)}
+        />
+      ))}
+      <div className={classes.pairGrid}>
+        <NumberField
+          label="Bit error rate"
+          title="the share of bits of replies that are turned over"
+          value={faults.bit_error_rate}
+          min={0}
+          max={1}
+          step={0.001}
+          onChange={(rate) => send({ bit_error_rate: rate } as FaultChange<Name>)}
+        />
+        {children}
+      </div>
+    </>
+  );
+}
+
+interface PowerProps {
+  send: (change: { power_cycle: true }) => void;
+  /** what it does, and what not */
+  note: string;
+  /** beside the button */
+  children?: ReactNode;
+}
+
+/** Off and on again. */
+export function Power({ send, note, children }: PowerProps) {
+  return (
+    <>
+      <Divider label="Power" labelPosition="left" />
+      <Group gap={6} grow wrap="nowrap">
+        <Button
+          size="xs"
+          variant="default"
+          leftSection={<IconPower size={16} aria-hidden />}
+          onClick={() => send({ power_cycle: true })}
+          data-testid="power-cycle"
+        >
+          Power cycle
+        </Button>
+        {children}
+      </Group>
+      <Text size="xs" c="dimmed">
+        {note}
+      </Text>
+    </>
   );
 }

@@ -1,12 +1,21 @@
-import { Button, Divider, Group, Switch, Text } from "@mantine/core";
-import { IconArrowBackUp, IconPower } from "@tabler/icons-react";
+import { Button } from "@mantine/core";
+import { IconArrowBackUp } from "@tabler/icons-react";
 import { useState } from "react";
-import { fixed } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
-import classes from "./bench.module.css";
-import { LoadSlider, StagePlacesFields, SwitchRow, TimeScale } from "./EmulatorParts";
-import { RotorDial } from "./RotorDial";
+import { EmulatorTime, Faults, Power } from "./EmulatorParts";
+import { BridgesAt, EncoderOnShaft, MotorStage, Shaft, Supply } from "./MotorParts";
 import type { Pd42Patch, Pd42State } from "./useEmulator";
+
+const SWITCHES = [
+  ["left", "Left"],
+  ["home", "Home"],
+  ["right", "Right"],
+] as const;
+const FAULTS = [
+  ["silence", "Silent: answers are lost"],
+  ["unplugged", "Unplugged: the line is gone"],
+  ["undervoltage", "Undervoltage: bridges off"],
+] as const;
 
 interface Props {
   state: Pd42State;
@@ -15,102 +24,28 @@ interface Props {
 
 /** The world of an emulated module: what pulls at its shaft, its stage, its supply, its line; and how the rotor is. */
 export function ModuleControls({ state, send }: Props) {
-  const { faults, stage, encoder, motor } = state;
-  // the slider goes a little beyond what the motor holds
-  const most = Math.ceil(motor.holding_torque_nm * 1200) / 1000;
+  const { faults, encoder } = state;
   return (
     <>
-      <RotorDial truth={state.truth} />
-      <Divider label="Shaft" labelPosition="left" />
-      <LoadSlider value={state.load_torque_nm} most={most} send={(load_torque_nm) => send({ load_torque_nm })} />
-      <div className={classes.pairGrid}>
-        <NumberField
-          label="Friction"
-          unit="N·m"
-          value={state.friction}
-          min={0}
-          max={50}
-          step={0.01}
-          onChange={(friction) => send({ friction })}
-        />
-        <NumberField
-          label="Supply"
-          unit="V"
-          value={state.supply_v}
-          min={0}
-          max={60}
-          step={1}
-          onChange={(supply_v) => send({ supply_v })}
-          data-testid="supply"
-        />
-      </div>
-      <Switch
-        size="sm"
-        label="Shaft blocked"
-        checked={state.blocked}
-        onChange={(event) => send({ blocked: event.currentTarget.checked })}
-        data-testid="blocked"
+      <Shaft world={state} send={send}>
+        <Supply volts={state.supply_v} send={send} />
+      </Shaft>
+      <EncoderOnShaft
+        slip={encoder.slip_fullsteps}
+        what="The magnet"
+        onSlip={() => send({ encoder: { slip_fullsteps: 1 } })}
+        eccentricityDeg={encoder.eccentricity_deg}
+        onEccentricity={(eccentricity_deg) => send({ encoder: { eccentricity_deg } })}
       />
-      <Switch
-        size="sm"
-        label="Motor plugged in"
-        checked={motor.connected}
-        onChange={(event) => send({ motor: { connected: event.currentTarget.checked } })}
+      <MotorStage
+        stage={state.stage}
+        switches={state.switches}
+        names={SWITCHES}
+        onSwitch={(name, value) => send({ switches: { [name]: value } })}
+        onPlaces={(stage) => send({ stage })}
       />
-      <Divider label="Encoder" labelPosition="left" />
-      <Group gap={6} wrap="nowrap" align="flex-end">
-        <NumberField
-          label="Eccentricity"
-          unit="°"
-          value={encoder.eccentricity_deg}
-          min={0}
-          max={10}
-          step={0.1}
-          flex={1}
-          onChange={(eccentricity_deg) => send({ encoder: { eccentricity_deg } })}
-        />
-        <SlipButton slip={encoder.slip_fullsteps} send={send} />
-      </Group>
-      <Divider label="Switches and stage" labelPosition="left" />
-      <div className={classes.fieldset}>
-        {(["left", "home", "right"] as const).map((name) => (
-          <SwitchRow
-            key={name}
-            label={name === "home" ? "Home" : name === "left" ? "Left" : "Right"}
-            of="the stage"
-            forced={state.switches[name].forced}
-            onChange={(value) => send({ switches: { [name]: value } })}
-          />
-        ))}
-      </div>
-      <StagePlacesFields stage={stage} send={(places) => send({ stage: places })} />
-      <Divider label="Time" labelPosition="left" />
-      <TimeScale scale={state.time_scale} chipTimeS={state.chip_time_s} send={(time_scale) => send({ time_scale })} />
-      <Divider label="Faults" labelPosition="left" />
-      {(
-        [
-          ["silence", "Silent: answers are lost"],
-          ["unplugged", "Unplugged: the line is gone"],
-          ["undervoltage", "Undervoltage: bridges off"],
-        ] as const
-      ).map(([name, label]) => (
-        <Switch
-          key={name}
-          size="sm"
-          label={label}
-          checked={faults[name]}
-          onChange={(event) => send({ faults: { [name]: event.currentTarget.checked } })}
-        />
-      ))}
-      <div className={classes.pairGrid}>
-        <NumberField
-          label="Bit error rate"
-          value={faults.bit_error_rate}
-          min={0}
-          max={1}
-          step={0.001}
-          onChange={(bit_error_rate) => send({ faults: { bit_error_rate } })}
-        />
+      <EmulatorTime state={state} send={send} />
+      <Faults faults={faults} names={FAULTS} send={(change) => send({ faults: change })}>
         <NumberField
           label="Half frames"
           value={faults.half_frame_rate}
@@ -128,47 +63,12 @@ export function ModuleControls({ state, send }: Props) {
           step={0.01}
           onChange={(late_reply_s) => send({ faults: { late_reply_s } })}
         />
-        <NumberField
-          label="Bridges at"
-          unit="°C"
-          value={motor.temperature_c}
-          min={-40}
-          max={250}
-          step={5}
-          onChange={(temperature_c) => send({ motor: { temperature_c } })}
-        />
-      </div>
-      <Divider label="Power" labelPosition="left" />
-      <Group gap={6} grow wrap="nowrap">
-        <Button
-          size="xs"
-          variant="default"
-          leftSection={<IconPower size={16} aria-hidden />}
-          onClick={() => send({ power_cycle: true })}
-          data-testid="power-cycle"
-        >
-          Power cycle
-        </Button>
+        <BridgesAt celsius={state.motor.temperature_c} send={send} />
+      </Faults>
+      <Power send={send} note="A power cycle keeps what was stored in the EEPROM. Motor and stage stay where they are.">
         <FactoryDefault send={send} />
-      </Group>
-      <Text size="xs" c="dimmed">
-        A power cycle keeps what was stored in the EEPROM. Motor and stage stay where they are.
-      </Text>
+      </Power>
     </>
-  );
-}
-
-function SlipButton({ slip, send }: { slip: number; send: (patch: Pd42Patch) => void }) {
-  return (
-    <Button
-      size="xs"
-      variant="default"
-      title={`The magnet turns on the shaft by one full step; ${fixed(slip, 1)} so far`}
-      onClick={() => send({ encoder: { slip_fullsteps: 1 } })}
-      data-testid="slip"
-    >
-      Slip 1 step
-    </Button>
   );
 }
 

@@ -1,6 +1,16 @@
 import { fixed } from "../../lib/format";
 import classes from "./bench.module.css";
-import type { Pd42State, Tmc4361State } from "./useEmulator";
+
+/** How an emulated motor really is: what no command of its device tells. */
+export interface Truth {
+  load_angle_deg: number;
+  lost_fullsteps: number;
+  current_a_a: number;
+  current_b_a: number;
+  torque_nm: number;
+  speed_rad_s: number;
+  bridges: string;
+}
 
 const SLIP_DEG = 90;
 
@@ -10,7 +20,7 @@ function point(degrees: number, radius: number): string {
 }
 
 /** One electrical turn, four full steps: the field points up, and the rotor is as far off as the load pulls it. */
-export function RotorDial({ truth }: { truth: Pd42State["truth"] | Tmc4361State["truth"] }) {
+export function RotorDial({ truth }: { truth: Truth }) {
   const behind = truth.load_angle_deg;
   const slips = Math.abs(behind) > SLIP_DEG;
   return (
