@@ -1,10 +1,10 @@
 import { useSessionStorage } from "@mantine/hooks";
-import { useQuery } from "@tanstack/react-query";
 import { useEffect, useMemo, useState } from "react";
 import { api, type Schemas, unwrap } from "../../api/client";
 import { type Device, useDevices } from "../../api/queries";
 import { pmulModel } from "../../lib/family";
 import { ProblemAlert } from "../../lib/ProblemAlert";
+import { useAxisRegisters } from "../../lib/ramp/useAxisRegisters";
 import { Page } from "../../lib/Section";
 import { type AxisScale, scaleOf } from "../../lib/units";
 import { useCalc } from "../../lib/useCalc";
@@ -44,22 +44,8 @@ interface Props {
   axis: number;
 }
 
-/** The axis' registers, looked at once a second: the design is always compared with what the chip holds now. */
 function useChipRamp(device: Device | undefined, axis: number) {
-  const connected = device?.state === "connected";
-  const id = device?.id ?? "";
-  const readings = useQuery({
-    queryKey: ["registers", id, axis],
-    queryFn: async ({ signal }) =>
-      unwrap(
-        await api.GET("/api/v1/devices/{device}/registers", {
-          params: { path: { device: id }, query: { axis } },
-          signal,
-        }),
-      ),
-    enabled: connected,
-    refetchInterval: 1000,
-  });
+  const { connected, readings } = useAxisRegisters(device, axis);
   const model = pmulModel(device) ?? "tmc428";
   const chip = useMemo(() => (readings.data ? fromReadings(model, readings.data) : null), [model, readings.data]);
   return { connected, readings, chip: connected ? chip : null };

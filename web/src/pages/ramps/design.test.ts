@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import { writesFor } from "../../lib/ramp/differences";
 import {
   accelerationSteps,
   type ChipRamp,
@@ -12,7 +13,6 @@ import {
   rounded,
   START,
   showingDistance,
-  writesFor,
 } from "./design";
 
 function reading(name: string, value: number, fields: Record<string, number> = {}): Reading {

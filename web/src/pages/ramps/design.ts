@@ -1,9 +1,9 @@
 import type { Schemas } from "../../api/client";
 import type { PmulModel } from "../../lib/family";
+import type { Difference } from "../../lib/ramp/differences";
 
 export type Model = PmulModel;
 export type Reading = Schemas["RegisterReading"];
-export type BatchItem = Schemas["RegisterBatchItem"];
 
 /** The motion registers of an axis that a ramp is designed from, in chip units. */
 export interface RampDesign {
@@ -76,13 +76,8 @@ export function fromReadings(model: Model, readings: readonly Reading[]): ChipRa
   return numbers.some((value) => Number.isNaN(value)) ? null : chip;
 }
 
-/** One line of the difference between chip and design; `from` is null while the chip is unknown. */
-export interface Difference {
+export interface RampDifference extends Difference {
   key: RampKey;
-  label: string;
-  register: string;
-  from: number | null;
-  to: number;
 }
 
 /** A ramp mode goes along only between the two that position: leaving velocity mode would start the motor. */
@@ -91,19 +86,23 @@ export function modeToWrite(chip: ChipRamp | null, mode: RampMode): 0 | 1 | null
   return mode === "ramp" ? 0 : 1;
 }
 
-/** Every value of the design beside the chip's own, in the order in which they are written. */
+/**
+ * Every value of the design beside the chip's own, in the order in which they are written: dividers first (they scale
+ * everything else), then the pair, then the limits.
+ */
 export function compared(
   model: Model,
   design: RampDesign,
   pair: Pair,
   mode: RampMode,
   chip: ChipRamp | null,
-): Difference[] {
+): RampDifference[] {
   const packed = PACKED[model];
-  const row = (key: RampKey, register: string, from: number | null | undefined, to: number): Difference => ({
+  const row = (key: RampKey, register: string, from: number | null | undefined, to: number): RampDifference => ({
     key,
     label: spelled(model, key),
     register,
+    field: register === spelled(model, key) ? null : spelled(model, key),
     from: from ?? null,
     to,
   });
@@ -121,26 +120,7 @@ export function compared(
   const wanted = modeToWrite(chip, mode);
   return wanted === null
     ? rows
-    : [...rows, { ...row("mode", packed.mode[0], chip?.mode, wanted), label: packed.mode[1] }];
-}
-
-/**
- * The writes for the differing rows: dividers first (they scale everything else), then the pair, then the limits.
- * Of a packed register only the differing fields go along; what is unknown on the chip is written.
- */
-export function writesFor(differences: readonly Difference[], axis: number): BatchItem[] {
-  const writes: BatchItem[] = [];
-  for (const { register, label, from, to } of differences) {
-    if (from === to) continue;
-    if (register === label) {
-      writes.push({ name: register, axis, value: to });
-      continue;
-    }
-    const last = writes.find((write) => write.name === register);
-    if (last) last.fields = { ...last.fields, [label]: to };
-    else writes.push({ name: register, axis, fields: { [label]: to } });
-  }
-  return writes;
+    : [...rows, { ...row("mode", packed.mode[0], chip?.mode, wanted), label: packed.mode[1], field: packed.mode[1] }];
 }
 
 export function pOf(pair: Pair): number {

@@ -1,12 +1,15 @@
 import { Button, Group, Menu, SegmentedControl, Switch } from "@mantine/core";
 import { IconChevronDown, IconDownload } from "@tabler/icons-react";
 import { Fragment, memo } from "react";
-import { compact, fixed, withUnit } from "../../lib/format";
-import { NumberField } from "../../lib/NumberField";
+import { compact } from "../../lib/format";
+import type { Answer } from "../../lib/ramp/answer";
+import type { Reach } from "../../lib/ramp/HandleLayer";
+import classes from "../../lib/ramp/ramp.module.css";
+import { factor, type Units } from "../../lib/ramp/scales";
+import { ValueRow } from "../../lib/ramp/ValueRow";
 import { Section } from "../../lib/Section";
 import type { AxisScale } from "../../lib/units";
 import {
-  type Answer,
   type Design,
   KIND,
   type Lock,
@@ -18,9 +21,6 @@ import {
   type Shape,
   used,
 } from "./design";
-import type { Reach } from "./HandleLayer";
-import { factor, type Units } from "./scales";
-import classes from "./sramp.module.css";
 
 interface Props {
   design: Design;
@@ -156,43 +156,23 @@ export function leastOf(parameter: Parameter, step: number): number {
 
 function Row({ parameter, design, onChange, units, scale, reach, answer, options }: Props & { parameter: Parameter }) {
   const kind = KIND[parameter];
-  const unit = units[kind];
-  const per = factor(kind, units, scale);
-  const { least, most, step } = reach(parameter);
-  const register = answer?.registers.find((candidate) => candidate.parameter === parameter);
-  const findings = (answer?.findings ?? []).filter((finding) => finding.parameter === parameter);
   const ignored = parameter === "dfinal" && options.mode === "position" && options.shape === "s";
-  const off = register ? register.value - design[parameter] : 0;
-  const rounded = register !== undefined && Math.abs(off) > 1e-6 * Math.abs(design[parameter]);
   return (
-    <div className={classes.row} data-ignored={ignored || undefined}>
-      <span className={classes.rowName} title={MEANING[parameter]}>
-        {parameter.toUpperCase()}
-      </span>
-      <NumberField
-        aria-label={`${parameter.toUpperCase()} in ${unit}`}
-        value={design[parameter] / per}
-        unit={unit}
-        min={least / per}
-        max={most / per}
-        step={Math.max(step, design[parameter] / 100) / per}
-        onChange={(value) => onChange(parameter, value * per)}
-      />
-      <span className={classes.register} title="what the register holds">
-        <span className="num">{register ? fixed(register.raw) : "–"}</span>
-        {rounded && <span className={`num ${classes.rounded}`}>= {withUnit(register.value / per, unit, 6)}</span>}
-      </span>
-      {(findings.length > 0 || ignored) && (
-        <div className={classes.below}>
-          {ignored && <span className={classes.hint}>ignored while positioning</span>}
-          {findings.map((finding) => (
-            <span key={finding.text} className={classes.caution}>
-              {finding.text}
-            </span>
-          ))}
-        </div>
-      )}
-    </div>
+    <ValueRow
+      name={parameter.toUpperCase()}
+      meaning={MEANING[parameter]}
+      value={design[parameter]}
+      per={factor(kind, units, scale)}
+      unit={units[kind]}
+      reach={reach(parameter)}
+      onChange={(value) => onChange(parameter, value)}
+      register={answer?.registers.find((candidate) => candidate.parameter === parameter) ?? null}
+      ignored={ignored}
+      hints={ignored ? ["ignored while positioning"] : []}
+      cautions={(answer?.findings ?? [])
+        .filter((finding) => finding.parameter === parameter)
+        .map((finding) => finding.text)}
+    />
   );
 }
 

@@ -1,17 +1,26 @@
 import { useSessionStorage } from "@mantine/hooks";
-import { useQuery } from "@tanstack/react-query";
-import { useCallback, useDeferredValue, useEffect, useMemo, useRef, useState } from "react";
+import { useCallback, useEffect, useMemo } from "react";
 import { api, type Schemas, unwrap } from "../../api/client";
 import { type Device, useDevices } from "../../api/queries";
 import { familyOf } from "../../lib/family";
 import { ProblemAlert } from "../../lib/ProblemAlert";
+import type { Answer } from "../../lib/ramp/answer";
+import { LiveMotion } from "../../lib/ramp/LiveMotion";
+import { MotorSection } from "../../lib/ramp/MotorSection";
+import { MOTOR, type Motor, motorBody } from "../../lib/ramp/motor";
+import { channelsOf } from "../../lib/ramp/overlay";
+import classes from "../../lib/ramp/ramp.module.css";
+import { factor, unitsOf } from "../../lib/ramp/scales";
+import { TimeBars } from "../../lib/ramp/TimeBars";
+import { useAxisRegisters } from "../../lib/ramp/useAxisRegisters";
+import { useFollow } from "../../lib/ramp/useFollow";
+import { useLive } from "../../lib/ramp/useLive";
+import { useHold, useSketch } from "../../lib/ramp/useSketch";
 import { Page } from "../../lib/Section";
 import { scaleOf } from "../../lib/units";
 import { useSelection } from "../../live/selection";
-import type { PlotHandle } from "../../plots/types";
 import { chipRamp, compared, designOf } from "./chip";
 import {
-  type Answer,
   changed,
   type Design,
   type Lock,
@@ -26,17 +35,9 @@ import {
   showingDistance,
   withRoom,
 } from "./design";
-import { type LiveDrawing, LiveMotion } from "./LiveMotion";
-import { MotorSection } from "./MotorSection";
-import { MOTOR, type Motor, motorBody } from "./motor";
-import { channelsOf } from "./overlay";
 import { leastOf, Parameters } from "./Parameters";
 import { SendSection } from "./SendSection";
-import { type LiveOverlays, type PlotHandles, SRampPlots } from "./SRampPlots";
-import { factor, unitsOf } from "./scales";
-import classes from "./sramp.module.css";
-import { TimeSection } from "./TimeSection";
-import { useFollow } from "./useFollow";
+import { SRampPlots } from "./SRampPlots";
 
 interface Sketch {
   design: Design;
@@ -48,25 +49,14 @@ interface Sketch {
 const SAMPLES = 800;
 const FRESH: Sketch = { design: START, options: OPTIONS, lock: "equal", distance: showingDistance(START) };
 
-/** The axis' registers, looked at once a second: the design is always compared with what the chip holds now. */
-function useChip(device: Device | undefined, axis: number) {
-  const connected = device?.state === "connected";
-  const id = device?.id ?? "";
-  const readings = useQuery({
-    queryKey: ["registers", id, axis],
-    queryFn: async ({ signal }) =>
-      unwrap(
-        await api.GET("/api/v1/devices/{device}/registers", {
-          params: { path: { device: id }, query: { axis, group: ["general", "ramp"] } },
-          signal,
-        }),
-      ),
-    enabled: connected,
-    refetchInterval: 1000,
-  });
-  const chip = useMemo(() => (readings.data ? chipRamp(readings.data) : null), [readings.data]);
-  return { connected, readings, chip: connected ? chip : null };
-}
+const GROUPS = ["general", "ramp"];
+const LIVE = ["velocity", "acceleration"] as const;
+const KINDS = ["velocity", "acceleration", "jerk"] as const;
+const NAMES: Record<string, string> = {
+  trapezoid: "trapezoid, same limits",
+  motor_trapezoid: "trapezoid the motor can follow",
+  motor_limit: "what the motor could do",
+};
 
 interface Props {
   /** undefined: the designer works without a chip */
@@ -77,12 +67,10 @@ interface Props {
 function Designer({ device, axis }: Props) {
   const clockHz = device?.clock_hz ?? 16e6;
   const info = device?.axes[axis];
-  const { connected, readings, chip } = useChip(device, axis);
-  const [kept, setSketch] = useSessionStorage<Sketch | null>({
-    key: `stepscope.sramp.${device?.id ?? "-"}.${axis}`,
-    defaultValue: null,
-    getInitialValueInEffect: false,
-  });
+  const { connected, readings } = useAxisRegisters(device, axis, GROUPS);
+  const told = useMemo(() => (readings.data ? chipRamp(readings.data) : null), [readings.data]);
+  const chip = connected ? told : null;
+  const { sketch, latest, change, isFresh } = useSketch<Sketch>(`stepscope.sramp.${device?.id ?? "-"}.${axis}`, FRESH);
   const [unitKey, setUnits] = useSessionStorage({
     key: "stepscope.sramp.units",
     defaultValue: "pps",
@@ -94,38 +82,27 @@ function Designer({ device, axis }: Props) {
     getInitialValueInEffect: false,
   });
   const onMotor = useCallback((part: Partial<Motor>) => setMotor((before) => ({ ...before, ...part })), [setMotor]);
-  const sketch = kept ?? FRESH;
   const { design, options, distance } = sketch;
-  // a handle that is dragged changes the sketch many times between two renderings
-  const latest = useRef(sketch);
-  latest.current = sketch;
-  const change = useCallback(
-    (part: Partial<Sketch>) => {
-      latest.current = { ...latest.current, ...part };
-      setSketch(latest.current);
-    },
-    [setSketch],
-  );
   const onChange = useCallback(
     (parameter: Parameter, value: number) =>
       change({ design: changed(latest.current.design, parameter, value, latest.current.lock) }),
-    [change],
+    [change, latest],
   );
 
   const onOptions = useCallback(
     (part: Partial<Options>) => change({ options: { ...latest.current.options, ...part } }),
-    [change],
+    [change, latest],
   );
   const onLock = useCallback(
     (next: Lock) => change({ lock: next, design: locked(latest.current.design, next) }),
-    [change],
+    [change, latest],
   );
   const onPreset = useCallback(
     (preset: Preset) => {
       const next = preset.of(latest.current.design);
       change({ design: next, lock: lockOf(next), options: withRoom(latest.current.options, next) });
     },
-    [change],
+    [change, latest],
   );
 
   const held = useMemo(() => (chip ? designOf(chip, clockHz) : null), [chip, clockHz]);
@@ -137,11 +114,11 @@ function Designer({ device, axis }: Props) {
       lock: lockOf(held.design),
       distance: Math.sign(latest.current.distance || 1) * showingDistance(held.design),
     });
-  }, [held, change]);
+  }, [held, change, latest]);
   // The first look at a chip is its own setting, unless it has never been set: then there is nothing to start from.
   // biome-ignore lint/correctness/useExhaustiveDependencies: once, when the chip is known and nothing was kept
   useEffect(() => {
-    if (kept === null && held !== null) read();
+    if (isFresh && held !== null) read();
   }, [held === null]);
 
   const scale = useMemo(
@@ -177,34 +154,27 @@ function Designer({ device, axis }: Props) {
     };
   }, [limits]);
 
-  const velocityPlot = useRef<PlotHandle>(null);
-  const accelerationPlot = useRef<PlotHandle>(null);
-  const jerkPlot = useRef<PlotHandle>(null);
-  const plots = useMemo<PlotHandles>(
-    () => ({ velocity: velocityPlot, acceleration: accelerationPlot, jerk: jerkPlot }),
-    [],
-  );
-  const drawing: LiveDrawing = useRef({});
-  const live = useMemo<LiveOverlays>(() => {
-    const of = (kind: keyof LiveOverlays) => () => drawing.current[kind] ?? [];
-    return { velocity: of("velocity"), acceleration: of("acceleration"), jerk: () => [] };
-  }, []);
-  const [seen, setSeen] = useState(false);
+  const { plots, drawing, live, seen, setSeen } = useLive(KINDS);
   const factors = useMemo(
     () => ({ velocity: factor("velocity", units, scale), acceleration: factor("acceleration", units, scale) }),
     [units, scale],
   );
 
-  // While a handle is dragged the plots follow at once, and the numbers beside them when there is time.
-  const [holds, setHolds] = useState(false);
-  const later = useDeferredValue(sketch);
-  const shown = holds ? later : sketch;
-  const known = calculation.error === null ? answer : undefined;
-  const knownLater = useDeferredValue(known);
-  const good = holds ? knownLater : known;
+  const { held: holds, hold, shown, good } = useHold(sketch, calculation.error === null ? answer : undefined);
   const differences = useMemo(
     () => (good ? compared(good.registers, shown.options, chip) : null),
     [good, shown.options, chip],
+  );
+
+  const rivals = useMemo(
+    () =>
+      (good?.rivals ?? []).map(({ name, text, duration_s }) => ({
+        key: name,
+        name: NAMES[name] ?? name,
+        text,
+        seconds: duration_s,
+      })),
+    [good],
   );
 
   return (
@@ -212,7 +182,7 @@ function Designer({ device, axis }: Props) {
       {readings.isError && connected && (
         <ProblemAlert error={readings.error} doing={`Reading ${device?.name}`} retry={() => void readings.refetch()} />
       )}
-      {device && connected && channelsOf(device, axis).length > 0 && (
+      {device && connected && channelsOf(device, axis, LIVE).length > 0 && (
         <LiveMotion
           device={device}
           axis={axis}
@@ -268,11 +238,12 @@ function Designer({ device, axis }: Props) {
             live={live}
             plots={plots}
             held={holds}
-            onHold={setHolds}
+            onHold={hold}
             seen={seen}
           />
-          <TimeSection
-            answer={good}
+          <TimeBars
+            seconds={good?.duration_s ?? null}
+            rivals={rivals}
             why={
               options.mode === "velocity"
                 ? "In velocity mode there is no move to compare."

@@ -1,9 +1,10 @@
 import type { Schemas } from "../../api/client";
-import type { Answer, Design, Options, Shape } from "./design";
+import type { Answer } from "../../lib/ramp/answer";
+import type { Difference } from "../../lib/ramp/differences";
+import type { Design, Options, Shape } from "./design";
 import { OPTIONS, START } from "./design";
 
 export type Reading = Schemas["RegisterReading"];
-export type BatchItem = Schemas["RegisterBatchItem"];
 
 /** What an axis' registers say, by their names. Packed registers answer by their fields as well. */
 export type ChipRamp = ReadonlyMap<string, number>;
@@ -15,16 +16,6 @@ export function chipRamp(readings: readonly Reading[]): ChipRamp {
     for (const [field, value] of Object.entries(reading.fields)) values.set(field, value);
   }
   return values;
-}
-
-export interface Difference {
-  /** register or field, as it is shown */
-  label: string;
-  register: string;
-  field: string | null;
-  /** null while the chip is unknown */
-  from: number | null;
-  to: number;
 }
 
 const SHAPES: Record<Shape, number> = { hold: 0, trapezoid: 1, s: 2 };
@@ -76,19 +67,6 @@ export function compared(registers: Answer["registers"], options: Options, chip:
     ...mode,
     ...vmax,
   ];
-}
-
-/** The writes for what differs; fields of one register go together. */
-export function writesFor(differences: readonly Difference[], axis: number): BatchItem[] {
-  const writes: BatchItem[] = [];
-  for (const { register, field, from, to } of differences) {
-    if (from === to) continue;
-    const last = writes.find((write) => write.name === register);
-    if (field === null) writes.push({ name: register, axis, value: to });
-    else if (last) last.fields = { ...last.fields, [field]: to };
-    else writes.push({ name: register, axis, fields: { [field]: to } });
-  }
-  return writes;
 }
 
 /** What 1 in a register stands for (002, 8.2.3), to read a design out of the chip. */

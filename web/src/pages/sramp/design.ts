@@ -1,7 +1,4 @@
-import type { Schemas } from "../../api/client";
-
-export type Answer = Schemas["RampResult"];
-export type RegisterValue = Schemas["RampRegister"];
+import type { Kind } from "../../lib/ramp/answer";
 
 /** The registers of an S-ramp, in pps, pps² and pps³: wished values; the calculator says what registers make of them. */
 export interface Design {
@@ -20,7 +17,6 @@ export interface Design {
 }
 
 export type Parameter = keyof Design;
-export type Kind = "velocity" | "acceleration" | "jerk";
 
 export const KIND: Record<Parameter, Kind> = {
   vmax: "velocity",

@@ -1,45 +1,24 @@
-import { type Design, KIND, type Kind, type Options, type Parameter } from "./design";
-import type { Stretch } from "./phases";
+import { type Handle, handlesIn, type Layout } from "../../lib/ramp/handles";
+import type { Stretch } from "../../lib/ramp/phases";
+import { type Design, KIND, MEANING, type Options, type Parameter } from "./design";
 
-/** Something to take hold of on a plot: a limit or a bow, at the height of its value. */
-export interface Handle {
-  parameter: Parameter;
-  /** on which plot */
-  track: Kind;
-  /** where along the motion [s] */
-  timeS: number;
-  /** what the plot's y is there, for a value of 1: -1 where it brakes, or goes the other way */
-  sign: 1 | -1;
-  /** [pps, pps², pps³], not negative */
-  value: number;
-  /** it has no effect on this ramp: its phase takes no time */
-  idle: boolean;
-}
-
-interface Place {
-  /** the phases that it stands on, the first one that there is */
-  on: readonly string[];
-  at: "start" | "middle" | "beside" | "end";
-  /** where it has no phase it stands a little aside */
-  aside?: true;
-  brakes?: true;
-  /** of the whole motion, not of a phase */
-  whole?: true;
-}
-
-const PLACES: Record<Parameter, Place> = {
-  vmax: { on: ["B23", "A2", "HOLD", "B2"], at: "beside" },
-  amax: { on: ["B12", "A1", "B2"], at: "middle" },
-  dmax: { on: ["B34", "A3", "B4"], at: "middle", brakes: true },
-  bow1: { on: ["B1"], at: "middle" },
-  bow2: { on: ["B2"], at: "middle", brakes: true },
-  bow3: { on: ["B3"], at: "middle", brakes: true },
-  bow4: { on: ["B4"], at: "middle" },
-  vstart: { on: [], at: "start", whole: true },
-  vstop: { on: [], at: "end", whole: true },
-  astart: { on: [], at: "start", whole: true },
-  dfinal: { on: [], at: "end", whole: true, brakes: true },
-  vbreak: { on: ["A1L"], at: "end", aside: true },
+const LAYOUT: Layout<Parameter> = {
+  places: {
+    vmax: { on: ["B23", "A2", "HOLD", "B2"], at: "beside" },
+    amax: { on: ["B12", "A1", "B2"], at: "middle" },
+    dmax: { on: ["B34", "A3", "B4"], at: "middle", brakes: true },
+    bow1: { on: ["B1"], at: "middle" },
+    bow2: { on: ["B2"], at: "middle", brakes: true },
+    bow3: { on: ["B3"], at: "middle", brakes: true },
+    bow4: { on: ["B4"], at: "middle" },
+    vstart: { on: [], at: "start", whole: true },
+    vstop: { on: [], at: "end", whole: true },
+    astart: { on: [], at: "start", whole: true },
+    dfinal: { on: [], at: "end", whole: true, brakes: true },
+    vbreak: { on: ["A1L"], at: "end", aside: true },
+  },
+  kinds: KIND,
+  meanings: MEANING,
 };
 
 /** Which parameters are on the plots: those of the ramp, but DFINAL where it is ignored (positioning, 002, 8.2.1). */
@@ -47,99 +26,13 @@ export function shownHandles(parameters: readonly Parameter[], options: Options)
   return parameters.filter((parameter) => parameter !== "dfinal" || options.mode === "velocity");
 }
 
-/**
- * Where the handles stand for a motion that is `durationS` long and goes the way of `way`. Those of phases that take
- * no time stay where their phase would be, at their value: they can be dragged until they count again.
- */
+/** Where the handles of an S-ramp stand. */
 export function handlesOf(
   design: Design,
   parameters: readonly Parameter[],
   phases: readonly Stretch[],
   durationS: number,
   way: 1 | -1,
-): Handle[] {
-  return parameters.map((parameter) => {
-    const place = PLACES[parameter];
-    const named = place.on
-      .map((name) => phases.find((phase) => phase.name === name))
-      .filter((phase) => phase !== undefined);
-    const stretch = named.find((phase) => !phase.empty) ?? named[0];
-    const first = named[0];
-    return {
-      parameter,
-      track: KIND[parameter],
-      timeS: timeOf(place, stretch, first, durationS),
-      sign: (place.brakes ? -way : way) as 1 | -1,
-      value: design[parameter],
-      idle: idle(place, design[parameter], first),
-    };
-  });
-}
-
-function timeOf(place: Place, stretch: Stretch | undefined, first: Stretch | undefined, durationS: number): number {
-  if (place.whole || !stretch) return place.at === "start" ? 0 : place.at === "end" ? durationS : durationS / 2;
-  // VBREAK and VSTART would lie on each other
-  if (first?.empty && place.aside) return durationS * 0.08;
-  // the phase itself takes no time: the moment where it would be
-  if (first?.empty) return first.startS;
-  if (place.at === "end") return stretch.endS;
-  // in the middle of a phase stands its name, at the height of VMAX
-  const share = place.at === "start" ? 0 : place.at === "beside" ? 0.72 : 0.5;
-  return stretch.startS + share * (stretch.endS - stretch.startS);
-}
-
-function idle(place: Place, value: number, first: Stretch | undefined): boolean {
-  return place.whole ? value === 0 : first === undefined || first.empty;
-}
-
-/** What a value becomes when its handle goes from one y to another by pointer; `perPx` is y a pixel, as it was first. */
-export function dragged(from: number, sign: 1 | -1, upPx: number, perPx: number, step: number): number {
-  const wanted = from + sign * upPx * perPx;
-  return wanted <= 0 ? 0 : tidy(wanted, Math.abs(perPx), step);
-}
-
-/** The roundest value within a pixel of `value`, on the register's grid. */
-export function tidy(value: number, perPx: number, step: number): number {
-  const power = 10 ** Math.floor(Math.log10(Math.max(perPx, 1e-9)));
-  const round = Math.max(power, step);
-  return Number((Math.round(value / round) * round).toPrecision(12));
-}
-
-/** Keys: arrows a hundredth, with Shift or Page keys a tenth; Home the least, End the most. null: not ours. */
-export function stepped(
-  key: string,
-  shift: boolean,
-  value: number,
-  sign: 1 | -1,
-  limits: { least: number; most: number; step: number },
-): number | null {
-  const { least, most, step } = limits;
-  const by = (share: number) => {
-    const start = value > 0 ? value : step * 100;
-    const change = Math.max(start * Math.abs(share), step) * Math.sign(share);
-    // a value that has gone down to nothing comes back from nothing
-    const next = value > 0 ? value + change : share > 0 ? start : 0;
-    return Math.min(most, Math.max(least, Number(next.toPrecision(4)) < step ? least : Number(next.toPrecision(4))));
-  };
-  const share = shift ? 0.1 : 0.01;
-  switch (key) {
-    case "ArrowUp":
-      return by(sign * share);
-    case "ArrowDown":
-      return by(-sign * share);
-    case "ArrowRight":
-      return by(share);
-    case "ArrowLeft":
-      return by(-share);
-    case "PageUp":
-      return by(0.1);
-    case "PageDown":
-      return by(-0.1);
-    case "Home":
-      return least;
-    case "End":
-      return most;
-    default:
-      return null;
-  }
+): Handle<Parameter>[] {
+  return handlesIn(LAYOUT, design, parameters, phases, durationS, way);
 }

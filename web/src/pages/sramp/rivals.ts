@@ -1,6 +1,4 @@
-import type { Answer } from "./design";
-
-export type Rival = Answer["rivals"][number];
+import type { Rival } from "../../lib/ramp/answer";
 
 /** The corners of a trapezoid's velocity: start, end of speeding up, begin of braking, end. */
 export function corners(rival: Rival, way: 1 | -1): { x: number[]; y: number[] } {
@@ -9,9 +7,4 @@ export function corners(rival: Rival, way: 1 | -1): { x: number[]; y: number[] }
   const slopes = 1 / amax + 1 / dmax;
   const peak = Math.min(vmax, end / slopes);
   return { x: [0, peak / amax, end - peak / dmax, end], y: [0, way * peak, way * peak, 0] };
-}
-
-/** "12 ms sooner (3.1 %)": how the ramp stands against a rival. */
-export function share(savedS: number, rivalS: number): number {
-  return rivalS > 0 ? savedS / rivalS : 0;
 }

@@ -1,14 +1,14 @@
 import { Switch } from "@mantine/core";
 import { memo, useMemo } from "react";
-import { NumberField } from "../../lib/NumberField";
-import { Section } from "../../lib/Section";
-import { useScheme } from "../../lib/useScheme";
 import { Plot } from "../../plots/Plot";
 import type { Overlay } from "../../plots/types";
-import type { Answer } from "./design";
+import { NumberField } from "../NumberField";
+import { Section } from "../Section";
+import { useScheme } from "../useScheme";
+import type { Answer } from "./answer";
 import { FIELDS, type Motor, type MotorKey, marginText } from "./motor";
+import classes from "./ramp.module.css";
 import { engineering } from "./scales";
-import classes from "./sramp.module.css";
 import { torqueColor } from "./torque";
 
 interface Props {

@@ -4,15 +4,14 @@ import type { PlotData } from "../../plots/series";
 import type { Mark, Overlay, PlotHandle, PlotScale, PlotSeries } from "../../plots/types";
 import { type Band, usePlotBands } from "../../plots/usePlotBands";
 import { CalmFrame, withHandles } from "./CalmFrame";
-import type { Parameter } from "./design";
 import { HandleLayer, type Reach } from "./HandleLayer";
 import type { Handle } from "./handles";
+import classes from "./ramp.module.css";
 import { engineering } from "./scales";
-import classes from "./sramp.module.css";
 
-export const GROUP = "sramp";
-
-interface Props {
+interface Props<P extends string> {
+  /** plots of one group zoom together */
+  group: string;
   label: string;
   summary: string;
   series: readonly PlotSeries[];
@@ -28,17 +27,17 @@ interface Props {
   last?: boolean;
   right?: PlotScale;
   marks?: () => readonly Mark[];
-  handles: readonly Handle[];
+  handles: readonly Handle<P>[];
   factor: number;
-  reach: (parameter: Parameter) => Reach;
-  text: (parameter: Parameter, value: number) => string;
-  onChange: (parameter: Parameter, value: number) => void;
+  reach: (parameter: P) => Reach;
+  text: (parameter: P, value: number) => string;
+  onChange: (parameter: P, value: number) => void;
   held: boolean;
   onHold: (held: boolean) => void;
 }
 
 /** One quantity of the ramp over time, with its handles. */
-export function Track(props: Props) {
+export function Track<P extends string>(props: Props<P>) {
   const { label, series, data, window, bands, handle, right, held, factor, symmetric } = props;
   // biome-ignore lint/correctness/useExhaustiveDependencies: another unit is another plot, whose range starts anew
   const frame = useMemo(() => new CalmFrame(symmetric), [symmetric, factor]);
@@ -68,7 +67,7 @@ export function Track(props: Props) {
         summary={props.summary}
         series={series}
         height={props.height}
-        group={GROUP}
+        group={props.group}
         legend
         limit={window}
         overlays={props.overlays}

@@ -1,9 +1,8 @@
 import { type KeyboardEvent, type PointerEvent, type RefObject, useEffect, useRef } from "react";
 import type uPlot from "uplot";
 import type { PlotHandle } from "../../plots/types";
-import { MEANING, type Parameter } from "./design";
 import { dragged, type Handle, stepped } from "./handles";
-import classes from "./sramp.module.css";
+import classes from "./ramp.module.css";
 
 export interface Reach {
   /** [pps, pps², pps³] */
@@ -13,21 +12,21 @@ export interface Reach {
   step: number;
 }
 
-interface Props {
+interface Props<P extends string> {
   plot: RefObject<PlotHandle | null>;
-  handles: readonly Handle[];
+  handles: readonly Handle<P>[];
   /** what one unit of the plot's y is [pps, pps², pps³] */
   factor: number;
   color: string;
-  reach: (parameter: Parameter) => Reach;
+  reach: (parameter: P) => Reach;
   /** the value with its unit, to be read out */
-  text: (parameter: Parameter, value: number) => string;
-  onChange: (parameter: Parameter, value: number) => void;
+  text: (parameter: P, value: number) => string;
+  onChange: (parameter: P, value: number) => void;
   onHold: (held: boolean) => void;
 }
 
-interface Drag {
-  parameter: Parameter;
+interface Drag<P> {
+  parameter: P;
   sign: 1 | -1;
   from: number;
   startY: number;
@@ -35,12 +34,12 @@ interface Drag {
 }
 
 /** The knobs on a plot: taken by mouse, finger or keys, each a slider of its own for those who do not see them. */
-export function HandleLayer(props: Props) {
+export function HandleLayer<P extends string>(props: Props<P>) {
   const { plot, handles, factor, color, reach, text, onChange, onHold } = props;
   const layer = useRef<HTMLDivElement>(null);
-  const knobs = useRef(new Map<Parameter, HTMLElement>());
+  const knobs = useRef(new Map<P, HTMLElement>());
   const hooked = useRef(new WeakSet<uPlot>());
-  const drag = useRef<Drag | null>(null);
+  const drag = useRef<Drag<P> | null>(null);
   const pending = useRef<{ y: number; request: number } | null>(null);
   const latest = useRef({ handles, factor });
   latest.current = { handles, factor };
@@ -72,7 +71,7 @@ export function HandleLayer(props: Props) {
     place(instance);
   });
 
-  function onDown(event: PointerEvent<HTMLElement>, handle: Handle) {
+  function onDown(event: PointerEvent<HTMLElement>, handle: Handle<P>) {
     const instance = plot.current?.uplot;
     if (!instance || event.button !== 0) return;
     const perPx = (instance.posToVal(0, "y") - instance.posToVal(100, "y")) / 100;
@@ -130,7 +129,7 @@ export function HandleLayer(props: Props) {
     onHold(false);
   }
 
-  function onKey(event: KeyboardEvent<HTMLElement>, handle: Handle) {
+  function onKey(event: KeyboardEvent<HTMLElement>, handle: Handle<P>) {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const next = stepped(event.key, event.shiftKey, handle.value, handle.sign, reach(handle.parameter));
     if (next === null) return;
@@ -156,7 +155,7 @@ export function HandleLayer(props: Props) {
             data-parameter={handle.parameter}
             role="slider"
             tabIndex={0}
-            aria-label={`${handle.parameter.toUpperCase()}, ${MEANING[handle.parameter]}`}
+            aria-label={`${handle.parameter.toUpperCase()}, ${handle.meaning}`}
             aria-orientation="vertical"
             aria-valuemin={least}
             aria-valuemax={most}

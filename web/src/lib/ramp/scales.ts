@@ -1,5 +1,5 @@
-import { duration, fixed } from "../../lib/format";
-import { type AxisScale, factorOf, type Motion } from "../../lib/units";
+import { duration, fixed } from "../format";
+import { type AxisScale, factorOf, type Motion } from "../units";
 
 /** In what a ramp is read and typed: one unit of way, and by it those of velocity, acceleration and jerk. */
 export interface Units {

@@ -1,4 +1,6 @@
 import type { Schemas } from "../../api/client";
+import type { Mark } from "../../plots/types";
+import type { Answer } from "./answer";
 
 /** A motor as data sheets give it: mH and g·cm², which POST /calc/ramp takes in H and kg·m². */
 export interface Motor {
@@ -70,4 +72,16 @@ export function marginText(margin: number): string {
   const percent = Math.abs(margin) * 100;
   const shown = percent >= 1000 ? "more than 10 times" : `${percent.toFixed(0)} %`;
   return margin >= 0 ? `${shown} of the torque left` : `${shown} too little torque`;
+}
+
+/** Where the least of the torque is left. */
+export function marginMark(answer: Answer): Mark[] {
+  const { torque } = answer;
+  if (torque === null || torque === undefined) return [];
+  // the knobs of AMAX stand above, those of DMAX below
+  const row = answer.time_s.findIndex((at) => at >= torque.margin_at_s);
+  const low = (answer.acceleration_pps2[row] ?? 0) >= 0;
+  return [
+    { id: "margin", x: torque.margin_at_s, color: "#7a5200", label: marginText(torque.margin), fixed: true, low },
+  ];
 }

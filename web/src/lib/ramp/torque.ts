@@ -1,6 +1,6 @@
 import { roundRange } from "../../plots/ranges";
 import type { PlotScale, PlotSeries } from "../../plots/types";
-import type { Answer } from "./design";
+import type { Answer } from "./answer";
 import type { Scheme } from "./phases";
 
 /** Of everything that is torque, wherever it is drawn. */

@@ -1,11 +1,12 @@
 import type { Device } from "../../api/queries";
+import type { Kind } from "./answer";
 
-const QUANTITIES = ["velocity", "acceleration", "predicted_velocity", "predicted_acceleration"] as const;
-
-/** What of a motion is asked for: those of velocity and acceleration, measured and expected, that the device offers. */
-export function channelsOf(device: Pick<Device, "channels">, axis: number): string[] {
+/** What of a motion is asked for: quantities measured, and as the driver expects them, that the device offers. */
+export function channelsOf(device: Pick<Device, "channels">, axis: number, kinds: readonly Kind[]): string[] {
   const offered = new Set(device.channels.map((channel) => channel.name));
-  return QUANTITIES.map((quantity) => `${quantity}.${axis}`).filter((name) => offered.has(name));
+  return [...kinds, ...kinds.map((kind) => `predicted_${kind}`)]
+    .map((quantity) => `${quantity}.${axis}`)
+    .filter((name) => offered.has(name));
 }
 
 /** Whether a motion went against `way`: the way back of a there-and-back, to be laid over the way there. */
@@ -22,4 +23,13 @@ export function mirrored(velocity: ArrayLike<number>, way: 1 | -1): boolean {
 export function thinned(length: number, most: number): number[] {
   if (length <= most) return Array.from({ length }, (_, row) => row);
   return Array.from({ length: most }, (_, index) => Math.round((index * (length - 1)) / (most - 1)));
+}
+
+/** The first number of a column; 0 where there is none. */
+export function firstOf(values: ArrayLike<number>): number {
+  for (let row = 0; row < values.length; row++) {
+    const value = values[row] as number;
+    if (!Number.isNaN(value)) return value;
+  }
+  return 0;
 }

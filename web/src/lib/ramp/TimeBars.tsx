@@ -1,42 +1,45 @@
-import { memo } from "react";
-import { fixed } from "../../lib/format";
-import { Section } from "../../lib/Section";
-import type { Answer } from "./design";
+import { memo, type ReactNode } from "react";
+import { fixed } from "../format";
+import { Section } from "../Section";
+import classes from "./ramp.module.css";
 import { share } from "./rivals";
 import { time } from "./scales";
-import classes from "./sramp.module.css";
 
-const NAMES: Record<string, string> = {
-  trapezoid: "trapezoid, same limits",
-  motor_trapezoid: "trapezoid the motor can follow",
-  motor_limit: "what the motor could do",
-};
+export interface TimedRival {
+  key: string;
+  name: string;
+  /** in a sentence, for who asks */
+  text?: string;
+  seconds: number;
+}
+
+interface Props {
+  /** of this ramp [s]; null while it is not known */
+  seconds: number | null;
+  rivals: readonly TimedRival[];
+  /** why there is nothing to compare; null where there is */
+  why: string | null;
+  actions?: ReactNode;
+}
 
 /** This ramp beside other ways to make the same move: bars of their times, and what is saved or lost. */
-export const TimeSection = memo(function TimeSection({
-  answer,
-  why,
-}: {
-  answer: Answer | undefined;
-  why: string | null;
-}) {
-  const rivals = answer?.rivals ?? [];
-  const most = Math.max(answer?.duration_s ?? 0, ...rivals.map((rival) => rival.duration_s));
+export const TimeBars = memo(function TimeBars({ seconds, rivals, why, actions }: Props) {
+  const most = Math.max(seconds ?? 0, ...rivals.map((rival) => rival.seconds));
   return (
-    <Section title="Time">
-      {why !== null || !answer || rivals.length === 0 ? (
+    <Section title="Time" {...(actions === undefined ? {} : { actions })}>
+      {why !== null || seconds === null || rivals.length === 0 ? (
         <p className={classes.hint}>{why ?? "A move from rest is compared with other ways to make it."}</p>
       ) : (
         <ol className={classes.bars}>
-          <Bar name="this ramp" seconds={answer.duration_s} most={most} own />
+          <Bar name="this ramp" seconds={seconds} most={most} own />
           {rivals.map((rival) => (
             <Bar
-              key={rival.name}
-              name={NAMES[rival.name] ?? rival.name}
-              title={rival.text}
-              seconds={rival.duration_s}
+              key={rival.key}
+              name={rival.name}
+              {...(rival.text === undefined ? {} : { title: rival.text })}
+              seconds={rival.seconds}
               most={most}
-              saved={rival.saved_s}
+              saved={rival.seconds - seconds}
             />
           ))}
         </ol>

@@ -1,0 +1,233 @@
+import { Button } from "@mantine/core";
+import { IconArrowsLeftRight, IconCheck, IconPlayerPlay, IconUpload, IconX } from "@tabler/icons-react";
+import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { type ReactNode, useState } from "react";
+import { api, type Schemas, unwrap } from "../../api/client";
+import { motion } from "../../api/motion";
+import type { Device } from "../../api/queries";
+import { fixed } from "../format";
+import { ProblemAlert } from "../ProblemAlert";
+import { Section } from "../Section";
+import { changedOf, type Difference, writesFor } from "./differences";
+import classes from "./ramp.module.css";
+
+type Batch = Schemas["RegisterBatchResult"];
+
+interface Props {
+  device: Device | undefined;
+  axis: number;
+  connected: boolean;
+  /** null while the registers of the design are not known */
+  differences: readonly Difference[] | null;
+  /** why they are not */
+  unknown: string;
+  /** what device to add where there is none */
+  wanted: string;
+  /** how a value of a row is written; as a number by default */
+  shown?: (row: Difference, value: number) => string;
+  /** what there is to say before a write of the rows that differ */
+  cautions?: (changed: readonly Difference[]) => ReactNode;
+  /** null: the design is a move, else at what it rotates */
+  rotation: Schemas["Rotate"] | null;
+  /** of the move [microsteps] */
+  distance: number;
+  /** told what was written, in the order of `sent` */
+  onWritten?: (sent: readonly Schemas["RegisterBatchItem"][], answer: Batch) => void;
+}
+
+const DWELL_S = 0.4;
+
+/** Chip against design, one click to the chip, and moves with it. */
+export function SendPanel(props: Props) {
+  const { device, axis, connected, differences, rotation, distance } = props;
+  const queries = useQueryClient();
+  const [result, setResult] = useState<{ sent: string[]; answer: Batch } | null>(null);
+  const id = device?.id ?? "";
+  const at = { device: id, axis };
+  const changed = changedOf(differences);
+  const shown = (row: Difference, value: number | null) =>
+    value === null ? "?" : (props.shown?.(row, value) ?? fixed(value));
+
+  async function write(): Promise<boolean> {
+    const writes = writesFor(changed, axis);
+    if (writes.length === 0) return true;
+    const answer = unwrap(
+      await api.POST("/api/v1/devices/{device}/registers", { params: { path: { device: id } }, body: { writes } }),
+    );
+    setResult({ sent: writes.map((entry) => entry.name), answer });
+    props.onWritten?.(writes, answer);
+    void queries.invalidateQueries({ queryKey: ["registers", id] });
+    void queries.invalidateQueries({ queryKey: ["devices"] });
+    return answer.failed === null && answer.done.every((entry) => entry.verified !== false);
+  }
+
+  const send = useMutation({ mutationFn: write });
+  const move = useMutation({
+    mutationFn: async () => {
+      if (!(await write())) return null;
+      if (rotation !== null) {
+        const started = await motion.rotate(at, rotation);
+        return {
+          text: `Rotates at ${fixed(started.velocity_pps)} pps until it is stopped.`,
+          warnings: started.warnings,
+        };
+      }
+      const started = await motion.move(at, { target: distance, relative: true, unit: "microsteps" });
+      return {
+        text: `Moves from ${fixed(started.from_position)} to ${fixed(started.target_position)} µsteps.`,
+        warnings: started.warnings,
+      };
+    },
+  });
+  const shuttle = useQuery({
+    queryKey: ["shuttle", id, axis],
+    queryFn: async () =>
+      unwrap(await api.GET("/api/v1/devices/{device}/axes/{axis}/shuttle", { params: { path: at } })),
+    enabled: connected,
+    refetchInterval: 1000,
+  });
+  const runs = shuttle.data?.running === true;
+  const back = useMutation({
+    mutationFn: async () => {
+      if (runs) await motion.endShuttle(at);
+      else if (await write()) {
+        const state = unwrap(await api.GET("/api/v1/devices/{device}/axes/{axis}", { params: { path: at } }));
+        const first = Math.round(state.position);
+        await motion.shuttle(at, { first: first + distance, second: first, dwell_s: DWELL_S });
+      }
+    },
+    onSettled: () => queries.invalidateQueries({ queryKey: ["shuttle", id, axis] }),
+  });
+  const stop = useMutation({ mutationFn: async () => motion.stop(at, "ramp") });
+
+  const busy = send.isPending || move.isPending || back.isPending;
+  const why =
+    device === undefined
+      ? `No device: add ${props.wanted} under Connections to send this design.`
+      : !connected
+        ? `${device.name} is not connected: the design stays, connect it under Connections to send.`
+        : differences === null
+          ? props.unknown
+          : null;
+
+  return (
+    <Section
+      title="To the chip"
+      note={
+        why === null
+          ? changed.length === 0
+            ? "the chip holds this design"
+            : `${changed.length} ${changed.length === 1 ? "value differs" : "values differ"}`
+          : ""
+      }
+      actions={
+        <>
+          <Button
+            size="xs"
+            leftSection={<IconUpload size={14} aria-hidden />}
+            disabled={why !== null || changed.length === 0 || busy}
+            loading={send.isPending}
+            onClick={() => send.mutate()}
+          >
+            Send
+          </Button>
+          <Button
+            size="xs"
+            variant="light"
+            leftSection={<IconPlayerPlay size={14} aria-hidden />}
+            disabled={why !== null || busy || runs}
+            loading={move.isPending}
+            onClick={() => move.mutate()}
+          >
+            {rotation === null ? "Move with it" : "Rotate with it"}
+          </Button>
+          {(rotation === null || runs) && (
+            <Button
+              size="xs"
+              variant="light"
+              leftSection={<IconArrowsLeftRight size={14} aria-hidden />}
+              disabled={why !== null || (busy && !runs)}
+              loading={back.isPending}
+              onClick={() => back.mutate()}
+            >
+              {runs ? "End there and back" : "There and back"}
+            </Button>
+          )}
+          <Button size="xs" variant="default" disabled={!connected} onClick={() => stop.mutate()}>
+            Stop axis
+          </Button>
+        </>
+      }
+    >
+      {why !== null && <p className={classes.hint}>{why}</p>}
+      {why === null && props.cautions?.(changed)}
+      {differences && device && (
+        <table className={classes.diff}>
+          <thead>
+            <tr>
+              <th scope="col">register</th>
+              <th scope="col">chip</th>
+              <th scope="col">design</th>
+              <th scope="col">read back</th>
+            </tr>
+          </thead>
+          <tbody>
+            {differences.map((row) => (
+              <tr key={row.label} data-changed={row.from !== row.to || undefined}>
+                <th scope="row">{row.label}</th>
+                <td className="num">{shown(row, row.from)}</td>
+                <td className="num">{shown(row, row.to)}</td>
+                <td>
+                  <Outcome row={row} result={result} shown={shown} />
+                </td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      )}
+      <div aria-live="polite">
+        {result?.answer.failed && <ProblemAlert error={result.answer.failed} doing="Sending the design" />}
+        {send.isError && <ProblemAlert error={send.error} doing="Sending the design" onClose={send.reset} />}
+        {move.isError && <ProblemAlert error={move.error} doing="Moving" onClose={move.reset} />}
+        {back.isError && <ProblemAlert error={back.error} doing="Moving there and back" onClose={back.reset} />}
+        {stop.isError && <ProblemAlert error={stop.error} doing="Stopping the axis" onClose={stop.reset} />}
+        {move.data && !runs && (
+          <p className={classes.hint}>
+            {move.data.text} {move.data.warnings.join(" ")}
+          </p>
+        )}
+        {runs && <p className={classes.hint}>Moves there and back until it is ended or the axis is stopped.</p>}
+      </div>
+    </Section>
+  );
+}
+
+/** Something that has to be said before a write. */
+export function Caution({ children }: { children: ReactNode }) {
+  return <p className={classes.caution}>{children}</p>;
+}
+
+interface OutcomeProps {
+  row: Difference;
+  result: { sent: string[]; answer: Batch } | null;
+  shown: (row: Difference, value: number | null) => string;
+}
+
+/** How the register of a row fared in the last batch. */
+function Outcome({ row, result, shown }: OutcomeProps) {
+  const index = result?.sent.indexOf(row.register) ?? -1;
+  if (!result || index < 0) return <span className={classes.dim}>–</span>;
+  const written = result.answer.done[index];
+  if (!written) {
+    const failed = index === result.answer.done.length && result.answer.failed !== null;
+    return <span className={classes.fault}>{failed ? "refused" : "not tried"}</span>;
+  }
+  const value = row.field === null ? written.value : written.fields[row.field];
+  const good = written.verified !== false;
+  return (
+    <span className={good ? classes.good : classes.fault} title={written.note || undefined}>
+      {good ? <IconCheck size={12} aria-hidden /> : <IconX size={12} aria-hidden />}
+      <span className="num"> {shown(row, value ?? null)}</span>
+    </span>
+  );
+}

@@ -1,0 +1,22 @@
+import { useQuery } from "@tanstack/react-query";
+import { api, unwrap } from "../../api/client";
+import type { Device } from "../../api/queries";
+
+/** An axis' registers, looked at once a second: a design is always compared with what the chip holds now. */
+export function useAxisRegisters(device: Device | undefined, axis: number, group?: readonly string[]) {
+  const connected = device?.state === "connected";
+  const id = device?.id ?? "";
+  const readings = useQuery({
+    queryKey: ["registers", id, axis, ...(group ?? [])],
+    queryFn: async ({ signal }) =>
+      unwrap(
+        await api.GET("/api/v1/devices/{device}/registers", {
+          params: { path: { device: id }, query: group ? { axis, group: [...group] } : { axis } },
+          signal,
+        }),
+      ),
+    enabled: connected,
+    refetchInterval: 1000,
+  });
+  return { connected, readings };
+}

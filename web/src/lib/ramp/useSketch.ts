@@ -1,0 +1,29 @@
+import { useSessionStorage } from "@mantine/hooks";
+import { useCallback, useDeferredValue, useRef, useState } from "react";
+
+/**
+ * What is designed on a page, kept for the session under `key`; `fresh` until something is changed. A handle that is
+ * dragged changes it many times between two renderings, so `latest` always has the newest.
+ */
+export function useSketch<S extends object>(key: string, fresh: S) {
+  const [kept, keep] = useSessionStorage<S | null>({ key, defaultValue: null, getInitialValueInEffect: false });
+  const sketch = kept ?? fresh;
+  const latest = useRef(sketch);
+  latest.current = sketch;
+  const change = useCallback(
+    (part: Partial<S>) => {
+      latest.current = { ...latest.current, ...part };
+      keep(latest.current);
+    },
+    [keep],
+  );
+  return { sketch, latest, change, isFresh: kept === null };
+}
+
+/** While a handle is held, plots follow at once and what is beside them when there is time. */
+export function useHold<S, A>(sketch: S, answer: A) {
+  const [held, hold] = useState(false);
+  const laterSketch = useDeferredValue(sketch);
+  const laterAnswer = useDeferredValue(answer);
+  return { held, hold, shown: held ? laterSketch : sketch, good: held ? laterAnswer : answer };
+}
