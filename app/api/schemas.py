@@ -18,9 +18,11 @@ AxisIndex = Annotated[int, Field(strict=True, ge=0, le=31)]
 ChipName = Literal["tmc428", "tmc4210"]
 """Chips of 32-bit datagrams, whose ramps come from pmul and pdiv."""
 Chip40Name = Literal["tmc4361"]
-"""Chips of 40-bit datagrams."""
+"""Chips of 40-bit datagrams that have SPI alone and put ramps into a driver outside."""
+Tmc5xxxName = Literal["tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160"]
+"""Chips with a SixPoint ramp and the driver inside."""
 ModuleName = Literal["pd42-1241"]
-ModelName = Literal["tmc428", "tmc4210", "tmc4361", "pd42-1241"]
+ModelName = Literal["tmc428", "tmc4210", "tmc4361", "tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160", "pd42-1241"]
 
 
 class Body(BaseModel):

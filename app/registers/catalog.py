@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from app.registers import pd42, tmc428, tmc4210, tmc4361
+from app.registers import pd42, tmc5xxx, tmc428, tmc4210, tmc4361
 from app.registers.model import RegisterTable
 
 
@@ -24,6 +24,23 @@ class Model:
     """A chip has registers; a module speaks TMCL and has parameters."""
     datagram_bits: int = 32
     """Length of one datagram on the wire of a chip; 0 for a module, whose frames TMCL tells."""
+    uart: Literal["", "plain", "node"] = ""
+    """A chip's UART besides SPI: none, datagrams of one chip on a line, or with the address of one of several."""
+
+
+def _tmc5xxx(number: int, summary: str, uart: Literal["", "plain", "node"]) -> Model:
+    name = f"tmc{number}"
+    return Model(
+        name,
+        name.upper(),
+        summary,
+        tmc5xxx.AXES[name],
+        tmc5xxx.TABLES[name],
+        tmc5xxx.CLOCK_HZ_DEFAULT,
+        tmc5xxx.CLOCK_HZ_MAX,
+        datagram_bits=40,
+        uart=uart,
+    )
 
 
 MODELS = {
@@ -41,6 +58,11 @@ MODELS = {
             tmc4361.CLOCK_HZ_MAX,
             datagram_bits=40,
         ),
+        _tmc5xxx(5031, "two axes, SixPoint ramps and drivers to 1.1 A; SPI", ""),
+        _tmc5xxx(5062, "two axes, SixPoint ramps, drivers to 1.1 A and encoders; SPI, UART", "plain"),
+        _tmc5xxx(5072, "two axes, SixPoint ramps, drivers to 1.1 A with StealthChop, encoders; SPI, UART", "node"),
+        _tmc5xxx(5130, "one axis, SixPoint ramp, driver to 2 A with StealthChop, encoder; SPI, UART", "node"),
+        _tmc5xxx(5160, "one axis, SixPoint ramp, gate driver with StealthChop, encoder; SPI, UART", "node"),
         Model(
             "pd42-1241",
             "PD42-1241",

@@ -33,10 +33,11 @@ _Block = tuple[int, _Rows]
 
 def _rows(model: str, globals_: _Rows, first: _Rows, blocks: tuple[_Block, ...]) -> Iterator[Register]:
     """globals_: of the whole chip; first: of the first axis alone; blocks: of every axis."""
-    placed = [(row, GLOBAL_AXIS) for row in globals_] + [(row, 0) for row in first]
+    placed: list[tuple[Register, int | None]] = [(row, GLOBAL_AXIS) for row in globals_]
+    placed += [(row, 0) for row in first]
     for step, rows in blocks:
-        for axis in range(AXES[model]):
-            placed += [(replace(row, address=row.address + axis * step), axis) for row in rows]
+        for motor in range(AXES[model]):
+            placed += [(replace(row, address=row.address + motor * step), motor) for row in rows]
     for row, axis in sorted(placed, key=lambda place: place[0].address):
         source = f"{sheet(model, row.name, row.group)}; {row.source}"
         yield replace(row, source=source).completed(axis)

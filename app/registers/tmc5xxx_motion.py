@@ -321,7 +321,7 @@ def _enc_const(reset: int) -> Register:
 
 
 def _enc_status(write_clears: bool) -> Register:
-    events = (state(0, "n_event", "the index channel had an event"),)
+    events: tuple[Field, ...] = (state(0, "n_event", "the index channel had an event"),)
     if write_clears:
         events += (state(1, "deviation_warn", "X_ENC was farther from XACTUAL than ENC_DEVIATION"),)
     return Register(

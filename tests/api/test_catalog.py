@@ -41,6 +41,6 @@ async def test_a_model_has_every_row_as_the_table_has_it(client: httpx.AsyncClie
 
 
 async def test_an_unknown_model_names_the_known_ones(client: httpx.AsyncClient) -> None:
-    answer = await client.get("catalog/tmc5160")
+    answer = await client.get("catalog/tmc9999")
     assert answer.status_code == 404
     assert answer.json()["facts"]["known"] == sorted(MODELS)

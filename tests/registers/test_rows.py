@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from app.registers.catalog import MODELS
 from app.registers.model import Access, Field, Register, RegisterTable, Space
 
-SOURCE = re.compile(r"(000|001|002|004), |(TMC4361A|STEPPYR|TOM4361)\b")
+SOURCE = re.compile(r"(000|001|002|004), |(TMC4361A|STEPPYR|TOM4361)\b|DS5(031|062|072|130|160), (p\. )?[0-9]")
 """Begins with a data sheet and its section; what 002 does not tell, with one of the later public sources."""
 
 EVERY_REGISTER = [

@@ -1643,7 +1643,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc428" | "tmc4210" | "tmc4361" | "pd42-1241";
+            model: "tmc428" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "pd42-1241";
             /** Title */
             title: string;
             /**
@@ -3720,7 +3720,7 @@ export interface components {
              * Model
              * @description the module's, or that of the chip on the board; null where stepscope has no driver for it
              */
-            model: ("tmc428" | "tmc4210" | "tmc4361" | "pd42-1241") | null;
+            model: ("tmc428" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "pd42-1241") | null;
             /**
              * Board
              * @description null for a module; else "Landungsbrücke with TMC4361A and TMC2660": reached by a link of kind landungsbruecke
@@ -5356,7 +5356,7 @@ export interface components {
              * @default tmc428
              * @enum {string}
              */
-            model?: "tmc428" | "tmc4210" | "tmc4361" | "pd42-1241";
+            model?: "tmc428" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "pd42-1241";
             /**
              * Pulse Div
              * @description TMC428, TMC4210: needed there

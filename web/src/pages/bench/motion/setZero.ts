@@ -48,10 +48,26 @@ async function of4361(device: string): Promise<Write[]> {
   ];
 }
 
+/** A TMC5xxx in hold mode follows no target. What its encoder counts goes along, where it has one. */
+function ofSixPoint(encoder: boolean): Write[] {
+  return [
+    { name: "RAMPMODE", value: HOLD_MODE },
+    { name: "XACTUAL", value: 0 },
+    { name: "XTARGET", value: 0 },
+    ...(encoder ? [{ name: "X_ENC", value: 0 }] : []),
+    { name: "RAMPMODE", value: RAMP_MODE },
+  ];
+}
+
 const WRITES: Record<Device["model"], (device: string) => Promise<Write[]> | Write[]> = {
   tmc428: () => ofChip("rm"),
   tmc4210: () => ofChip("RAMP_MODE"),
   tmc4361: of4361,
+  tmc5031: () => ofSixPoint(false),
+  tmc5062: () => ofSixPoint(true),
+  tmc5072: () => ofSixPoint(true),
+  tmc5130: () => ofSixPoint(true),
+  tmc5160: () => ofSixPoint(true),
   "pd42-1241": () => OF_MODULE,
 };
 
