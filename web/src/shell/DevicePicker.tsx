@@ -1,5 +1,6 @@
 import { Group, Select, Text } from "@mantine/core";
 import { type Device, useDevices } from "../api/queries";
+import { choicesOf } from "../lib/choices";
 import { StateDot } from "../lib/StateDot";
 import { useSelection } from "../live/selection";
 
@@ -16,13 +17,7 @@ export function DevicePicker() {
   return (
     <Select
       aria-label="Device and axis"
-      data={list.map((candidate) => ({
-        group: `${candidate.name} · ${candidate.title}`,
-        items: candidate.axes.map((entry) => ({
-          value: `${candidate.id}/${entry.index}`,
-          label: `${candidate.name} · ${entry.name}`,
-        })),
-      }))}
+      data={choicesOf(list)}
       value={device ? `${device.id}/${axis}` : null}
       placeholder={devices.isPending ? "Looking for devices" : "No device"}
       allowDeselect={false}

@@ -12,6 +12,7 @@ import {
 } from "@mantine/core";
 import { IconAdjustmentsHorizontal, IconPlayerPause, IconPlayerPlay, IconRulerMeasure } from "@tabler/icons-react";
 import type { Device } from "../../../api/queries";
+import { namesOf } from "../../../lib/choices";
 import { scaleOf, symbolOf, unitsFor } from "../../../lib/units";
 import { LiveText } from "../../../live/LiveText";
 import { type AxisRef, rowsOf } from "./model";
@@ -44,10 +45,11 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
   );
   const units = unitsFor("position", scale);
   const rates = RATES_HZ.filter((rate) => rate <= (device?.rate_max_hz ?? 1000));
+  const names = namesOf(devices);
   const others = devices.flatMap((candidate) =>
     candidate.axes
       .filter((axis) => candidate.id !== main.device || axis.index !== main.axis)
-      .map((axis) => ({ device: candidate.id, axis: axis.index, label: `${candidate.name} · ${axis.name}` })),
+      .map((axis) => ({ device: candidate.id, axis: axis.index, label: `${names.get(candidate.id)} · ${axis.name}` })),
   );
   const isExtra = (ref: AxisRef) =>
     settings.extras.some((extra) => extra.device === ref.device && extra.axis === ref.axis);
