@@ -6,8 +6,11 @@ import math
 from collections.abc import Callable, Mapping
 
 from app.api.convert import calculating
+from app.api.ramp_torque import torque_of
 from app.api.schemas_calc import Phase, Ramp, RampResult
+from app.api.schemas_sramp import RampTorque
 from app.api.sramp_calculator import s_ramp
+from app.calc.motor_torque import StepperMotor
 from app.calc.ramp import RampParameters, exact_ramp
 from app.calc.ramp_curve import RampCurve
 from app.calc.ramp_trapezoid import trapezoid_ramp
@@ -44,7 +47,15 @@ def ramp(body: Ramp) -> RampResult:
         acceleration_pps2=curve.acceleration_pps2.tolist(),
         overshoot_steps=curve.overshoot_steps,
         warnings=[] if curve.settled or _open_ended(body) else ["the motor does not rest at the target at the end"],
+        torque=_torque(body, curve),
     )
+
+
+def _torque(body: Ramp, curve: RampCurve) -> RampTorque | None:
+    """Of ideal ramps: a ramp bit for bit changes its velocity in jumps, whose torque nobody could give."""
+    if body.motor is None or body.model not in _CURVES:
+        return None
+    return torque_of(StepperMotor(**body.motor.model_dump()), curve, _number("vmax", body.parameters["vmax"]))
 
 
 def _trapezoid(body: Ramp) -> RampCurve:

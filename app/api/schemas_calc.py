@@ -185,7 +185,7 @@ class Ramp(Body):
     parameters: dict[str, Number | str]
     distance: Number
     samples: Annotated[int, Field(strict=True, ge=2, le=100_000)] = 500
-    motor: RampMotor | None = Field(default=None, description="s_ramp: a motor to compare the ramp with")
+    motor: RampMotor | None = Field(default=None, description="s_ramp, sixpoint and trapezoid: a motor to compare with")
 
 
 class Phase(Answer):
@@ -208,7 +208,7 @@ class RampResult(Answer):
     findings: list[RampFinding] = Field(default=[], description="s_ramp: `warnings` with the parameters they are about")
     registers: list[RampRegister] = Field(default=[], description="s_ramp: what goes into the chip")
     rivals: list[RampRival] = Field(default=[], description="s_ramp: other ways to make the same move, from rest")
-    torque: RampTorque | None = Field(default=None, description="s_ramp with a `motor`")
+    torque: RampTorque | None = Field(default=None, description="s_ramp, sixpoint and trapezoid with a `motor`")
 
 
 class MicrostepDesign(Body):

@@ -6,13 +6,12 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
-import numpy as np
-
+from app.api.ramp_torque import torque_of
 from app.api.schemas_calc import Phase, Ramp, RampResult
 from app.api.schemas_sramp import RampFinding, RampLimit, RampRegister, RampRival, RampTorque
 from app.calc.motor_torque import FastMove, StepperMotor, fastest_move, fastest_trapezoid
 from app.calc.ramp_trapezoid import trapezoid_ramp
-from app.calc.sramp import RampWarning, SRamp, SRampCurve, SRampPlan, position_plan, velocity_plan
+from app.calc.sramp import RampWarning, SRamp, SRampPlan, position_plan, velocity_plan
 from app.calc.sramp_trapezoid import (
     Trapezoid,
     hold_position_plan,
@@ -32,9 +31,6 @@ CHOICES = {
     "shape": ("s", "trapezoid", "hold"),
     "rounding": ("none", "registers"),
 }
-_CURVE_POINTS = 120
-_MOST_OVERLOAD = 1e6
-"""Where the motor has no torque at all, the margin is minus infinity, which JSON cannot say."""
 _ALIASES = {"start_acceleration": "astart"}
 
 
@@ -70,7 +66,7 @@ def s_ramp(body: Ramp) -> RampResult:
         for name in wanted.asked
         for text in wanted.units.warnings(name.upper(), wanted.values[name], wanted.positioning)
     ]
-    torque = None if motor is None else _torque(motor, curve, wanted.values["vmax"])
+    torque = None if motor is None else torque_of(motor, curve, wanted.values["vmax"])
     return RampResult(
         duration_s=curve.duration_s,
         phases=[Phase.model_validate(phase) for phase in curve.phases],
@@ -221,22 +217,6 @@ def _rivals(
         )
         for name, text, move in found
     ]
-
-
-def _torque(motor: StepperMotor, curve: SRampCurve, vmax: float) -> RampTorque:
-    available = motor.available_nm(curve.velocity_pps)
-    # the last sample stands: what it takes to leave rest is no part of this motion
-    margin = motor.margin(curve.velocity_pps, curve.acceleration_pps2)[:-1]
-    least = int(np.argmin(margin))
-    speed = np.linspace(0.0, 1.5 * vmax, _CURVE_POINTS)
-    return RampTorque(
-        available_nm=available.tolist(),
-        required_nm=motor.required_nm(curve.velocity_pps, curve.acceleration_pps2).tolist(),
-        margin=max(float(margin[least]), -_MOST_OVERLOAD),
-        margin_at_s=float(curve.time_s[least]),
-        speed_pps=speed.tolist(),
-        curve_nm=motor.available_nm(speed).tolist(),
-    )
 
 
 def _choice(name: str, given: Mapping[str, float | str]) -> str:

@@ -171,3 +171,19 @@ async def test_the_torque_left_is_shown_against_the_motor(client: httpx.AsyncCli
     worse = (await client.post("calc/ramp", json=overload)).json()
     assert worse["torque"]["margin"] < 0
     assert (await client.post("calc/ramp", json={**body, "motor": {"supply_v": 0}})).status_code == 422
+
+
+@pytest.mark.parametrize("model", ["sixpoint", "trapezoid"])
+async def test_other_smooth_ramps_are_compared_with_a_motor_too(client: httpx.AsyncClient, model: str) -> None:
+    """The torque is of the curve that is answered, and there is none without a motor, or of steps bit for bit."""
+    parameters = {"vmax": 50_000, "amax": 400_000, "dmax": 500_000}
+    body = {"model": model, "parameters": parameters, "distance": 4e4, "samples": 200}
+    assert (await client.post("calc/ramp", json=body)).json()["torque"] is None
+    given = (await client.post("calc/ramp", json={**body, "motor": {}})).json()
+    motor = StepperMotor()
+    asked = motor.required_nm(given["velocity_pps"], given["acceleration_pps2"])
+    assert given["torque"]["required_nm"] == asked.tolist()
+    assert given["torque"]["speed_pps"][-1] == 75_000
+    exact = {"v_max": 1000, "a_max": 200, "ramp_div": 6, "pulse_div": 4, "pmul": 60, "pdiv": 5}
+    steps = {"model": "tmc428", "parameters": exact, "distance": 1000, "samples": 20, "motor": {}}
+    assert (await client.post("calc/ramp", json=steps)).json()["torque"] is None

@@ -3926,7 +3926,7 @@ export interface components {
              * @default 500
              */
             samples?: number;
-            /** @description s_ramp: a motor to compare the ramp with */
+            /** @description s_ramp, sixpoint and trapezoid: a motor to compare with */
             motor?: components["schemas"]["RampMotor"] | null;
         };
         /**
@@ -4185,7 +4185,7 @@ export interface components {
              * @default []
              */
             rivals: components["schemas"]["RampRival"][];
-            /** @description s_ramp with a `motor` */
+            /** @description s_ramp, sixpoint and trapezoid with a `motor` */
             torque: components["schemas"]["RampTorque"] | null;
         };
         /**
