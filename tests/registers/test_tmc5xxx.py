@@ -127,8 +127,9 @@ def test_which_chips_have_which_interfaces(model: str) -> None:
 def test_the_microstep_table_is_the_tmc4361s_at_another_address(model: str) -> None:
     """Of the TMC5072 one for both axes; its numbers are those of the vendor's header."""
     rows = [row for row in TABLES[model] if row.name.startswith("MSLUT[")]
-    own: list[int | None] = [0, 1]
-    axes = {"tmc5031": own, "tmc5062": own, "tmc5072": [None]}.get(model, own[:1])
+    both: list[int | None] = [0, 1]
+    tables: dict[str, list[int | None]] = {"tmc5031": both, "tmc5062": both, "tmc5072": [None]}
+    axes = tables.get(model, [0])
     assert {row.axis for row in rows} == set(axes)
     assert [row.reset for row in rows] == list(MSLUT_RESET) * len(axes)
     assert [row.address for row in rows] == [
