@@ -37,6 +37,7 @@ from app.links.registry import (
     serial_factory,
     spidev_factory,
     tcp_factory,
+    uart_factory,
 )
 from app.settings import Settings
 from app.store.connections import ConnectionStore
@@ -72,6 +73,7 @@ def create_app(
         "can": can_factory,
         "spidev": spidev_factory,
         "landungsbruecke": landungsbruecke_factory,
+        "uart": uart_factory,
     }
     opened = asyncio.Event()
 

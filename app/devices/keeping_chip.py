@@ -5,13 +5,14 @@ What a wire can carry, and tasks of the driver's own, belong to every such chip 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
+from dataclasses import replace
 
 from app.clock import Clock
 from app.devices.config import DeviceConfig
 from app.devices.own_tasks import OwnTasks
 from app.devices.register_chip import RegisterChip, reading, written
-from app.devices.results import RegisterWritten
+from app.devices.results import RegisterReading, RegisterWritten
 from app.devices.words import Held, Words
 from app.links import landungsbruecke
 from app.links.errors import BadReply, WrongState
@@ -30,7 +31,7 @@ class KeepingChip(RegisterChip):
     READ_AT_ONCE = 16
 
     def __init__(self, device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> None:
-        super().__init__(device_id, config, port, clock, access_of(config.link))
+        super().__init__(device_id, config, port, clock, access_of(config.link, config.model))
         self.tasks = OwnTasks()
         self._known: dict[int, int] = {}
         """Words as last seen, by address, of registers that are remembered."""
@@ -69,6 +70,20 @@ class KeepingChip(RegisterChip):
             return await words.read(register)
         held = self._blind.get(register.address, register.reset)
         return 0 if held is None else held
+
+    def kept_word(self, register: Register) -> int | None:
+        """What a register that cannot be read holds, as far as is known; None where nobody knows."""
+        return self._blind.get(register.address)
+
+    def kept(self, axis: int | None = None, groups: Collection[str] = ()) -> list[RegisterReading]:
+        found = []
+        for register in self.table:
+            if register.access.readable or register.when or (groups and register.group not in groups):
+                continue
+            word = self.kept_word(register) if axis is None or register.axis == axis else None
+            if word is not None:
+                found.append(replace(reading(register, None, word), kept=True))
+        return found
 
     def _written_blind(self, register: Register, word: int, arrived: bool, notes: Sequence[str]) -> RegisterWritten:
         if not arrived:

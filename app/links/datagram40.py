@@ -1,11 +1,11 @@
-"""The 40-bit datagram of the TMC4361, both ways: pure functions, no port.
+"""The 40-bit datagram of the TMC4361 and the TMC5xxx, both ways: pure functions, no port.
 
 To the chip (002, 5.1): a write bit (1 writes), seven address bits, 32 data bits. From the chip: eight
 status bits, 32 data bits. On the wire the most significant byte goes first.
 
 The answer is pipelined: the data of a reply belong to the datagram before, its register if that one
 was a read, what it wrote if it was a write. So a single read costs two datagrams, and n reads in a row
-cost n + 1. The status bits are of this moment.
+cost n + 1. The status bits are of this moment. A TMC5xxx does the same (TMC5031 data sheet, page 17).
 """
 
 from __future__ import annotations
@@ -17,10 +17,12 @@ FRAME_BYTES = 5
 DATA_MASK = 0xFFFF_FFFF
 ADDRESS_MAX = 0x7F
 WRITE_BIT = 0x80
-MODELS = frozenset({"tmc4361"})
+MODELS = frozenset({"tmc4361", "tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160"})
 """Chips that speak it."""
 VERSION_ADDRESS = 0x7F
-"""VERSION_NO: reading it neither clears nor changes anything, so it may follow anything."""
+"""VERSION_NO of a TMC4361: reading it neither clears nor changes anything, so it may follow anything."""
+GCONF_ADDRESS = 0x00
+"""GCONF of a TMC5xxx, where no address is a version's: reading it does as little."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,9 +85,14 @@ FETCH = read(VERSION_ADDRESS)
 """What ends a chain: it brings the answer to the frame before, and its own is nobody's."""
 
 
-def read_chain(addresses: Sequence[int]) -> tuple[bytes, ...]:
-    """The n + 1 frames that read n registers; none for none."""
-    return (*(read(address) for address in addresses), FETCH) if addresses else ()
+def fetch_of(model: str) -> bytes:
+    """The same for `model`."""
+    return FETCH if model == "tmc4361" else read(GCONF_ADDRESS)
+
+
+def read_chain(addresses: Sequence[int], fetch: bytes = FETCH) -> tuple[bytes, ...]:
+    """The n + 1 frames that read n registers; none for none. `fetch` is the last of them."""
+    return (*(read(address) for address in addresses), fetch) if addresses else ()
 
 
 def words_of_chain(replies: Sequence[bytes]) -> list[int]:

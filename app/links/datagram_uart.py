@@ -14,9 +14,18 @@ SYNC = 0x05
 """Its low nibble lets the chip measure the baud rate."""
 HOST = 0xFF
 SYNC_5062_REPLY = 0xF5
+NODE_MAX = HOST - 1
 WRITE_BIT = 0x80
 POLYNOMIAL = 0x07
 """x^8 + x^2 + x + 1."""
+IFCNT = 0x02
+"""Counts the writes that were accepted, modulo 256. Reading it changes nothing (TMC5160A data sheet 1.14, 5.1.1)."""
+NODE_MODELS = frozenset({"tmc5072", "tmc5130", "tmc5160"})
+"""Chips that share a line, each with a node address."""
+PLAIN_MODELS = frozenset({"tmc5062"})
+"""Chips without a node address: alone on their line."""
+MODELS = NODE_MODELS | PLAIN_MODELS
+"""Chips with a single-wire UART. A TMC5031 has none."""
 
 
 def _table() -> bytes:
@@ -52,8 +61,8 @@ class UartForm:
     node: int | None = 0
 
     def __post_init__(self) -> None:
-        if self.node is not None and not 0 <= self.node < HOST:
-            raise ValueError(f"a node is 0..{HOST - 1}, not {self.node}")
+        if self.node is not None and not 0 <= self.node <= NODE_MAX:
+            raise ValueError(f"a node is 0..{NODE_MAX}, not {self.node}")
 
     @property
     def write_bytes(self) -> int:
@@ -98,9 +107,34 @@ class UartForm:
             raise ValueError(f"register {reply[-6]:#04x} instead of {register:#04x}")
         return int.from_bytes(reply[-5:-1], "big")
 
+    def is_write(self, frame: bytes) -> bool:
+        """Whether `frame`, a datagram to the chip, writes."""
+        return bool(frame[self.read_bytes - 2] & WRITE_BIT)
+
+    def register_of(self, frame: bytes) -> int:
+        """The register that a datagram to the chip asks for or writes."""
+        return frame[self.read_bytes - 2] & ~WRITE_BIT
+
+    def check(self, frame: bytes) -> None:
+        """Raises ValueError unless `frame` is a whole datagram to this chip, with the right CRC."""
+        size = self.write_bytes if len(frame) >= self.read_bytes and self.is_write(frame) else self.read_bytes
+        if len(frame) != size:
+            raise ValueError(f"a datagram has {self.read_bytes} bytes to read, {self.write_bytes} to write")
+        if not frame.startswith(self._head):
+            raise ValueError(f"a datagram to this chip begins with {self._head.hex(' ')}, not {frame[:2].hex(' ')}")
+        if crc8(frame[:-1]) != frame[-1]:
+            raise ValueError(f"CRC {frame[-1]:#04x} instead of {crc8(frame[:-1]):#04x}")
+
     @property
     def _head(self) -> bytes:
         return bytes((SYNC,)) if self.node is None else bytes((SYNC, self.node))
+
+
+def form_of(model: str, node: int = 0) -> UartForm:
+    """The datagrams of `model` at `node`. Raises KeyError for a model without a UART, ValueError for another node."""
+    if model not in MODELS:
+        raise KeyError(model)
+    return UartForm(None if model in PLAIN_MODELS else node)
 
 
 def _closed(body: bytes) -> bytes:

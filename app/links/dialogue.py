@@ -19,6 +19,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 
+from app.links.conversation import FOREIGN, Conversation
 from app.links.errors import BadReply, LinkTimeout
 from app.links.incidents import IncidentKind, Incidents
 from app.links.port import Answer
@@ -27,11 +28,6 @@ from app.links.tmcl import FRAME_BYTES, Request, check_reply, has_plain_reply, i
 from app.registers.landungsbruecke import BoardOpcode
 from app.registers.tmcl import Opcode, Status
 
-SILENCE_BYTES = 20
-"""So many byte times without a byte are silence: two frames, a bit more than any pause inside one."""
-SILENCE_MIN_S = 0.003
-DRAIN_MAX_S = 0.5
-"""A line that does not fall silent for so long has somebody else on it [s]."""
 RFS_STOP = 1
 FENCES = {
     Opcode.GET_VERSION: 1,
@@ -46,11 +42,12 @@ _REGISTERS = frozenset({BoardOpcode.WRITE_MC, BoardOpcode.WRITE_DRV, BoardOpcode
 """Commands beyond the usual ones that are always answered plainly."""
 PAD_WAIT_S = 0.05
 """How long a board has to say that padding made a frame full [s]."""
-FOREIGN = "somebody else talks on the line"
 
 
-class Dialogue:
-    """One open line. For its thread only. `tell_event` gets each event frame; `byte_s` is the time of a byte [s]."""
+class Dialogue(Conversation):
+    """One open line of TMCL modules. `tell_event` gets each event frame."""
+
+    frame_bytes = FRAME_BYTES
 
     def __init__(
         self,
@@ -60,20 +57,12 @@ class Dialogue:
         tell_event: Callable[[bytes], None],
         byte_s: float = 0.0,
     ) -> None:
-        self.silence_s = max(SILENCE_MIN_S, SILENCE_BYTES * byte_s)
-        self._name = name
-        self._stream = stream
-        self._incidents = incidents
+        super().__init__(name, stream, incidents, byte_s)
         self._tell_event = tell_event
         self._trusted: set[int] = set()
         """Addresses that are in step. Nobody is at first: a module may owe an answer to whoever was here before."""
         self._owed: dict[int, dict[int, None]] = {}
         """Commands that each address has not answered and still may, the oldest first."""
-        self._to_drain = False
-        self._heard = b""
-        """Came while nobody asked, and is not yet judged."""
-        self._foreign = ""
-        """What was heard that nobody can have asked for; the next question fails with it."""
 
     # --- asking ---------------------------------------------------------------------------------
 
@@ -86,10 +75,6 @@ class Dialogue:
         replies: list[bytes],
         answered_s: list[float],
     ) -> None:
-        """Ask `frames` in a row until `preempted`, appending to `replies` and, in `time.monotonic`, to `answered_s`.
-
-        Raises LinkTimeout, BadReply, and OSError where the line has gone.
-        """
         read, write, trusted, now = self._stream.read, self._stream.write, self._trusted, time.monotonic
         clear, send = self._stream.clear, self._stream.send
         always = answer is Answer.ALWAYS
@@ -141,16 +126,7 @@ class Dialogue:
                 )
             replies.append(reply)
             answered_s.append(now())
-        unasked = read(0)
-        if unasked:
-            self._judge(self._listen(unasked))
-            if self._foreign:
-                text, self._foreign = self._foreign, ""
-                raise BadReply(self._name, text, unasked)
-
-    def _not_sent(self) -> BadReply:
-        text, self._foreign = self._foreign or FOREIGN, ""
-        return BadReply(self._name, f"{text}; the command was not sent", b"")
+        self._end_of_asking()
 
     def _sort_out(self, frame: bytes, data: bytes, wait_s: float, timeout_s: float, answer: Answer) -> bytes:
         """Find the answer to `frame` in what has come (`data`) and what comes within `wait_s` [s] from now.
@@ -205,6 +181,9 @@ class Dialogue:
             return False
         return True
 
+    def _is_owed(self, frame: bytes) -> bool:
+        return self._is_old(frame)
+
     def _is_old(self, head: bytes, frame: bytes = b"") -> bool:
         """Whether `head` is an answer that somebody owed us from before we asked `frame`."""
         owed = self._owed.get(head[1])
@@ -239,55 +218,29 @@ class Dialogue:
 
     # --- listening ------------------------------------------------------------------------------
 
-    @property
-    def hears_half(self) -> bool:
-        """Whether something came that more may belong to."""
-        return bool(self._heard)
+    def _in_step(self) -> bool:
+        return bool(self._trusted)
 
-    def hear(self, data: bytes) -> None:
-        """Something came while nobody asked; b"" when nothing came for `silence_s` [s]."""
-        self._heard += data
-        self._take_events()
-        if self._heard and (not data or len(self._heard) >= FRAME_BYTES):
-            self._judge(self._listen(b""))
-
-    def _take_events(self) -> None:
+    def _take_unasked(self) -> None:
         while is_event(head := self._heard[:FRAME_BYTES]):
             self._heard = self._heard[FRAME_BYTES:]
             self._tell_event(head)
 
-    def _listen(self, data: bytes) -> bytes:
-        """What was heard that is no event, and no half of one."""
-        self._heard += data
-        self._take_events()
-        until_s = time.monotonic() + DRAIN_MAX_S
-        while self._heard and time.monotonic() < until_s:
-            more = self._stream.read(self.silence_s)
-            if not more:
-                break
-            self._heard += more
-            self._take_events()
-        heard, self._heard = self._heard, b""
-        return heard
-
-    def _judge(self, heard: bytes) -> None:
-        """Say what unasked bytes are: an old answer, noise on a line that is out of step anyway, or somebody else."""
-        if not heard:
-            return
-        foreign = 0
-        if self._trusted:
-            for at in range(0, len(heard), FRAME_BYTES):
-                frame = heard[at : at + FRAME_BYTES]
-                foreign += 0 if self._is_old(frame) else len(frame)
-        if not foreign:
-            self._to_drain = True
-            self._incidents.add("late", f"thrown away: {heard.hex(' ')}")
-            return
-        self._mistrust()
-        self._foreign = f"{FOREIGN}: {foreign} bytes that nobody asked for"
-        self._incidents.add("foreign", f"{self._foreign}: {heard[:64].hex(' ')}")
+    def _sift(self, data: bytes) -> bytes:
+        """The events that are in it are kept."""
+        while len(data) >= FRAME_BYTES:
+            head = data[:FRAME_BYTES]
+            data = data[FRAME_BYTES:] if sound(head) else data[1:]
+            if is_event(head):
+                self._tell_event(head)
+            elif sound(head):
+                self._incidents.add("late", f"thrown away: {head.hex(' ')}")
+        return data
 
     # --- staying in step ------------------------------------------------------------------------
+
+    def _mistrust_all(self) -> None:
+        self._mistrust()
 
     def _mistrust(self, address: int | None = None) -> None:
         """Whatever comes next may be old: from one module, or, after garbage, from anybody."""
@@ -376,24 +329,6 @@ class Dialogue:
             self._stream.write(bytes((pad,)))
             if self._stream.read(PAD_WAIT_S):
                 return
-
-    def _drain(self) -> None:
-        """Read until the line is silent, keeping the events. Raises BadReply where it never is."""
-        until_s = time.monotonic() + DRAIN_MAX_S
-        data, self._heard = self._heard, b""
-        while more := self._stream.read(self.silence_s):
-            data += more
-            while len(data) >= FRAME_BYTES:
-                head = data[:FRAME_BYTES]
-                data = data[FRAME_BYTES:] if sound(head) else data[1:]
-                if is_event(head):
-                    self._tell_event(head)
-                elif sound(head):
-                    self._incidents.add("late", f"thrown away: {head.hex(' ')}")
-            if time.monotonic() > until_s:
-                self._incidents.add("foreign", f"{FOREIGN}: it does not fall silent")
-                raise BadReply(self._name, f"{FOREIGN}: it does not fall silent", data)
-        self._to_drain = False
 
 
 def _stops(frame: bytes) -> bool:

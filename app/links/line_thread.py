@@ -15,7 +15,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 
-from app.links.dialogue import Dialogue
+from app.links.conversation import Conversation
 from app.links.errors import LinkDown, LinkError
 from app.links.incidents import Incidents
 from app.links.port import Answer
@@ -113,26 +113,24 @@ class _Bell:
 
 
 class LineThread:
-    """`open_stream` opens the line at a baud rate; `byte_s` tells the time of a byte at one [s].
+    """`open_stream` opens the line at a baud rate, `converse` begins to talk over it at that rate.
 
-    `tell_event` and `tell_down` are called on this thread.
+    `tell_down` is called on this thread.
     """
 
     def __init__(
         self,
         name: str,
         open_stream: Callable[[int], Stream],
-        byte_s: Callable[[int], float],
+        converse: Callable[[Stream, int], Conversation],
         incidents: Incidents,
-        tell_event: Callable[[bytes], None],
         tell_down: Callable[[LinkDown], None],
         after: threading.Thread | None = None,
     ) -> None:
         self._name = name
         self._open_stream = open_stream
-        self._byte_s = byte_s
+        self._converse = converse
         self._incidents = incidents
-        self._tell_event = tell_event
         self._tell_down = tell_down
         self._after = after
         """Who had the line before us; it may still hold the lock on the device."""
@@ -142,7 +140,7 @@ class LineThread:
         self._closing = False
         self._ended = False
         self._stream: Stream | None = None
-        self._dialogue: Dialogue | None = None
+        self._talk: Conversation | None = None
         self._baud = 0
         self._refused = ""
         self.thread = threading.Thread(target=self._run, name=f"line {name}", daemon=True)
@@ -206,11 +204,11 @@ class LineThread:
             return
         job.started_s = time.monotonic()
         try:
-            dialogue = self._dialogue
-            if dialogue is None or baud != self._baud:
-                dialogue = self._open(baud)
+            talk = self._talk
+            if talk is None or baud != self._baud:
+                talk = self._open(baud)
                 job.started_s = time.monotonic()
-            dialogue.ask_all(job.frames, job.must_end, job.timeout_s, job.answer, job.replies, job.answered_s)
+            talk.ask_all(job.frames, job.must_end, job.timeout_s, job.answer, job.replies, job.answered_s)
         except LinkError as error:
             job.error = error
         except (
@@ -220,7 +218,7 @@ class LineThread:
         job.ended_s = time.monotonic()
         job.tell()
 
-    def _open(self, baud: int) -> Dialogue:
+    def _open(self, baud: int) -> Conversation:
         self._drop()
         try:
             stream = self._open_stream(baud)
@@ -236,8 +234,8 @@ class LineThread:
         self._incidents.add("opened", f"{self._name} at {baud} baud" if baud else self._name)
         self._baud = baud
         self._stream = stream
-        self._dialogue = Dialogue(self._name, stream, self._incidents, self._tell_event, self._byte_s(baud))
-        return self._dialogue
+        self._talk = self._converse(stream, baud)
+        return self._talk
 
     def _went_down(self, error: Exception) -> LinkDown:
         self._drop()
@@ -247,18 +245,18 @@ class LineThread:
         return down
 
     def _drop(self) -> None:
-        stream, self._stream, self._dialogue = self._stream, None, None
+        stream, self._stream, self._talk = self._stream, None, None
         if stream is not None:
             stream.close()
 
     def _listen(self) -> None:
         """Until something is to be done: positions reached and other people's bytes come unasked, and a cable goes."""
-        stream, dialogue, bell = self._stream, self._dialogue, self._bell
-        if stream is None or dialogue is None:
+        stream, talk, bell = self._stream, self._talk, self._bell
+        if stream is None or talk is None:
             bell.wait(None)
             bell.quiet()
             return
-        wait_s = dialogue.silence_s if dialogue.hears_half else None
+        wait_s = talk.silence_s if talk.hears_half else None
         try:
             if bell.fd is not None and stream.fd is not None:
                 poll = select.poll()
@@ -268,15 +266,15 @@ class LineThread:
                 if bell.fd in ready:
                     bell.quiet()
                 if stream.fd in ready:
-                    dialogue.hear(stream.read(0))
+                    talk.hear(stream.read(0))
                 elif not ready:
-                    dialogue.hear(b"")
+                    talk.hear(b"")
             else:
                 bell.wait(wait_s or LISTEN_S)
                 bell.quiet()
                 data = stream.read(0)
-                if data or dialogue.hears_half:
-                    dialogue.hear(data)
+                if data or talk.hears_half:
+                    talk.hear(data)
         except LinkError:
             return  # noted as an incident; nobody waits for an answer
         except Exception as error:

@@ -276,6 +276,10 @@ class Turn:
         """When the latest frame of this turn was exchanged, device time [s]."""
         return self._queue.port.last_exchange_s
 
+    def device_time_s(self) -> float:
+        """The device's time now [s]."""
+        return self._queue.port.device_time_s()
+
     async def _chain(self, port: ChainPort, frames: Sequence[bytes], timeout_s: float | None) -> list[bytes]:
         if not frames:
             return []

@@ -2,7 +2,8 @@
 
 Sans-io: frames to send in a row (`Turn.exchange_many`, one call a chain) and replies to judge. Over SPI
 the words come pipelined, so the frames of one call belong together: ports of such chips are `ChainPort`s
-and let nobody come between. Over an evaluation board every register is one TMCL command.
+and let nobody come between. Over an evaluation board every register is one TMCL command. Over a UART a register is one
+datagram, and the port has each write counted by the chip.
 """
 
 from __future__ import annotations
@@ -10,7 +11,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 
-from app.links import datagram40, tmcl
+from app.links import datagram40, datagram_uart, tmcl
+from app.links.datagram_uart import IFCNT, UartForm
 from app.links.errors import BadReply
 from app.registers.landungsbruecke import BoardOpcode
 
@@ -20,7 +22,7 @@ class RegisterAccess(Protocol):
 
     @property
     def frame_bytes(self) -> int:
-        """The length of every frame."""
+        """The length of every frame; over a UART of those that read."""
         ...
 
     @property
@@ -60,7 +62,7 @@ class RegisterAccess(Protocol):
 
 
 class Spi40Access:
-    """40-bit datagrams (002, 5.1). `name` names the link in errors.
+    """40-bit datagrams (002, 5.1). `name` names the link in errors, `fetch` is what ends a chain.
 
     A reply alone shows nothing but its length. Writes show themselves in the reply after: `check_all`.
     """
@@ -68,11 +70,12 @@ class Spi40Access:
     frame_bytes = datagram40.FRAME_BYTES
     reply_bytes = datagram40.FRAME_BYTES
 
-    def __init__(self, name: str = "spi") -> None:
+    def __init__(self, name: str = "spi", fetch: bytes = datagram40.FETCH) -> None:
         self.name = name
+        self._fetch = fetch
 
     def read_frames(self, addresses: Sequence[int]) -> tuple[bytes, ...]:
-        return datagram40.read_chain(addresses)
+        return datagram40.read_chain(addresses, self._fetch)
 
     def words(self, replies: Sequence[bytes]) -> list[int]:
         for reply in replies:
@@ -89,7 +92,7 @@ class Spi40Access:
         return datagram40.write(address, data)
 
     def write_frames(self, writes: Sequence[tuple[int, int]]) -> tuple[bytes, ...]:
-        return (*(datagram40.write(address, data) for address, data in writes), datagram40.FETCH) if writes else ()
+        return (*(datagram40.write(address, data) for address, data in writes), self._fetch) if writes else ()
 
     def check(self, frame: bytes, reply: bytes) -> None:
         del frame  # the reply speaks of the frame before
@@ -166,6 +169,66 @@ class LandungsbrueckeAccess:
         return int.from_bytes(reply[4:8], "big")
 
 
+class UartAccess:
+    """Datagrams with a CRC (TMC5160A data sheet 1.14, 5.1). `name` names the link in errors.
+
+    A write has no answer of its own. The port asks for IFCNT behind each, raises BadReply where the chip has not
+    counted exactly that write, and gives the reading of IFCNT as the reply: only the port sees what went out meanwhile.
+    """
+
+    def __init__(self, name: str = "uart", form: UartForm | None = None) -> None:
+        self.name = name
+        self.form = form or UartForm()
+        self._reads = [self.form.read(address) for address in range(datagram_uart.WRITE_BIT)]
+
+    @property
+    def frame_bytes(self) -> int:
+        return self.form.read_bytes
+
+    @property
+    def reply_bytes(self) -> int:
+        return self.form.reply_bytes
+
+    def read_frames(self, addresses: Sequence[int]) -> tuple[bytes, ...]:
+        for address in addresses:
+            if not 0 <= address < datagram_uart.WRITE_BIT:
+                raise ValueError(f"a register is 0x00..0x7f, not {address:#x}")
+        return tuple([self._reads[address] for address in addresses])
+
+    def words(self, replies: Sequence[bytes]) -> list[int]:
+        return [self._word(reply, reply[-6] if len(reply) == self.reply_bytes else 0) for reply in replies]
+
+    def status(self, replies: Sequence[bytes]) -> int | None:
+        del replies  # a UART brings none
+        return None
+
+    def write_frame(self, address: int, data: int) -> bytes:
+        return self.form.write(address, data)
+
+    def write_frames(self, writes: Sequence[tuple[int, int]]) -> tuple[bytes, ...]:
+        return tuple(self.form.write(address, data) for address, data in writes)
+
+    def check(self, frame: bytes, reply: bytes) -> None:
+        self._word(reply, IFCNT if self.form.is_write(frame) else self.form.register_of(frame))
+
+    def check_all(self, frames: Sequence[bytes], replies: Sequence[bytes]) -> None:
+        _check_count(self.name, frames, replies)
+        counted: int | None = None
+        for frame, reply in zip(frames, replies, strict=True):
+            self.check(frame, reply)
+            if self.form.is_write(frame):
+                before, counted = counted, self._word(reply, IFCNT) & 0xFF
+                if before == counted:  # it went on by one, or by more where a stop came between
+                    register = self.form.register_of(frame)
+                    raise BadReply(self.name, f"the chip has not counted the write of {register:#04x}", reply)
+
+    def _word(self, reply: bytes, register: int) -> int:
+        try:
+            return self.form.data_of(register, reply)
+        except ValueError as error:
+            raise BadReply(self.name, str(error), reply) from error
+
+
 def _check_count(name: str, frames: Sequence[bytes], replies: Sequence[bytes]) -> None:
     if len(frames) != len(replies):
         raise BadReply(name, f"{len(replies)} replies to {len(frames)} frames", b"".join(replies))
@@ -179,11 +242,15 @@ def cut(access: RegisterAccess, joined: bytes) -> list[bytes]:
     return [joined[at : at + size] for at in range(0, len(joined), size)]
 
 
-def access_of(link: Mapping[str, object]) -> RegisterAccess:
-    """How registers are reached over `link`, whose options its port has already been made of: `kind` says it."""
+def access_of(link: Mapping[str, object], model: str) -> RegisterAccess:
+    """How registers of `model` are reached over `link`, whose options its port has already been made of."""
     kind = link.get("kind")
     if kind == "landungsbruecke":
         motor = link.get("motor", 0)
         assert isinstance(motor, int)  # the factory of the port has checked it
         return LandungsbrueckeAccess(f"landungsbruecke {link.get('port', '')}", motor=motor)
-    return Spi40Access(str(kind))
+    if kind == "uart":
+        node = link.get("node", 0)
+        assert isinstance(node, int)  # likewise
+        return UartAccess(f"uart {link.get('port', '')}", datagram_uart.form_of(model, node))
+    return Spi40Access(str(kind), datagram40.fetch_of(model))

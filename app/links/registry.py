@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import cast
+from typing import cast, get_args
 
 from app.clock import Clock
-from app.links import datagram32, datagram40, landungsbruecke, spidev_port
+from app.links import datagram32, datagram40, datagram_uart, landungsbruecke, spidev_port, uart_line
 from app.links.can_line import can_port
 from app.links.errors import OutOfRange, UnknownThing, UsageError
 from app.links.port import FramePort
 from app.links.serial_line import ADDRESS, BAUD, SOCKET, serial_port
 from app.links.tcp import TIMEOUT_S, TcpPort
+from app.links.uart_dialogue import Echo
 
 Link = Mapping[str, object]
 """What a connection is made of: `kind` and the options of that kind."""
@@ -23,6 +24,8 @@ TMCL_MODELS = frozenset({"pd42-1241"})
 """Modules that speak TMCL: nine-byte frames, several on one line by address."""
 SPEED_HZ_MAX = 16_000_000
 """Half of the fastest clock that any of the chips may have (002, 5.3)."""
+UART_BAUD_MIN = 9000
+"""Slower than this no chip can measure (TMC5160A data sheet 1.14, 5.1.1)."""
 URL_SCHEMES = ("socket", "rfc2217", "spy")
 
 
@@ -63,6 +66,28 @@ def spidev_factory(model: str, link: Link, clock: Clock) -> FramePort:
         frame_bytes=frame_bytes_of(model),
         speed_hz=_whole(link, "speed_hz", spidev_port.SPEED_HZ, 10_000, SPEED_HZ_MAX),
         mode=_whole(link, "mode", spidev_port.MODE, 0, 3),
+        clock=clock,
+    )
+
+
+def uart_factory(model: str, link: Link, clock: Clock) -> FramePort:
+    """`{"kind": "uart", "port", "baud"?, "node"?, "echo"?, "timeout_s"?}`; `port` is a device name or a URL.
+
+    A chip without a node address has no option `node`.
+    """
+    if model not in datagram_uart.MODELS:
+        raise UsageError(f"a {model} has no uart link; {', '.join(sorted(datagram_uart.MODELS))} has")
+    nodes = ["node"] if model in datagram_uart.NODE_MODELS else []
+    _only(link, "port", "baud", *nodes, "echo", "timeout_s")
+    echo = link.get("echo", "auto")
+    if echo not in get_args(Echo):
+        raise UsageError(f"echo is {', '.join(get_args(Echo))}, not {echo!r}")
+    return uart_line.uart_port(
+        port_url(_text(link, "port")),
+        datagram_uart.form_of(model, _whole(link, "node", 0, 0, datagram_uart.NODE_MAX)),
+        baud=_whole(link, "baud", uart_line.BAUD, UART_BAUD_MIN, 4_000_000),
+        echo=cast("Echo", echo),
+        timeout_s=_timeout_s(link),
         clock=clock,
     )
 

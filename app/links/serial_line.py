@@ -18,6 +18,8 @@ from typing import TypeVar, cast
 
 from app.clock import Clock, WallClock
 from app.links.arbiter import Arbiter
+from app.links.conversation import Conversation
+from app.links.dialogue import Dialogue
 from app.links.errors import LinkDown
 from app.links.incidents import Incidents
 from app.links.line_thread import Job, LineThread
@@ -44,21 +46,23 @@ _L = TypeVar("_L", bound="Line")
 _Listener = TypeVar("_Listener")
 
 
-def whole_timeout_s(baud: int | None, timeout_s: float | None) -> float:
+def whole_timeout_s(baud: int | None, timeout_s: float | None, call_bytes: int = CALL_BYTES) -> float:
     """How long to wait for an answer in all [s]: question and answer on the wire, and `timeout_s` beyond that.
 
     None is the module's own time and a reserve; a second over a socket, where the wire takes no time.
     """
     if baud is None:
         return SOCKET_TIMEOUT_S if timeout_s is None else timeout_s
-    return CALL_BYTES * BITS_PER_BYTE / baud + (MODULE_S + RESERVE_S if timeout_s is None else timeout_s)
+    return call_bytes * BITS_PER_BYTE / baud + (MODULE_S + RESERVE_S if timeout_s is None else timeout_s)
 
 
 class Line:
     """What the ports of one physical line share. For one event loop."""
 
-    def __init__(self, name: str, open_at: Callable[[int], Stream]) -> None:
+    def __init__(self, name: str, open_at: Callable[[int], Stream], device: str = "") -> None:
         self.name = name
+        self.device = device
+        """The file that it opens; empty where there is none of its own."""
         self.arbiter = Arbiter()
         self.incidents = Incidents()
         self.users: set[LinePort] = set()
@@ -80,9 +84,13 @@ class Line:
         """Whether a port uses it."""
         return bool(self.users)
 
-    def wire(self, baud: int | None) -> WireBudget:
-        """The budget at that baud rate."""
-        return self._wires.setdefault(baud, WireBudget(baud, CALL_BYTES))
+    def wire(self, baud: int | None, call_bytes: int) -> WireBudget:
+        """The budget at that baud rate, where question and answer have `call_bytes`."""
+        return self._wires.setdefault(baud, WireBudget(baud, call_bytes))
+
+    def converse(self, stream: Stream, byte_s: float, tell_event: Callable[[bytes], None]) -> Conversation:
+        """How the open line is talked over, on its thread; `byte_s` is the time of a byte [s]."""
+        return Dialogue(self.name, stream, self.incidents, tell_event, byte_s)
 
     def put(self, port: LinePort, job: Job) -> None:
         """Raises LinkDown where others have the line open at another baud rate."""
@@ -91,12 +99,12 @@ class Line:
                 raise LinkDown(port.name, f"the line is open at {other.baud} baud for {other.name}; use the same")
         if self._thread is None:
             loop = job.loop
+            tell_event = partial(_call, loop, self._tell_event)
             self._thread = LineThread(
                 self.name,
                 self._open_at,
-                lambda baud: BITS_PER_BYTE / baud if baud else 0.0,
+                lambda stream, baud: self.converse(stream, BITS_PER_BYTE / baud if baud else 0.0, tell_event),
                 self.incidents,
-                partial(_call, loop, self._tell_event),
                 partial(_call, loop, self._tell_down),
                 after=self._before,
             )
@@ -130,6 +138,9 @@ def _call(loop: asyncio.AbstractEventLoop, listener: Callable[[_T], None], what:
 class LinePort:
     """`BatchPort` of one module on a `Line`. `baud` None where there is none; `timeout_s` as in `whole_timeout_s`."""
 
+    call_bytes = CALL_BYTES
+    """Of a question and its answer."""
+
     def __init__(
         self,
         line: Line,
@@ -142,10 +153,10 @@ class LinePort:
         self.line = line
         self.address = address
         self.baud = baud
-        self.timeout_s = whole_timeout_s(baud, timeout_s)
+        self.timeout_s = whole_timeout_s(baud, timeout_s, self.call_bytes)
         self.arbiter = line.arbiter
         self.incidents = line.incidents
-        self.wire = line.wire(baud)
+        self.wire = line.wire(baud, self.call_bytes)
         self.batch = Batch()
         self._clock = clock or WallClock()
         self._last_exchange_s = self._clock.now()
@@ -165,7 +176,7 @@ class LinePort:
         return self._clock.now()
 
     async def exchange(self, frame: bytes, timeout_s: float | None = None, answer: Answer = Answer.ALWAYS) -> bytes:
-        """Send 9 bytes, return 9 bytes. Raises ValueError for another length, else as `FramePort` says."""
+        """Send a frame, return its answer. Raises ValueError for what `check` refuses, else as `FramePort` says."""
         return (await self.exchange_many((frame,), _never, timeout_s, answer))[0]
 
     async def exchange_many(
@@ -175,10 +186,8 @@ class LinePort:
         timeout_s: float | None = None,
         answer: Answer = Answer.ALWAYS,
     ) -> list[bytes]:
-        """As `BatchPort` says. Raises ValueError for a frame of another length than 9."""
-        for frame in frames:
-            if len(frame) != FRAME_BYTES:
-                raise ValueError(f"a TMCL frame has {FRAME_BYTES} bytes, not {len(frame)}")
+        """As `BatchPort` says. Raises ValueError for a frame that `check` refuses."""
+        self.check(frames)
         job = Job(frames, preempted, self.timeout_s if timeout_s is None else timeout_s, answer)
         self.batch = Batch()
         self.line.put(self, job)
@@ -195,6 +204,12 @@ class LinePort:
             finally:
                 del error  # else the error holds this frame and the frame the error, and both the line
         return job.replies
+
+    def check(self, frames: Sequence[bytes]) -> None:
+        """Raises ValueError for a frame of another length than 9."""
+        for frame in frames:
+            if len(frame) != FRAME_BYTES:
+                raise ValueError(f"a TMCL frame has {FRAME_BYTES} bytes, not {len(frame)}")
 
     def on_event(self, listener: Callable[[bytes], None]) -> Callable[[], None]:
         """Hear of the module's own frames (position reached: status 128), on the event loop's thread.
@@ -262,19 +277,25 @@ def shared_line(name: str, make: Callable[[], _L]) -> _L:
 def line_of(url: str) -> Line:
     """The line behind a device name or a URL of pyserial."""
     name = f"tcp {url.removeprefix(SOCKET)}" if url.startswith(SOCKET) else f"serial {url}"
-    return shared_line(name, lambda: Line(name, partial(_open_device, name, url)))
+    return shared_line(name, lambda: Line(name, partial(open_device, name, url), device_of(url)))
 
 
 SOCKET = "socket://"
 
 
-def _open_device(name: str, url: str, baud: int) -> Stream:
-    if "://" not in url:
-        real = os.path.realpath(url)
+def device_of(url: str) -> str:
+    """The file behind a device name; empty for a URL."""
+    return "" if "://" in url else url
+
+
+def open_device(name: str, url: str, baud: int) -> Stream:
+    """Open what `url` names for the line called `name`. Raises LinkDown, also where another line has the same file."""
+    device = device_of(url)
+    if device:
+        real = os.path.realpath(device)
         for other in list(_lines.values()):
-            other_url = other.name.removeprefix("serial ")
-            if other.name != name and other.is_open and os.path.realpath(other_url) == real:
-                raise LinkDown(name, f"open already as {other_url}; use one name for all modules on a line")
+            if other.name != name and other.is_open and other.device and os.path.realpath(other.device) == real:
+                raise LinkDown(name, f"open already as {other.name}; use one name for all modules on a line")
     return open_stream(name, url, baud or BAUD)
 
 

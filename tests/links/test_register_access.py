@@ -137,7 +137,7 @@ def test_addresses_of_twelve_bits_and_axes_share_the_motor_byte() -> None:
 
 def test_the_kind_of_a_link_says_how() -> None:
     for kind in ("emulator", "tcp", "spidev"):
-        assert isinstance(access_of({"kind": kind}), Spi40Access)
-    board = access_of({"kind": "landungsbruecke", "port": "/dev/ttyACM0", "motor": 2})
+        assert isinstance(access_of({"kind": kind}, "tmc4361"), Spi40Access)
+    board = access_of({"kind": "landungsbruecke", "port": "/dev/ttyACM0", "motor": 2}, "tmc4361")
     assert isinstance(board, LandungsbrueckeAccess)
     assert (board.motor, board.name) == (2, "landungsbruecke /dev/ttyACM0")
