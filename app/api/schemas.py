@@ -156,6 +156,7 @@ class RegisterReading(Answer):
     value: int
     fields: dict[str, int]
     unit: str
+    kept: bool = Field(default=False, description="it cannot be read: as last written, or as after the last reset")
 
 
 class RegisterWrite(Body):

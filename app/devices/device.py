@@ -290,6 +290,10 @@ class Device(ABC):
     async def read_all(self, axis: int | None = None, groups: Collection[str] = ()) -> list[RegisterReading]:
         """Every readable register; with `axis` only of that axis (no global ones), with `groups` only of those."""
 
+    def kept(self, axis: int | None = None, groups: Collection[str] = ()) -> list[RegisterReading]:
+        """Registers that cannot be read, where the driver knows what they hold: nothing is asked of the chip."""
+        return []
+
     @abstractmethod
     async def write(
         self,

@@ -78,7 +78,7 @@ class KeepingChip(RegisterChip):
     def kept(self, axis: int | None = None, groups: Collection[str] = ()) -> list[RegisterReading]:
         found = []
         for register in self.table:
-            if register.access.readable or register.when or (groups and register.group not in groups):
+            if register.access.readable or (groups and register.group not in groups):
                 continue
             word = self.kept_word(register) if axis is None or register.axis == axis else None
             if word is not None:

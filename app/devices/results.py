@@ -37,6 +37,8 @@ class RegisterReading:
     unit: str
     space: str = "register"
     """In which set of numbers `address` counts, as `registers.model.Space`."""
+    kept: bool = False
+    """It cannot be read: this is what the driver has in mind of it."""
 
 
 @dataclass(slots=True)

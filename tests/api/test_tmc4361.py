@@ -212,3 +212,20 @@ async def test_its_units_and_their_limits(client: httpx.AsyncClient) -> None:
     assert "fCLK/2" in ramp["limits"][0]
     assert (await client.post("calc/units", json=body | {"model": "tmc428"})).status_code == 422
     assert (await client.post("calc/units", json=body | {"clock_hz": 1e6})).status_code == 422
+
+
+async def test_what_cannot_be_read_is_told_as_last_written(client: httpx.AsyncClient, chip: str) -> None:
+    """Only on request, marked, by axis and group like the others; and forgotten with a reset."""
+    listed = (await client.get(f"{chip}/registers")).json()
+    assert not any(reading["kept"] for reading in listed)
+
+    async def kept(**query: Any) -> dict[str, int]:
+        told = (await client.get(f"{chip}/registers", params={"kept": True, **query})).json()
+        return {reading["name"]: reading["value"] for reading in told if reading["kept"]}
+
+    assert (await kept())["CL_TOLERANCE"] == 100
+    assert "CL_TOLERANCE" in await kept(axis=0, group=["closed loop"])
+    assert "CL_TOLERANCE" not in await kept(axis=0, group=["ramp"])
+    reset = {"fields": {"RESET_REG": 0x525354}}
+    assert (await client.put(f"{chip}/registers/RESET_REG?axis=0", json=reset)).status_code == 200
+    assert await kept() == {}

@@ -28,13 +28,20 @@ GroupQuery = Annotated[
     Query(description="only these groups of the catalog's rows: a slow wire is not asked for more", max_length=64),
 ]
 
+KeptQuery = Annotated[
+    bool, Query(description="also those that cannot be read, where the driver knows what they hold: marked `kept`")
+]
+
 
 @router.get("/registers", responses=problems(*DEVICE_PROBLEMS))
 async def list_registers(
-    device: CurrentDevice, axis: AxisQuery = None, group: GroupQuery = None
+    device: CurrentDevice, axis: AxisQuery = None, group: GroupQuery = None, kept: KeptQuery = False
 ) -> list[RegisterReading]:
     """Every readable register, from the device; with `axis` or `group` only those of that axis or those groups."""
-    return [RegisterReading.model_validate(reading) for reading in await device.read_all(axis, group or ())]
+    readings = await device.read_all(axis, group or ())
+    if kept:
+        readings += device.kept(axis, group or ())
+    return [RegisterReading.model_validate(reading) for reading in readings]
 
 
 @router.post("/registers", responses=problems(*DEVICE_PROBLEMS))

@@ -4496,6 +4496,12 @@ export interface components {
             };
             /** Unit */
             unit: string;
+            /**
+             * Kept
+             * @description it cannot be read: as last written, or as after the last reset
+             * @default false
+             */
+            kept: boolean;
         };
         /** RegisterRow */
         RegisterRow: {
@@ -4621,6 +4627,12 @@ export interface components {
             };
             /** Unit */
             unit: string;
+            /**
+             * Kept
+             * @description it cannot be read: as last written, or as after the last reset
+             * @default false
+             */
+            kept: boolean;
             /** Written */
             written: number;
             /** Verified */
@@ -6179,6 +6191,8 @@ export interface operations {
                 axis?: number | null;
                 /** @description only these groups of the catalog's rows: a slow wire is not asked for more */
                 group?: string[] | null;
+                /** @description also those that cannot be read, where the driver knows what they hold: marked `kept` */
+                kept?: boolean;
             };
             header?: never;
             path: {
