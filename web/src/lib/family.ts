@@ -24,9 +24,9 @@ export function familyOf(model: string | undefined): Family | null {
 }
 
 /** The models with SixPoint ramps. */
-export type SixPointModel = "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160";
+export type SixPointModel = Extract<Device["model"], `tmc5${string}`>;
 /** The models with registers. */
-export type ChipModel = Exclude<Device["model"], "pd42-1241"> | SixPointModel;
+export type ChipModel = Exclude<Device["model"], "pd42-1241">;
 /** The models whose ramps are designed with pmul and pdiv. */
 export type PmulModel = "tmc428" | "tmc4210";
 

@@ -1,8 +1,9 @@
+import type { Device } from "../../api/queries";
 import { type ChipModel, familyOf } from "../../lib/family";
 import type { Limits } from "./limits";
 import type { ModuleKind } from "./module";
 
-export type Model = ChipModel | "pd42-1241";
+export type Model = Device["model"];
 export type Kind = ModuleKind | "uart" | "landungsbruecke" | "spidev";
 
 /** What the form has to know of a chip: the ranges are the server's own, so that a slip shows at once. */

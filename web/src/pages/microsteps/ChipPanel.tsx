@@ -1,16 +1,11 @@
-import { Button } from "@mantine/core";
-import { IconDownload, IconUpload } from "@tabler/icons-react";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { api, unwrap } from "../../api/client";
 import type { Device } from "../../api/queries";
-import { fixed } from "../../lib/format";
-import { ProblemAlert } from "../../lib/ProblemAlert";
-import { Section } from "../../lib/Section";
-import classes from "./Microsteps.module.css";
-import { MotorRow } from "./MotorRow";
+import { ChipSection, whileRunning } from "./ChipSection";
 import { sameTable } from "./table";
 import { useMotor } from "./useMotor";
+import { tableKey } from "./useTable";
 
 interface Props {
   device: Device | undefined;
@@ -22,11 +17,10 @@ interface Props {
   onRead: () => void;
 }
 
-/** Into the chip and out of it, also while the motor runs: its position and velocity stand beside. */
+/** The quarter wave of 64 values into the chip and out of it. */
 export function ChipPanel({ device, axis, held, values, stale, onRead }: Props) {
   const queries = useQueryClient();
   const id = device?.id ?? "";
-  const connected = device?.state === "connected";
   const motor = useMotor(device, axis);
   const [sent, setSent] = useState<string | null>(null);
 
@@ -38,76 +32,30 @@ export function ChipPanel({ device, axis, held, values, stale, onRead }: Props) 
           body: { values: [...table] },
         }),
       );
-      queries.setQueryData(["microstep-table", id], answer);
-      const running = motor.live.data?.moving
-        ? `, while the motor ran at ${fixed(motor.live.data.velocity_pps)} pps`
-        : "";
+      queries.setQueryData(tableKey(id), answer);
       const time = new Date().toLocaleTimeString();
       setSent(
         sameTable(answer.values, table)
-          ? `All 64 values written and read back at ${time}${running}.`
+          ? `All 64 values written and read back at ${time}${whileRunning(motor)}.`
           : `The chip reads back other values than were written at ${time}: see the differences in the curve.`,
       );
     },
   });
   const different = values && held ? values.filter((value, index) => value !== held[index]).length : null;
-  const why =
-    device === undefined
-      ? "No device: the design works without one; add a TMC428 under Connections to send it."
-      : connected
-        ? null
-        : `${device.name} is not connected: the design stays, connect it under Connections to send it.`;
-  const error = send.error ?? motor.run.error ?? motor.stop.error;
-
+  const note =
+    different === null ? "" : different === 0 ? "holds this table" : `${different} of 64 values differ from the chip's`;
   return (
-    <Section
-      title="Chip"
-      note={
-        why ??
-        (different === null
-          ? ""
-          : different === 0
-            ? "holds this table"
-            : `${different} of 64 values differ from the chip's`)
-      }
-      actions={
-        <>
-          <Button
-            size="xs"
-            variant="default"
-            leftSection={<IconDownload size={14} aria-hidden />}
-            disabled={held === null}
-            onClick={onRead}
-          >
-            Read from chip
-          </Button>
-          <Button
-            size="xs"
-            leftSection={<IconUpload size={14} aria-hidden />}
-            disabled={!connected || values === null || different === 0 || stale}
-            loading={send.isPending}
-            onClick={() => values && send.mutate(values)}
-          >
-            Send to chip
-          </Button>
-        </>
-      }
+    <ChipSection
+      device={device}
+      motor={motor}
+      what="table"
+      maker="a TMC428"
+      note={note}
+      onRead={held && onRead}
+      wanted={different === 0 || stale ? null : values}
+      send={send}
     >
-      <MotorRow motor={motor} />
-      <p className={`${classes.hint} ${classes.outcome}`} aria-live="polite">
-        {sent ?? "A table goes to the chip in 32 datagrams, also while the motor runs."}
-      </p>
-      {error !== null && (
-        <ProblemAlert
-          error={error}
-          doing={send.error ? "Sending the table" : motor.run.error ? "Running the motor" : "Stopping the axis"}
-          onClose={() => {
-            send.reset();
-            motor.run.reset();
-            motor.stop.reset();
-          }}
-        />
-      )}
-    </Section>
+      {sent ?? "A table goes to the chip in 32 datagrams, also while the motor runs."}
+    </ChipSection>
   );
 }

@@ -1,15 +1,11 @@
-import { Button } from "@mantine/core";
-import { IconDownload, IconUpload } from "@tabler/icons-react";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { api, type Schemas, unwrap } from "../../../api/client";
 import type { Device } from "../../../api/queries";
 import { fixed } from "../../../lib/format";
-import { ProblemAlert } from "../../../lib/ProblemAlert";
-import { Section } from "../../../lib/Section";
-import { MotorRow } from "../MotorRow";
+import { ChipSection, whileRunning } from "../ChipSection";
 import { useMotor } from "../useMotor";
-import classes from "./Mslut.module.css";
+import { tableKey } from "../useTable";
 import { POSITIONS, sameRegisters, sameWave, type Table, wordsOf } from "./wave";
 
 export type Held = Schemas["MslutHeld"];
@@ -49,86 +45,44 @@ export function Chip({ device, axis, held, seen, table, stale, onRead }: Props) 
           }),
         ),
       );
-      queries.setQueryData(["microstep-table", id], answer);
+      queries.setQueryData(tableKey(id), answer);
       if (!answer) return;
-      const running = motor.live.data?.moving
-        ? ` while the motor ran at ${fixed(motor.live.data.velocity_pps)} pps`
-        : "";
       const time = new Date().toLocaleTimeString();
       setSent(
         sameRegisters(answer.registers, wanted.registers)
-          ? `Ten registers written at ${time}${running}.`
+          ? `Ten registers written at ${time}${whileRunning(motor)}.`
           : `The chip holds other registers than were written at ${time}: they are marked in the list.`,
       );
     },
   });
 
   const same = sameWave(table, held);
-  const why =
-    device === undefined
-      ? "No device: the design works without one; add a TMC4361 under Connections to send it."
-      : motor.connected
-        ? null
-        : `${device.name} is not connected: the design stays, connect it under Connections to send it.`;
-  const error = send.error ?? motor.run.error ?? motor.stop.error;
-
+  const note =
+    held === null
+      ? ""
+      : same
+        ? "holds this wave"
+        : table === null
+          ? "this wave cannot be encoded"
+          : `${different(table, held)} of 256 values differ from the chip's`;
   return (
-    <Section
-      title="Chip"
-      note={
-        why ??
-        (held === null
-          ? ""
-          : same
-            ? "holds this wave"
-            : table === null
-              ? "this wave cannot be encoded"
-              : `${different(table, held)} of 256 values differ from the chip's`)
-      }
-      actions={
-        <>
-          <Button
-            size="xs"
-            variant="default"
-            leftSection={<IconDownload size={14} aria-hidden />}
-            disabled={held === null}
-            onClick={onRead}
-          >
-            Read from chip
-          </Button>
-          <Button
-            size="xs"
-            leftSection={<IconUpload size={14} aria-hidden />}
-            disabled={!motor.connected || table === null || stale || (same && held?.written === true)}
-            loading={send.isPending}
-            onClick={() => table && send.mutate(table)}
-          >
-            Send to chip
-          </Button>
-        </>
-      }
+    <ChipSection
+      device={device}
+      motor={motor}
+      what="wave"
+      maker="a TMC4361 or a TMC5160"
+      note={note}
+      onRead={held && onRead}
+      wanted={stale || (same && held?.written === true) ? null : table}
+      send={send}
     >
-      <MotorRow motor={motor} />
-      <p className={`${classes.hint} ${classes.outcome}`} aria-live="polite">
-        {sent !== null && `${sent} `}
-        {held === null
-          ? "A wave goes to the chip in ten registers, which cannot be read back: its currents show what it holds."
-          : `${held.written ? "" : "Nothing was written yet: the power-on wave is taken to be there. "}${
-              seen.places > 4 ? turned(seen) : shown(held)
-            }`}
-      </p>
-      {error !== null && (
-        <ProblemAlert
-          error={error}
-          doing={send.error ? "Sending the wave" : motor.run.error ? "Running the motor" : "Stopping the axis"}
-          onClose={() => {
-            send.reset();
-            motor.run.reset();
-            motor.stop.reset();
-          }}
-        />
-      )}
-    </Section>
+      {sent !== null && `${sent} `}
+      {held === null
+        ? "A wave goes to the chip in ten registers, which cannot be read back: its currents show what it holds."
+        : `${held.written ? "" : "Nothing was written yet: the power-on wave is taken to be there. "}${
+            seen.places > 4 ? turned(seen) : shown(held)
+          }`}
+    </ChipSection>
   );
 }
 

@@ -1,19 +1,17 @@
-import { ActionIcon, Button, SegmentedControl, Select } from "@mantine/core";
-import { useHotkeys } from "@mantine/hooks";
-import { IconArrowBackUp, IconArrowForwardUp, IconArrowsMoveVertical } from "@tabler/icons-react";
-import { useQuery } from "@tanstack/react-query";
-import { type ReactNode, useCallback, useEffect, useMemo, useState } from "react";
-import { api, type Schemas, unwrap } from "../../../api/client";
+import { Button, SegmentedControl, Select } from "@mantine/core";
+import { IconArrowsMoveVertical } from "@tabler/icons-react";
+import { type ReactNode, useCallback, useMemo, useState } from "react";
+import type { Schemas } from "../../../api/client";
 import type { Device } from "../../../api/queries";
 import { fixed } from "../../../lib/format";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { colorOf } from "../../../lib/palette";
 import { Page, Section } from "../../../lib/Section";
-import { useCalc } from "../../../lib/useCalc";
 import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
-import { type Bar, Bars } from "../Bars";
-import { type History, push, redo, settle, start, undo } from "../history";
+import { Harmonics } from "../Harmonics";
+import { UndoRedo, useDraft } from "../useDraft";
+import { useDesign, useHeld } from "../useTable";
 import { asHeld, Chip } from "./Chip";
 import { FigureTable } from "./Figures";
 import classes from "./Mslut.module.css";
@@ -27,20 +25,13 @@ import { DEFAULT, type Design, type Draft, type Formula, type Norm, questionOf, 
 
 type Result = Schemas["MslutResult"];
 
-/** Drafts outlive the page, not a reload: what matters by then is in the chip, or copied. */
-const kept = new Map<string, History<Draft>>();
+/** The even ones are none: the wave has a negative half of its own. */
+const ODD = [3, 5, 7, 9, 11, 13, 15];
 
 const NORMS: { value: Norm; label: string }[] = [
   { value: "least_squares", label: "least squares" },
   { value: "minimax", label: "smallest worst distance" },
 ];
-
-function useDesign(body: Partial<Design> | null) {
-  return useCalc<Partial<Design>, Result>("microstep-table", body, async (question, signal) => {
-    const answer = unwrap(await api.POST("/api/v1/calc/microstep-table", { body: question as Design, signal }));
-    return answer as Result;
-  });
-}
 
 /** The wave of a chip with one-bit differences: designed, judged, and sent. `choice` stands where no chip decides. */
 export function MslutEditor({
@@ -52,13 +43,10 @@ export function MslutEditor({
   axis: number;
   choice?: ReactNode;
 }) {
-  const id = device?.id ?? "-";
+  const model = (device?.model ?? "tmc4361") as Design["chip"];
   const connected = device?.state === "connected";
   const scheme = useScheme();
-  const [history, setHistory] = useState<History<Draft>>(
-    () => kept.get(id) ?? start<Draft>({ kind: "formula", formula: DEFAULT }),
-  );
-  useEffect(() => void kept.set(id, history), [id, history]);
+  const drafting = useDraft<Draft>(`mslut ${device?.id}`, { kind: "formula", formula: DEFAULT });
   const [tool, setTool] = useState<Tool>("bend");
   const [view, setView] = useState<View>("quarter");
   const [norm, setNorm] = useState<Norm>("least_squares");
@@ -68,29 +56,21 @@ export function MslutEditor({
   const [count, setCount] = useState({ places: 0, wrong: 0 });
   const onCount = useCallback((places: number, wrong: number) => setCount({ places, wrong }), []);
 
-  const draft = history.present;
+  const { draft, change, rest } = drafting;
   // a wave drawn by hand has no formula: the panel then shows the one that was last
   const formula = draft.kind === "formula" ? draft.formula : last;
 
-  const chip = useQuery({
-    queryKey: ["microstep-table", id],
-    queryFn: async ({ signal }) =>
-      asHeld(
-        unwrap(await api.GET("/api/v1/devices/{device}/microstep-table", { params: { path: { device: id } }, signal })),
-      ),
-    enabled: connected,
-    refetchInterval: 1000,
-  });
-  const held = chip.data ?? null;
+  const chip = useHeld(device, 1000);
+  const held = chip.data ? asHeld(chip.data) : null;
 
-  const question = useMemo(() => questionOf(draft, norm), [draft, norm]);
-  const design = useDesign(question);
+  const question = useMemo(() => questionOf(draft, norm, model), [draft, norm, model]);
+  const design = useDesign<Design, Result>(question);
   // without a chip the power-on wave is what to compare with
   const heldQuestion = useMemo<Partial<Design>>(
-    () => (held ? { chip: "tmc4361", registers: wordsOf(held.registers) } : { chip: "tmc4361" }),
-    [held],
+    () => ({ chip: model, ...(held ? { registers: wordsOf(held.registers) } : {}) }),
+    [held, model],
   );
-  const old = useDesign(heldQuestion).result ?? null;
+  const old = useDesign<Design, Result>(heldQuestion).result ?? null;
   const result = design.result ?? null;
   const wave = draft.kind === "values" ? draft : result && { values: result.values, mirror: result.mirror };
   const answered = !design.stale && result !== null;
@@ -99,34 +79,11 @@ export function MslutEditor({
   const beforeWave = useMemo(() => before && { values: before.values, mirror: before.mirror }, [before]);
   const beforeName = held ? "chip" : "power-on";
 
-  const change = (next: Draft, tag: string | null) => setHistory((now) => push(now, next, tag));
-  const rest = () => setHistory(settle);
-  const back = () => setHistory(undo);
-  const forth = () => setHistory(redo);
-  useHotkeys([
-    ["mod+Z", back],
-    ["mod+shift+Z", forth],
-    ["mod+Y", forth],
-  ]);
-
   const places = useMemo(() => Array.from({ length: 256 }, (_, place) => place), []);
   const nothing = useMemo(() => places.map(() => Number.NaN), [places]);
   const angles = useMemo(
     () => [places, old?.metrics.angle_error_deg ?? nothing, result?.metrics.angle_error_deg ?? nothing] as const,
     [places, nothing, old, result],
-  );
-  const harmonicBars = useMemo<Bar[]>(
-    () =>
-      [3, 5, 7, 9, 11, 13, 15].map((number) => ({
-        label: `harmonic ${number}`,
-        value: (result?.metrics.harmonics?.[number - 1] ?? 0) * 100,
-        before: old?.metrics.harmonics ? (old.metrics.harmonics[number - 1] ?? 0) * 100 : null,
-      })),
-    [result, old],
-  );
-  const worstHarmonic = harmonicBars.reduce(
-    (worst, bar, index) => ((bar.value ?? 0) > (harmonicBars[worst]?.value ?? 0) + 1e-9 ? index : worst),
-    0,
   );
   const stale = design.stale ? "stale" : "";
   const blue = colorOf("phase_a", scheme);
@@ -190,24 +147,7 @@ export function MslutEditor({
                   { value: "draw", label: "draw" },
                 ]}
               />
-              <ActionIcon
-                variant="default"
-                aria-label="Undo"
-                title="Undo, Ctrl+Z"
-                disabled={history.past.length === 0}
-                onClick={back}
-              >
-                <IconArrowBackUp size={16} />
-              </ActionIcon>
-              <ActionIcon
-                variant="default"
-                aria-label="Redo"
-                title="Redo, Ctrl+Shift+Z"
-                disabled={history.future.length === 0}
-                onClick={forth}
-              >
-                <IconArrowForwardUp size={16} />
-              </ActionIcon>
+              <UndoRedo drafting={drafting} />
             </>
           }
         >
@@ -303,23 +243,13 @@ export function MslutEditor({
                   />
                 </div>
               </Section>
-              <Section title="Harmonics" note="of the first, logarithmic">
-                <div className={stale}>
-                  <Bars
-                    label="Harmonics of the phase current"
-                    bars={harmonicBars}
-                    height={174}
-                    scale={{ low: 0.01, high: 100, ticks: [0.01, 0.1, 1, 10, 100], log: true }}
-                    format={(value) =>
-                      value === null
-                        ? "–"
-                        : `${fixed(value, value >= 10 ? 0 : value >= 0.1 ? 1 : value >= 0.01 ? 2 : 3)} %`
-                    }
-                    marked={worstHarmonic}
-                    every={1}
-                  />
-                </div>
-              </Section>
+              <Harmonics
+                numbers={ODD}
+                design={result?.metrics.harmonics}
+                before={old?.metrics.harmonics}
+                stale={design.stale}
+                height={174}
+              />
             </div>
             <Registers
               table={result?.table ?? null}

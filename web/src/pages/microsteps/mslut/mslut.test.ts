@@ -109,7 +109,7 @@ describe("drawing", () => {
 
 describe("a formula", () => {
   it("asks for what differs from nothing", () => {
-    expect(questionOf({ kind: "formula", formula: DEFAULT }, "minimax")).toMatchObject({
+    expect(questionOf({ kind: "formula", formula: DEFAULT }, "minimax", "tmc4361")).toMatchObject({
       chip: "tmc4361",
       harmonics: [],
       corrections: [],
@@ -118,7 +118,7 @@ describe("a formula", () => {
     const [third, ...others] = DEFAULT.harmonics;
     const formula = { ...DEFAULT, harmonics: [{ order: 3, amount: 0.05, phase_deg: 180 }, ...others] };
     expect(third?.amount).toBe(0);
-    expect(questionOf({ kind: "formula", formula }, "minimax").harmonics).toEqual([
+    expect(questionOf({ kind: "formula", formula }, "minimax", "tmc4361").harmonics).toEqual([
       { order: 3, amplitude: 0.05, phase_deg: 180 },
     ]);
   });

@@ -68,12 +68,12 @@ export const exponentFor = (ripple: number): number => 1 + 3 * ripple;
 export const rippleOf = (exponent: number): number => (exponent - 1) / 3;
 
 /** What the calculator is asked for a draft. */
-export function questionOf(draft: Draft, norm: Norm): Partial<Design> {
-  if (draft.kind === "values") return { chip: "tmc4361", values: draft.values, mirror: draft.mirror, norm };
+export function questionOf(draft: Draft, norm: Norm, chip: Design["chip"]): Partial<Design> {
+  if (draft.kind === "values") return { chip, values: draft.values, mirror: draft.mirror, norm };
   const { harmonics, corrections, ...rest } = draft.formula;
   return {
     ...rest,
-    chip: "tmc4361",
+    chip,
     norm,
     harmonics: harmonics
       .filter((part) => part.amount !== 0)

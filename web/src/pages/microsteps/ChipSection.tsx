@@ -1,0 +1,90 @@
+import { Button } from "@mantine/core";
+import { IconDownload, IconUpload } from "@tabler/icons-react";
+import type { UseMutationResult } from "@tanstack/react-query";
+import type { ReactNode } from "react";
+import type { Device } from "../../api/queries";
+import { fixed } from "../../lib/format";
+import { ProblemAlert } from "../../lib/ProblemAlert";
+import { Section } from "../../lib/Section";
+import classes from "./Microsteps.module.css";
+import { MotorRow } from "./MotorRow";
+import type { Motor } from "./useMotor";
+
+interface Props<T> {
+  device: Device | undefined;
+  motor: Motor;
+  /** "table", "wave" */
+  what: string;
+  /** who could hold one, where there is no device: "a TMC428" */
+  maker: string;
+  /** how the chip's is to the design, while a chip is there to ask */
+  note: string;
+  /** what to read; null while that is not known */
+  onRead: (() => void) | null;
+  /** what is to be sent; null where there is nothing, or nothing new */
+  wanted: T | null;
+  send: UseMutationResult<unknown, Error, T>;
+  /** what came of it */
+  children: ReactNode;
+}
+
+/** Into the chip and out of it, also while the motor runs: its position and velocity stand beside. */
+export function ChipSection<T>({ device, motor, what, maker, note, onRead, wanted, send, children }: Props<T>) {
+  const error = send.error ?? motor.run.error ?? motor.stop.error;
+  const why =
+    device === undefined
+      ? `No device: the design works without one; add ${maker} under Connections to send it.`
+      : motor.connected
+        ? null
+        : `${device.name} is not connected: the design stays, connect it under Connections to send it.`;
+  return (
+    <Section
+      title="Chip"
+      note={why ?? note}
+      actions={
+        <>
+          <Button
+            size="xs"
+            variant="default"
+            leftSection={<IconDownload size={14} aria-hidden />}
+            disabled={onRead === null}
+            onClick={() => onRead?.()}
+          >
+            Read from chip
+          </Button>
+          <Button
+            size="xs"
+            leftSection={<IconUpload size={14} aria-hidden />}
+            disabled={!motor.connected || wanted === null}
+            loading={send.isPending}
+            onClick={() => wanted !== null && send.mutate(wanted)}
+          >
+            Send to chip
+          </Button>
+        </>
+      }
+    >
+      <MotorRow motor={motor} />
+      <p className={`${classes.hint} ${classes.outcome}`} aria-live="polite">
+        {children}
+      </p>
+      {error !== null && (
+        <ProblemAlert
+          error={error}
+          doing={send.error ? `Sending the ${what}` : motor.run.error ? "Running the motor" : "Stopping the axis"}
+          onClose={() => {
+            send.reset();
+            motor.run.reset();
+            motor.stop.reset();
+          }}
+        />
+      )}
+    </Section>
+  );
+}
+
+/** " while the motor ran at 1 200 pps", or nothing at rest. */
+export function whileRunning(motor: Motor): string {
+  const live = motor.live.data;
+  return live?.moving ? ` while the motor ran at ${fixed(live.velocity_pps)} pps` : "";
+}
