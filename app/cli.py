@@ -63,6 +63,12 @@ def serve(
     demo: Annotated[
         bool | None, typer.Option("--demo/--no-demo", help="The demo bench. [default: while no connection is saved]")
     ] = None,
+    token: Annotated[
+        str | None,
+        typer.Option(help="What clients have to know. [default: none on this machine, a new one for a network]"),
+    ] = None,
+    tls_cert: Annotated[Path | None, typer.Option(help="Certificate (PEM): serve https.")] = None,
+    tls_key: Annotated[Path | None, typer.Option(help="Key of the certificate (PEM).")] = None,
     log_level: Annotated[LogLevel | None, typer.Option(help="[default: info]")] = None,
     reload: Annotated[
         bool, typer.Option("--reload", help="Start again when the source changes (for developers).")
@@ -72,7 +78,16 @@ def serve(
 
     Every option is also a variable, e.g. STEPSCOPE_PORT=8001; options win.
     """
-    said = {"host": host, "port": port, "data_dir": data_dir, "demo": demo, "log_level": log_level}
+    said = {
+        "host": host,
+        "port": port,
+        "data_dir": data_dir,
+        "demo": demo,
+        "token": token,
+        "tls_cert": tls_cert,
+        "tls_key": tls_key,
+        "log_level": log_level,
+    }
     with _told():
         settings = Settings(**{name: value for name, value in said.items() if value is not None})  # type: ignore[arg-type]  # checked by pydantic
         from app import serving

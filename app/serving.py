@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import contextlib
 import logging
+import re
 import socket
 from collections.abc import Callable, MutableMapping
+from urllib.parse import urlencode
 
 import uvicorn
 from fastapi import FastAPI
@@ -21,12 +23,30 @@ GRACE_S = 0.3
 def serve(settings: Settings, announce: Callable[[str], None]) -> None:
     """Serve until Ctrl-C. Raises CannotListen before anything has started."""
     logging.basicConfig(format="%(levelname)s %(name)s: %(message)s", level=settings.log_level.upper())
+    logging.getLogger("uvicorn.access").addFilter(_without_token)
     listener = listen(settings.host, settings.port)
     port = listener.getsockname()[1]
-    ready = f"stepscope is at {url_of(settings.host, port)}  (Ctrl-C stops the motors and ends it)"
-    server = BenchServer(create_app(settings), settings, on_ready=lambda: announce(ready))
+    app = create_app(settings)
+    ready = f"stepscope is at {_address(app, settings, port)}  (Ctrl-C stops the motors and ends it)"
+    server = BenchServer(app, settings, on_ready=lambda: announce(ready))
     with contextlib.suppress(KeyboardInterrupt):  # uvicorn ends properly, then raises the signal once more
         server.run(sockets=[listener])
+
+
+def _without_token(record: logging.LogRecord) -> bool:
+    """The access log of `--log-level debug` shows whole addresses: not the token in one."""
+    if isinstance(record.args, tuple):
+        record.args = tuple(
+            re.sub(r"([?&]token=)[^&\s]*", r"\1***", part) if isinstance(part, str) else part for part in record.args
+        )
+    return True
+
+
+def _address(app: FastAPI, settings: Settings, port: int) -> str:
+    """What to open in a browser; with the token where one is asked for, since nobody could guess it."""
+    address = url_of(settings.host, port, "http" if settings.tls_cert is None else "https")
+    token: str | None = app.state.token
+    return address if token is None else f"{address}/?{urlencode({'token': token})}"
 
 
 class BenchServer(uvicorn.Server):
@@ -48,8 +68,10 @@ class BenchServer(uvicorn.Server):
 
 def serve_with_reload(settings: Settings, environment: MutableMapping[str, str]) -> None:
     """Serve in a child process that starts again when a source file changes; it takes its settings from variables."""
-    for name, value in settings.model_dump(mode="json", exclude_none=True, exclude={"allowed_hosts"}).items():
+    for name, value in settings.model_dump(mode="json", exclude_none=True, exclude={"allowed_hosts", "token"}).items():
         environment[f"STEPSCOPE_{name.upper()}"] = str(value)
+    if settings.token is not None:  # dumped, it would be asterisks
+        environment["STEPSCOPE_TOKEN"] = settings.token.get_secret_value()
     # The UI comes from Vite on another port of this machine, whose pages are ours here.
     environment["STEPSCOPE_ALLOWED_HOSTS"] = ",".join({*settings.allowed_hosts, "localhost", "127.0.0.1", "::1"})
     listen(settings.host, settings.port).close()
@@ -67,4 +89,6 @@ def _options(settings: Settings) -> dict[str, object]:
         "access_log": settings.log_level == "debug",
         "timeout_graceful_shutdown": GRACE_S,
         "server_header": False,
+        "ssl_certfile": settings.tls_cert,
+        "ssl_keyfile": settings.tls_key,
     }

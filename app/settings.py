@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from platformdirs import user_data_path
-from pydantic import Field, field_validator
+from pydantic import Field, SecretStr, field_validator, model_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
+TOKEN_LENGTH_MIN = 8
 LogLevel = Literal["debug", "info", "warning", "error"]
 
 
@@ -34,9 +35,28 @@ class Settings(BaseSettings):
     history_minutes: Annotated[float, Field(gt=0, le=24 * 60)] = Field(
         default=10.0, description="how much of every connected device the server remembers [min]"
     )
+    token: SecretStr | None = Field(
+        default=None,
+        description="what a client has to know; unset: none on this machine's own address, a new one on any other",
+    )
+    tls_cert: Path | None = Field(default=None, description="certificate (PEM) for https; with its chain")
+    tls_key: Path | None = Field(default=None, description="the certificate's key (PEM)")
     body_limit_bytes: Annotated[int, Field(ge=1024)] = Field(
         default=1 << 20, description="the longest request body that is read [bytes]"
     )
+
+    @field_validator("token")
+    @classmethod
+    def _worth_having(cls, value: SecretStr | None) -> SecretStr | None:
+        if value is not None and len(value.get_secret_value().strip()) < TOKEN_LENGTH_MIN:
+            raise ValueError(f"a token has at least {TOKEN_LENGTH_MIN} characters")
+        return value
+
+    @model_validator(mode="after")
+    def _both_of_tls(self) -> Settings:
+        if (self.tls_cert is None) != (self.tls_key is None):
+            raise ValueError("https needs both: tls_cert and tls_key")
+        return self
 
     @field_validator("allowed_hosts", mode="before")
     @classmethod

@@ -9,6 +9,7 @@ from fastapi import FastAPI
 
 from app import __version__
 from app.api import openapi, problems
+from app.api.access import Access, is_loopback, new_token
 from app.api.bench import Bench
 from app.api.guard import Guard
 from app.api.routes import (
@@ -29,6 +30,7 @@ from app.api.routes import (
     tmcl,
 )
 from app.api.ui import WebUi
+from app.settings import Settings
 
 BASE = "/api/v1"
 # In the order in which addresses are matched, one after the other, which is most of what a request costs: a register
@@ -73,7 +75,18 @@ def make_app(bench: Bench, lifespan: Lifespan) -> FastAPI:
     app.router.default = WebUi(bench.settings.web_dir)
     problems.install(app)
     openapi.customise(app)
+    app.state.token = token_of(bench.settings)
+    if app.state.token is not None:
+        app.add_middleware(Access, token=app.state.token, clock=bench.clock)
+    # Added last, so it looks first: a foreign page may not even guess.
     app.add_middleware(
         Guard, allowed_hosts=bench.settings.allowed_hosts, body_limit_bytes=bench.settings.body_limit_bytes
     )
     return app
+
+
+def token_of(settings: Settings) -> str | None:
+    """What clients have to know: as it is set, a new one where a network can reach us, else None."""
+    if settings.token is not None:
+        return settings.token.get_secret_value().strip()
+    return None if is_loopback(settings.host) else new_token()

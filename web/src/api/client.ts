@@ -7,6 +7,13 @@ export type Problem = Schemas["Problem"];
 /** Everything on the REST side goes through here, typed by the server's own schema. */
 export const api = createClient<paths>({ baseUrl: "" });
 
+// A server on a network has forgotten our session (it was started anew): the page itself asks for the token.
+api.use({
+  onResponse({ response }) {
+    if (response.status === 401) window.location.reload();
+  },
+});
+
 /** An answer that is a problem+json, as an exception for react-query. */
 export class ApiError extends Error {
   readonly problem: Problem;

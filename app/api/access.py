@@ -1,0 +1,197 @@
+"""Who may come in: everybody on this machine's own address, and on any other who knows the token.
+
+A server that listens to a network asks for a token: as `Authorization: Bearer`, or once, at `/?token=...` or
+the page `/login`, for a cookie that holds a session until the server ends. Guessing is slow: after a few wrong
+tokens an address has to wait, and what it says meanwhile is not even looked at. Sessions cannot be guessed, so
+nobody who is in is shut out by somebody else's guesses: a stop gets through.
+"""
+
+from __future__ import annotations
+
+import hmac
+import html
+import ipaddress
+import math
+import secrets
+from collections import OrderedDict, deque
+from collections.abc import Iterable
+from http.cookies import CookieError, SimpleCookie
+from urllib.parse import parse_qs, urlencode
+
+from starlette.requests import Request
+from starlette.responses import HTMLResponse, RedirectResponse, Response
+from starlette.types import ASGIApp, Receive, Scope, Send
+
+from app.api.problems import Kind, problem_answer
+from app.api.ui import HEADERS
+from app.clock import Clock
+
+UNKNOWN = Kind(
+    401, "/problems/token-required", "This server asks for a token", "send it as Authorization: Bearer TOKEN"
+)
+TOO_MANY = Kind(429, "/problems/too-many-guesses", "Too many wrong tokens from this address", "wait, then try again")
+OPEN_PATHS = frozenset({"/api/v1/health"})
+"""What a container's health check has to see; it tells nothing but that we run."""
+LOGIN = "/login"
+SESSIONS_MAX = 1000
+"""The oldest session ends where there are more."""
+SESSION_S = 30 * 24 * 3600
+GUESSES, WINDOW_S = 10, 60.0
+"""So many wrong tokens of one address in so long [s]."""
+ADDRESSES_MAX = 10_000
+FORM_BYTES_MAX = 4096
+
+PAGE = """<!doctype html><html lang="en"><meta charset="utf-8"><meta name="viewport" content="width=device-width">
+<meta name="color-scheme" content="light dark"><title>stepscope: token</title>
+<style>body{{font:16px system-ui,sans-serif;max-width:24rem;margin:15vh auto;padding:0 1rem}}
+input,button{{font:inherit;padding:.5rem;width:100%;box-sizing:border-box;margin-top:.5rem}}p{{line-height:1.5}}</style>
+<h1>stepscope</h1><form method="post" action="/login"><label for="token">Token of this server</label>
+<input id="token" name="token" type="password" autocomplete="current-password" required autofocus
+ aria-describedby="said"><button>Open the bench</button></form><p id="said" role="status">{said}</p>
+"""
+WHERE = "The terminal that started the server shows it."
+
+
+def new_token() -> str:
+    """A token that nobody guesses."""
+    return secrets.token_urlsafe(24)
+
+
+def is_loopback(host: str) -> bool:
+    """Whether a server that listens there can only be reached from its own machine."""
+    if host.casefold() == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host.strip("[]")).is_loopback
+    except ValueError:
+        return False  # a name may mean anything, and "" is every address
+
+
+class Guesses:
+    """How often each address was wrong lately."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._wrong: OrderedDict[str, deque[float]] = OrderedDict()
+
+    def wait_s(self, address: str) -> float:
+        """How long that address has to wait before it may try again [s]."""
+        wrong = self._wrong.get(address)
+        if wrong is None or len(wrong) < GUESSES:
+            return 0.0
+        return max(0.0, wrong[0] + WINDOW_S - self._clock.now())
+
+    def was_wrong(self, address: str) -> None:
+        """Another one."""
+        wrong = self._wrong.setdefault(address, deque(maxlen=GUESSES))
+        wrong.append(self._clock.now())
+        self._wrong.move_to_end(address)
+        while len(self._wrong) > ADDRESSES_MAX:
+            self._wrong.popitem(last=False)
+
+
+class Access:
+    """ASGI middleware: 401 without token or session, 429 for who guesses."""
+
+    def __init__(self, app: ASGIApp, token: str, clock: Clock) -> None:
+        self._app = app
+        self._token = token.encode()
+        self._guesses = Guesses(clock)
+        self._clock = clock
+        self._sessions: OrderedDict[str, float] = OrderedDict()
+        """Each session and when it ends."""
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] not in ("http", "websocket") or scope["path"] in OPEN_PATHS:
+            await self._app(scope, receive, send)
+            return
+        headers = [(key, value.decode("latin-1")) for key, value in scope["headers"]]
+        if self._in_session(scope, headers):
+            await self._app(scope, receive, send)
+            return
+        address = (scope.get("client") or ("",))[0]
+        wait_s = self._guesses.wait_s(address)
+        if wait_s:
+            seconds = f"{math.ceil(wait_s)}"
+            facts = {"wait_s": wait_s}
+            refusal = problem_answer(TOO_MANY, f"{seconds} s to wait", scope["path"], facts, **{"Retry-After": seconds})
+            await refusal(scope, receive, send)
+            return
+        bearer = next((value for key, value in headers if key == b"authorization"), "")
+        scheme, _, said = bearer.partition(" ")
+        if scheme.casefold() == "bearer" and self._is_token(said.strip(), address):
+            await self._app(scope, receive, send)
+            return
+        if scope["type"] == "http":
+            response = await self._visitor(Request(scope, receive), address)
+            if response is not None:
+                await response(scope, receive, send)
+                return
+        detail = "the token is wrong" if bearer else "there is no token, and no session of a browser"
+        refusal = problem_answer(UNKNOWN, detail, scope["path"], None, **{"WWW-Authenticate": "Bearer"})
+        await refusal(scope, receive, send)
+
+    async def _visitor(self, request: Request, address: str) -> Response | None:
+        """What a browser gets that is not in yet; None where it is no browser that opens a page."""
+        if request.method == "POST" and request.url.path == LOGIN:
+            body = b""
+            async for chunk in request.stream():
+                body += chunk
+                if len(body) > FORM_BYTES_MAX:
+                    return _page("That is no token.", 413)
+            said = parse_qs(body.decode("latin-1")).get("token", [""])[0]
+            return self._welcome(request, "/") if self._is_token(said.strip(), address) else _page("Wrong token.", 401)
+        if request.method not in ("GET", "HEAD") or request.url.path.startswith("/api/"):
+            return None
+        query = dict(request.query_params)
+        if "token" in query:
+            if self._is_token(query.pop("token"), address):
+                # Another address, so that the token stands in no history and no bookmark.
+                return self._welcome(request, request.url.path + (f"?{urlencode(query)}" if query else ""))
+            return _page("The token in the address is wrong.", 401)
+        return _page(WHERE, 401) if "text/html" in request.headers.get("accept", "") else None
+
+    def _welcome(self, request: Request, path: str) -> Response:
+        session = secrets.token_urlsafe(32)
+        self._sessions[session] = self._clock.now() + SESSION_S
+        while len(self._sessions) > SESSIONS_MAX:
+            self._sessions.popitem(last=False)
+        response = RedirectResponse("/" + path.lstrip("/\\"), 303, headers={"cache-control": "no-store"})
+        response.set_cookie(
+            _cookie_name(request.scope),
+            session,
+            max_age=SESSION_S,
+            httponly=True,
+            samesite="strict",
+            secure=request.url.scheme == "https",
+        )
+        return response
+
+    def _is_token(self, said: str, address: str) -> bool:
+        if hmac.compare_digest(said.encode("utf-8", "replace"), self._token):
+            return True
+        self._guesses.was_wrong(address)
+        return False
+
+    def _in_session(self, scope: Scope, headers: Iterable[tuple[bytes, str]]) -> bool:
+        for key, value in headers:
+            if key == b"cookie":
+                try:
+                    cookie = SimpleCookie(value).get(_cookie_name(scope))
+                except CookieError:
+                    continue
+                ends = self._sessions.get(cookie.value) if cookie else None
+                if ends is not None and ends > self._clock.now():
+                    return True
+        return False
+
+
+def _cookie_name(scope: Scope) -> str:
+    # Browsers give a cookie to every port of a machine, and there may be two benches on one.
+    server = scope.get("server")
+    return f"stepscope_{server[1]}" if server and server[1] else "stepscope"
+
+
+def _page(said: str, status: int) -> HTMLResponse:
+    headers = {**HEADERS, "cache-control": "no-store", "WWW-Authenticate": "Bearer"}
+    return HTMLResponse(PAGE.format(said=html.escape(said)), status, headers=headers)
