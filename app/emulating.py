@@ -9,14 +9,15 @@ import signal
 import socket
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING
 
 from app.clock import Clock, WallClock
 from app.emulators.line.ends import End
-from app.emulators.line.line import GAP_S, Line
+from app.emulators.line.framing import TMCL, Fixed, Framing
+from app.emulators.line.line import Line
 from app.emulators.line.module import LineModule
 from app.emulators.line.raw import RawChip
 from app.emulators.line.server import LineServer
@@ -65,7 +66,7 @@ def emulate(
     if where is not None:
         asyncio.run(_emulate(chip, *where, announce))
     elif pty is not None:
-        line = Line([RawChip(chip)], WallClock(), baud=baud, frame_bytes=frame_bytes_of(model))
+        line = Line([RawChip(chip)], WallClock(), baud=baud, framing=Fixed(frame_bytes_of(model)))
         with contextlib.ExitStack() as stack:
             try:
                 server = stack.enter_context(LineServer(line, _ends(LineOptions(pty=pty))))
@@ -129,7 +130,7 @@ def emulate_line(options: LineOptions, announce: Callable[[str], None]) -> None:
         shared_bus=options.shared_bus,
         addresses=options.addresses,
         seed=options.seed,
-        gap_s=far.gap_s,
+        framing=far.framing,
     )
     with contextlib.ExitStack() as stack:
         # The control port first: a client may set a fault as soon as the line is there.
@@ -156,7 +157,7 @@ class _Far:
 
     on_line: Sequence[LineModule]
     make_control: Callable[[LineServer], FastAPI]
-    gap_s: float = GAP_S
+    framing: Framing = TMCL
 
 
 def _modules(clock: Clock, options: LineOptions) -> _Far:
@@ -188,7 +189,8 @@ def _board(clock: Clock, options: LineOptions) -> _Far:
 
         return make_board_control_app(server, board)
 
-    return _Far([board], make_control, gap_s=math.inf)  # its firmware waits for nine bytes however long it takes
+    # Its firmware waits for nine bytes however long it takes.
+    return _Far([board], make_control, replace(TMCL, pause_s=math.inf))
 
 
 def _ends(options: LineOptions) -> list[End]:

@@ -13,19 +13,13 @@ from typing import NamedTuple
 
 from app.clock import Clock
 from app.emulators.line.faults import LineFaults, LinePatch, LineState
+from app.emulators.line.framing import TMCL, Framing
 from app.emulators.line.module import LineModule
 from app.emulators.noise import cut, flip
-from app.links.tmcl import FRAME_BYTES
 from app.registers.tmcl import Opcode, Status
 
 BITS_A_BYTE = 10
 """8N1: start bit, eight data bits, stop bit."""
-GAP_S = 0.010
-"""A pause inside a frame after which the module forgets what it has of it [s].
-
-The manual names no time, only published firmware shows that there is one. Ten milliseconds are longer than what an
-operating system puts between two bytes of one write, and shorter than what a client waits before it asks again.
-"""
 EVENT_POLL_S = 0.002
 """How often modules are asked for events while somebody has asked for one [s]."""
 
@@ -45,8 +39,8 @@ class Line:
     pause; None takes no time. Transactions come one after the other, whoever asks: bytes that come in
     meanwhile wait for the end of the reply. A reply goes to the client that asked, an event to the
     client that asked for events last; with `shared_bus` everybody hears all of it, and the questions
-    of the others too, and bytes of several clients get mixed up, as on RS485. Frames are those of TMCL, or, with
-    another number of `frame_bytes`, whatever its one module makes of them.
+    of the others too, and bytes of several clients get mixed up, as on RS485. With an `echo` whoever says something
+    hears it too. Frames are those of TMCL, or what `framing` makes of the bytes.
     """
 
     def __init__(
@@ -56,11 +50,11 @@ class Line:
         *,
         baud: int | None = None,
         shared_bus: bool = False,
+        echo: bool = False,
         faults: LineFaults | None = None,
         addresses: Sequence[int] = (),
         seed: int = 1241,
-        gap_s: float = GAP_S,
-        frame_bytes: int = FRAME_BYTES,
+        framing: Framing = TMCL,
     ) -> None:
         self.modules = tuple(modules)
         self.clock = clock
@@ -68,15 +62,16 @@ class Line:
         self.faults = faults or LineFaults()
         self._shared_bus = shared_bus
         self._addresses = list(addresses)
-        self._gap_s = gap_s
-        self._frame_bytes = frame_bytes
-        self._speaks_tmcl = frame_bytes == FRAME_BYTES
+        self._echo = echo
+        self._framing = framing
         self._noise = random.Random(seed)
         self._clients: dict[Hashable, _Assembly] = {}
         self._common = _Assembly()
         self._waiting: list[tuple[float, int, Hashable, bytes]] = []
         self._order = itertools.count()
         self._wire_free_s = 0.0
+        self._said_s = 0.0
+        """When the latest byte of a client was on the wire [s]."""
         self._listeners: dict[int, tuple[Hashable, bool]] = {}
         self._polled_s = 0.0
 
@@ -105,20 +100,34 @@ class Line:
             return
         if self.faults.bit_error_rate:
             data = flip(data, self.faults.bit_error_rate, self._noise)
-        byte_s = BITS_A_BYTE / self.baud if self.baud else 0.0
+        baud, framing = self.baud, self._framing
+        byte_s = BITS_A_BYTE / baud if baud else 0.0
         position = 0
         while position < len(data):
             start_s = max(at_s, self._wire_free_s)
-            if assembly.held and start_s - assembly.heard_s > self._gap_s:
-                assembly.held = b""
-            piece = data[position : position + self._frame_bytes - len(assembly.held)]
+            if framing.half_duplex and self._spoils(at_s):
+                start_s, assembly.deaf = max(at_s, self._said_s), True
+            elif start_s - assembly.heard_s > framing.gap_s(baud):
+                assembly.held, assembly.deaf = b"", False
+            elif assembly.deaf and start_s - assembly.heard_s >= framing.idle_s(baud):
+                assembly.deaf = False
+            missing = len(data) if assembly.deaf else framing.missing(assembly.held)
+            piece = data[position : position + missing]
             position += len(piece)
+            assembly.heard_s = self._said_s = start_s + len(piece) * byte_s
+            self._wire_free_s = max(self._wire_free_s, assembly.heard_s)
+            if self._shared_bus or self._echo:
+                self._tell(client, piece, assembly.heard_s)
+            if assembly.deaf:
+                continue
             assembly.held += piece
-            assembly.heard_s = self._wire_free_s = start_s + len(piece) * byte_s
-            if self._shared_bus:
-                self._tell_others(client, piece, assembly.heard_s)
-            if len(assembly.held) == self._frame_bytes:
-                frame, assembly.held = assembly.held, b""
+            missing = framing.missing(assembly.held)
+            if missing > 0:
+                continue
+            frame, assembly.held = assembly.held, b""
+            if missing < 0 or not framing.is_sound(frame):
+                assembly.deaf = True
+            else:
                 self._transact(client, frame, assembly.heard_s, byte_s)
 
     def collect(self, at_s: float) -> list[Delivery]:
@@ -157,8 +166,9 @@ class Line:
         """Forget what was on the wire: the cable is out."""
         self._waiting.clear()
         self._wire_free_s = 0.0
+        self._said_s = 0.0
         for assembly in (self._common, *self._clients.values()):
-            assembly.held = b""
+            assembly.held, assembly.deaf = b"", False
 
     def state(self) -> LineState:
         """What GET /line answers."""
@@ -190,7 +200,7 @@ class Line:
             said = module.receive(frame, module.clock.at(heard_s))
             if said is None or faults.silence or self.faults.silence:
                 continue
-            if self._speaks_tmcl and frame[1] == Opcode.REQUEST_EVENT and said[2] == Status.OK:
+            if self._framing.events and frame[1] == Opcode.REQUEST_EVENT and said[2] == Status.OK:
                 self._listen(index, client, again=frame[2] != 0, at_s=heard_s)
             due_s = max(due_s, heard_s + module.reply_pause_s + len(said) * byte_s)
             late_s = max(late_s, faults.late_reply_s)
@@ -210,10 +220,21 @@ class Line:
         for hearer in self._clients if self._shared_bus else (client,):
             heapq.heappush(self._waiting, (due_s, next(self._order), hearer, data))
 
-    def _tell_others(self, client: Hashable, data: bytes, heard_s: float) -> None:
-        for hearer in self._clients:
-            if hearer != client:
+    def _tell(self, client: Hashable, data: bytes, heard_s: float) -> None:
+        """Let those hear `data` who hear what `client` says."""
+        for hearer in self._clients if self._shared_bus else (client,):
+            if hearer != client or self._echo:
                 heapq.heappush(self._waiting, (heard_s, next(self._order), hearer, data))
+
+    def _spoils(self, at_s: float) -> bool:
+        """Whether what is said at `at_s` [s] meets an answer on the wire. If so, nobody can read that any more."""
+        if max(at_s, self._said_s) >= self._wire_free_s:
+            return False
+        self._waiting = [
+            (due_s, order, hearer, bytes(len(data)) if due_s > at_s else data)
+            for due_s, order, hearer, data in self._waiting
+        ]
+        return True
 
     def _listen(self, index: int, client: Hashable, *, again: bool, at_s: float) -> None:
         if index not in self._listeners:  # what came up while nobody listened is nobody's
@@ -238,10 +259,11 @@ class Line:
 
 
 class _Assembly:
-    """The bytes of a frame so far, and when the last of them was heard [s]."""
+    """The bytes of a frame so far, and when the last of them was heard [s]; `deaf` until the line is silent."""
 
-    __slots__ = ("heard_s", "held")
+    __slots__ = ("deaf", "heard_s", "held")
 
     def __init__(self) -> None:
+        self.deaf = False
         self.held = b""
         self.heard_s = 0.0

@@ -21,7 +21,6 @@ from typing import Self, TypeVar, cast
 from app.emulators.line.ends import Client, End
 from app.emulators.line.line import Line
 from app.emulators.line.pty import PtyEnd
-from app.emulators.line.tcp import TcpEnd
 
 Result = TypeVar("Result")
 
@@ -165,8 +164,3 @@ def _sleep_exactly() -> None:
 def serve_pty(line: Line, path: str | os.PathLike[str]) -> LineServer:
     """A server, not yet entered, that shows `line` as a serial port at `path`."""
     return LineServer(line, [PtyEnd(Path(path))])
-
-
-def serve_tcp_line(line: Line, listener: socket.socket) -> LineServer:
-    """A server, not yet entered, that shows `line` on a bound `listener`."""
-    return LineServer(line, [TcpEnd(listener)])

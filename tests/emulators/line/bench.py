@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from app.clock import VirtualClock
 from app.emulators.line.faults import LineFaults
-from app.emulators.line.line import GAP_S, Delivery, Line
+from app.emulators.line.framing import GAP_S
+from app.emulators.line.line import Delivery, Line
 from tests.emulators.line.modules import SmallModule
 
 

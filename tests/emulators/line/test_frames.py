@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.emulators.line.line import GAP_S
+from app.emulators.line.framing import GAP_S
 from app.links import tmcl
 from app.registers.tmcl import Opcode, Status
 from tests.emulators.line.bench import LineBench

@@ -10,6 +10,7 @@ import pytest
 import serial
 
 from app.clock import VirtualClock
+from app.emulators.line.framing import Fixed
 from app.emulators.line.line import Line
 from app.emulators.line.raw import RawChip
 from app.emulators.tmc4361 import EmulatedTmc4361, Tmc4361Patch
@@ -20,7 +21,7 @@ from tests.peers.emulator_process import emulator
 def line_with_chip(baud: int | None = None) -> tuple[Line, EmulatedTmc4361]:
     clock = VirtualClock()
     chip = EmulatedTmc4361(clock)
-    line = Line([RawChip(chip)], clock, baud=baud, frame_bytes=5)
+    line = Line([RawChip(chip)], clock, baud=baud, framing=Fixed(5))
     line.join("client")
     return line, chip
 

@@ -7,7 +7,8 @@ import random
 import pytest
 
 from app.clock import VirtualClock
-from app.emulators.line.line import GAP_S, Line
+from app.emulators.line.framing import GAP_S
+from app.emulators.line.line import Line
 from app.emulators.pd42.module import EmulatedModule
 from app.emulators.pd42.options import Pd42Options, Pd42Patch
 from app.links import tmcl
