@@ -191,6 +191,11 @@ class Device(ABC):
         """Now, device time [s]."""
         return self.port.device_time_s()
 
+    @property
+    def time_scale(self) -> float:
+        """How fast device time runs against the server's: what an emulator's time scale turns."""
+        return float(getattr(self.port, "time_scale", 1.0))
+
     def axis(self, index: int) -> Axis:
         """Raises UnknownThing for an axis that the chip does not have."""
         if not 0 <= index < len(self.axes):
@@ -365,6 +370,10 @@ class Device(ABC):
         """
         asked_at_s = self.device_time_s()
         return CounterLook((await self.axis_state(axis)).position, asked_at_s, None)
+
+    async def runs_for_s(self) -> float | None:
+        """How long ago the chip was switched on or reset, device time [s]; None where it cannot tell."""
+        return None
 
     async def retarget(self, axis: int, count_target: int) -> MoveStarted:
         """Go on to where the counter shows `count_target`, the shorter way round, also over the counter's end.

@@ -61,6 +61,11 @@ class EmulatorPort:
     def device_time_s(self) -> float:
         return self.wire.clock.now()
 
+    @property
+    def time_scale(self) -> float:
+        """How fast `device_time_s` runs against the server's clock."""
+        return self.wire.clock.scale
+
     async def exchange(self, frame: bytes, timeout_s: float | None = None) -> bytes:
         """Answer at once. `timeout_s` has no meaning here: a silent emulator is known to be silent."""
         return self._answer(frame, self.take_turn())
