@@ -47,7 +47,9 @@ class RegisterChip(Device):
         word = await self._read_alone(register)
         if register.address in self._remembered:
             self._saw_word(register, word)
-        return reading(register, part, word)
+        shown = self._shown(register, word)
+        self._delivered(register)
+        return reading(register, part, shown)
 
     async def read_all(self, axis: int | None = None, groups: Collection[str] = ()) -> list[RegisterReading]:
         if axis is not None:
@@ -70,7 +72,7 @@ class RegisterChip(Device):
                 held = await self.words(turn).read_many(some)
             for register, word in zip(some, held, strict=True):
                 self._saw_word(register, word)
-                readings.append(reading(register, None, word))
+                readings.append(reading(register, None, self._shown(register, word)))
         return readings
 
     async def _read_alone(self, register: Register) -> int:
@@ -134,7 +136,7 @@ class RegisterChip(Device):
         self._saw_word(register, back)
         if note:
             notes.append(note)
-        return written(reading(register, None, back), word, verified, "; ".join(notes))
+        return written(reading(register, None, self._shown(register, back)), word, verified, "; ".join(notes))
 
     def _written_blind(self, register: Register, word: int, arrived: bool, notes: Sequence[str]) -> RegisterWritten:
         """The answer to a write to a register that cannot be read."""
@@ -179,6 +181,13 @@ class RegisterChip(Device):
 
     def _sent(self, register: Register, word: int) -> None:
         """`word` went out to `register`."""
+
+    def _shown(self, register: Register, word: int) -> int:
+        """What the user gets to see where the chip holds `word`."""
+        return word
+
+    def _delivered(self, register: Register) -> None:
+        """Somebody has asked for this register by its name, and gets it."""
 
     async def _before_write(self, words: Words, register: Register, word: int) -> list[str]:
         """What to tell about a write that is about to happen. Raises WrongState or WriteRefused to prevent it."""

@@ -142,3 +142,21 @@ class BoardPlan(WordsPlan):
         sound &= raw[:, :, 2] == Status.OK
         words = np.ascontiguousarray(raw[:, :, 4:8]).view(">u4")[:, :, 0].astype(np.int64)
         return words, np.zeros(len(raw), dtype=np.int64), sound.all(axis=1)
+
+
+@dataclass(frozen=True, slots=True)
+class UartPlan(WordsPlan):
+    """Answers of a single-wire UART, of which the port has judged the CRC: no status byte."""
+
+    reply_bytes = 8
+
+    def _taken(self, raw: NDArray[np.uint8]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
+        words = np.ascontiguousarray(raw[:, :, -5:-1]).view(">u4")[:, :, 0].astype(np.int64)
+        return words, np.zeros(len(raw), dtype=np.int64), np.ones(len(raw), dtype=np.bool_)
+
+
+@dataclass(frozen=True, slots=True)
+class PlainUartPlan(UartPlan):
+    """The same of a TMC5062, whose answers name no host."""
+
+    reply_bytes = 7

@@ -46,9 +46,17 @@ class Timeline:
         self._told |= new
         return self._add(new, time_s)
 
+    def cleared(self, bits: int) -> None:
+        """These are not set any more: they will be told when they come again."""
+        self._told &= ~bits
+
     def forget(self) -> None:
         """The chip may be another one: what is set there will be told."""
         self._told = 0
+
+    def told_since(self, name: str, time_s: float) -> bool:
+        """Whether an event of that name was told at `time_s` [s] or later."""
+        return any(name in entry.names for entry in self._entries if entry.time_s >= time_s)
 
     def page(self, after: int, limit: int) -> EventPage:
         """The oldest `limit` entries behind number `after`."""

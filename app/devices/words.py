@@ -60,13 +60,17 @@ class Held:
 class Words:
     """One turn's view of the chip: words by register, and the status bits of the latest reply."""
 
-    __slots__ = ("_access", "_turn", "status")
+    __slots__ = ("_access", "_turn", "arrived", "asked_s", "status")
 
     def __init__(self, turn: Turn, access: RegisterAccess = SPI32) -> None:
         self._turn = turn
         self._access = access
         self.status = 0
         """Of the latest reply; stays 0 over a link that brings none."""
+        self.arrived = True
+        """Whether the link showed no difference between what the latest `chain` wrote and what arrived."""
+        self.asked_s = 0.0
+        """Before which device time no register of the latest reading was read [s]."""
 
     @property
     def time_s(self) -> float:
@@ -80,9 +84,11 @@ class Words:
     async def read_many(self, registers: Sequence[Register]) -> list[int]:
         """Words of several registers, over a pipelined link in one chain. Asked again once after LinkTimeout."""
         frames = self._access.read_frames([register.address for register in registers])
+        self.asked_s = self._turn.device_time_s()
         try:
             replies = await self._turn.exchange_many(frames)
         except LinkTimeout:
+            self.asked_s = self._turn.device_time_s()
             replies = await self._turn.exchange_many(frames)
         self._saw_status(replies)
         return self._access.words(replies)
@@ -120,7 +126,7 @@ class Words:
         """Readings and writes in their order, over a pipelined link in one go: words of each reading.
 
         With `again` all of it is sent once more after LinkTimeout: for writes that may happen twice. Whether
-        writes arrived only a reading behind them tells.
+        writes arrived a reading behind them tells, and `arrived` of those that cannot be read.
         """
         frames: list[bytes] = []
         spans: list[tuple[int, int]] = []
@@ -131,6 +137,7 @@ class Words:
             else:
                 frames += self._access.read_frames([register.address for register in step])
                 spans.append((first, len(frames)))
+        self.asked_s = self._turn.device_time_s()
         try:
             replies = await self._turn.exchange_many(frames)
         except LinkTimeout:
@@ -138,6 +145,12 @@ class Words:
                 raise
             replies = await self._turn.exchange_many(frames)
         self._saw_status(replies)
+        try:
+            self._access.check_all(frames, replies)
+        except BadReply:
+            self.arrived = False
+        else:
+            self.arrived = True
         return [self._access.words(replies[first:last]) for first, last in spans]
 
     async def put(self, register: Register, value: int) -> None:

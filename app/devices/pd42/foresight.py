@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from app.calc.sixpoint import MotionPlan, SixPoint, position_plan, velocity_plan
+from app.calc.sixpoint import SixPoint
 from app.devices.pd42 import rows
 
 RAMP_WAIT_S = 512 / 16e6
@@ -33,21 +33,5 @@ def sixpoint(known: Mapping[int, int], speed_unit: float, acceleration_unit: flo
             v_stop=speed[rows.VSTOP.address],
             t_zero_wait_s=known.get(rows.RAMP_WAIT.address, 0) * RAMP_WAIT_S,
         )
-    except ValueError:
-        return None
-
-
-def move_plan(ramp: SixPoint | None, distance: int, speed_pps: float) -> MotionPlan | None:
-    """To a target; None where the parameters make no motion."""
-    try:
-        return None if ramp is None else position_plan(ramp, distance, speed_pps)
-    except ValueError:
-        return None
-
-
-def turn_plan(ramp: SixPoint | None, target_pps: float, speed_pps: float) -> MotionPlan | None:
-    """To a speed; None where the parameters make no motion."""
-    try:
-        return None if ramp is None else velocity_plan(ramp, target_pps, speed_pps)
     except ValueError:
         return None

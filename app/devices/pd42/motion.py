@@ -15,12 +15,13 @@ from app.devices.motion_watch import Kind, MotionWatch
 from app.devices.pd42 import rows
 from app.devices.pd42.calls import Calls
 from app.devices.pd42.console import Console
-from app.devices.pd42.foresight import RAMP_WAIT_S, move_plan, sixpoint, turn_plan
+from app.devices.pd42.foresight import RAMP_WAIT_S, sixpoint
 from app.devices.pd42.frames import spelled, writing
 from app.devices.pd42.refusals import limits
 from app.devices.planned_motion import PlannedMotion
 from app.devices.prediction import Prediction, PredictionBook
 from app.devices.results import AxisMove, MotionEnd, MoveStarted, RegisterWritten, Rotating
+from app.devices.sixpoint_plans import move_plan, turn_plan
 from app.links.errors import BenchError, LinkError, OutOfRange, UsageError, WriteRefused, WrongState
 from app.links.port import FramePort
 from app.links.tmcl import VALUE_MAX, VALUE_MIN, Request

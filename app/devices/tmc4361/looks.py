@@ -5,22 +5,23 @@ The same look brings the events, so that no edge of a flag is told later than th
 
 from __future__ import annotations
 
-import asyncio
 from typing import TypedDict
 
 from app.calc.tmc4361_encoder import load_angle_deg
-from app.devices.motion_watch import POLL_S, Look, UnderWay
+from app.clock import Clock
+from app.devices.config import DeviceConfig
+from app.devices.looking import Looking
+from app.devices.motion_watch import Look, UnderWay
 from app.devices.results import AxisState, DeviceState, StopReason, Switches
 from app.devices.tmc4361 import rows
 from app.devices.tmc4361.setting import Setting
 from app.devices.tmc4361.switches import home_level, stopped_by
 from app.devices.tmc4361.writes import Writes
 from app.devices.words import Held
-from app.links.errors import BadReply, BenchError, LinkDown, LinkTimeout
-from app.links.queue import Priority, SampleDropped
+from app.links.errors import BenchError, LinkDown, LinkTimeout
+from app.links.port import FramePort
+from app.links.queue import Priority
 
-IDLE_LOOKS = 5
-"""How many looks are left out while nothing moves."""
 MODE_NAMES = ("velocity", "positioning")
 SHAPE_NAMES = ("hold", "trapezoid", "S-ramp", "S-ramp")
 LOOK = (rows.XACTUAL, rows.VACTUAL, rows.STATUS, rows.XTARGET)
@@ -53,6 +54,10 @@ class Encoder(TypedDict, total=False):
 
 class Looks(Writes):
     """A TMC4361 that is looked at."""
+
+    def __init__(self, device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> None:
+        super().__init__(device_id, config, port, clock)
+        self._looking = Looking(self, self.tasks, self._look_once, self._any_moves)
 
     # --- state ----------------------------------------------------------------------------------
 
@@ -143,28 +148,11 @@ class Looks(Writes):
 
     # --- looking on -----------------------------------------------------------------------------
 
-    _looking: asyncio.Task[None] | None = None
-
     def _look_on(self) -> None:
-        if self._looking is None or self._looking.done():
-            self._looking = self.tasks.begin(self._look_while_connected(), f"looks at {self.id}")
+        self._looking.begin()
 
-    async def _look_while_connected(self) -> None:
-        left_out = 0
-        while self.state != "disconnected":
-            await self.clock.sleep(POLL_S)
-            left_out += 1
-            if self.state != "connected" or (self._watch.under_way is None and left_out < IDLE_LOOKS):
-                continue
-            left_out = 0
-            try:
-                await self._look_once()
-            except SampleDropped:
-                continue  # the link is busy; later then
-            except BadReply:
-                continue  # noise: asked again often enough
-            except BenchError:
-                continue  # the link has failed, and its state tells
+    def _any_moves(self) -> bool:
+        return self._watch.under_way is not None
 
     async def _look_once(self) -> None:
         async with self.queue.turn(Priority.SAMPLE) as turn:

@@ -9,25 +9,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from app.devices.motion_watch import Look
 from app.devices.planned_motion import POSITION_BITS
-from app.devices.prediction import wrapped
-from app.devices.sample_plan import BoardPlan, Channel, Decoder, FloatArray, PipelinedPlan, SamplePlan
+from app.devices.sample_plan import Channel, Decoder, FloatArray, SamplePlan
 from app.devices.tmc4361 import rows
 from app.devices.tmc4361.looks import Looks
 from app.devices.tmc4361.switches import BY_LEVEL, BY_ZONE
-from app.links.errors import UnknownThing, UsageError
-from app.registers.model import Field, Register
-
-IntArray = NDArray[np.int64]
-
-ROW_RATE_MAX_HZ = 1000.0
-FRAMES_EMULATED_HZ = 15_000.0
-"""Datagrams a second asked of an emulated chip in this process: a share of a core that leaves room for all else."""
-FRAMES_WIRE_HZ = 10_000.0
-"""The same for a wire that sets no limit of its own (spidev, a socket)."""
+from app.devices.word_samples import Asked, IntArray, WordSamples, channels_of, field, number, residual
+from app.registers.model import Register
 
 MICROSTEPS = "microsteps"
 DIRECT: dict[str, tuple[Register, str]] = {
@@ -84,71 +74,34 @@ HOME_ERROR = rows.part(rows.STATUS, "HOME_ERROR_F")
 ARRIVAL = rows.part(rows.STATUS, "TARGET_REACHED_F")
 
 
-class _Asked:
-    """The registers of one row: each once."""
-
-    def __init__(self) -> None:
-        self.registers: list[Register] = []
-
-    def column(self, register: Register) -> int:
-        """Which word of a row holds `register`."""
-        if register not in self.registers:
-            self.registers.append(register)
-        return self.registers.index(register)
-
-
-class Samples(Looks):
+class Samples(Looks, WordSamples):
     """A TMC4361 with telemetry."""
 
-    @property
-    def rate_max_hz(self) -> float:
-        return self._row_rate(2)
-
-    def sample_rate_max_hz(self, plan: SamplePlan) -> float:
-        return self._row_rate(len(plan.frames))
-
-    def _row_rate(self, frames: int) -> float:
-        """Rows a second of so many frames each."""
-        possible = FRAMES_EMULATED_HZ if self.chip_timed else self.calls_per_s_possible or FRAMES_WIRE_HZ
-        return min(ROW_RATE_MAX_HZ, possible / frames)
-
-    @property
-    def shares_rows(self) -> bool:
-        return not self.chip_timed
-
     def channels(self) -> tuple[Channel, ...]:
-        return tuple(Channel(f"{name}.{rows.AXIS}", name, rows.AXIS, unit) for name, unit in QUANTITIES.items())
+        return channels_of(QUANTITIES, rows.AXIS)
 
     def sample_plan(self, channels: Sequence[str]) -> SamplePlan:
-        if not channels:
-            raise UsageError("a sample of no channel")
-        known = {channel.name: channel for channel in self.channels()}
-        unknown = next((name for name in channels if name not in known), None)
-        if unknown is not None:
-            raise UnknownThing("channel", unknown, list(known))
-        chosen = tuple(known[name] for name in channels)
-        asked = _Asked()
+        chosen = self.chosen(channels)
+        asked = Asked()
         if any(channel.quantity in FROM_PREDICTION for channel in chosen):
             asked.column(rows.VACTUAL)  # it tells where something stopped the motor that no command told of
         decoders = tuple(self._decoder(channel.quantity, asked) for channel in chosen)
         if not asked.registers:  # events alone: any register brings the status byte
             asked.column(rows.STATUS)
-        frames = self.access.read_frames([register.address for register in asked.registers])
-        kind = PipelinedPlan if len(frames) > len(asked.registers) else BoardPlan
-        return kind(frames, chosen, decoders, self._watcher(asked.registers))
+        return self.words_plan(asked.registers, chosen, decoders, self._watcher(asked.registers))
 
     # --- channels -------------------------------------------------------------------------------
 
-    def _decoder(self, quantity: str, asked: _Asked) -> Decoder:
+    def _decoder(self, quantity: str, asked: Asked) -> Decoder:
         if quantity in DIRECT:
-            number = _number(asked.column(DIRECT[quantity][0]), DIRECT[quantity][0])
-            return self._if_encoder(number) if quantity in FROM_ENCODER else number
+            direct = number(asked.column(DIRECT[quantity][0]), DIRECT[quantity][0])
+            return self._if_encoder(direct) if quantity in FROM_ENCODER else direct
         if quantity in FLAGS:
-            return _field(asked.column(rows.STATUS), FLAGS[quantity])
+            return field(asked.column(rows.STATUS), FLAGS[quantity])
         if quantity in CURRENTS:
-            return _field(asked.column(rows.CURRENTS), CURRENTS[quantity])
+            return field(asked.column(rows.CURRENTS), CURRENTS[quantity])
         if quantity == "target_velocity":
-            vmax = _number(asked.column(rows.VMAX), rows.VMAX)
+            vmax = number(asked.column(rows.VMAX), rows.VMAX)
             return lambda times_s, words, status: vmax(times_s, words, status) / 256
         if quantity == "load_angle":
             return self._if_encoder(self._load_angles(asked))
@@ -168,10 +121,10 @@ class Samples(Looks):
 
         return decoded
 
-    def _load_angles(self, asked: _Asked) -> Decoder:
-        encoder = _number(asked.column(rows.ENC_POS), rows.ENC_POS)
-        deviation = _number(asked.column(rows.ENC_POS_DEV), rows.ENC_POS_DEV)
-        mscnt = _number(asked.column(rows.MSCNT), rows.MSCNT)
+    def _load_angles(self, asked: Asked) -> Decoder:
+        encoder = number(asked.column(rows.ENC_POS), rows.ENC_POS)
+        deviation = number(asked.column(rows.ENC_POS_DEV), rows.ENC_POS_DEV)
+        mscnt = number(asked.column(rows.MSCNT), rows.MSCNT)
 
         def decode(times_s: FloatArray, words: IntArray, status: IntArray) -> FloatArray:
             block = (times_s, words, status)
@@ -184,10 +137,10 @@ class Samples(Looks):
 
         return decode
 
-    def _home_levels(self, asked: _Asked) -> Decoder:
+    def _home_levels(self, asked: Asked) -> Decoder:
         """As `switches.home_level`, a column at a time."""
-        error = _field(asked.column(rows.STATUS), HOME_ERROR)
-        position = _number(asked.column(rows.XACTUAL), rows.XACTUAL)
+        error = field(asked.column(rows.STATUS), HOME_ERROR)
+        position = number(asked.column(rows.XACTUAL), rows.XACTUAL)
 
         def decode(times_s: FloatArray, words: IntArray, status: IntArray) -> FloatArray:
             code = rows.HOME_EVENT.unpack(self.known(rows.REFERENCE_CONF) or 0)
@@ -212,17 +165,15 @@ class Samples(Looks):
             words[status == byte] |= self._bits_of_status(int(byte))
         return words.astype(np.float64)
 
-    def _expected(self, quantity: str, asked: _Asked) -> Decoder:
+    def _expected(self, quantity: str, asked: Asked) -> Decoder:
         if quantity == "predicted_position":
             return lambda times_s, _, __: self._book.at(times_s)[0]
         if quantity == "predicted_velocity":
             return lambda times_s, _, __: self._book.at(times_s)[1]
         if quantity == "predicted_acceleration":
             return lambda times_s, _, __: self._accelerations(times_s)
-        position = _number(asked.column(rows.XACTUAL), rows.XACTUAL)
-        return lambda times_s, words, status: wrapped(
-            position(times_s, words, status) - self._book.at(times_s)[0], POSITION_BITS
-        )
+        position = number(asked.column(rows.XACTUAL), rows.XACTUAL)
+        return residual(position, self._book.at, POSITION_BITS)
 
     def _accelerations(self, times_s: FloatArray) -> FloatArray:
         """What was expected [pps^2]; NaN where nothing was."""
@@ -252,8 +203,8 @@ class Samples(Looks):
         if rows.XACTUAL in asked and rows.STATUS in asked:
             state = words[:, asked.index(rows.STATUS)]
             moving = (state & (rows.VEL_STATE.mask | rows.RAMP_STATE.mask) != 0) | (velocity != 0)
-            position = _number(asked.index(rows.XACTUAL), rows.XACTUAL)(times_s, words, status)
-            speed = _number(asked.index(rows.VACTUAL), rows.VACTUAL)(times_s, words, status)
+            position = number(asked.index(rows.XACTUAL), rows.XACTUAL)(times_s, words, status)
+            speed = number(asked.index(rows.VACTUAL), rows.VACTUAL)(times_s, words, status)
             wanted = moving if self._watch.under_way is None else np.ones(len(times_s), dtype=np.bool_)
             for row in np.flatnonzero(wanted):
                 reached = bool(ARRIVAL.unpack(int(state[row])))
@@ -270,17 +221,3 @@ class _Watcher:
 
     def __call__(self, times_s: FloatArray, words: IntArray, status: IntArray) -> None:
         self._device.saw_rows(times_s, words, status, self._asked)
-
-
-def _number(column: int, register: Register) -> Decoder:
-    """The register's value, signed where it is."""
-    mask = (1 << register.width) - 1
-    sign = 1 << (register.width - 1) if register.signed else 0
-    return lambda _, words, __: (((words[:, column] & mask) ^ sign) - sign).astype(np.float64)
-
-
-def _field(column: int, part: Field) -> Decoder:
-    """A field's value, signed where it is."""
-    mask = (1 << part.width) - 1
-    sign = 1 << (part.width - 1) if part.signed else 0
-    return lambda _, words, __: (((words[:, column] >> part.lsb & mask) ^ sign) - sign).astype(np.float64)

@@ -7,29 +7,23 @@ reset, else what the chip has after a reset.
 from __future__ import annotations
 
 from app.calc.mslut import MslutRegisters
-from app.devices.profile import is_configuration, read_profile
-from app.devices.results import HeldMslut, ProfileDocument, ProfileEntry
+from app.devices.kept_profile import KeptProfile
+from app.devices.results import HeldMslut, ProfileDocument
 from app.devices.tmc4361 import rows
 from app.devices.tmc4361.raw import Raw
 from app.links.errors import BadReply
 from app.links.queue import Priority
-from app.registers.model import Access, Register
 
 TABLE = (*rows.MSLUT, rows.MSLUTSEL, rows.MSLUTSTART)
-ONCE = frozenset(
-    rows.row(name).name
-    for name in (
-        "COVER_LOW",
-        "COVER_HIGH",
-        "ADDR_TO_ENC",
-        "DATA_TO_ENC",
-    )
-)
-"""Registers whose writing does something instead of setting something."""
 
 
-class Tables(Raw):
+class Tables(Raw, KeptProfile):
     """A TMC4361 with its tables."""
+
+    STATE_NAMES = frozenset(
+        ("XACTUAL", "XTARGET", "ENC_POS", "RESET_CLK_GATING", *(f"X_PIPE{index}" for index in range(8)), "X_HOME")
+    )
+    ONCE = frozenset(("COVER_LOW", "COVER_HIGH", "ADDR_TO_ENC", "DATA_TO_ENC"))
 
     async def read_mslut(self) -> HeldMslut:
         self.require_connected()
@@ -62,29 +56,4 @@ class Tables(Raw):
         return await self.read_mslut()
 
     async def profile(self) -> ProfileDocument:
-        readable = [entry for entry in await read_profile(self) if entry.name not in _STATE]
-        return ProfileDocument(readable + self._written_entries(), None, None)
-
-    def _written_entries(self) -> list[ProfileEntry]:
-        """Write-only registers that were written."""
-        entries = []
-        for register in self.table:
-            word = self._blind.get(register.address)
-            if word is None or register.access is not Access.W or register.when or register.name in ONCE:
-                continue
-            raw = word & register.mask
-            entries.append(_entry(register, raw))
-        return entries
-
-
-_STATE = frozenset(
-    ("XACTUAL", "XTARGET", "ENC_POS", "RESET_CLK_GATING", *(f"X_PIPE{index}" for index in range(8)), "X_HOME")
-)
-"""Readable and writable, but where the motor is or what happens once."""
-
-
-def _entry(register: Register, raw: int) -> ProfileEntry:
-    return ProfileEntry(register.name, register.axis, raw, register.decode(raw), register.unpack(raw))
-
-
-__all__ = ["ONCE", "TABLE", "Tables", "is_configuration"]
+        return ProfileDocument(await self.kept_profile(), None, None)

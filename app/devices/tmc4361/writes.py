@@ -108,7 +108,7 @@ class Writes(Stops):
         if before_velocity == 0:
             self._tell(MotionStarted(rows.AXIS, time_s))
 
-    async def _moved_by_hand(self) -> None:
+    async def _foresee_by_hand(self) -> None:
         """A raw datagram has written something that may move the axis."""
         self._before = (0, 1, self.port.last_exchange_s)
         try:
