@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 
-class CounterLook(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class CounterLook:
     """The answer to one question for the counter."""
 
     count: int

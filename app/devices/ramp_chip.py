@@ -138,6 +138,8 @@ class RampChip(RegisterChip):
             v_actual = await words.value(rows.v_actual)
             x_actual = await words.value(rows.x_actual)
             time_s, status = words.time_s, words.status
+            asked_at_s = words.asked_s
+        self.saw_position(axis, x_actual, asked_at_s)
         reached = self._reached(status, axis)
         flags = status_flags(status, self.status_names)
         flags |= {

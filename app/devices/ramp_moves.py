@@ -9,7 +9,7 @@ from app.calc.units import pulse_rate_hz
 from app.devices.axis_rows import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOCITY_MODE, AxisRows
 from app.devices.axis_units import to_chip_velocity, to_position
 from app.devices.device import MotionStarted
-from app.devices.motion import Setting, checked_target
+from app.devices.motion import Setting, checked_target, distance
 from app.devices.ramp_chip import RampChip
 from app.devices.results import AxisMove, MoveStarted, Rotating
 from app.devices.ticked_prediction import Origin, TickedPrediction
@@ -94,8 +94,10 @@ class RampMoves(RampChip):
         if move.unit == "microsteps" and wanted != move.target:
             warnings.append(f"rounded to {wanted} microsteps")
         shown = "" if move.unit == "microsteps" else f"; {move.target:g} {move.unit} asked"
-        target = checked_target(move.axis, x_actual + wanted if move.relative else wanted, x_actual, shown)
-        switch = setting.blocked(rows, target - x_actual, left, right)
+        target = x_actual + wanted if move.relative else wanted
+        if not move.over_the_end:
+            checked_target(move.axis, target, x_actual, shown)
+        switch = setting.blocked(rows, distance(target, x_actual), left, right)
         if switch:
             warnings.append(f"the {switch} switch is active and stops motion that way")
         return _Prepared(move.axis, rows, setting, x_actual, v_actual, target, warnings)
@@ -125,7 +127,7 @@ class RampMoves(RampChip):
                 axis=one.axis,
                 started_at_s=one.started_at_s,
                 position=one.x_actual,
-                distance=one.target - one.x_actual,
+                distance=distance(one.target, one.x_actual),
                 velocity=one.v_actual,
                 parameters=one.setting.parameters(self.clock_hz, one.mode),
             )

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from app.calc.units import acceleration_hz_s, pulse_rate_hz
 from app.devices.prediction import wrapped
-from app.devices.ramp_stops import RampStops
+from app.devices.ramp_counter import RampCounter
 from app.devices.sample_plan import Channel, DatagramPlan, Decoder, FloatArray, SamplePlan
 from app.devices.ticked_prediction import POSITION_BITS, TickedBook
 from app.links.access32 import READ_FRAMES
@@ -51,7 +51,7 @@ class Frames:
         return self.addresses.index(register.address)
 
 
-class RampSamples(RampStops):
+class RampSamples(RampCounter):
     """`RampChip` with telemetry."""
 
     def channels(self) -> tuple[Channel, ...]:
@@ -100,13 +100,20 @@ class RampSamples(RampStops):
         register = registers[quantity]
         column = frames.column(register)
         number = _number(register)
-        if quantity in ("position", "target_position"):
+        if quantity == "position":
+            return lambda times_s, words, _: self._seen_positions(axis, times_s, number(words[:, column]))
+        if quantity == "target_position":
             return lambda _, words, __: number(words[:, column])
         if quantity == "residual":
             return lambda times_s, words, _: expected[axis].residual(times_s, words, number(words[:, column]))
         if quantity == "acceleration":
             return lambda _, words, __: number(words[:, column]) * self._acceleration_unit(axis)
         return lambda _, words, __: number(words[:, column]) * self._velocity_unit(axis)
+
+    def _seen_positions(self, axis: int, times_s: FloatArray, positions: FloatArray) -> FloatArray:
+        if len(positions):
+            self.saw_position(axis, int(positions[-1]), float(times_s[-1]))
+        return positions
 
     def _velocity_unit(self, axis: int) -> float:
         """What one chip unit of velocity is [pps]; NaN before the divider was seen."""

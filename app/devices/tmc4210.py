@@ -101,5 +101,9 @@ class Tmc4210(RampSamples):
 
         return right if side == "right" else reference
 
+    def compare_register(self, axis: int) -> str | None:
+        self.axis(axis)
+        return "POS_COMP_4210"
+
     async def profile(self) -> ProfileDocument:
         return ProfileDocument(await read_profile(self), None, None)

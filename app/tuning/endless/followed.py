@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import Callable
+from dataclasses import replace
 
 from app.calc.extended_position import Counter, checked_position
 from app.devices.counter import CounterLook, CounterWritten, PositionSeen
@@ -173,7 +174,7 @@ class Followed:
         if runs_s is None:
             return look
         unseen_s = self.device.device_time_s() - self.track.asked_s
-        return look._replace(reset_seen=runs_s < unseen_s * CLOCK_TOLERANCE)
+        return replace(look, reset_seen=runs_s < unseen_s * CLOCK_TOLERANCE)
 
 
 def track_of(device: Device, saved: SavedPosition, unix_s: float) -> Track:
