@@ -100,7 +100,7 @@ def serve(
 
 @cli.command()
 def emulate(
-    model: Annotated[str, typer.Argument(help="pd42-1241, landungsbruecke, tmc428, tmc4210 or tmc4361")],
+    model: Annotated[str, typer.Argument(help="pd42-1241, landungsbruecke, or a chip: tmc428, tmc4361, tmc5160 ...")],
     chip: Annotated[str | None, typer.Option(help="Landungsbruecke: the chip in its slot. [default: tmc4361]")] = None,
     pty: Annotated[
         Path | None, typer.Option(metavar="PATH", help="A serial port under this name (a symbolic link).")
@@ -111,6 +111,12 @@ def emulate(
     address: Annotated[
         list[int] | None, typer.Option(help="Module: its address; more than one put several on the line. [default: 1]")
     ] = None,
+    node: Annotated[
+        list[int] | None,
+        typer.Option(help="UART: the chip's node; more than one put several on the wire. [default: 0]", min=0, max=254),
+    ] = None,
+    echo: Annotated[bool, typer.Option("--echo", help="UART: what is sent comes back, as on a single wire.")] = False,
+    uart: Annotated[bool, typer.Option("--uart", help="Chip: its UART at --tcp too, and no raw frames.")] = False,
     baud: Annotated[
         int | None,
         typer.Option(help="Of a serial port: model the time on the wire. [default: none]", min=300),
@@ -129,16 +135,19 @@ def emulate(
     time_scale: Annotated[float, typer.Option(help="How much faster than real time.", min=0.0, max=1000.0)] = 1.0,
     wiring: Annotated[str | None, typer.Option(help="Chip: how the reference switches are wired.")] = None,
 ) -> None:
-    """Serve one emulated chip (raw frames), or a line (TMCL) of modules or with an evaluation board, to any client.
+    """Serve an emulated chip (raw frames, or its UART at --pty), or a line of modules or with a board, to any client.
 
     Ctrl-C ends it.
     """
     of_modules: dict[str, object] = {"address": address, "data_dir": data_dir}
     of_line: dict[str, object] = {"control": control, "shared_bus": shared_bus or None}
+    of_uart: dict[str, object] = {"echo": echo or None, "node": node}
     with _told():
         from app import emulating
 
-        is_board, is_line = model == emulating.BOARD, model in emulating.LINES
+        is_uart = emulating.shows_uart(model, asked=uart or pty is not None)
+        is_board, is_line = model == emulating.BOARD, model in emulating.LINES or is_uart
+        _refuse({} if is_uart else {**of_uart, "uart": uart or None}, f"{model} here")
         _refuse({} if is_line else of_line, model)
         _refuse({} if model == emulating.MODULE else of_modules, model)
         _refuse({} if is_board else {"chip": chip}, model)
@@ -151,9 +160,10 @@ def emulate(
                 clock_hz=clock_hz,
                 pty=pty,
                 tcp=tcp,
-                addresses=address or (1,),
+                addresses=(node or (0,)) if is_uart else address or (1,),
                 baud=baud,
                 shared_bus=shared_bus,
+                echo=echo,
                 data_dir=data_dir,
                 control=control,
                 seed=emulating.LineOptions.seed if seed is None else seed,
@@ -178,7 +188,7 @@ def fault(
     url: Annotated[str, typer.Argument(help="Control port of `stepscope emulate`, e.g. http://127.0.0.1:9000")],
     name: Annotated[str, typer.Argument(help="silence, unplugged, late_reply_s, load_torque_nm, blocked, ...")],
     value: Annotated[str, typer.Argument(help="on, off, a number, auto")],
-    address: Annotated[int | None, typer.Option(help="Which of several modules.", min=1, max=255)] = None,
+    address: Annotated[int | None, typer.Option(help="Which of several modules or chips.", min=0, max=255)] = None,
     line: Annotated[bool, typer.Option("--line", help="A fault of the cable, not of one module.")] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print the whole state afterwards.")] = False,
 ) -> None:

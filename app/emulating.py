@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from app.clock import Clock, WallClock
 from app.emulators.line.ends import End
@@ -22,19 +22,32 @@ from app.emulators.line.module import LineModule
 from app.emulators.line.raw import RawChip
 from app.emulators.line.server import LineServer
 from app.emulators.line.tcp import TcpEnd
+from app.emulators.line.uart import uart_line
 from app.emulators.pd42.module import EmulatedModule
 from app.emulators.pd42.options import Pd42Options
 from app.emulators.server import Served, frame_bytes_of, serve_tcp
+from app.links.datagram_uart import MODELS as UART_MODELS
+from app.links.datagram_uart import NODE_MODELS
 from app.listening import CannotListen, host_and_port, listen, url_of, why
 
 if TYPE_CHECKING:
     from fastapi import FastAPI
 
+    from app.emulators.tmc5xxx import Tmc5xxxModel
+
 MODULE, BOARD = "pd42-1241", "landungsbruecke"
 LINES = (MODULE, BOARD)
-"""What hangs on a serial line; all other models are chips with raw frames."""
+"""What always hangs on a serial line; all other models are chips, with raw frames or on a UART."""
+NODECONF, SEVERAL = 0x03, 2 << 8
+"""Where a chip has its node address; and SENDDELAY of three times eight bit times, which chips on one line need to have
+(TMC5160A data sheet 1.14, 5.4)."""
 GRACE_S = 0.3
 """How long requests of the control port may take to end after Ctrl-C [s]."""
+
+
+def shows_uart(model: str, *, asked: bool) -> bool:
+    """Whether an emulated `model` is to be reached by its UART, where that was `asked` for; else by raw frames."""
+    return asked and model in UART_MODELS
 
 
 def emulate(
@@ -49,7 +62,8 @@ def emulate(
 ) -> None:
     """Serve the raw frames of one emulated chip until Ctrl-C or SIGTERM: at a TCP port, or at a `pty` at `baud`.
 
-    Raises ValueError for options that cannot be, and CannotListen.
+    A chip with a UART shows that at a pty instead: `emulate_line`. Raises ValueError for options that cannot be, and
+    CannotListen.
     """
     if (tcp is None) == (pty is None):
         raise ValueError("say where: --tcp HOST:PORT, or --pty PATH")
@@ -92,9 +106,10 @@ async def _emulate(chip: Served, host: str, port: int, announce: Callable[[str],
 
 @dataclass(frozen=True)
 class LineOptions:
-    """An emulated line as the command line describes it. `addresses` are those of its modules.
+    """An emulated line as the command line describes it. `addresses` are those of its modules, or nodes of its chips.
 
-    `model` is what hangs on it: pd42-1241, or one landungsbruecke with a `chip` that has `clock_hz`.
+    `model` is what hangs on it: pd42-1241, one landungsbruecke with a `chip` that has `clock_hz`, or chips with a UART,
+    whose line may give back what is said to it (`echo`).
     """
 
     model: str = MODULE
@@ -105,6 +120,7 @@ class LineOptions:
     addresses: Sequence[int] = (1,)
     baud: int | None = None
     shared_bus: bool = False
+    echo: bool = False
     data_dir: Path | None = None
     control: str | None = None
     seed: int = 1241
@@ -112,26 +128,19 @@ class LineOptions:
 
 
 def emulate_line(options: LineOptions, announce: Callable[[str], None]) -> None:
-    """Serve PD42-1241 modules, or an evaluation board, on one line until Ctrl-C or SIGTERM.
+    """Serve PD42-1241 modules, an evaluation board, or the UART of chips, on one line until Ctrl-C or SIGTERM.
 
     Raises ValueError for options that cannot be, CannotListen for an address or a path that cannot be had.
     """
     if options.pty is None and options.tcp is None:
         raise ValueError("say where: --pty PATH, --tcp HOST:PORT, or both")
     if len(set(options.addresses)) != len(options.addresses):
-        raise ValueError("every module of a line needs an address of its own")
-    clock = WallClock()
+        raise ValueError("whoever is on a line needs an address of its own")
+    if options.model in UART_MODELS - NODE_MODELS and tuple(options.addresses) != (0,):
+        raise ValueError(f"a {options.model} has no node address, and is alone on its line")
+    make = {MODULE: _modules, BOARD: _board}.get(options.model, _chips)
     with _killed_by_signals():  # loading the emulators, or compiling them, takes its time
-        far = _board(clock, options) if options.model == BOARD else _modules(clock, options)
-    line = Line(
-        far.on_line,
-        clock,
-        baud=options.baud,
-        shared_bus=options.shared_bus,
-        addresses=options.addresses,
-        seed=options.seed,
-        framing=far.framing,
-    )
+        far = make(WallClock(), options)
     with contextlib.ExitStack() as stack:
         # The control port first: a client may set a fault as soon as the line is there.
         control = listen(*host_and_port("--control", options.control)) if options.control else None
@@ -139,7 +148,7 @@ def emulate_line(options: LineOptions, announce: Callable[[str], None]) -> None:
             stack.callback(control.close)
             control.listen()  # whoever calls before the server behind it runs just waits
         try:
-            server = stack.enter_context(LineServer(line, _ends(options)))
+            server = stack.enter_context(LineServer(far.line, _ends(options)))
         except OSError as error:
             raise CannotListen(str(error)) from error
         said = [f"emulated {options.model} at {', '.join(end.name for end in server.ends)}"]
@@ -153,11 +162,22 @@ def emulate_line(options: LineOptions, announce: Callable[[str], None]) -> None:
 
 @dataclass(frozen=True)
 class _Far:
-    """What hangs on the line, and the control port for it (an import of its own: most lines need none)."""
+    """The line with what hangs on it, and the control port for it (an import of its own: most lines need none)."""
 
-    on_line: Sequence[LineModule]
+    line: Line
     make_control: Callable[[LineServer], FastAPI]
-    framing: Framing = TMCL
+
+
+def _line(modules: Sequence[LineModule], clock: Clock, options: LineOptions, framing: Framing) -> Line:
+    return Line(
+        modules,
+        clock,
+        baud=options.baud,
+        shared_bus=options.shared_bus,
+        addresses=options.addresses,
+        seed=options.seed,
+        framing=framing,
+    )
 
 
 def _modules(clock: Clock, options: LineOptions) -> _Far:
@@ -168,7 +188,7 @@ def _modules(clock: Clock, options: LineOptions) -> _Far:
 
         return make_control_app(Controlled(server, modules))
 
-    return _Far(list(modules.values()), make_control)
+    return _Far(_line(list(modules.values()), clock, options, TMCL), make_control)
 
 
 def _module(address: int, clock: Clock, options: LineOptions) -> EmulatedModule:
@@ -181,8 +201,7 @@ def _module(address: int, clock: Clock, options: LineOptions) -> EmulatedModule:
 def _board(clock: Clock, options: LineOptions) -> _Far:
     from app.emulators.board.build import build_board
 
-    given = {"clock_hz": options.clock_hz, "seed": options.seed, "time_scale": options.time_scale}
-    board = build_board(options.chip, clock, {name: value for name, value in given.items() if value is not None})
+    board = build_board(options.chip, clock, {**_of_chip(options), "seed": options.seed})
 
     def make_control(server: LineServer) -> FastAPI:
         from app.api.board_control import make_board_control_app
@@ -190,7 +209,43 @@ def _board(clock: Clock, options: LineOptions) -> _Far:
         return make_board_control_app(server, board)
 
     # Its firmware waits for nine bytes however long it takes.
-    return _Far([board], make_control, replace(TMCL, pause_s=math.inf))
+    return _Far(_line([board], clock, options, replace(TMCL, pause_s=math.inf)), make_control)
+
+
+def _chips(clock: Clock, options: LineOptions) -> _Far:
+    from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxOptions
+
+    chips = {}
+    for node in options.addresses:
+        # Chips that made the same noise would be one chip twice.
+        named = Tmc5xxxOptions.model_validate({**_of_chip(options), "seed": options.seed + node})
+        chip = chips[node] = EmulatedTmc5xxx(cast("Tmc5xxxModel", options.model), clock, named)
+        if options.model in NODE_MODELS:
+            chip.write(NODECONF, node | (SEVERAL if len(options.addresses) > 1 else 0))
+        chip.catch_up(0.0)  # compiles: whoever is told that we are there gets answers at once
+
+    def make_control(server: LineServer) -> FastAPI:
+        from app.api.chip_control import make_chip_control_app
+
+        return make_chip_control_app(server, chips)
+
+    return _Far(
+        uart_line(
+            list(chips.values()),
+            clock,
+            nodes=options.addresses,
+            baud=options.baud,
+            echo=options.echo,
+            shared_bus=options.shared_bus,
+            seed=options.seed,
+        ),
+        make_control,
+    )
+
+
+def _of_chip(options: LineOptions) -> dict[str, object]:
+    given: dict[str, object] = {"time_scale": options.time_scale}
+    return given if options.clock_hz is None else {**given, "clock_hz": options.clock_hz}
 
 
 def _ends(options: LineOptions) -> list[End]:

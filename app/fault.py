@@ -62,6 +62,10 @@ def _patch_of(model: str) -> type[BaseModel]:
         from app.emulators.tmc4361.options import Tmc4361Patch
 
         return Tmc4361Patch
+    if model in ("tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160"):
+        from app.emulators.tmc5xxx.options import Tmc5xxxPatch
+
+        return Tmc5xxxPatch
     if model in ("tmc428", "tmc4210"):
         from app.emulators.options import EmulatorPatch
 

@@ -7,7 +7,7 @@ An application of its own, without devices, store or telemetry: whoever tests a 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Annotated
+from typing import Annotated, Generic, TypeVar
 
 from fastapi import APIRouter, Depends, FastAPI, Path, Request
 
@@ -23,6 +23,7 @@ from app.emulators.pd42.state import Pd42State
 from app.links.errors import OutOfRange, UnknownThing, WrongState
 
 BODY_LIMIT_BYTES = 64 * 1024
+Far = TypeVar("Far")
 
 
 class Served:
@@ -33,23 +34,29 @@ class Served:
         self.call = server.call
 
 
-class Controlled(Served):
-    """A line, and its modules by the address that they were started with."""
+class Several(Served, Generic[Far]):
+    """A line, and who is on it by the address that they were started with."""
 
-    def __init__(self, server: LineServer, modules: Mapping[int, EmulatedModule]) -> None:
+    kind = "module"
+
+    def __init__(self, server: LineServer, modules: Mapping[int, Far]) -> None:
         super().__init__(server)
         self.modules = modules
 
-    def module(self, address: int | None) -> EmulatedModule:
+    def module(self, address: int | None) -> Far:
         """Raises UnknownThing for an address without a module, WrongState for none where there are several."""
         if address is None:
             if len(self.modules) > 1:
                 known = ", ".join(f"/emulator/{known}" for known in self.modules)
-                raise WrongState("there are several modules on this line", f"ask for one of them: {known}")
+                raise WrongState(f"there are several {self.kind}s on this line", f"ask for one of them: {known}")
             return next(iter(self.modules.values()))
         if address not in self.modules:
-            raise UnknownThing("module", str(address), [str(known) for known in self.modules])
+            raise UnknownThing(self.kind, str(address), [str(known) for known in self.modules])
         return self.modules[address]
+
+
+class Controlled(Several[EmulatedModule]):
+    """A line of modules."""
 
 
 router = APIRouter(tags=["emulator"])

@@ -75,7 +75,7 @@ def uart_line(
     chips: Sequence[UartSpeaker],
     clock: Clock,
     *,
-    nodes: Sequence[int] = (),
+    nodes: Sequence[int] = (0,),
     baud: int | None = None,
     echo: bool = False,
     shared_bus: bool = False,
