@@ -8,8 +8,9 @@ from typing import TypeVar
 
 from app.api.convert import calculating
 from app.api.schemas_calc import Mechanics, ModuleUnits, Quantity, RampUnits, Units, UnitsResult
-from app.calc import mechanics, tmc4361_formats, units_5160
+from app.calc import mechanics, tmc5xxx_units, tmc4361_formats
 from app.calc import units as chip_units
+from app.calc.tmc5xxx_times import tstep
 from app.links.errors import UsageError
 
 VELOCITY_UNITS = {
@@ -66,10 +67,10 @@ def _ramp_scale(units: tmc4361_formats.Units) -> _Scale:
 def _scale(body: Units) -> _Scale:
     if body.model == "pd42-1241":
         return _Scale(
-            lambda value: units_5160.velocity_pps(value, body.clock_hz),
-            lambda pps: pps / units_5160.velocity_unit_pps(body.clock_hz),
-            lambda value: units_5160.acceleration_pps2(value, body.clock_hz),
-            lambda pps2: pps2 / units_5160.acceleration_unit_pps2(body.clock_hz),
+            lambda value: tmc5xxx_units.velocity_pps(value, body.clock_hz),
+            lambda pps: pps / tmc5xxx_units.velocity_unit_pps(body.clock_hz),
+            lambda value: tmc5xxx_units.acceleration_pps2(value, body.clock_hz),
+            lambda pps2: pps2 / tmc5xxx_units.acceleration_unit_pps2(body.clock_hz),
         )
     if body.model == "tmc4361":
         return _ramp_scale(_ramp_units(body))
@@ -164,16 +165,16 @@ def _ramp(body: Units, velocity: float | None, acceleration: float | None, bow: 
 def _module(body: Units, velocity_pps: float | None, acceleration_pps2: float | None) -> ModuleUnits:
     """What the registers of the TMC5160 get; null for what they cannot hold."""
     clock_hz, microsteps = body.clock_hz, body.mechanics.microsteps_per_full_step
-    velocity = None if velocity_pps is None else _or_none(units_5160.velocity_units, velocity_pps, clock_hz)
+    velocity = None if velocity_pps is None else _or_none(tmc5xxx_units.velocity_units, velocity_pps, clock_hz)
     acceleration = (
-        None if acceleration_pps2 is None else _or_none(units_5160.acceleration_units, acceleration_pps2, clock_hz)
+        None if acceleration_pps2 is None else _or_none(tmc5xxx_units.acceleration_units, acceleration_pps2, clock_hz)
     )
     return ModuleUnits(
         velocity=velocity,
-        velocity_pps=None if velocity is None else units_5160.velocity_pps(velocity, clock_hz),
+        velocity_pps=None if velocity is None else tmc5xxx_units.velocity_pps(velocity, clock_hz),
         acceleration=acceleration,
-        acceleration_pps2=None if acceleration is None else units_5160.acceleration_pps2(acceleration, clock_hz),
-        tstep=None if velocity_pps is None else _or_none(units_5160.tstep, velocity_pps, microsteps, clock_hz),
+        acceleration_pps2=None if acceleration is None else tmc5xxx_units.acceleration_pps2(acceleration, clock_hz),
+        tstep=None if velocity_pps is None else _or_none(tstep, velocity_pps, microsteps, clock_hz),
     )
 
 

@@ -1,4 +1,4 @@
-"""Units of the TMC5160: the formulas, the ranges of the module's manual, round trips, vectors against scalars."""
+"""Units of the SixPoint ramp generator: formulas, ranges of the module's manual, round trips, vectors against scalars."""
 
 from __future__ import annotations
 
@@ -7,16 +7,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.sixpoint import SixPoint
-from app.calc.units_5160 import (
+from app.calc.tmc5xxx_units import (
     ACCELERATION_MAX,
-    TSTEP_MAX,
     VELOCITY_MAX,
     acceleration_pps2,
     acceleration_unit_pps2,
     acceleration_units,
-    quantised,
-    tstep,
     velocity_pps,
     velocity_unit_pps,
     velocity_units,
@@ -42,8 +38,6 @@ def test_one_turn_a_second() -> None:
     # 200 full steps of 256 microsteps.
     assert velocity_units(51_200) == 53_687
     assert acceleration_units(51_200) == 440
-    assert tstep(51_200) == 312
-    assert tstep(200, microsteps=1) == 312
 
 
 @given(units=velocities, clock_hz=clocks)
@@ -66,14 +60,7 @@ def test_the_nearest_unit_is_never_more_than_half_a_unit_away(pps: float) -> Non
 def test_arrays_are_scalars_side_by_side(values: list[float]) -> None:
     assert np.asarray(velocity_units(values)).tolist() == [velocity_units(value) for value in values]
     assert np.asarray(acceleration_units(values)).tolist() == [acceleration_units(value) for value in values]
-    assert np.asarray(tstep(values)).tolist() == [tstep(value) for value in values]
     assert np.asarray(velocity_pps([1, 2])).tolist() == [velocity_pps(1), velocity_pps(2)]
-
-
-def test_at_standstill_and_slower_than_it_can_count_the_step_time_is_the_longest() -> None:
-    assert tstep(0) == TSTEP_MAX
-    assert tstep(1) == TSTEP_MAX
-    assert tstep(-51_200) == 312
 
 
 @pytest.mark.parametrize("units", [VELOCITY_MAX + 1, -VELOCITY_MAX - 1, float("nan")])
@@ -89,33 +76,3 @@ def test_what_else_cannot_be() -> None:
         acceleration_units(7_629_400)
     with pytest.raises(ValueError, match="clock_hz"):
         velocity_unit_pps(0)
-    with pytest.raises(ValueError, match="microsteps"):
-        tstep(1000, microsteps=3)
-    with pytest.raises(ValueError, match="finite"):
-        tstep(float("inf"))
-
-
-@given(
-    v_max=st.floats(0.1, 1e7),
-    a_max=st.floats(0.1, 7e6),
-    v1=st.floats(0, 9e5),
-    v_stop=st.floats(0, 2e5),
-)
-def test_a_ramp_as_the_chip_holds_it(v_max: float, a_max: float, v1: float, v_stop: float) -> None:
-    wanted = SixPoint(v_max=v_max, a_max=a_max, d_max=a_max, v1=v1, a1=a_max, d1=a_max, v_stop=v_stop)
-    held = quantised(wanted)
-    assert quantised(held) == held
-    for name in ("v_max", "v1", "v_stop"):
-        units = getattr(held, name) / velocity_unit_pps()
-        assert units == round(units)
-    assert held.a_max > 0  # else the motor would never move
-    assert held.v_max <= velocity_pps(VELOCITY_MAX)
-    if v_max < 7e6:
-        assert held.v_max == pytest.approx(max(v_max, velocity_unit_pps()), abs=0.5)
-
-
-def test_a_ramp_that_the_chip_cannot_hold() -> None:
-    with pytest.raises(ValueError, match="v_stop is up to 249999 pps"):
-        quantised(SixPoint(v_max=1e6, a_max=1e6, v_stop=3e5))
-    with pytest.raises(ValueError, match="v1 is up to"):
-        quantised(SixPoint(v_max=2e6, a_max=1e6, v1=1.1e6))
