@@ -62,6 +62,8 @@ interface Props<P extends string> {
   onHold: (held: boolean) => void;
   /** a motion of the chip lies over the ramp */
   seen: boolean;
+  /** how long it is to be seen at least [s]: rivals may take longer */
+  until?: number;
   note: ReactNode;
   /** before the distance: the choice of a mode */
   choice?: ReactNode;
@@ -76,7 +78,7 @@ export function RampView<P extends string>(props: Props<P>) {
   const { calculation, tracks, stretches, hues, distance, scale, units, held, live } = props;
   const { result, stale, error, retry } = calculation;
   const scheme = useScheme();
-  const end = useWindow(result, held);
+  const end = useWindow(Math.max(result?.time_s.at(-1) ?? 1, props.until ?? 0), held);
   const bands = useMemo(
     () => ({ named: phaseBands(stretches, hues, scheme, true), plain: phaseBands(stretches, hues, scheme, false) }),
     [stretches, hues, scheme],
@@ -201,9 +203,8 @@ export function RampView<P extends string>(props: Props<P>) {
 }
 
 /** How far time goes: a little more than the ramp needs, without jumping at every change. */
-function useWindow(result: Answer | undefined, held: boolean): number {
+function useWindow(ends: number, held: boolean): number {
   const last = useRef(0);
-  const ends = result?.time_s.at(-1) ?? 1;
   const wanted = ends > 0 ? ends * 1.02 : 1;
   const keep = held ? wanted <= last.current : wanted <= last.current && wanted > last.current * 0.9;
   if (!keep) last.current = held ? wanted * 1.15 : wanted;

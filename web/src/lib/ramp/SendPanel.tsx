@@ -31,8 +31,8 @@ interface Props {
   rotation: Schemas["Rotate"] | null;
   /** of the move [microsteps] */
   distance: number;
-  /** told what was written, in the order of `sent` */
-  onWritten?: (sent: readonly Schemas["RegisterBatchItem"][], answer: Batch) => void;
+  /** what is to be known of the table, below it */
+  foot?: string;
 }
 
 const DWELL_S = 0.4;
@@ -55,7 +55,6 @@ export function SendPanel(props: Props) {
       await api.POST("/api/v1/devices/{device}/registers", { params: { path: { device: id } }, body: { writes } }),
     );
     setResult({ sent: writes.map((entry) => entry.name), answer });
-    props.onWritten?.(writes, answer);
     void queries.invalidateQueries({ queryKey: ["registers", id] });
     void queries.invalidateQueries({ queryKey: ["devices"] });
     return answer.failed === null && answer.done.every((entry) => entry.verified !== false);
@@ -185,6 +184,7 @@ export function SendPanel(props: Props) {
           </tbody>
         </table>
       )}
+      {differences && device && props.foot !== undefined && <p className={classes.hint}>{props.foot}</p>}
       <div aria-live="polite">
         {result?.answer.failed && <ProblemAlert error={result.answer.failed} doing="Sending the design" />}
         {send.isError && <ProblemAlert error={send.error} doing="Sending the design" onClose={send.reset} />}

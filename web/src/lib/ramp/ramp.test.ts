@@ -100,7 +100,7 @@ describe("scales", () => {
     clockHz: 16e6,
   };
   it("offer the units that the axis knows", () => {
-    expect(unitChoices(scale).map((units) => units.key)).toEqual(["pps", "fullsteps", "deg"]);
+    expect(unitChoices(scale).map((units) => units.key)).toEqual(["pps", "fullsteps", "rev", "rpm", "deg"]);
     expect(unitsOf("mm", scale).key).toBe("pps");
     expect(unitsOf("mm", { ...scale, travelMmPerRev: 8 }).jerk).toBe("mm_per_s3");
     expect(unitChoices({ ...scale, microstepsPerFullStep: null }).map((units) => units.key)).toEqual(["pps"]);

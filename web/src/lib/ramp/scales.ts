@@ -22,6 +22,15 @@ const ALL: readonly Units[] = [
     jerk: "fullsteps_per_s3",
   },
   {
+    key: "rev",
+    label: "turns",
+    position: "rev",
+    velocity: "rev_per_s",
+    acceleration: "rev_per_s2",
+    jerk: "rev_per_s3",
+  },
+  { key: "rpm", label: "rpm", position: "rev", velocity: "rpm", acceleration: "rpm_per_s", jerk: "rpm_per_s2" },
+  {
     key: "deg",
     label: "degrees",
     position: "deg",

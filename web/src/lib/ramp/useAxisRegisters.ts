@@ -2,7 +2,10 @@ import { useQuery } from "@tanstack/react-query";
 import { api, unwrap } from "../../api/client";
 import type { Device } from "../../api/queries";
 
-/** An axis' registers, looked at once a second: a design is always compared with what the chip holds now. */
+/**
+ * An axis' registers, looked at once a second: a design is always compared with what the chip holds now. Those that
+ * cannot be read are among them as far as the server knows them.
+ */
 export function useAxisRegisters(device: Device | undefined, axis: number, group?: readonly string[]) {
   const connected = device?.state === "connected";
   const id = device?.id ?? "";
@@ -11,7 +14,7 @@ export function useAxisRegisters(device: Device | undefined, axis: number, group
     queryFn: async ({ signal }) =>
       unwrap(
         await api.GET("/api/v1/devices/{device}/registers", {
-          params: { path: { device: id }, query: group ? { axis, group: [...group] } : { axis } },
+          params: { path: { device: id }, query: { axis, kept: true, ...(group ? { group: [...group] } : {}) } },
           signal,
         }),
       ),

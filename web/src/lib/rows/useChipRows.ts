@@ -7,7 +7,10 @@ import { useApply } from "./useApply";
 import { useRegisters } from "./useRegisters";
 import { useWritten } from "./written";
 
-/** Where a value comes from: read from the chip just now, or what was last written to a register that cannot be read. */
+/**
+ * Where a value comes from: read from the chip just now, or what was last written to a register that cannot be read, by
+ * the server's memory, which a reset of the chip clears, or else by this browser's.
+ */
 export type Origin = "read" | "written" | "unknown";
 
 export interface Spot {
@@ -22,7 +25,7 @@ export interface Spot {
  */
 export function useChipRows(device: Device | undefined, axis: number, groups: readonly string[]) {
   const id = device?.id ?? "";
-  const live = useRegisters(device, false, groups);
+  const live = useRegisters(device, false, groups, true);
   const staged = useStaged(id);
   const apply = useApply(id);
   const written = useWritten(id);
@@ -33,9 +36,11 @@ export function useChipRows(device: Device | undefined, axis: number, groups: re
     return found;
   }, [rows, axis]);
   const byKey = useMemo(() => new Map<Key, RegisterRow>((rows ?? []).map((row) => [keyOf(row), row])), [rows]);
-  const rawAt = useMemo(() => {
-    const found = new Map<number, number>();
-    for (const reading of live.readings.data ?? []) found.set(reading.address, reading.raw);
+  // one address may be read as one register and written as another
+  const { rawAt, keptAt } = useMemo(() => {
+    const found = { rawAt: new Map<number, number>(), keptAt: new Map<number, number>() };
+    for (const { kept, address, raw } of live.readings.data ?? [])
+      (kept ? found.keptAt : found.rawAt).set(address, raw);
     return found;
   }, [live.readings.data]);
 
@@ -48,7 +53,8 @@ export function useChipRows(device: Device | undefined, axis: number, groups: re
   }
   /** the word that the chip holds as far as is known */
   function word(row: RegisterRow): number | null {
-    const raw = readable(row.access) ? rawAt.get(row.address) : written[String(row.address)];
+    const { address } = row;
+    const raw = readable(row.access) ? rawAt.get(address) : (keptAt.get(address) ?? written[String(address)]);
     return raw ?? null;
   }
   function origin(register: string): Origin {

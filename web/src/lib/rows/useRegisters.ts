@@ -13,20 +13,26 @@ const OLD_MS = 2000;
 export type Live = ReturnType<typeof useRegisters>;
 
 /**
- * Catalog and live readings of a device, all registers in one look, or those of some groups. A hidden page does not poll, and a slow link is
- * asked half of its time at most.
+ * Catalog and live readings of a device, all registers in one look, or those of some groups; with `kept` also what the
+ * server knows of those that cannot be read, marked so. A hidden page does not poll, and a slow link is asked half of
+ * its time at most.
  */
-export function useRegisters(device: Device | undefined, paused: boolean, groups: readonly string[] | null = null) {
+export function useRegisters(
+  device: Device | undefined,
+  paused: boolean,
+  groups: readonly string[] | null = null,
+  kept = false,
+) {
   const catalog = useCatalogModel(device?.model);
   const tookMs = useRef(0);
   const connected = device?.state === "connected";
   const id = device?.id ?? "";
   const readings = useQuery({
-    queryKey: groups === null ? ["registers", id] : ["registers", id, groups],
+    queryKey: ["registers", id, ...(groups === null ? [] : [groups]), ...(kept ? ["kept"] : [])],
     queryFn: async ({ signal }) => {
       const asked = performance.now();
       const answer = await api.GET("/api/v1/devices/{device}/registers", {
-        params: { path: { device: id }, ...(groups === null ? {} : { query: { group: [...groups] } }) },
+        params: { path: { device: id }, query: { ...(groups === null ? {} : { group: [...groups] }), kept } },
         signal,
       });
       tookMs.current = performance.now() - asked;

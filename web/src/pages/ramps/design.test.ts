@@ -16,7 +16,7 @@ import {
 } from "./design";
 
 function reading(name: string, value: number, fields: Record<string, number> = {}): Reading {
-  return { name, address: 0, space: "register", axis: 0, raw: value, value, fields, unit: "" };
+  return { name, address: 0, space: "register", axis: 0, raw: value, value, fields, unit: "", kept: false };
 }
 
 const tmc428: Reading[] = [
