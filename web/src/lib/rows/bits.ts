@@ -49,7 +49,7 @@ export function acts(bits: { access: string; volatile?: boolean }): boolean {
 
 const ACCESS: Record<string, string> = {
   R: "Read only. The chip ignores a write.",
-  W: "Write only. A read answers zero.",
+  W: "Write only. The chip does not tell what it holds.",
   RW: "Read and write.",
   "RW*": "Readable. A write works, or acts, only under the condition below.",
   "R+WC": "Readable. Writing 1 clears it, writing 0 leaves it.",

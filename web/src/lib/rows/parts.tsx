@@ -7,6 +7,7 @@ import { LiveText } from "./LiveText";
 import { chipUnit, pairText } from "./physical";
 import css from "./rows.module.css";
 import { changes, type Edit } from "./staging";
+import type { Reading } from "./useRegisters";
 
 /** A register's name, which may wrap after an underscore only. */
 export function RegisterName({ name, strong = false }: { name: string; strong?: boolean }) {
@@ -51,19 +52,23 @@ export function NameTags({ row }: { row: Pick<RegisterRow, "when" | "behaviour">
   );
 }
 
-/** The raw word, or why there is none. */
-export function RawText({ row, raw }: { row: RegisterRow; raw: number | null }) {
-  if (row.access === "W") return <span className={css.noRaw}>write only</span>;
+/** The raw word, or why there is none. One that cannot be read looks so: it is what was written. */
+export function RawText({ row, reading }: { row: RegisterRow; reading: Reading | undefined }) {
+  if (row.access === "W" && !reading) return <span className={css.noRaw}>write only</span>;
   if (row.read_clears)
     return (
       <span className={css.noRaw} title="Reading clears it, so it is not polled">
         not polled
       </span>
     );
-  return raw === null ? (
-    <span className={css.dim}>–</span>
+  if (!reading) return <span className={css.dim}>–</span>;
+  const text = hex(reading.raw, row.width);
+  return reading.kept ? (
+    <span className={`num ${css.kept}`} title="As last written, or as after the reset: it cannot be read">
+      {text}
+    </span>
   ) : (
-    <LiveText className={`num ${css.live}`} text={hex(raw, row.width)} />
+    <LiveText className={`num ${css.live}`} text={text} />
   );
 }
 
@@ -85,9 +90,10 @@ export function ValueText({ row, raw }: { row: RegisterRow; raw: number | null }
 }
 
 /** A value in each physical unit that the axis knows; of a staged one, what it will be. */
-export function PhysicalText({ row, raw, edit, scales }: PhysicalProps) {
+export function PhysicalText({ row, raw, edit, scales, also }: PhysicalProps) {
   const staged = edit?.value ?? null;
   const value = staged ?? (raw === null ? null : row.signed ? toSigned(raw, row.width) : raw);
+  const more = value === null ? "" : (also?.(value) ?? "");
   return (
     <span className={css.physicals}>
       {staged !== null && (
@@ -102,6 +108,7 @@ export function PhysicalText({ row, raw, edit, scales }: PhysicalProps) {
             {withUnit(value * scale.perChip, scale.unit, 3)}
           </span>
         ))}
+      {more !== "" && <span className={css.physicalPart}>{more}</span>}
     </span>
   );
 }
@@ -111,6 +118,8 @@ interface PhysicalProps {
   raw: number | null;
   edit: Edit | null;
   scales: readonly Scale[];
+  /** what else a value stands for */
+  also?: (value: number) => string;
 }
 
 /** A packed register's fields in one line, staged ones first. */

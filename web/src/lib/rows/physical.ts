@@ -1,6 +1,6 @@
 import type { Schemas } from "../../api/client";
 import { compact, duration, frequency, withUnit } from "../format";
-import { type AxisScale, factorOf, scaleOf, symbolOf } from "../units";
+import { type AxisScale, factorOf, fromSteps, scaleOf, symbolOf } from "../units";
 import { type FieldRow, type RegisterRow, unpackField } from "./bits";
 import type { Scale } from "./input";
 
@@ -29,13 +29,19 @@ export function liveScale(
 /** What a number measures, by the formula that the catalog gives as its unit. */
 export function motionOf(unit: string): Motion | null {
   if (unit.startsWith("fCLK^2/")) return "acceleration";
-  if (unit.startsWith("fCLK/(65536")) return "velocity";
-  if (unit in PPS) return "velocity";
+  if (unit.startsWith("fCLK/(65536") || unit in PPS) return "velocity";
   return unit === "microsteps" ? "position" : null;
 }
 
-/** Velocities that a chip keeps as steps a second, and how many of them 1 in the register is. */
-const PPS: Readonly<Record<string, number>> = { pps: 1, "1/256 pps": 1 / 256 };
+/** Units that hang on nothing but the chip's clock: how many steps a second 1 in the register is. */
+const PPS: Readonly<Record<string, (clockHz: number) => number>> = {
+  pps: () => 1,
+  "1/256 pps": () => 1 / 256,
+  "fCLK/2^24 pps": (clockHz) => clockHz / 2 ** 24,
+};
+const PPS2: Readonly<Record<string, (clockHz: number) => number>> = {
+  "fCLK^2/2^41 pps^2": (clockHz) => clockHz ** 2 / 2 ** 41,
+};
 
 /** Units that would not fit beside a number. */
 const BRIEF: Readonly<Record<string, string>> = {
@@ -48,6 +54,14 @@ const BRIEF: Readonly<Record<string, string>> = {
   "1/256, plus 1/256": "",
   "microsteps/2^31": "µst/2³¹",
   "1/1024 electrical turn": "turn/1024",
+  "fCLK/2^24 pps": "chip",
+  "1/65536 or 1/10000 microsteps": "",
+  // scales with an offset: the help has them
+  "1/32, plus 1/32": "",
+  "1, plus 1": "",
+  "1, minus 3": "",
+  "32, plus 32": "",
+  "32": "× 32",
 };
 
 /** A short unit for beside the number; the catalog's formula is in the help. */
@@ -70,10 +84,15 @@ const SHOWN: Record<Motion, readonly string[]> = {
 
 /** Physical units of a register's number, most telling first; none where the axis cannot say. */
 export function scalesOf(unit: string, scale: AxisScale | null): Scale[] {
-  if (unit === "tCLK" && scale !== null) return [{ unit: "µs", perChip: 1e6 / scale.clockHz }];
+  if (scale === null) return [];
+  const clocks = clocksIn(unit);
+  if (clocks !== null)
+    return clocks < 512
+      ? [{ unit: "µs", perChip: (clocks * 1e6) / scale.clockHz }]
+      : [{ unit: "ms", perChip: (clocks * 1e3) / scale.clockHz }];
   const motion = motionOf(unit);
-  if (motion === null || scale === null) return [];
-  const chip = PPS[unit] ?? factorOf("chip", scale, motion);
+  if (motion === null) return [];
+  const chip = (PPS[unit] ?? PPS2[unit])?.(scale.clockHz) ?? factorOf("chip", scale, motion);
   if (chip === null) return [];
   return SHOWN[motion].flatMap((name) => {
     const steps = factorOf(name, scale, motion);
@@ -81,13 +100,56 @@ export function scalesOf(unit: string, scale: AxisScale | null): Scale[] {
   });
 }
 
-/** What a number comes to where no proportion tells: dividers as frequencies, step pulses as times. */
-export function derived(bits: Pick<FieldRow | RegisterRow, "name" | "unit">, value: number, clockHz: number): string {
+/** Those of a field: one whose values have names is no proportion, nor is what counts from one. */
+export function fieldScales(field: Pick<FieldRow, "name" | "unit" | "values">, scale: AxisScale | null): Scale[] {
+  return Object.keys(field.values).length > 0 || countsFromOne(field) ? [] : scalesOf(field.unit, scale);
+}
+
+/** A TMC4210's step pulse: 16 * (1 + STPDIV) clocks. */
+function countsFromOne({ name }: { name: string }): boolean {
+  return name.startsWith("STPDIV");
+}
+
+/** How many clocks 1 is: of "tCLK" 1, of "2^18 tCLK" 262 144; null where the unit is no time. */
+function clocksIn(unit: string): number | null {
+  const [, count] = /^(?:(\d+|2\^\d+) )?tCLK$/.exec(unit) ?? [];
+  if (count === undefined) return unit === "tCLK" ? 1 : null;
+  return numberIn(count);
+}
+
+/** "54" and "2^18" as numbers. */
+function numberIn(text: string): number {
+  const power = /^2\^(\d+)$/.exec(text);
+  return power ? 2 ** Number(power[1]) : Number(text);
+}
+
+/** What a number comes to where no proportion tells: dividers as frequencies, clocks as times. */
+export function derived(
+  bits: Pick<FieldRow | RegisterRow, "name" | "unit"> & { values?: Readonly<Record<string, string>> },
+  value: number,
+  clockHz: number,
+): string {
   if (bits.unit === "fCLK/32/2^n") return frequency(clockHz / 32 / 2 ** value);
   if (bits.name === "clk2_div") return frequency(clockHz / (2 * (value + 1)));
-  if (bits.unit === "tCLK") return duration(value / clockHz);
-  if (bits.unit === "128 tCLK") return duration((128 * value) / clockHz);
-  return bits.unit === "16 tCLK" ? duration((16 * (value + 1)) / clockHz) : "";
+  const clocks = clocksIn(bits.unit);
+  if (clocks === null) return "";
+  // some count in steps of their own, which are their values' names
+  const named = bits.values?.[String(value)];
+  const count = named === undefined ? value : numberIn(named);
+  return Number.isFinite(count) ? duration((clocks * (countsFromOne(bits) ? count + 1 : count)) / clockHz) : "";
+}
+
+const STEP_TIMES = ["TSTEP", "TPWMTHRS", "TCOOLTHRS", "THIGH"];
+/** What a TMC5xxx counts the time between steps in: microsteps of this many a full step, whatever the axis has. */
+const STEP_TIME_MICROSTEPS = 256;
+
+/** The velocity that a time between two steps stands for, in the axis's microsteps; nothing for any other register. */
+export function speedText(row: Pick<RegisterRow, "name" | "unit" | "width">, value: number, scale: AxisScale): string {
+  if (!STEP_TIMES.includes(row.name) || row.unit !== "tCLK" || value === 0) return "";
+  if (row.name === "TSTEP" && value >= 2 ** row.width - 1) return "at rest";
+  const own = scale.microstepsPerFullStep ?? STEP_TIME_MICROSTEPS;
+  const pps = (scale.clockHz / value) * (own / STEP_TIME_MICROSTEPS);
+  return ["pps", "rpm"].map((unit) => withUnit(fromSteps(pps, unit, scale, "velocity"), symbolOf(unit))).join(" · ");
 }
 
 /** p of a pmul/pdiv pair, or nothing for any other register. */

@@ -3,7 +3,7 @@ import type { Schemas } from "../../api/client";
 import { scaleOf } from "../units";
 import { bitOf, editorOf, type FieldRow, packField, segments, summary, toRaw, toSigned, unpackField } from "./bits";
 import { parseInput } from "./input";
-import { derived, liveScale, pairText, physicalText, scalesOf } from "./physical";
+import { derived, liveScale, pairText, physicalText, scalesOf, speedText } from "./physical";
 import { field, register } from "./samples";
 import { besideText, groupRows, matches, matchingFields } from "./search";
 import { batchOf, changes, countChanges, type Edit, keyOf, merge, settle, stage, stagedRaw, unstage } from "./staging";
@@ -286,5 +286,39 @@ describe("velocities that are kept as steps", () => {
     expect(scalesOf("pps", scale)[0]).toMatchObject({ unit: "pps", perChip: 1 });
     expect(scalesOf("tCLK", scale)).toEqual([{ unit: "µs", perChip: 1 / 16 }]);
     expect(derived({ name: "START_DELAY", unit: "tCLK" }, 1600, 16e6)).toBe("100\u202fµs");
+  });
+
+  it("know a TMC5xxx's units, which hang on its clock alone (TMC5160A data sheet, 12.1)", () => {
+    const scale = scaleOf({ microsteps_per_full_step: 256, full_steps_per_rev: 200 } as Schemas["AxisInfo"], 16e6);
+    expect(scalesOf("fCLK/2^24 pps", scale)[0]).toEqual({ unit: "pps", perChip: 16e6 / 2 ** 24 });
+    expect(scalesOf("fCLK^2/2^41 pps^2", scale)[0]).toEqual({ unit: "pps²", perChip: 16e6 ** 2 / 2 ** 41 });
+    expect(scalesOf("512 tCLK", scale)).toEqual([{ unit: "ms", perChip: 512e3 / 16e6 }]);
+    expect(scalesOf("2^18 tCLK", scale)[0]?.perChip).toBeCloseTo(16.384, 9);
+  });
+
+  it("come from times between steps, in the axis's own microsteps", () => {
+    const scale = scaleOf({ microsteps_per_full_step: 16, full_steps_per_rev: 200 } as Schemas["AxisInfo"], 16e6);
+    const tstep = { name: "TSTEP", unit: "tCLK", width: 20 };
+    expect(speedText(tstep, 1000, scale)).toBe("1000\u202fpps · 18.75\u202frpm");
+    expect(speedText(tstep, 0xf_ffff, scale)).toBe("at rest");
+    expect(speedText({ ...tstep, name: "TPWMTHRS" }, 0, scale)).toBe("");
+    expect(speedText({ ...tstep, name: "TZEROWAIT" }, 1000, scale)).toBe("");
+  });
+});
+
+describe("times in clocks", () => {
+  const clocks = (name: string, unit: string, value: number, values = {}) =>
+    derived({ ...field(name, 0, 8), unit, values }, value, 16e6);
+
+  it("take the number that a value's name is, where it has one", () => {
+    expect(clocks("tbl", "tCLK", 2, { 0: "16", 1: "24", 2: "36", 3: "54" })).toBe("2.25\u202fµs");
+    expect(clocks("faststandstill", "tCLK", 0, { 0: "2^20", 1: "2^18" })).toBe("65.5\u202fms");
+    expect(scalesOf("tCLK", null)).toEqual([]);
+  });
+
+  it("count from one where the register does", () => {
+    expect(clocks("STPDIV_4210", "16 tCLK", 15)).toBe("16\u202fµs");
+    expect(clocks("DC_SG", "16 tCLK", 15)).toBe("15\u202fµs");
+    expect(clocks("IHOLDDELAY", "2^18 tCLK", 1)).toBe("16.4\u202fms");
   });
 });

@@ -14,7 +14,7 @@ interface Props {
   row: RegisterRow;
   raw: number | null;
   edit: Edit | null;
-  scalesOf: (unit: string) => readonly Scale[];
+  scalesOf: (field: FieldRow) => readonly Scale[];
   clockHz: number;
   stage: (field: FieldRow, value: number) => void;
   unstage: (field: string) => void;
@@ -35,7 +35,7 @@ export function FieldList(props: Props) {
           .map((field) => {
             const chip = raw === null ? null : unpackField(raw, field);
             const staged = edit?.fields[field.name];
-            const scales = scalesOf(field.unit);
+            const scales = scalesOf(field);
             const shown = staged ?? chip;
             return (
               <li key={field.name} className={css.field} data-staged={staged !== undefined} data-field={field.name}>

@@ -5,7 +5,7 @@ import { hex } from "../../lib/format";
 import { toSigned, writable } from "../../lib/rows/bits";
 import { NumberEntry } from "../../lib/rows/NumberEntry";
 import { AccessMark, NameTags, PackedText, PhysicalText, RawText, RegisterName, ValueText } from "../../lib/rows/parts";
-import { scalesOf } from "../../lib/rows/physical";
+import { scalesOf, speedText } from "../../lib/rows/physical";
 import common from "../../lib/rows/rows.module.css";
 import { keyOf } from "../../lib/rows/staging";
 import { RegisterHelp } from "./RegisterHelp";
@@ -40,9 +40,17 @@ export const RegisterCard = memo(function RegisterCard(props: RowProps) {
         </span>
         <span className={common.cardValue}>
           {packed ? <PackedText row={row} raw={raw} edit={edit} /> : <ValueText row={row} raw={raw} />}
-          <RawText row={row} raw={raw} />
+          <RawText row={row} reading={reading} />
         </span>
-        {(scales.length > 0 || edit) && !packed && <PhysicalText row={row} raw={raw} edit={edit} scales={scales} />}
+        {(scales.length > 0 || edit) && !packed && (
+          <PhysicalText
+            row={row}
+            raw={raw}
+            edit={edit}
+            scales={scales}
+            also={(of) => (scale ? speedText(row, of, scale) : "")}
+          />
+        )}
       </button>
       {expanded && (
         <div className={common.cardBody}>

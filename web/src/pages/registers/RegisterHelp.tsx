@@ -5,6 +5,9 @@ import { accessText, enumName, type RegisterRow, toSigned, unpackField, writable
 import { rangeText } from "../../lib/rows/input";
 import { AccessMark, RegisterName, sentence } from "../../lib/rows/parts";
 import common from "../../lib/rows/rows.module.css";
+import { keyOf } from "../../lib/rows/staging";
+import { useSelection } from "../../live/selection";
+import { ReadOnce } from "./ReadOnce";
 
 interface Props {
   row: RegisterRow;
@@ -17,6 +20,7 @@ interface Props {
 
 /** Everything that is known about one register, and the way back to its default. */
 export function RegisterHelp({ row, raw, beside, actions, heading = false }: Props) {
+  const { device } = useSelection();
   const anyWrite = /\bany write\b/i.test(`${row.help} ${row.write_note}`);
   const canReset = writable(row.access) && row.reset !== null && !anyWrite;
   return (
@@ -63,6 +67,7 @@ export function RegisterHelp({ row, raw, beside, actions, heading = false }: Pro
             <dd>
               Reading clears it, so this page does not poll it. What it tells is below the scope of the bench, where
               nothing is lost.
+              <ReadOnce key={keyOf(row)} device={device} row={row} />
             </dd>
           </>
         )}
@@ -138,10 +143,13 @@ function stageReset(row: RegisterRow, raw: number | null, actions: RowActions): 
   }
 }
 
-/** "001", "000" and "002" are the house's numbers for the data sheets. */
+/** The house's numbers and letters for the data sheets, and for what the maker has published as code. */
 function sourceText(source: string): string {
   return source
     .replace(/\b001\b/g, "TMC428 data sheet")
     .replace(/\b000\b/g, "TMC4210 data sheet")
-    .replace(/\b002\b/g, "TMC4361 data sheet");
+    .replace(/\b002\b/g, "TMC4361 data sheet")
+    .replace(/\bDS(5\d{3})\b/g, "TMC$1 data sheet")
+    .replace(/\bAPI\b/g, "the maker’s TMC-API")
+    .replace(/\bPY\b/g, "PyTrinamic");
 }

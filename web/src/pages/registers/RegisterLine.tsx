@@ -6,7 +6,7 @@ import type { RowActions } from "../../lib/rows/actions";
 import { type RegisterRow, toSigned, writable } from "../../lib/rows/bits";
 import { NumberEntry } from "../../lib/rows/NumberEntry";
 import { AccessMark, NameTags, PackedText, PhysicalText, RawText, RegisterName, ValueText } from "../../lib/rows/parts";
-import { scalesOf } from "../../lib/rows/physical";
+import { fieldScales, scalesOf, speedText } from "../../lib/rows/physical";
 import common from "../../lib/rows/rows.module.css";
 import { type Edit, keyOf, stagedRaw } from "../../lib/rows/staging";
 import type { Reading } from "../../lib/rows/useRegisters";
@@ -81,7 +81,7 @@ export const RegisterLine = memo(function RegisterLine(props: RowProps) {
           <AccessMark access={row.access} />
         </td>
         <td>
-          <RawText row={row} raw={raw} />
+          <RawText row={row} reading={reading} />
         </td>
         {packed ? (
           <td colSpan={2}>
@@ -104,7 +104,13 @@ export const RegisterLine = memo(function RegisterLine(props: RowProps) {
               <ValueText row={row} raw={raw} />
             </td>
             <td>
-              <PhysicalText row={row} raw={raw} edit={edit} scales={scales} />
+              <PhysicalText
+                row={row}
+                raw={raw}
+                edit={edit}
+                scales={scales}
+                also={(of) => (scale ? speedText(row, of, scale) : "")}
+              />
             </td>
           </>
         )}
@@ -169,7 +175,7 @@ export function RegisterBits({ row, raw, edit, scale, clockHz, actions }: BitsPr
           row={row}
           raw={raw}
           edit={edit}
-          scalesOf={(unit) => scalesOf(unit, scale)}
+          scalesOf={(field) => fieldScales(field, scale)}
           clockHz={clockHz}
           stage={(field, value) => actions.stage(row, field, value, raw)}
           unstage={(field) => actions.unstage(key, field)}

@@ -37,7 +37,7 @@ export default function RegistersPage() {
   const id = device?.id ?? "";
   const many = (device?.axes.length ?? 0) > 1;
   const everyAxis = allAxes && many;
-  const live = useRegisters(device, paused);
+  const live = useRegisters(device, paused, null, true);
   const staged = useStaged(id);
   const { open, editing, selected: selectedKey, actions } = useRowState(id);
   const rows = live.catalog.data?.rows;
