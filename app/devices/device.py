@@ -350,7 +350,7 @@ class Device(ABC):
 
     # --- the position counter -------------------------------------------------------------------
 
-    COUNTER_WRITES: ClassVar[frozenset[str]] = frozenset({"set_position"})
+    COUNTER_WRITES: ClassVar[frozenset[str]] = frozenset({"set_position", "XACTUAL"})
     """Commands, as `commanded` names them, after which the position counter shows another number for the same place."""
 
     def counter_bits(self, axis: int) -> int | None:

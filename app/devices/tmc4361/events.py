@@ -26,6 +26,7 @@ from app.registers.model import Register
 from app.registers.tmc4361_bits import EVENT_MASK, event_names, selected_events
 
 ALL = 0xFFFF_FFFF
+RESET = "RST_EV"
 
 
 class Events(Chip):
@@ -40,6 +41,8 @@ class Events(Chip):
         """What was written over EVENT_CLEAR_CONF and what is its user's, while that is not put back."""
         self._events = 0
         """EVENTS as last seen."""
+        self.resets = 0
+        """How often a reset was seen, that of the power-on included where nobody had taken notice of it."""
         self._acquainted = False
         """Whether EVENTS was read since the device is connected: the first RST_EV is that of its power-on."""
 
@@ -101,8 +104,9 @@ class Events(Chip):
         self._events = left
         entry = self._timeline.read(word, left, time_s)
         if entry is not None:
-            if "RST_EV" in entry.names and self._acquainted:
+            if RESET in entry.names and self._acquainted:
                 self._forget_setting()  # it has been reset while we knew it
+            self.resets += RESET in entry.names
             self._tell(entry)
         self._acquainted = True
 
@@ -112,6 +116,7 @@ class Events(Chip):
         entry = self._timeline.glimpsed(bits, time_s) if bits else None
         if entry is not None:
             self._events |= bits
+            self.resets += RESET in entry.names
             self._tell(entry)
 
     def _bits_of_status(self, status: int) -> int:

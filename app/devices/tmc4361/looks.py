@@ -14,6 +14,7 @@ from app.devices.looking import Looking
 from app.devices.motion_watch import Look, UnderWay
 from app.devices.results import AxisState, DeviceState, StopReason, Switches
 from app.devices.tmc4361 import rows
+from app.devices.tmc4361.moves import COUNTER
 from app.devices.tmc4361.setting import Setting
 from app.devices.tmc4361.switches import home_level, stopped_by
 from app.devices.tmc4361.writes import Writes
@@ -65,16 +66,17 @@ class Looks(Writes):
         self.axis(axis)
         self.require_connected()
         async with self.queue.turn() as turn:
-            words = self.words(turn)
+            words, asked_at_s = self.words(turn), self.device_time_s()
             held = await self._peek(words, STATE)
             time_s = words.time_s
+        self._tell_position(held, asked_at_s)
         setting = Setting(held.words)
         value = held.value
         position, velocity, target = value(rows.XACTUAL), value(rows.VACTUAL), value(rows.XTARGET)
         flags = held.fields(rows.STATUS)
         vmax_pps = setting.value(rows.VMAX) / 256
         reference = held.fields(rows.REFERENCE_CONF)
-        moving = self._moving(setting, flags, velocity, target - position, reference)
+        moving = self._moving(setting, flags, velocity, COUNTER.way(target, position), reference)
         self._look(time_s, held, moving)
         return AxisState(
             position=position,
@@ -156,14 +158,21 @@ class Looks(Writes):
 
     async def _look_once(self) -> None:
         async with self.queue.turn(Priority.SAMPLE) as turn:
-            words = self.words(turn)
+            words, asked_at_s = self.words(turn), self.device_time_s()
             held = await self._look_at_events(words, LOOK)
             time_s = words.time_s
+        self._tell_position(held, asked_at_s)
         moving = bool(held.word(rows.STATUS) & (rows.VEL_STATE.mask | rows.RAMP_STATE.mask))
         self._look(time_s, held, moving)
         rests = self._watch.at_rest(self.device_time_s())
         if rests is not None:
             self._watch.end(*self._why(*rests, held))
+
+    def _tell_position(self, held: Held, asked_at_s: float) -> None:
+        """Tell who follows the position counter; the encoder's along, where it was read and counts."""
+        has_encoder = rows.ENC_POS.address in held.words and held.words.get(rows.ENC_CONST.address)
+        encoder = held.value(rows.ENC_POS) if has_encoder else None
+        self.saw_position(rows.AXIS, held.value(rows.XACTUAL), asked_at_s, encoder)
 
     def _look(self, time_s: float, held: Held, moving: bool) -> None:
         """Tell the watch what was seen."""

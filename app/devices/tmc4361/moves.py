@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from app.calc.extended_position import Counter
 from app.calc.mechanics import RATE_UNITS
 from app.calc.sramp_plan import SRampPlan
 from app.clock import Clock
@@ -28,6 +29,7 @@ from app.links.errors import LinkError, OutOfRange, UsageError, WriteRefused, Wr
 from app.links.port import FramePort
 from app.registers.model import Register, to_raw
 
+COUNTER = Counter(32)
 LOWEST, HIGHEST = -(1 << 31), (1 << 31) - 1
 STATE = (rows.XACTUAL, rows.VACTUAL, rows.AACTUAL, rows.STATUS)
 HOLDS = {
@@ -141,13 +143,14 @@ class Moves(Events):
             before.warnings.append(f"rounded to {wanted} microsteps")
         target = before.position + wanted if move.relative else wanted
         shown = "" if move.unit == "microsteps" else f"; {move.target:g} {move.unit} asked"
-        if not LOWEST <= target <= HIGHEST:
+        if not move.over_the_end and not LOWEST <= target <= HIGHEST:
             raise OutOfRange("target of axis 0", target, LOWEST, HIGHEST, f"microsteps{shown}")
-        if abs(target - before.position) > HIGHEST:
+        if not move.over_the_end and abs(target - before.position) > HIGHEST:
             raise OutOfRange(
                 "distance of axis 0", target - before.position, -HIGHEST, HIGHEST, "microsteps: go in two moves"
             )
-        switch = before.blocked(1 if target > before.position else -1) if target != before.position else ""
+        way = COUNTER.way(target, before.position)
+        switch = before.blocked(1 if way > 0 else -1) if way else ""
         if switch:
             before.warnings.append(f"the {switch} is active and stops motion that way")
         self._warn_of_gates(before, ("XTARGET",))
@@ -319,7 +322,7 @@ class Moves(Events):
             before.setting,
             shape,
             speed / 256,
-            target - before.position,
+            COUNTER.way(target, before.position),
             before.velocity,
             before.acceleration,
         )

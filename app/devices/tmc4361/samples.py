@@ -14,7 +14,7 @@ from app.devices.motion_watch import Look
 from app.devices.planned_motion import POSITION_BITS
 from app.devices.sample_plan import Channel, Decoder, FloatArray, SamplePlan
 from app.devices.tmc4361 import rows
-from app.devices.tmc4361.looks import Looks
+from app.devices.tmc4361.counter import Counting
 from app.devices.tmc4361.switches import BY_LEVEL, BY_ZONE
 from app.devices.word_samples import Asked, IntArray, WordSamples, channels_of, field, number, residual
 from app.registers.model import Register
@@ -74,7 +74,7 @@ HOME_ERROR = rows.part(rows.STATUS, "HOME_ERROR_F")
 ARRIVAL = rows.part(rows.STATUS, "TARGET_REACHED_F")
 
 
-class Samples(Looks, WordSamples):
+class Samples(Counting, WordSamples):
     """A TMC4361 with telemetry."""
 
     def channels(self) -> tuple[Channel, ...]:
@@ -193,6 +193,12 @@ class Samples(Looks, WordSamples):
         """For the plans: a block of samples is about to be decoded."""
         for row in np.flatnonzero(np.diff(status, prepend=0)):
             self._saw_status(float(times_s[row]), int(status[row]))
+        if rows.XACTUAL in asked:
+            position = number(asked.index(rows.XACTUAL), rows.XACTUAL)(times_s, words, status)
+            encoder = None
+            if rows.ENC_POS in asked and self.known(rows.ENC_CONST):
+                encoder = int(number(asked.index(rows.ENC_POS), rows.ENC_POS)(times_s, words, status)[-1])
+            self.saw_position(rows.AXIS, int(position[-1]), float(times_s[-1]), encoder)
         if rows.VACTUAL not in asked:
             return
         velocity = words[:, asked.index(rows.VACTUAL)]
