@@ -10,6 +10,7 @@ const COMPONENTS: Record<string, ComponentType> = {
   "/registers": lazy(() => import("./pages/registers/RegistersPage")),
   "/ramps": lazy(() => import("./pages/ramps/RampsPage")),
   "/sramp": lazy(() => import("./pages/sramp/SRampPage")),
+  "/sixpoint": lazy(() => import("./pages/sixpoint/SixPointPage")),
   "/closed-loop": lazy(() => import("./pages/closedloop/ClosedLoopPage")),
   "/filters": lazy(() => import("./pages/filters/FiltersPage")),
   "/microsteps": lazy(() => import("./pages/microsteps/MicrostepsPage")),
