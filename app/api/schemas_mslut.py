@@ -11,7 +11,7 @@ from app.calc.mslut import ENTRIES, MIRROR_DEFAULT, Reason
 from app.calc.mslut_nearest import Norm
 from app.calc.mslut_waves import Grid
 
-MslutChip = Literal["tmc4361"]
+MslutChip = Literal["tmc4361", "tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160"]
 """Chips whose table is an MSLUT."""
 Word = Annotated[int, Field(strict=True, ge=0, le=0xFFFF_FFFF)]
 WantedValue = Annotated[int, Field(strict=True, ge=-1000, le=1000)]

@@ -8,15 +8,18 @@ from app.clock import Clock
 from app.devices.config import DeviceConfig
 from app.devices.device import Device
 from app.devices.pd42.driver import Pd42
+from app.devices.tmc5xxx.driver import Tmc5xxx
 from app.devices.tmc428 import Tmc428
 from app.devices.tmc4210 import Tmc4210
 from app.devices.tmc4361.driver import Tmc4361
 from app.links.port import FramePort
+from app.registers.tmc5xxx import TABLES as TMC5XXX
 
 DRIVERS: dict[str, Callable[[str, DeviceConfig, FramePort, Clock], Device]] = {
     "tmc428": Tmc428,
     "tmc4210": Tmc4210,
     "tmc4361": Tmc4361,
+    **dict.fromkeys(TMC5XXX, Tmc5xxx),
     "pd42-1241": Pd42,
 }
 

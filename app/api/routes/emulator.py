@@ -13,6 +13,8 @@ from app.emulators.options import EmulatorPatch
 from app.emulators.pd42.options import Pd42Patch
 from app.emulators.pd42.state import Pd42State
 from app.emulators.state import EmulatorState
+from app.emulators.tmc5xxx import MODELS as TMC5XXX
+from app.emulators.tmc5xxx import Tmc5xxxPatch, Tmc5xxxState
 from app.emulators.tmc4361.options import Tmc4361Patch
 from app.emulators.tmc4361.state import Tmc4361State
 from app.links.emulator import EmulatorPort
@@ -27,12 +29,13 @@ async def _emulator_port(device: CurrentDevice) -> EmulatorPort:
     return device.port
 
 
-AnyState = EmulatorState | Tmc4361State | Pd42State
-AnyPatch = EmulatorPatch | Tmc4361Patch | Pd42Patch
+AnyState = EmulatorState | Tmc4361State | Tmc5xxxState | Pd42State
+AnyPatch = EmulatorPatch | Tmc4361Patch | Tmc5xxxPatch | Pd42Patch
 PATCHES: dict[str, type[BaseModel]] = {
     "tmc428": EmulatorPatch,
     "tmc4210": EmulatorPatch,
     "tmc4361": Tmc4361Patch,
+    **dict.fromkeys(TMC5XXX, Tmc5xxxPatch),
     "pd42-1241": Pd42Patch,
 }
 """What changes the emulator of each model."""

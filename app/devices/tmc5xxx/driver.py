@@ -1,0 +1,9 @@
+"""The TMC5031, 5062, 5072, 5130 and 5160: one or two axes with SixPoint ramps and the driver inside."""
+
+from __future__ import annotations
+
+from app.devices.tmc5xxx.tables import Tables
+
+
+class Tmc5xxx(Tables):
+    """Driver of one chip."""

@@ -1,0 +1,114 @@
+"""What moves an axis: its ramp registers, as far as anybody knows them, and what they make of a motion.
+
+None of the registers can be read. A word is None where it was set before this connection and the chip was not reset
+since.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from app.calc.sixpoint import SixPoint
+from app.calc.tmc5xxx_units import VELOCITY_MAX, acceleration_unit_pps2, velocity_unit_pps
+from app.devices.tmc5xxx.rows import RAMP
+from app.links.errors import WrongState
+
+WAIT_CLOCKS = 512
+"""Unit of TZEROWAIT [clocks]."""
+LONG_WAIT_S = 0.5
+"""From this TZEROWAIT on a move tells of it [s]."""
+CRAWL = 10
+"""VSTOP below this may take its time on the last microsteps (data sheets, VSTOP)."""
+
+
+@dataclass(frozen=True)
+class Ramp:
+    """Words by register name, VMAX and AMAX as the user has set them."""
+
+    words: Mapping[str, int | None]
+    clock_hz: float
+
+    def __post_init__(self) -> None:
+        if set(self.words) != set(RAMP):
+            raise ValueError(f"a ramp is {', '.join(RAMP)}")
+
+    @property
+    def known(self) -> bool:
+        return None not in self.words.values()
+
+    @property
+    def velocity_unit_pps(self) -> float:
+        return velocity_unit_pps(self.clock_hz)
+
+    def pps(self, name: str) -> float | None:
+        """A velocity register [pps]."""
+        word = self.words[name]
+        return None if word is None else word * self.velocity_unit_pps
+
+    def sixpoint(self, vmax: int | None = None, amax: int | None = None) -> SixPoint | None:
+        """The ramp with these VMAX and AMAX (None: the user's); None where it is not known or moves nothing."""
+        words = dict(self.words)
+        if vmax is not None:
+            words["VMAX"] = vmax
+        if amax is not None:
+            words["AMAX"] = amax
+        if None in words.values():
+            return None
+        v, a = self.velocity_unit_pps, acceleration_unit_pps2(self.clock_hz)
+        scaled = {name: (word or 0) * (v if name.startswith("V") else a) for name, word in words.items()}
+        try:
+            return SixPoint(
+                v_max=scaled["VMAX"],
+                a_max=scaled["AMAX"],
+                d_max=scaled["DMAX"],
+                v_start=scaled["VSTART"],
+                a1=scaled["A1"],
+                v1=scaled["V1"],
+                d1=scaled["D1"],
+                v_stop=scaled["VSTOP"],
+                t_zero_wait_s=(words["TZEROWAIT"] or 0) * WAIT_CLOCKS / self.clock_hz,
+            )
+        except ValueError:
+            return None
+
+    def require_acceleration(self, axis: int) -> None:
+        """Raises WrongState where no command can change the velocity."""
+        if self.words["AMAX"] == 0:
+            raise WrongState(f"axis {axis} cannot change its speed: AMAX is 0", "write AMAX, 1..65535, first")
+
+    def require_move(self, axis: int) -> None:
+        """Raises WrongState where no target can be reached."""
+        if self.words["VMAX"] == 0:
+            raise WrongState(f"axis {axis} cannot move: VMAX is 0", f"write VMAX, 1..{VELOCITY_MAX}, first")
+        self.require_acceleration(axis)
+        needed = ("DMAX", *(("A1", "D1") if self.words["V1"] else ()))
+        for name in needed:
+            if self.words[name] == 0:
+                why = "nothing brakes at a target" if name != "A1" else "nothing gets it to V1"
+                raise WrongState(f"axis {axis} cannot move: {name} is 0, and {why}", f"write {name}, 1..65535, first")
+
+    def warnings(self) -> list[str]:
+        """What a move by this ramp will do that nobody may want."""
+        if not self.known:
+            unknown = [name for name in RAMP if self.words[name] is None]
+            names, were = ", ".join(unknown), "was" if len(unknown) == 1 else "were"
+            return [f"{names} cannot be read and {were} set before this connection: nothing is predicted"]
+        number = {name: word or 0 for name, word in self.words.items()}
+        told = []
+        if number["VSTOP"] < number["VSTART"]:
+            told.append(f"VSTOP, {number['VSTOP']}, is below VSTART, {number['VSTART']}: a short move may not end")
+        if number["VSTOP"] == 0:
+            told.append("VSTOP is 0, which positioning must not have: the target may never be reached")
+        elif number["VSTOP"] < CRAWL:
+            told.append(f"VSTOP is {number['VSTOP']}: below {CRAWL} the last microsteps may take long")
+        if number["D1"] == 0:
+            told.append("D1 is 0, which positioning must not have, even with V1 0")
+        if number["VMAX"] > VELOCITY_MAX:
+            told.append(f"VMAX, {number['VMAX']}, is above the limit of {VELOCITY_MAX}")
+        if number["VMAX"] < number["VSTART"]:
+            told.append(f"VMAX, {number['VMAX']}, is below VSTART, {number['VSTART']}")
+        wait_s = number["TZEROWAIT"] * WAIT_CLOCKS / self.clock_hz
+        if wait_s >= LONG_WAIT_S:
+            told.append(f"TZEROWAIT keeps the motor for {wait_s:.2g} s before it turns round")
+        return told

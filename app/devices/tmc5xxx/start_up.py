@@ -1,0 +1,142 @@
+"""Getting a TMC5xxx to run after power-on: everything that has to be set before the first target, in its order.
+
+Chopper and currents are those that the maker's host code begins with (facts: tmc5xxx-ramp, 9), which suit a small motor
+on an evaluation board: SpreadCycle with toff 3 (TMC5160) or 5, and a run current well below full scale.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+from app.calc.tmc5xxx_units import acceleration_units, velocity_units
+from app.devices.device import Device
+from app.devices.results import WriteItem
+from app.links.errors import UsageError
+
+CHOPCONF: dict[str, int | str] = {"toff": 5, "hstrt": 5, "hend": 3, "tbl": 2, "chm": 0}
+CHOPCONF_5160: dict[str, int | str] = {"toff": 3, "hstrt": 5, "hend": 2, "tbl": 2, "chm": 0}
+IRUN, IRUN_5160, IHOLD, HOLD_DELAY = 0x17, 0x0A, 0x03, 0x07
+TPOWERDOWN = 10
+TABLE_MICROSTEPS = 256
+DECIMAL = 10_000
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """How an axis moves. Velocities in pps, accelerations in pps^2; the rest of the ramp follows where it is None.
+
+    dmax, d1, a1 : None for amax
+    v1 : 0 leaves a1 and d1 out
+    vstop : at least 10 chip units, as the data sheets advise, and not below vstart
+    irun, ihold : 0..31; None for the maker's
+    counts_per_rev : of the encoder, four a line; 0 for none
+    stops : the stop switches are in force, active at high level unless `stop_low_active`
+    """
+
+    vmax: float
+    amax: float
+    dmax: float | None = None
+    v1: float = 0.0
+    a1: float | None = None
+    d1: float | None = None
+    vstart: float = 0.0
+    vstop: float = 10.0
+    irun: int | None = None
+    ihold: int | None = None
+    counts_per_rev: int = 0
+    invert_encoder: bool = False
+    stops: bool = True
+    stop_low_active: bool = False
+
+
+async def start_up(device: Device, starts: Sequence[Start]) -> None:
+    """Set a chip up after power-on, ready for `move` and `rotate`: one `Start` an axis.
+
+    Raises BenchError at the first write that the chip did not take, with the rest not tried; UsageError for numbers
+    that its registers cannot hold.
+    """
+    if len(starts) > len(device.axes):
+        raise UsageError(f"a {device.family.title} has {len(device.axes)} axes, not {len(starts)}")
+    for axis, start in enumerate(starts):
+        for item in _items(device, axis, start):
+            await device.write(item.name, item.axis, item.value, item.fields)
+
+
+def _items(device: Device, axis: int, start: Start) -> Sequence[WriteItem]:
+    strong = device.model == "tmc5160"
+
+    def velocity(name: str, pps: float) -> WriteItem:
+        return WriteItem(name, axis, _whole(name, velocity_units, pps, device.clock_hz))
+
+    def rate(name: str, pps2: float | None) -> WriteItem:
+        wanted = start.amax if pps2 is None else pps2
+        return WriteItem(name, axis, _whole(name, acceleration_units, wanted, device.clock_hz))
+
+    irun = (IRUN_5160 if strong else IRUN) if start.irun is None else start.irun
+    ihold = IHOLD if start.ihold is None else start.ihold
+    stops, low = int(start.stops), int(start.stop_low_active)
+    return [
+        # At rest until the very last write: without a speed limit nothing moves.
+        WriteItem("VMAX", axis, 0),
+        WriteItem("RAMPMODE", axis, 0),
+        *([WriteItem("TPOWERDOWN", axis, TPOWERDOWN)] if _has(device, "TPOWERDOWN", axis) else []),
+        WriteItem("IHOLD_IRUN", axis, fields={"IHOLD": ihold, "IRUN": irun, "IHOLDDELAY": HOLD_DELAY}),
+        WriteItem("CHOPCONF", axis, fields=dict(CHOPCONF_5160 if strong else CHOPCONF)),
+        WriteItem(
+            "SW_MODE",
+            axis,
+            fields={"stop_l_enable": stops, "stop_r_enable": stops, "pol_stop_l": low, "pol_stop_r": low},
+        ),
+        *_encoder(device, axis, start),
+        velocity("VSTART", start.vstart),
+        velocity("VSTOP", max(start.vstop, start.vstart)),
+        velocity("V1", start.v1),
+        rate("A1", start.a1),
+        rate("D1", start.d1),
+        rate("AMAX", start.amax),
+        rate("DMAX", start.dmax),
+        velocity("VMAX", start.vmax),
+    ]
+
+
+def _encoder(device: Device, axis: int, start: Start) -> Sequence[WriteItem]:
+    if not start.counts_per_rev:
+        return []
+    settings = device.axes[axis].settings
+    ratio = Fraction(settings.full_steps_per_rev * TABLE_MICROSTEPS, start.counts_per_rev)
+    decimal, word = encoder_constant(-ratio if start.invert_encoder else ratio)
+    return [
+        WriteItem("ENCMODE", axis, fields={"enc_sel_decimal": int(decimal)}),
+        WriteItem("ENC_CONST", axis, word),
+        WriteItem("X_ENC", axis, 0),
+        WriteItem("XTARGET", axis, 0),
+        WriteItem("XACTUAL", axis, 0),
+    ]
+
+
+def encoder_constant(ratio: Fraction) -> tuple[bool, int]:
+    """ENC_CONST for `ratio` microsteps a count, and whether it is decimal; the exact one of the two, or the nearer.
+
+    The word is signed. Decimal negative: the integer part is one more below, and the fraction counts up from there
+    (facts: tmc5xxx-ramp, 8). Raises UsageError for a ratio that 16 bits before the point cannot hold.
+    """
+    if not 0 < abs(ratio) < 1 << 15:
+        raise UsageError(f"an encoder of {float(ratio):g} microsteps a count: above 0 and below 32768 is possible")
+    binary, decimal = round(ratio * 65536), round(ratio * DECIMAL)
+    if abs(Fraction(binary, 65536) - ratio) <= abs(Fraction(decimal, DECIMAL) - ratio):
+        return False, binary
+    whole, fraction = divmod(decimal, DECIMAL)
+    return True, whole * 65536 + fraction
+
+
+def _whole(name: str, units: Callable[[float, float], int], value: float, clock_hz: float) -> int:
+    try:
+        return units(value, clock_hz)
+    except ValueError as error:
+        raise UsageError(f"{name}: {error}") from error
+
+
+def _has(device: Device, name: str, axis: int) -> bool:
+    return device.family.table.find(name, axis) is not None

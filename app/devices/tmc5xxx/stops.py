@@ -1,0 +1,127 @@
+"""Stops, ahead of everything that waits for the link; and setting the position of an axis that stands.
+
+A stop is VMAX 0 and velocity mode, in this order: should the link fail in between, the axis brakes all the same, while
+mode first would leave it turning at its speed limit for good. Velocity mode brakes with AMAX, so "ramp" leaves AMAX as
+the user has set it, and "immediate" makes it the greatest there is, 65535 (7.6 million pps^2 at 16 MHz): the hardest
+stop that takes one write and no knowledge of switches and their polarity. An AMAX of 0 would never brake and counts as
+"immediate". Afterwards no target of the past can move the axis; the next move brings VMAX and AMAX back.
+
+Source: TMC5160A data sheet 1.14, 14.2.4, first of the ways to end a ramp early.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+from app.devices.results import StopMode, StopOutcome
+from app.devices.sixpoint_plans import turn_plan
+from app.devices.tmc5xxx import rows as r
+from app.devices.tmc5xxx.moves import HIGHEST, LOWEST, Moves
+from app.devices.words import Held, Words, Write
+from app.links.errors import BadReply, BenchError, LinkDown, OutOfRange, WriteRefused, WrongState
+from app.links.queue import Priority
+from app.registers.model import Register, to_raw
+
+HARDEST = 0xFFFF
+"""The greatest AMAX."""
+
+
+class Stops(Moves):
+    """A TMC5xxx that can be stopped."""
+
+    # --- stops ----------------------------------------------------------------------------------
+
+    async def stop_axes(self, axes: Sequence[int], mode: StopMode = "ramp") -> list[StopOutcome]:
+        began = time.perf_counter()
+        for axis in axes:
+            self.stops[axis] += 1  # before anything waits: what is under way for these axes gives up
+            self.commanded(axis, "stop")
+        outcomes = []
+        for axis in axes:
+            async with self.queue.turn(Priority.STOP) as turn:
+                problem = await self._stop(self.words(turn), axis, mode)
+            outcomes.append(StopOutcome(self.id, axis, problem is None, (time.perf_counter() - began) * 1e3, problem))
+        return outcomes
+
+    async def _stop(self, words: Words, axis: int, mode: StopMode) -> BenchError | None:
+        problem: BenchError | None = None
+        for _ in (1, 2):  # a stop moves nothing, so it may be sent again
+            try:
+                problem = await self._send_stop(words, axis, mode)
+            except LinkDown as error:
+                return error
+            except BenchError as error:
+                problem = error
+            if problem is None:
+                return None
+        self._motion_uncertain(axis, str(problem))
+        return problem
+
+    async def _send_stop(self, words: Words, axis: int, mode: StopMode) -> BenchError | None:
+        rows = self.rows(axis)
+        amax = self.wanted(rows.amax)
+        if mode == "immediate" or amax == 0:
+            amax = HARDEST
+        # AMAX last of all that matters: with VMAX 0 the axis brakes already, and this only makes it brake otherwise.
+        braking = [] if amax is None else [Write(rows.amax, amax)]
+        writes = [Write(rows.vmax, 0), *braking, Write(rows.rampmode, r.FORWARD)]
+        for write in writes[:-1]:
+            self._overwrite(write.register, write.word)
+        checked = (rows.rampmode, rows.xactual, rows.vactual)
+        back = Held(checked, (await words.chain(*writes, checked))[0])
+        self._watches[axis].stop_commanded(words.time_s)
+        self._saw(back)
+        self._saw_positions(back, words.asked_s)
+        if not words.arrived:
+            return BadReply(self.port.name, "the stop may have arrived otherwise", b"")
+        if back.word(rows.rampmode) != r.FORWARD:
+            return WriteRefused(rows.rampmode.name, r.FORWARD, back.word(rows.rampmode), "stop again, or cut the power")
+        ramp = self.ramp(axis)
+        v_pps = back.value(rows.vactual) * ramp.velocity_unit_pps
+        plan = turn_plan(ramp.sixpoint(vmax=1, amax=amax), 0.0, v_pps) if v_pps else None
+        self._expect(axis, words.time_s, back.value(rows.xactual), plan)
+        return None
+
+    # --- setting the position -------------------------------------------------------------------
+
+    async def set_position(self, axis: int, position: int) -> int:
+        """Call the place where the motor stands `position`; XTARGET follows, and an encoder that counts. Returns the
+        difference.
+
+        The axis is in velocity mode with VMAX 0 afterwards, as after a stop. Raises WrongState while the motor turns,
+        OutOfRange outside 32 bits.
+        """
+        rows = self.rows(self.axis(axis).index)
+        if not LOWEST <= position <= HIGHEST:
+            raise OutOfRange("position", position, LOWEST, HIGHEST, "microsteps")
+        self.require_connected()
+        # No guard: a stop that comes between changes nothing here, and nothing here sets the motor in motion.
+        async with self.queue.turn(Priority.COMMAND) as turn:
+            words = self.words(turn)
+            encoder = rows.x_enc if self.counts_encoder(axis) else None
+            asked = (rows.xactual, rows.vactual, *(() if encoder is None else (encoder,)))
+            read = Held(asked, await words.read_many(asked))
+            if read.word(rows.vactual):
+                raise WrongState(f"axis {axis} moves", "stop it first")
+            before = read.value(rows.xactual)
+            shift = before - position
+            self.commanded(axis, "set_position")
+            steps: list[tuple[Register, int]] = [
+                *self._standing_still(axis),
+                (rows.xactual, to_raw(position, 32)),
+                (rows.xtarget, to_raw(position, 32)),
+            ]
+            if encoder is not None:
+                steps.append((encoder, to_raw(read.value(encoder) - shift, 32)))
+            checked = (rows.xactual, rows.xtarget, rows.rampmode)
+            back = Held(checked, (await words.chain(*(Write(*step) for step in steps), checked))[0])
+            self._saw(back)
+            self._books[axis].end(words.time_s, "the position was set")
+        for register in (rows.xactual, rows.xtarget):
+            if back.value(register) != position:
+                raise WriteRefused(
+                    register.name, to_raw(position, 32), back.word(register), f"{rows.xactual.name} was {before}"
+                )
+        self.saw_position(axis, position, words.asked_s)
+        return shift

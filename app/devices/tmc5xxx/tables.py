@@ -1,0 +1,62 @@
+"""Microstep tables, and the whole configuration as a document.
+
+Most of it lies in registers that cannot be read. What they hold is what was written through this connection since the
+chip's reset, else what the chip has after a reset. The two axes of a TMC5031 and a TMC5062 have a table each, those of
+a TMC5072 share one; `read_mslut` and `write_mslut` are of all: where there are two tables both get what is written.
+"""
+
+from __future__ import annotations
+
+from app.calc.mslut import MslutRegisters
+from app.devices.kept_profile import KeptProfile
+from app.devices.results import HeldMslut, ProfileDocument
+from app.devices.tmc5xxx.raw import Raw
+from app.links.errors import BadReply
+from app.links.queue import Priority
+from app.registers.model import Register
+
+
+class Tables(Raw, KeptProfile):
+    """A TMC5xxx with its tables."""
+
+    STATE_NAMES = frozenset({"XACTUAL", "XTARGET", "X_ENC"})
+    ONCE = frozenset({"OTP_PROG"})
+
+    async def read_mslut(self, axis: int = 0) -> HeldMslut:
+        """The table of an axis, and what the chip shows of it."""
+        rows = self.rows(self.axis(axis).index)
+        self.require_connected()
+        async with self.queue.turn() as turn:
+            mscnt, currents = await self.words(turn).read_many((rows.mscnt, rows.mscuract))
+        shown = rows.mscuract.unpack(currents)
+        words = [self._blind.get(row.address, row.reset or 0) for row in rows.mslut]
+        # Phase A of the drawing is the sine, which these chips call CUR_B (data sheets, MSCURACT).
+        return HeldMslut(
+            MslutRegisters(tuple(words[:8]), words[8], words[9]),
+            all(row.address in self._blind for row in rows.mslut),
+            rows.mscnt.decode(mscnt),
+            shown["CUR_B"],
+            shown["CUR_A"],
+        )
+
+    async def write_mslut(self, registers: MslutRegisters) -> HeldMslut:
+        """Raises BadReply where the link shows that a word may have arrived otherwise; then write it again."""
+        self.require_connected()
+        words = (*registers.words, registers.select, registers.start)
+        written = {
+            row.address: (row, word) for rows in self.chip.axes for row, word in zip(rows.mslut, words, strict=True)
+        }
+        async with self.queue.turn(Priority.COMMAND) as turn:
+            arrived = await self.words(turn).write_many(list(written.values()))
+            for register, word in written.values():
+                self._sent(register, word)
+        if not arrived:
+            raise BadReply(self.port.name, "a word of the microstep table may have arrived otherwise", b"")
+        return await self.read_mslut()
+
+    async def profile(self) -> ProfileDocument:
+        return ProfileDocument(await self.kept_profile(), None, None)
+
+    def _wanted_word(self, register: Register) -> int | None:
+        # Of VMAX and AMAX what the user wants: a stop may have written something else over it.
+        return self._overwritten.get(register.address, super()._wanted_word(register))
