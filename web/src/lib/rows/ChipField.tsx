@@ -6,7 +6,7 @@ import css from "./rows.module.css";
 import type { ChipRows } from "./useChipRows";
 
 interface Props {
-  chip: ChipRows;
+  chip: Pick<ChipRows, "spot" | "planned" | "isStaged" | "origin" | "put">;
   register: string;
   field?: string;
   /** beside the name: what it is in a word or two */
