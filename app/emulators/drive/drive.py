@@ -24,6 +24,8 @@ _TABLE = ("MSLUTSEL", "MSLUTSTART", *(f"MSLUT[{i}]" for i in range(8)))
 _FASTSTANDSTILL, _EN_PWM_MODE, _SHAFT = 1 << 0, 1 << 2, 1 << 4
 _GSTAT_RESET, _GSTAT_DRV_ERR, _GSTAT_UV_CP = 1, 2, 4
 _STOP_SG = 1 << 6
+_KEPT = (k.TICK, k.CLOCK, k.WATCH, k.RNG, k.SUBSTEPS, k.BLOCKED, k.FORCE, k.FORCED, k.STALL_V, k.RIGID)
+"""Cells that a power cycle leaves."""
 
 
 class Drive:
@@ -33,8 +35,11 @@ class Drive:
     out in ticks every `TICK_CLOCKS` = 256 clocks (16 us), counted from power-on: a register shows the last tick, and a
     write holds from the next one. So it makes no difference in how many pieces time is advanced.
 
-    Not modelled: DcStep, vhighfs and vhighchm, short circuits, ENCMODE's N events, pins and buses. StealthChop differs
-    from SpreadCycle only in what the registers tell and in freewheeling; StallGuard2 tells 0 there.
+    Chips that are not a TMC5160 in everything say so by the properties below `# --- the rest`: velocity thresholds
+    instead of TSTEP's, an N line, pins of switches that are taken, another full scale.
+
+    Not modelled: DcStep, vhighfs and vhighchm, short circuits, pins and buses. StealthChop differs from SpreadCycle
+    only in what the registers tell and in freewheeling; StallGuard2 tells 0 there.
 
     Nothing here is thread-safe; the kernel releases the GIL.
     """
@@ -47,7 +52,9 @@ class Drive:
         self._table = np.zeros(1024, dtype=np.float64)
         self._registers: dict[str, int] = {}
         self._gstat = 0
+        self._wired = True
         self._hot = False
+        self._enabled, self._sense = True, 1.0
         self._stall_stop_velocity: int | None = None
         self._set_constants()
         self.world = World(options, self._s, self._f, self._world_changed)
@@ -119,7 +126,7 @@ class Drive:
             case "GSTAT":
                 return self._gstat | (_GSTAT_UV_CP if self._undervoltage else 0)
             case "ENC_STATUS":
-                return self.external.exceeded << 1
+                return int(s[k.N_FLAG]) | self.external.exceeded << 1
             case "PWM_SCALE":
                 return self._pwm_scale()
             case "PWM_AUTO":
@@ -138,6 +145,9 @@ class Drive:
         elif register == "ENC_STATUS":
             if ones & 2:
                 self.external.exceeded = False
+            if ones & 1 and self._s[k.N_FLAG]:
+                self._s[k.N_FLAG] = 0
+                k.n_restart(self._s, self._f)
         else:
             self._s[k.LATCHED] &= ~ones
             self._changed()
@@ -174,7 +184,7 @@ class Drive:
                 s[k.EN_PWM] = bool(value & _EN_PWM_MODE)
                 s[k.STILL_LIMIT] = (1 << (18 if value & _FASTSTANDSTILL else 20)) // k.TICK_CLOCKS
             case "GLOBALSCALER":
-                self._f[k.FULL_SCALE] = self.options.full_scale_a * (value or 256) / 256
+                self._f[k.FULL_SCALE] = self.options.full_scale_a * self._sense * (value or 256) / 256
             case "IHOLD_IRUN":
                 s[k.IHOLD], s[k.IRUN] = bits(value, 0, 5), bits(value, 8, 5)
                 s[k.IHOLDDELAY] = bits(value, 16, 4) * k.TICKS_A_DELAY
@@ -196,14 +206,20 @@ class Drive:
                 s[k.FREEWHEEL] = bits(value, 20, 2)
             case "X_ENC":
                 self.external.position = value
-            case "ENC_CONST" | "ENCMODE":
+            case "ENC_CONST":
                 self._scale_external()
+            case "ENCMODE":
+                self._scale_external()
+                s[k.N_MODE], s[k.N_ONCE] = value, bits(value, 5, 1)
+                k.n_restart(s, self._f)
             case "ENC_DEVIATION":
                 self.external.limit, self.external.stops = value, False
 
     def _scale_external(self) -> None:
         constant = self._registers["ENC_CONST"]
-        if bits(self._registers["ENCMODE"], 10, 1):
+        if not self._wired:
+            self.external.scale(0, 1)
+        elif bits(self._registers["ENCMODE"], 10, 1):
             self.external.scale(signed(constant >> 16, 16) * 10_000 + bits(constant, 0, 16), 10_000)
         else:
             self.external.scale(signed(constant, 32), 1 << 16)
@@ -288,24 +304,25 @@ class Drive:
         stay too. The encoders' positions are 0, their scales and limits as at first.
         """
         s, f = self._s, self._f
-        kept = (k.TICK, k.CLOCK, k.WATCH, k.RNG, k.SUBSTEPS, k.BLOCKED, k.FORCE, k.FORCED, k.STALL_V)
-        values = [int(s[cell]) for cell in kept]
+        values = [int(s[cell]) for cell in _KEPT]
         s[:] = 0
-        for cell, value in zip(kept, values, strict=True):
+        for cell, value in zip(_KEPT, values, strict=True):
             s[cell] = value
-        encoders = self.options.encoders
+        options, encoders = self.options, self.options.encoders
         for at, per_turn in ((k.INTERNAL, encoders.internal_counts), (k.EXTERNAL, 4 * encoders.external_lines)):
             s[at + k.E_PER_TURN], s[at + k.E_STOPS] = per_turn, 1
             s[at + k.E_NUM] = s[at + k.E_DEN] = 1
         f[k.IA] = f[k.IB] = f[k.TORQUE] = 0.0
         # the field is where the rotor finds it without losing steps
         s[k.FIELD] = s[k.LOOK] = 1024 * round(float(f[k.TEETH] * f[k.THETA]) / (2 * math.pi))
+        s[k.COOL_V], s[k.PINS], s[k.N_HAS], self._wired, self._sense = -1, 7, options.n_line, True, 1.0
         self._registers = {name: row.reset for name, row in WRITABLE.items()}
         for name, value in self._registers.items():
             self._take_over(name, value)
         self.external.stops = True  # the register's reset has made it warn only
         self.internal.scale(51_200, encoders.internal_counts)
         self.internal.position = self.external.position = 0
+        k.n_restart(s, f)
         s[k.STILL], s[k.PHASE], s[k.TSTEP] = s[k.STILL_LIMIT], k.HOLD, k.NO_TSTEP
         s[k.REACHED] = s[k.ARRIVED] = s[k.FAST] = 1
         s[k.PHYS] = k.physical(s, f)
@@ -323,6 +340,76 @@ class Drive:
     def stall_stop_velocity(self, value: int | None) -> None:
         self._stall_stop_velocity = value
         self._s[k.STALL_V] = -1 if value is None else value << k.VELOCITY_BITS
+
+    def set_velocity_window(self, cool: int, high: int) -> None:
+        """VCOOLTHRS and VHIGH of the chips that have them instead of TSTEP's thresholds [ramp units].
+
+        CoolStep and a stop by StallGuard2 work from `cool` to `high`, StealthChop below `cool`; only bits 22..8 count.
+        """
+        self._s[k.COOL_V], self._s[k.HIGH_V] = cool << k.VELOCITY_BITS, high << k.VELOCITY_BITS
+        self._changed()
+
+    @property
+    def x_compare(self) -> int:
+        """X_COMPARE: what `positions_passed` counts."""
+        return int(self._s[k.X_COMPARE])
+
+    @x_compare.setter
+    def x_compare(self, value: int) -> None:
+        self._s[k.X_COMPARE] = wrap32(value)
+        self._changed()
+
+    @property
+    def positions_passed(self) -> int:
+        """How often XACTUAL has come upon X_COMPARE since power-on, from either side; also between two ticks."""
+        return int(self._s[k.PASSED])
+
+    @property
+    def enabled(self) -> bool:
+        """Whether the pin DRV_ENN lets the bridges work. True at first; a power cycle leaves it."""
+        return self._enabled
+
+    @enabled.setter
+    def enabled(self, value: bool) -> None:
+        self._enabled = value
+        self._bridges_changed()
+        self._changed()
+
+    @property
+    def sense_share(self) -> float:
+        """Share of `options.full_scale_a` that the coils get (CHOPCONF.vsense). 1 at first."""
+        return self._sense
+
+    @sense_share.setter
+    def sense_share(self, value: float) -> None:
+        self._sense = value
+        self._take_over("GLOBALSCALER", self._registers["GLOBALSCALER"])
+        self._changed()
+
+    def wire_pins(self, *, left: bool = True, right: bool = True, encoder: bool = True) -> None:
+        """Which of them have pins of their own: others are never seen, an encoder stands still. All at first."""
+        self._s[k.PINS] = left | right << 1 | 4
+        if encoder != self._wired:
+            self._wired = encoder
+            self._s[k.N_HAS] = encoder and self.options.n_line
+            self._scale_external()
+            k.n_restart(self._s, self._f)
+        self._changed()
+
+    def latch_encoder(self) -> None:
+        """ENC_LATCH takes X_ENC now."""
+        self._s[k.ENC_LATCH] = self.external.position
+
+    @property
+    def moves_by_leaps(self) -> bool:
+        """Whether a rigid motor at constant velocity passes over ticks. True at first; it makes no other difference."""
+        return bool(self._s[k.RIGID] == k.LEAPS)
+
+    @moves_by_leaps.setter
+    def moves_by_leaps(self, value: bool) -> None:
+        if self.options.rigid:
+            self._s[k.RIGID] = k.LEAPS if value else k.NO_LEAPS
+            self._changed()
 
     @property
     def switches(self) -> Switches:
@@ -347,6 +434,7 @@ class Drive:
         options, encoders, f = self.options, self.options.encoders, self._f
         set_physics(options, self._s, f, k.TICK_CLOCKS)
         self._s[k.STALL_V] = -1
+        self._s[k.RIGID] = k.LEAPS if options.rigid else 0
         f[k.P1], f[k.P2] = (
             math.radians(encoders.eccentricity_phase_deg),
             math.radians(encoders.second_harmonic_phase_deg),
@@ -358,7 +446,7 @@ class Drive:
 
     def _bridges_changed(self) -> None:
         self._s[k.DRIVER_ON] = (
-            self._toff > 0 and not self._undervoltage and not self._hot and self.world.motor_connected
+            self._toff > 0 and self._enabled and not self._undervoltage and not self._hot and self.world.motor_connected
         )
 
     def _world_changed(self) -> None:

@@ -19,8 +19,9 @@ class EncoderChannel:
     @property
     def counts(self) -> int:
         """Counter [counts], never wrapped. The internal one is 0 at the magnet's zero: not at the start."""
-        counter = k.internal_counts if self._at == k.INTERNAL else k.external_counts
-        return int(counter(self._f))
+        if self._at == k.INTERNAL:
+            return int(k.internal_counts(self._f))
+        return int(k.external_counts(self._s, self._f))
 
     @property
     def counts_per_turn(self) -> int:

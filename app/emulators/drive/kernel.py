@@ -16,6 +16,10 @@ The motor is motor-physics' model: coils behind a regulator of first order that 
 Coulomb friction with stiction, inertia, in semi-implicit Euler. A coil current within 1 nA of its reference is set on
 it. From there a motor at rest is an exact fixed point of the step, so passing over ticks in which neither reference
 nor world changes (REST), and over all ticks while the ramp generator has nothing to do either (QUIET), changes no bit.
+
+A rigid motor has none of that: the shaft is where the field is, in whole microsteps, and its encoder is worked out in
+integers. While its ramp generator keeps its velocity, ticks differ in nothing but sums, so they are added up at once
+as far as the next thing that could happen: braking, a switch, the N line, X_COMPARE, XTARGET, deviation (`_leap`).
 """
 
 # numpy's stubs type a cell as Any; inside compiled code it is an int64 or a float64 and nothing else.
@@ -80,7 +84,17 @@ INTERNAL, EXTERNAL = 79, 89
 E_NUM, E_DEN, E_BASE_COUNTS, E_BASE, E_LIMIT, E_STOPS, E_EXCEEDED, E_NULL, E_TURN, E_PER_TURN = range(10)
 """Microsteps a count as a fraction, counter and position from which it is counted, deviation limit, what happens
 beyond it, null armed, turn it is in, counts a turn."""
-INTEGERS = EXTERNAL + 10
+COOL_V, HIGH_V = range(99, 101)
+"""Velocities between which CoolStep and a stop by StallGuard2 are possible [9 fraction bits]; COOL_V -1: TSTEP says."""
+X_COMPARE, PASSED, PINS = range(101, 104)
+"""Position to compare with and how often it was come upon; switches that are wired to pins, as in PHYS."""
+N_HAS, N_ON, N_MODE, N_ONCE, N_FLAG, N_AT, N_LOW, N_HIGH = range(104, 112)
+"""The external encoder's N line: wired, has to be looked at, ENCMODE, armed for one event, ENC_STATUS.n_event, counts
+seen last, and counts between which nothing can happen."""
+RIGID, STEADY, OFFSET, SLIP_M = range(112, 116)
+"""0: physics, 1: none, 2: none and no leaps; the last tick changed nothing but sums; shaft ahead of the field and
+encoder's slip [microsteps of 1/256]."""
+INTEGERS = 116
 
 # --- cells of `f` --------------------------------------------------------------------------------
 THETA, OMEGA, IA, IB, TORQUE, REF_A, REF_B = range(7)
@@ -106,6 +120,11 @@ REALS = 50
 REGULATED, OPEN, SHORTED, VOLTAGE = range(4)
 """What the bridges do; the last: a PWM from outside sets their mean voltage, and the references are volts."""
 RUN, RAMPING_DOWN, HOLD = range(3)
+LEAPS, NO_LEAPS = 1, 2
+LONGEST_LEAP = 1 << 29
+"""Ticks: velocities are at most 2^32, and the sum of all has to fit."""
+N_WIDTH = 4
+"""Counts of a turn, from its place 0, in which the N line is high."""
 POSITION, FORWARD, BACKWARD, HOLD_MODE = range(4)
 
 # RAMP_STAT's latching bits, and bits of SW_MODE
@@ -134,6 +153,12 @@ def inlined(function: Any) -> Any:
 def wrap32(x: int) -> int:
     """To a signed 32-bit number."""
     return ((x + 0x80000000) & 0xFFFFFFFF) - 0x80000000
+
+
+@inlined
+def direction_of(x: int) -> int:
+    """Its sign; 1 for zero."""
+    return -1 if x < 0 else 1
 
 
 # --- ramp generator ------------------------------------------------------------------------------
@@ -292,9 +317,26 @@ def _thresholds(s: Cells) -> None:
     u = abs(s[V]) << s[MRES]
     tstep = NO_TSTEP if u == 0 else min((1 << 33) // u, NO_TSTEP)
     s[TSTEP] = tstep
-    s[STEALTH] = (
-        s[EN_PWM] != 0 and (s[TPWMTHRS] == 0 or tstep >= s[TPWMTHRS]) and tstep > s[TCOOLTHRS] and tstep > s[THIGH]
-    )
+    if s[COOL_V] >= 0:
+        s[STEALTH] = s[EN_PWM] != 0 and _compared(abs(s[V])) < _compared(s[COOL_V])
+    else:
+        s[STEALTH] = (
+            s[EN_PWM] != 0 and (s[TPWMTHRS] == 0 or tstep >= s[TPWMTHRS]) and tstep > s[TCOOLTHRS] and tstep > s[THIGH]
+        )
+
+
+@inlined
+def _compared(velocity: int) -> int:
+    """What velocity thresholds look at: bits 22..8 of a velocity (9 fraction bits)."""
+    return velocity >> VELOCITY_BITS + 8
+
+
+@inlined
+def _in_range(s: Cells) -> bool:
+    """Whether CoolStep may work."""
+    if s[COOL_V] >= 0:
+        return _compared(s[COOL_V]) <= _compared(abs(s[V])) <= _compared(s[HIGH_V])
+    return s[TSTEP] <= s[TCOOLTHRS] and s[TSTEP] > s[THIGH]
 
 
 @inlined
@@ -302,7 +344,7 @@ def _standing(s: Cells, steps: int) -> int:
     """Standstill and the way from run to hold current; returns events."""
     events = 0
     if steps != 0:
-        s[STILL] = 0
+        s[STILL] = s[DOWN] = 0
         s[PHASE] = RUN
     elif s[STILL] < s[STILL_LIMIT]:
         s[STILL] += 1
@@ -462,7 +504,7 @@ def stall_guard(s: Cells, f: Floats) -> None:
 @inlined
 def _cool_step(s: Cells) -> None:
     """CoolStep's answer to a new StallGuard2 value."""
-    if s[SEMIN] == 0 or s[TSTEP] > s[TCOOLTHRS] or s[TSTEP] <= s[THIGH]:
+    if s[SEMIN] == 0 or not _in_range(s):
         s[COOL_CS] = s[IRUN]
         s[COOL_DOWN] = 0
         return
@@ -488,7 +530,11 @@ def stalled(s: Cells) -> bool:
 @inlined
 def stall_may_stop(s: Cells) -> bool:
     """Whether the speed is in StallGuard2's range."""
-    return abs(s[V]) >= s[STALL_V] if s[STALL_V] >= 0 else s[TSTEP] <= s[TCOOLTHRS]
+    if s[STALL_V] >= 0:
+        return abs(s[V]) >= s[STALL_V]
+    if s[COOL_V] >= 0:
+        return _in_range(s)
+    return s[TSTEP] <= s[TCOOLTHRS]
 
 
 # --- stage and encoders --------------------------------------------------------------------------
@@ -505,7 +551,7 @@ def physical(s: Cells, f: Floats) -> int:
         pressed |= 2
     if f[HOME_FROM] <= theta <= f[HOME_TO]:
         pressed |= 4
-    return pressed & ~s[FORCE] | s[FORCED] & s[FORCE]
+    return (pressed & ~s[FORCE] | s[FORCED] & s[FORCE]) & s[PINS]
 
 
 @compiled
@@ -536,7 +582,7 @@ def _switches_moved(s: Cells, f: Floats, pressed: int) -> None:
         s[LATCHED] |= latched
         s[XLATCH] = s[X]
         if mode >> 9 & 1:
-            s[ENC_LATCH] = position_of(s, EXTERNAL, external_counts(f))
+            s[ENC_LATCH] = position_of(s, EXTERNAL, external_counts(s, f))
 
 
 @inlined
@@ -553,8 +599,15 @@ def internal_counts(f: Floats) -> int:
 
 
 @compiled
-def external_counts(f: Floats) -> int:
+def external_counts(s: Cells, f: Floats) -> int:
     """Counter behind A and B, not wrapped."""
+    if s[RIGID]:
+        a_turn, counts = 1024 * int(f[TEETH]), s[EXTERNAL + E_PER_TURN]
+        place = s[LOOK] + s[OFFSET] + s[SLIP_M]
+        if f[SCALE_E] < 0:
+            place = -place
+        turns = place // a_turn
+        return turns * counts + (2 * (place - turns * a_turn) * counts + a_turn) // (2 * a_turn)
     return math.floor((f[THETA] + f[SLIP_E]) * f[SCALE_E] + 0.5)
 
 
@@ -606,8 +659,178 @@ def _look_at_both(s: Cells, f: Floats) -> int:
         events = _look_at(s, INTERNAL, internal_counts(f))
     seen = (f[THETA] + f[SLIP_E]) * f[SCALE_E]
     if not _clearly_fine(s, EXTERNAL, seen, f[RATIO_E], f[BOUND_E]):
-        events |= _look_at(s, EXTERNAL, external_counts(f)) << 1
+        events |= _look_at(s, EXTERNAL, external_counts(s, f)) << 1
     return events
+
+
+@inlined
+def n_condition(mode: int, counts: int, per_turn: int) -> bool:
+    """Whether N, and A and B unless they are ignored, are as ENCMODE asks. A is high in the middle two counts of a
+    line, B in the last two."""
+    if (counts % per_turn < N_WIDTH) != (mode >> 2 & 1 != 0):
+        return False
+    if mode >> 3 & 1:
+        return True
+    phase = counts & 3
+    return (mode & 1 != 0) == (phase == 1 or phase == 2) and (mode >> 1 & 1 != 0) == (phase >= 2)
+
+
+@inlined
+def _n_event(s: Cells, counts: int) -> None:
+    """What ENCMODE asks for upon an N event."""
+    mode = s[N_MODE]
+    s[N_FLAG] = 1
+    if mode >> 4 & 1 or s[N_ONCE]:
+        s[N_ONCE] = 0
+        s[ENC_LATCH] = position_of(s, EXTERNAL, counts)
+        if mode >> 9 & 1:
+            s[XLATCH] = s[X]
+        if mode >> 8 & 1:
+            s[EXTERNAL + E_BASE] = 0
+            s[EXTERNAL + E_BASE_COUNTS] = counts
+
+
+@compiled
+def n_restart(s: Cells, f: Floats) -> None:
+    """Take the N line as it is from here on: an active level counts at once, edges have to come first."""
+    mode, counts = s[N_MODE], external_counts(s, f)
+    s[N_AT] = counts
+    if s[N_HAS] and not mode >> 6 & 3 and n_condition(mode, counts, s[EXTERNAL + E_PER_TURN]):
+        _n_event(s, counts)
+    _n_bounds(s)
+
+
+@inlined
+def _n_bounds(s: Cells) -> None:
+    """How far the encoder may go until N has to be looked at again, and whether at all."""
+    mode, at, per_turn = s[N_MODE], s[N_AT], s[EXTERNAL + E_PER_TURN]
+    s[N_ON] = s[N_HAS] and (mode >> 4 & 1 or s[N_ONCE] or not s[N_FLAG])
+    s[N_LOW] = s[N_HIGH] = at
+    place = at % per_turn
+    if mode >> 2 & 1 and place >= N_WIDTH:
+        s[N_LOW], s[N_HIGH] = at - place + N_WIDTH, at - place + per_turn - 1
+
+
+@compiled
+def _look_for_n(s: Cells, counts: int) -> None:
+    """Go through all counts from the last one to this: N may have come and gone between two ticks."""
+    mode, per_turn = s[N_MODE], s[EXTERNAL + E_PER_TURN]
+    edges = mode >> 6 & 3
+    at, way = s[N_AT], 1 if counts > s[N_AT] else -1
+    if at > s[N_LOW] or at < s[N_HIGH]:
+        at = s[N_HIGH] if way > 0 else s[N_LOW]
+    was = n_condition(mode, at, per_turn)
+    while at != counts:
+        at += way
+        now = n_condition(mode, at, per_turn)
+        begins, ends = now and not was, was and not now
+        if (edges == 0 and now) or (edges & 1 != 0 and begins) or (edges & 2 != 0 and ends):
+            _n_event(s, at)
+        was = now
+    s[N_AT] = counts
+    _n_bounds(s)
+
+
+# --- without physics -----------------------------------------------------------------------------
+
+
+@compiled
+def _follow(s: Cells, f: Floats, table: Floats) -> None:
+    """The shaft of a rigid motor is where the field is."""
+    look = s[LOOK]
+    scale = f[FULL_SCALE] * (s[CS] + 1) / 32.0
+    f[IA] = f[IA0] = f[REF_A] = scale * table[look & 1023]
+    f[IB] = f[IB0] = f[REF_B] = scale * table[(look + 256) & 1023]
+    f[THETA] = (look + s[OFFSET]) * (math.pi / 512.0 / f[TEETH])
+    f[OMEGA] = s[SHAFT] * s[V] * f[FS_A_V] * (math.pi / 2.0 / f[TEETH])
+    s[REST] = 1
+
+
+@inlined
+def _rigid_load(s: Cells, f: Floats) -> None:
+    """StallGuard2 of a motor that nothing can load."""
+    speed = abs(s[V]) * f[FS_A_V]
+    value = f[S0] * speed / (speed + f[V_HALF]) + 8.0 * s[SGT]
+    s[SG] = 0 if s[STEALTH] else int(min(max(value, 1.0), 1023.0))
+
+
+@inlined
+def _ahead(target: int, x: int, direction: int) -> int:
+    """Steps from `x` to `target` in this direction, 1 to 2^32."""
+    return ((direction * (target - x) - 1) & 0xFFFFFFFF) + 1
+
+
+@inlined
+def _steady_steps(s: Cells, f: Floats, direction: int) -> int:
+    """Steps that a rigid motor can make before anything but a sum changes; less than one: none."""
+    if s[X] == s[XT] or s[INTERNAL + E_LIMIT] or s[INTERNAL + E_NULL] or s[EXTERNAL + E_NULL]:
+        return 0
+    steps = min(_ahead(s[XT], s[X], direction), _ahead(s[X_COMPARE], s[X], direction)) - 1
+    a_step = 1 << s[MRES]
+    way = direction * s[SHAFT]
+    # the field is behind by up to a step with interpolation, and a microstep is lost to rounding
+    spare = 2 * a_step + 2
+    microstep = math.pi / 512.0 / f[TEETH]
+    for cell in (LEFT_AT, RIGHT_AT, HOME_FROM, HOME_TO):
+        left = way * (f[cell] - f[THETA]) / microstep
+        if left > -2.0 and left < 1e12:
+            steps = min(steps, (int(left) - spare) // a_step)
+    per_turn = s[EXTERNAL + E_PER_TURN]
+    counting = way if f[SCALE_E] > 0 else -way
+    counts_a_step = a_step * per_turn / (1024.0 * f[TEETH])
+    if s[N_ON]:
+        left = float(s[N_HIGH] - s[N_AT] if counting > 0 else s[N_AT] - s[N_LOW]) - 2.0
+        steps = min(steps, int(left / counts_a_step) - 3)
+    if s[EXTERNAL + E_LIMIT] and not s[EXTERNAL + E_EXCEEDED]:
+        deviation = abs(wrap32(s[X] - position_of(s, EXTERNAL, external_counts(s, f))))
+        a_step_off = abs(1.0 - counting * direction * counts_a_step * f[RATIO_E])
+        left = s[EXTERNAL + E_LIMIT] - deviation - f[BOUND_E] - 2.0 * counts_a_step * abs(f[RATIO_E]) - 4.0
+        if left < a_step_off * steps:
+            steps = int(left / a_step_off) if left > 0 else 0
+    return steps
+
+
+@compiled
+def _leap(s: Cells, f: Floats, table: Floats, end: int) -> bool:
+    """Add up ticks of a rigid motor at constant velocity, at most until `end`; whether there were any."""
+    v, u, mode = s[V], abs(s[V]), s[MODE]
+    direction = 1 if v > 0 else -1
+    # a motor so slow that it counts as standing between two steps has to be seen ticking
+    if s[PHASE] != RUN or (1 << STEP_BITS) // u + 2 >= s[STILL_LIMIT]:
+        return False
+    if s[LATCHED] & _STOP_SG or _deviates(s) or (direction < 0 and s[LSTOP]) or (direction > 0 and s[RSTOP]):
+        return False
+    ticks = min(end - s[TICK], LONGEST_LEAP)
+    if mode == POSITION:
+        if u != s[VMAX]:
+            return False
+        left = direction * wrap32(s[XT] - s[X]) * (1 << STEP_BITS) - s[ACC]
+        stop, v1 = float(s[VSTOP]), float(max(s[V1], s[VSTOP]))
+        brake = max(float(u) * u - v1 * v1, 0.0) / (2.0 * s[DMAX])
+        if s[V1] > s[VSTOP]:
+            knee = min(v1, float(u))
+            brake += max(knee * knee - stop * stop, 0.0) / (2.0 * s[D1])
+        # doubles and their floor in `_allowed`: far less than this
+        ticks = min(ticks, (left - int(brake) - 8 * u - (1 << 34)) // u)
+    elif mode != HOLD_MODE and (u != s[VMAX] or (direction > 0) != (mode == FORWARD)):
+        return False
+    if ticks < 1:
+        return False
+    steps = min(_steady_steps(s, f, direction), 1 << 35)
+    ticks = min(ticks, ((steps << STEP_BITS) + (1 << STEP_BITS) - 1 - s[ACC]) // u)
+    if steps < 0 or ticks < 1:
+        return False
+    way = s[ACC] + ticks * u
+    s[ACC] = way & ((1 << STEP_BITS) - 1)
+    steps = way >> STEP_BITS
+    s[X] = wrap32(s[X] + direction * steps)
+    s[STILL] = s[ACC] // u if steps else s[STILL] + ticks
+    s[TICK] += ticks
+    _sequence(s, direction * steps)
+    _follow(s, f, table)
+    if s[N_ON]:
+        s[N_AT] = external_counts(s, f)
+    return True
 
 
 # --- time ----------------------------------------------------------------------------------------
@@ -627,6 +850,8 @@ def _tick(s: Cells, f: Floats, table: Floats) -> int:
     now = s[V]
     if now != before:
         _thresholds(s)
+        if s[RIGID]:
+            _rigid_load(s, f)
         if now == 0:
             events |= _EV_STOPPED
         elif before == 0:
@@ -639,6 +864,8 @@ def _tick(s: Cells, f: Floats, table: Floats) -> int:
         s[REACHED] = reached
         if reached:
             s[LATCHED] |= _POS_REACHED
+    if steps != 0 and 0 < direction_of(steps) * wrap32(s[X_COMPARE] - s[X] + steps) <= abs(steps):
+        s[PASSED] += 1
     arrived = reached and now == 0 and s[MODE] == POSITION
     if arrived and not s[ARRIVED]:
         events |= _EV_POSITION
@@ -656,12 +883,15 @@ def _tick(s: Cells, f: Floats, table: Floats) -> int:
     whole = s[LOOK] >> 8
     _sequence(s, steps)
     events |= _standing(s, steps)
-    _drive_motor(s, f, table)
+    if s[RIGID]:
+        _follow(s, f, table)
+    else:
+        _drive_motor(s, f, table)
     pressed = physical(s, f)
     if pressed != s[PHYS]:
         events |= (pressed ^ s[PHYS]) * _EV_LEFT
         _switches_moved(s, f, pressed)
-    if now != 0:
+    if now != 0 and not s[RIGID]:
         f[SUM_T] += f[TORQUE]
         f[SUM_I2] += f[IA] * f[IA] + f[IB] * f[IB]
         s[SG_TICKS] += 1
@@ -675,6 +905,14 @@ def _tick(s: Cells, f: Floats, table: Floats) -> int:
                 events |= _EV_STALL | _EV_STOPPED
     if s[ENCODERS]:
         events |= _look_at_both(s, f)
+    if s[N_ON]:
+        counts = external_counts(s, f)
+        if counts != s[N_AT]:
+            if counts < s[N_LOW] or counts > s[N_HIGH]:
+                _look_for_n(s, counts)
+            else:
+                s[N_AT] = counts
+    s[STEADY] = s[RIGID] == LEAPS and before == now and now != 0 and events == 0
     s[QUIET] = before == 0 and now == 0 and waiting == 0 and s[REST] and s[PHASE] == HOLD and events == 0
     return events
 
@@ -688,6 +926,8 @@ def advance(s: Cells, f: Floats, table: Floats, until: int) -> int:
         if s[QUIET]:
             s[TICK] = end
             break
+        if s[STEADY] and _leap(s, f, table, end):
+            continue
         s[TICK] += 1
         events = _tick(s, f, table) & watch
         if events:
@@ -700,14 +940,24 @@ def advance(s: Cells, f: Floats, table: Floats, until: int) -> int:
 @compiled
 def refresh(s: Cells, f: Floats) -> None:
     """Take over what Python wrote into the cells since the last `advance`."""
-    s[QUIET] = s[REST] = 0
+    s[QUIET] = s[REST] = s[STEADY] = 0
+    if s[RIGID]:
+        # turned by hand or switched on, it comes to rest where the field is
+        ahead = f[THETA] * f[TEETH] * 512.0 / math.pi - s[LOOK]
+        s[OFFSET] = 1024 * math.floor(ahead / 1024.0 + 0.5)
+        s[SLIP_M] = math.floor(f[SLIP_E] * f[TEETH] * 512.0 / math.pi + 0.5)
     see_switches(s)
     _thresholds(s)
     if s[X] != s[XT]:
         s[REACHED] = s[ARRIVED] = 0
+    if s[N_ON]:  # turned by hand, it is not taken through all counts between
+        counts = external_counts(s, f)
+        if counts != s[N_AT]:
+            s[N_AT] = counts
+            _n_bounds(s)
     s[ENCODERS] = 0
     for at in (INTERNAL, EXTERNAL):
-        s[at + E_TURN] = (internal_counts(f) if at == INTERNAL else external_counts(f)) // s[at + E_PER_TURN]
+        s[at + E_TURN] = (internal_counts(f) if at == INTERNAL else external_counts(s, f)) // s[at + E_PER_TURN]
         if s[at + E_LIMIT] > 0 or s[at + E_NULL]:
             s[ENCODERS] = 1
     f[RATIO_I] = s[INTERNAL + E_NUM] / s[INTERNAL + E_DEN]

@@ -148,6 +148,12 @@ class DriveOptions(_Closed):
         default=10.0, description="of a StallGuard2 value, +-"
     )
     seed: Annotated[int, Field(strict=True, ge=0, le=2**32 - 1)] = Field(default=5160, description="of the noise")
+    rigid: Annotated[bool, Field(strict=True)] = Field(
+        default=False, description="no physics: the shaft is where the field is, and nothing loads it"
+    )
+    n_line: Annotated[bool, Field(strict=True)] = Field(
+        default=False, description="the external encoder's N line is wired: ENCMODE acts on it"
+    )
 
     @property
     def inertia_kgm2(self) -> float:
