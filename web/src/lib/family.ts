@@ -40,6 +40,11 @@ export function sixPointModel(device: Device | undefined): SixPointModel | null 
   return familyOf(device?.model) === "sixpoint" ? (device?.model as SixPointModel) : null;
 }
 
+/** Whether there is a third switch besides the two at the ends: a home or reference switch. */
+export function hasHomeSwitch(model: Device["model"]): boolean {
+  return familyOf(model) !== "sixpoint";
+}
+
 export const CHIPS: readonly Family[] = ["pmul", "sramp", "sixpoint"];
 
 /** How people call what belongs to a family: the one they have, and those that a page is for. */

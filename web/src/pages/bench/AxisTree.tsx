@@ -93,7 +93,7 @@ function AxisRow({ device, axis, emulator, unit, active, onSelect }: RowProps) {
         <LiveText read={() => fixed(fromSteps(live.read("position"), shown, scale, "position"), decimals)} />
         <span className={classes.unit}>{symbolOf(shown)}</span>
       </span>
-      <Lamps live={live} />
+      <Lamps live={live} model={device.model} />
       <LiveText
         className={classes.axisWord}
         read={() => {
@@ -133,10 +133,12 @@ function Rail({ axis, live, emulator }: RailProps) {
         className={classes.railSpan}
         style={{ left: percent(geometry.left), width: percent(geometry.right - geometry.left) }}
       />
-      <span
-        className={classes.railRef}
-        style={{ left: percent(geometry.homeFrom), width: percent(geometry.homeTo - geometry.homeFrom) }}
-      />
+      {geometry.homeFrom !== null && geometry.homeTo !== null && (
+        <span
+          className={classes.railRef}
+          style={{ left: percent(geometry.homeFrom), width: percent(geometry.homeTo - geometry.homeFrom) }}
+        />
+      )}
       <span ref={carriage} className={classes.railCarriage} />
     </span>
   );

@@ -1,4 +1,6 @@
 import { useEffect, useRef } from "react";
+import type { Device } from "../../api/queries";
+import { hasHomeSwitch } from "../../lib/family";
 import { everyTick } from "../../live/LiveText";
 import classes from "./bench.module.css";
 import type { AxisQuantity, LiveAxis } from "./live";
@@ -47,13 +49,15 @@ function Lamp({
   );
 }
 
-/** The three switches of an axis: lit while active. */
-export function Lamps({ live }: { live: LiveAxis }) {
+/** The switches of an axis: lit while active. */
+export function Lamps({ live, model }: { live: LiveAxis; model: Device["model"] }) {
   return (
     <span className={classes.lamps}>
-      {LAMPS.map(([quantity, letter, name]) => (
-        <Lamp key={quantity} live={live} quantity={quantity} letter={letter} name={name} />
-      ))}
+      {LAMPS.filter(([quantity]) => hasHomeSwitch(model) || quantity !== "switch_home").map(
+        ([quantity, letter, name]) => (
+          <Lamp key={quantity} live={live} quantity={quantity} letter={letter} name={name} />
+        ),
+      )}
     </span>
   );
 }

@@ -32,8 +32,8 @@ export const CHIP_LIMITS = {
   bus: { minimum: 0, maximum: 255, integer: true, fallback: 0 },
   device: { minimum: 0, maximum: 255, integer: true, fallback: 0 },
   speedHz: { minimum: 10_000, maximum: 16e6, integer: true, fallback: 1_000_000 },
-  baud: { minimum: 300, maximum: 4e6, integer: true, fallback: 115_200 },
-  node: { minimum: 0, maximum: 255, integer: true, fallback: 0 },
+  baud: { minimum: 9000, maximum: 4e6, integer: true, fallback: 115_200 },
+  node: { minimum: 0, maximum: 254, integer: true, fallback: 0 },
 } as const satisfies Record<string, Limits>;
 
 export const WIRINGS = [

@@ -282,7 +282,7 @@ describe("a TMC5xxx", () => {
   });
 
   it.each([
-    ["uart.node", { uart: { baud: "", node: "256", echo: "auto" as const } }],
+    ["uart.node", { uart: { baud: "", node: "255", echo: "auto" as const } }],
     ["uart.baud", { uart: { baud: "12", node: "", echo: "auto" as const } }],
     ["timeoutS", { timeoutS: "0" }],
     ["clockMhz", { clockMhz: "20" }],

@@ -100,7 +100,18 @@ export function nearest(lane: Lane | undefined, time: number, reach: number): nu
 }
 
 /** Faults among the events: these are red, and a diamond. */
-const FAULTS: ReadonlySet<string> = new Set(["HOME_ERROR", "ENC_FAIL", "SER_ENC_DATA_FAIL", "STOP_ON_STALL", "FROZEN"]);
+const FAULTS: ReadonlySet<string> = new Set([
+  "HOME_ERROR",
+  "ENC_FAIL",
+  "SER_ENC_DATA_FAIL",
+  "STOP_ON_STALL",
+  "FROZEN",
+  "event_stop_sg",
+  "drv_err",
+  "drv_err1",
+  "drv_err2",
+  "uv_cp",
+]);
 
 export function isFault(name: string): boolean {
   return FAULTS.has(name);

@@ -10,7 +10,7 @@ import { useFrame } from "../../live/useFrame";
 import { EventList } from "./EventList";
 import { isFault, type Lane, nearest } from "./EventLog";
 import classes from "./events.module.css";
-import { type EventBit, useEvents } from "./useEvents";
+import { type EventBit, eventRegisters, useEvents } from "./useEvents";
 
 const LANE_PX = 18;
 const HIT_PX = 8;
@@ -31,7 +31,7 @@ interface Props {
   window: TimeWindow;
 }
 
-/** What the chip's event register has told, on the time axis of the plots above it: a row for each bit that occurred. */
+/** What the chip's event registers have told, on the time axis of the plots above it: a row for each bit that occurred. */
 export function EventsTimeline({ at, model, name, source, connected, window }: Props) {
   const phone = usePhone();
   const [view, setView] = useState<"timeline" | "list">("timeline");
@@ -64,7 +64,7 @@ export function EventsTimeline({ at, model, name, source, connected, window }: P
         <ProblemAlert error={query.error} doing="Asking for events" retry={() => void query.refetch()} />
       )}
       {lanes.length === 0 ? (
-        <Nothing pending={query.isPending && connected} connected={connected} />
+        <Nothing pending={query.isPending && connected} connected={connected} registers={eventRegisters(model)} />
       ) : asList ? (
         <EventList entries={log.entries} bits={events.bits} originS={originS} />
       ) : (
@@ -74,12 +74,20 @@ export function EventsTimeline({ at, model, name, source, connected, window }: P
   );
 }
 
-function Nothing({ pending, connected }: { pending: boolean; connected: boolean }) {
+interface NothingProps {
+  pending: boolean;
+  connected: boolean;
+  registers: readonly string[];
+}
+
+function Nothing({ pending, connected, registers }: NothingProps) {
   if (pending) return <Loader size="xs" aria-label="Asking for events" />;
   return (
     <Text size="xs" c="dimmed" className={classes.nothing}>
       {connected
-        ? "No event yet. Move the motor, or push a switch: what EVENTS tells gets a row here, and nothing is lost by looking."
+        ? `No event yet. Move the motor, or push a switch: what ${registers.join(" and ")} ${
+            registers.length === 1 ? "tells" : "tell"
+          } gets a row here, and nothing is lost by looking.`
         : "Not connected: no events are asked for."}
     </Text>
   );

@@ -1,5 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { type EventEntry, EventLog, isFault, lanesOf, nearest } from "./EventLog";
+import { eventRegisters } from "./useEvents";
 
 const BITS = ["TARGET_REACHED", "STOPL_EVENT", "RST_EV"];
 const entry = (seq: number, timeS: number, names: string[], unixS: number | null = 1000 + timeS): EventEntry => ({
@@ -60,7 +61,18 @@ describe("lanes", () => {
   it("tells faults from what is wanted", () => {
     expect(isFault("ENC_FAIL")).toBe(true);
     expect(isFault("TARGET_REACHED")).toBe(false);
+    expect(isFault("drv_err2")).toBe(true);
+    expect(isFault("event_pos_reached")).toBe(false);
     // standstill is one of the driver's flags that make it
     expect(isFault("MOTOR_EV")).toBe(false);
+  });
+});
+
+describe("the registers of events", () => {
+  it("are the family's", () => {
+    expect(eventRegisters("tmc4361")).toEqual(["EVENTS"]);
+    expect(eventRegisters("tmc5072")).toEqual(["RAMP_STAT", "GSTAT"]);
+    expect(eventRegisters("tmc428")).toEqual([]);
+    expect(eventRegisters(undefined)).toEqual([]);
   });
 });

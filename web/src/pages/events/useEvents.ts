@@ -1,8 +1,9 @@
 import { useQuery } from "@tanstack/react-query";
 import { useEffect, useMemo, useRef, useState } from "react";
-import { api, unwrap } from "../../api/client";
+import { api, type Schemas, unwrap } from "../../api/client";
 import type { AxisAddress } from "../../api/motion";
 import { useCatalogModel } from "../../api/queries";
+import { type Family, familyOf } from "../../lib/family";
 import type { TelemetrySource } from "../../live/TelemetrySource";
 import { useFrame } from "../../live/useFrame";
 import { EventLog, type Lane, lanesOf } from "./EventLog";
@@ -17,16 +18,31 @@ export interface EventBit {
   help: string;
 }
 
-/** The bits of EVENTS with their meanings, from the catalog. */
+/** The registers that tell of events, by family. */
+const REGISTERS: Partial<Record<Family, readonly string[]>> = {
+  sramp: ["EVENTS"],
+  sixpoint: ["RAMP_STAT", "GSTAT"],
+};
+
+/** The registers whose bits are the events of that model; none where it has no timeline. */
+export function eventRegisters(model: string | undefined): readonly string[] {
+  const family = familyOf(model);
+  return (family && REGISTERS[family]) ?? [];
+}
+
+/** The bits of those registers with their meanings, from the catalog. */
 export function useEventBits(model: string | undefined): readonly EventBit[] {
   const catalog = useCatalogModel(model);
   return useMemo(
-    () =>
-      catalog.data?.rows
-        .find((row) => row.name === "EVENTS")
-        ?.fields.map(({ name, help }) => ({ name, help: help ?? "" })) ?? [],
-    [catalog.data],
+    () => eventRegisters(model).flatMap((register) => bitsOf(catalog.data?.rows ?? [], register)),
+    [catalog.data, model],
   );
+}
+
+function bitsOf(rows: readonly Schemas["RegisterRow"][], register: string): EventBit[] {
+  // of two axes one stands for both
+  const row = rows.find((candidate) => candidate.name === register);
+  return row?.fields.map(({ name, help }) => ({ name, help })) ?? [];
 }
 
 /** The timeline of one axis, from the server's memory and live from the socket of `source`. */

@@ -93,7 +93,7 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
             return live.read("position_reached") > 0.5 ? "at target" : "at rest";
           }}
         />
-        <Lamps live={live} />
+        <Lamps live={live} model={device.model} />
       </Group>
       {device.problem && <ProblemAlert error={device.problem} doing={device.name} />}
       {!connected && (

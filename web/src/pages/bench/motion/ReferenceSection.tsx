@@ -4,6 +4,7 @@ import { useState } from "react";
 import type { Schemas } from "../../../api/client";
 import { type AxisAddress, motion } from "../../../api/motion";
 import type { Device } from "../../../api/queries";
+import { hasHomeSwitch } from "../../../lib/family";
 import { withUnit } from "../../../lib/format";
 import type { LiveAxis } from "../live";
 import { setZero } from "./setZero";
@@ -37,7 +38,8 @@ function outcome(search: Schemas["ReferenceSearchState"] | undefined): string {
 /** Where zero is: found at a switch, or set here. */
 export function ReferenceSection({ at, model, live, action, disabled }: Props) {
   const queries = useQueryClient();
-  const [target, setTarget] = useState<SearchSwitch>("reference");
+  const home = hasHomeSwitch(model);
+  const [target, setTarget] = useState<SearchSwitch>(home ? "reference" : "left");
   const search = useSearch(at, !disabled);
   const running = search.data?.state === "running";
   // the stage's drawing has to learn of the new zero
@@ -51,7 +53,7 @@ export function ReferenceSection({ at, model, live, action, disabled }: Props) {
         aria-label="Switch to search"
         data={[
           { value: "left", label: "Left" },
-          { value: "reference", label: "Reference" },
+          ...(home ? [{ value: "reference", label: "Reference" }] : []),
           { value: "right", label: "Right" },
         ]}
         value={target}
