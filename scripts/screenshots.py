@@ -1,7 +1,7 @@
 """Takes pictures of every page at desktop and phone size, in light and dark: scripts/screenshots.py FOLDER [--url URL].
 
-Without --url it starts a server of its own with the demo bench, a module and a TMC4361, and sets their axes moving:
-there is something to see. A server at --url shows its module pages where it has devices of these names.
+Without --url it starts a server of its own with the demo bench and a device of each other family, and sets their axes
+moving: there is something to see. A server at --url shows the pages of these where it has devices of these names.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from chromium import chromium_flags, find_chromium
 from playwright.sync_api import Browser, ViewportSize, sync_playwright
 from server_process import ServerProcess
 
-MODULE, SERVO = "module", "servo"
+MODULE, SERVO, TWO_AXES, ONE_AXIS = "module", "servo", "pair", "single"
 PAGES = {
     "bench": ("/", "bench"),
     "registers": ("/registers", "bench"),
@@ -38,6 +38,18 @@ PAGES = {
     "closed-loop": ("/closed-loop", SERVO),
     "filters": ("/filters", SERVO),
     "mslut": ("/microsteps", SERVO),
+    "pair-bench": ("/", TWO_AXES),
+    "pair-registers": ("/registers", TWO_AXES),
+    "pair-mslut": ("/microsteps", TWO_AXES),
+    "single-bench": ("/", ONE_AXIS),
+    "single-registers": ("/registers", ONE_AXIS),
+    "sixpoint": ("/sixpoint", ONE_AXIS),
+    "currents": ("/currents", ONE_AXIS),
+    "single-encoder": ("/encoder", ONE_AXIS),
+    "single-stallguard": ("/stallguard", ONE_AXIS),
+    "single-console": ("/console", ONE_AXIS),
+    "rotary": ("/rotary", ONE_AXIS),
+    "bench-rotary": ("/rotary", "bench"),
     "connections": ("/connections", "bench"),
 }
 """Page by name: its path, and the device that it shows."""
@@ -50,6 +62,17 @@ SERVO_RAMP = {
     "BOW3": 2_000_000,
     "BOW4": 2_000_000,
     "VMAX": 256 * 60_000,
+}
+SIXPOINT_RAMP = {
+    "CHOPCONF": 0x0001_0153,
+    "IHOLD_IRUN": 0x0007_1F0A,
+    "A1": 1000,
+    "V1": 50_000,
+    "AMAX": 500,
+    "VMAX": 200_000,
+    "DMAX": 700,
+    "D1": 1400,
+    "VSTOP": 10,
 }
 SIZES: dict[str, ViewportSize] = {
     "desktop": {"width": 1440, "height": 900},
@@ -69,11 +92,18 @@ def a_server(url: str | None) -> Iterator[str]:
 
 
 def add_devices(url: str) -> None:
-    """A module and a chip of the families that the demo bench lacks, ready to move."""
-    for name, model in ((MODULE, "pd42-1241"), (SERVO, "tmc4361")):
+    """A device of each family that the demo bench lacks, ready to move."""
+    ramps: tuple[tuple[str, str, int, dict[str, int]], ...] = (
+        (MODULE, "pd42-1241", 1, {}),
+        (SERVO, "tmc4361", 1, SERVO_RAMP),
+        (TWO_AXES, "tmc5072", 2, SIXPOINT_RAMP),
+        (ONE_AXIS, "tmc5160", 1, SIXPOINT_RAMP),
+    )
+    for name, model, axes, ramp in ramps:
         _call(f"{url}/api/v1/devices", {"name": name, "model": model, "link": {"kind": "emulator"}})
-    for register, value in SERVO_RAMP.items():
-        _call(f"{url}/api/v1/devices/{SERVO}/registers/{register}?axis=0", {"value": value}, "PUT")
+        for axis in range(axes):
+            for register, value in ramp.items():
+                _call(f"{url}/api/v1/devices/{name}/registers/{register}?axis={axis}", {"value": value}, "PUT")
 
 
 def shuttle(url: str) -> None:

@@ -21,6 +21,8 @@ export type Quantity =
   | "encoder_velocity"
   | "load_angle"
   | "current_scale"
+  | "current_a"
+  | "current_b"
   | "switch_left"
   | "switch_right"
   | "switch_reference"
@@ -49,6 +51,8 @@ const SHADES: Record<Quantity, readonly [light: string, dark: string]> = {
   encoder_velocity: ["#b4408a", "#ee8fc6"],
   load_angle: ["#6b4fbb", "#a08bf0"],
   current_scale: ["#b87400", "#e69f00"],
+  current_a: ["#0072b2", "#56b4e9"],
+  current_b: ["#b87400", "#e69f00"],
   switch_left: ["#0072b2", "#56b4e9"],
   switch_right: ["#00795a", "#1fc497"],
   switch_reference: ["#b87400", "#e69f00"],

@@ -56,7 +56,7 @@ export function JogSection({ at, scale, unit, topSpeedPps, action, disabled }: P
           className={classes.jogButton}
           leftSection={<IconPlayerStop size={18} aria-hidden />}
           disabled={disabled}
-          title="Slow down with a_max and stop"
+          title="Slow down along the ramp and stop"
           data-testid="stop-axis"
           onClick={() => stop("ramp")}
         >

@@ -10,6 +10,7 @@ export type RowId =
   | "load"
   | "angle"
   | "current"
+  | "coils"
   | "switches";
 export type Motion = "position" | "velocity" | "acceleration";
 
@@ -108,6 +109,16 @@ export const ROWS: readonly Row[] = [
     channels: [
       { quantity: "actual_current_scale", label: "of 0..31", measured: true },
       { quantity: "current_scale", label: "of 0..255", measured: true },
+    ],
+  },
+  {
+    id: "coils",
+    title: "Coil currents",
+    motion: null,
+    grow: 1.4,
+    channels: [
+      { quantity: "current_a", label: "A, of ±255", measured: true },
+      { quantity: "current_b", label: "B, of ±255", measured: true },
     ],
   },
   {
