@@ -160,12 +160,12 @@ class Moves(Events):
             Write(row, wanted) for row in (rows.amax, rows.vmax) if (wanted := self.wanted(row)) is not None
         ]  # nothing is known to write where somebody else has set it, and it is still that
         to_mode, to_target = Write(rows.rampmode, r.POSITION), _put(rows.xtarget, target)
-        if before.positioning:
-            # The speed behind the target: with VMAX 0 the old target would be gone to first.
-            return [], [to_target, *speed]
         if before.stands:
             # From here to the last datagram the target is where the axis stands, and nothing moves.
             return [_put(rows.xtarget, before.position), to_mode, *speed], [to_target]
+        if before.positioning:
+            # The speed behind the target: with VMAX 0 the old target would be gone to first.
+            return [], [to_target, *speed]
         # VMAX is the target velocity still; the mode makes it the limit again.
         return [], [to_target, to_mode, *speed]
 
