@@ -243,7 +243,7 @@ class Device(ABC):
         """For drivers: something that may move or stop `axis` is on its way to the chip."""
         self.motion_commands[axis] += 1
         self._tell(MotionCommanded(axis, what, motion_owner.get()))
-        if what in self.COUNTER_WRITES:
+        if self.writes_counter(what):
             self._tell(CounterWritten(axis, what))
 
     def saw_position(self, axis: int, count: int, asked_at_s: float, encoder_count: int | None = None) -> None:
@@ -352,6 +352,10 @@ class Device(ABC):
 
     COUNTER_WRITES: ClassVar[frozenset[str]] = frozenset({"set_position", "XACTUAL"})
     """Commands, as `commanded` names them, after which the position counter shows another number for the same place."""
+
+    def writes_counter(self, what: str) -> bool:
+        """Whether a command, as `commanded` names it, is one of those."""
+        return what in self.COUNTER_WRITES
 
     def counter_bits(self, axis: int) -> int | None:
         """Bits of the position counter of `axis`, which wraps; None where it wraps elsewhere as the chip is set."""

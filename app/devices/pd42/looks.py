@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 
+from app.calc.extended_position import Counter
 from app.devices.motion_watch import POLL_S, Look, UnderWay
 from app.devices.pd42 import rows
 from app.devices.pd42.calls import Calls
@@ -45,6 +46,7 @@ WHY = (
     rows.RIGHT_DISABLED,
     rows.DRIVER_FLAGS,
 )
+COUNTER = Counter(32)
 FATAL = DriverErrors.OVERTEMPERATURE | DriverErrors.SHORT_A | DriverErrors.SHORT_B
 
 
@@ -59,11 +61,14 @@ class Looks(Stops):
         async with self.calls() as calls:
             if self.unit_mode is None:
                 await calls.get(rows.UNIT_MODE)
+            asked_at_s = self.device_time_s()
             values = await calls.get_many(STATE)
             searching = (await calls.do(Request(self.address, Opcode.RFS, STATUS))).value != 0
             time_s = calls.time_s
         first, encoder, between, external, position, speed = values[:6]
         target, target_speed, reached, left, right, home, driver, step_direction = values[6:]
+        # The encoder was read with the first position, and is told as if it were with the last.
+        self.saw_position(axis, position, asked_at_s, COUNTER.shows(encoder + COUNTER.way(position, first)))
         self._watch.look(Look(time_s, position, speed, bool(reached)), self._spread_s())
         mode = self._mode(bool(step_direction), searching, speed, target_speed, bool(reached))
         return AxisState(
@@ -145,8 +150,10 @@ class Looks(Stops):
         # Telemetry that asks for the same looks often enough: one set of questions is enough for both.
         if self.device_time_s() - watch.looked_s > POLL_S * self._time_scale():
             async with self.calls(priority=Priority.SAMPLE) as calls:
+                asked_at_s = self.device_time_s()
                 position, speed, reached = await calls.get_many(LOOK)
                 time_s = calls.time_s
+            self.saw_position(0, position, asked_at_s)
             watch.look(Look(time_s, position, speed, bool(reached)), self._spread_s())
         rests = watch.at_rest(self.device_time_s())
         if rests is not None:

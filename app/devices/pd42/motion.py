@@ -6,6 +6,7 @@ import contextlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from app.calc.extended_position import Counter
 from app.calc.sixpoint import MotionPlan
 from app.clock import Clock
 from app.devices.axis_units import CHIP, SPELLINGS, to_position
@@ -29,6 +30,7 @@ from app.registers.model import Register
 from app.registers.tmcl import Opcode
 
 ABS = 0
+COUNTER = Counter(32)
 START, STOP, STATUS = 0, 1, 2
 """Types of RFS."""
 MOVING_LOOK = (rows.ACTUAL_POSITION, rows.ACTUAL_SPEED, rows.LEFT_SWITCH, rows.RIGHT_SWITCH)
@@ -75,7 +77,7 @@ class Motion(Console):
         async with self.calls(axis) as calls:
             before, warnings = await self._prepare(calls)
             target = self._target(move, before.position, warnings)
-            warnings += self._blocked(target - before.position, before)
+            warnings += self._blocked(COUNTER.way(target, before.position), before)
             if self._known.get(rows.MAX_SPEED.address) == 0:
                 raise WrongState("the motor would not move: maximum_positioning_speed (AP 4) is 0", "write AP 4 first")
             request = Request(self.address, Opcode.MVP, ABS, axis, target)
@@ -105,6 +107,8 @@ class Motion(Console):
         if move.unit == "microsteps" and wanted != move.target:
             warnings.append(f"rounded to {wanted} microsteps")
         target = position + wanted if move.relative else wanted
+        if move.over_the_end:
+            return target
         if not VALUE_MIN <= target <= VALUE_MAX:
             shown = "" if move.unit == "microsteps" else f"; {move.target:g} {move.unit} asked"
             raise OutOfRange("target of axis 0", target, VALUE_MIN, VALUE_MAX, f"microsteps{shown}")
@@ -237,7 +241,7 @@ class Motion(Console):
         if target is None:
             plan = turn_plan(ramp, speed * self.speed_unit_pps, v_pps)
         else:
-            plan = move_plan(ramp, target - position, v_pps)
+            plan = move_plan(ramp, COUNTER.way(target, position), v_pps)
         if plan is None:
             self._book.end(started_s, "another command")
             return None

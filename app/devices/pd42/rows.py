@@ -73,6 +73,8 @@ REMEMBERED = (
     RIGHT_DISABLED,
 )
 """What the driver keeps in mind, and looks at again a few at a time: on a slow line each look costs others theirs."""
+COUNTER = (ACTUAL_POSITION, MICROSTEPS)
+"""Parameters whose write makes the position counter show another number for the same place, or count other steps."""
 MOVING = (TARGET_POSITION, ACTUAL_POSITION, TARGET_SPEED, MICROSTEPS, REVERSE_SHAFT, STEP_DIRECTION)
 """Parameters whose write may set the motor in motion or stop it. The position counter is among them: in
 positioning the module drives on to its target from wherever the counter says it is."""

@@ -15,8 +15,8 @@ import numpy as np
 
 from app.devices.motion_watch import Look
 from app.devices.pd42 import rows
+from app.devices.pd42.counter import Counting
 from app.devices.pd42.frames import reading
-from app.devices.pd42.searches import Searches
 from app.devices.planned_motion import POSITION_BITS
 from app.devices.prediction import wrapped
 from app.devices.sample_plan import Channel, FloatArray, SamplePlan, Taken
@@ -138,7 +138,7 @@ class _Questions:
         return end - 2, end - 1, end
 
 
-class Samples(Searches):
+class Samples(Counting):
     """A TMCL module with telemetry."""
 
     _row_spread_latest_s = 0.0
@@ -239,7 +239,33 @@ class Samples(Searches):
         return lambda times_s, values: wrapped(values[:, column] - self._book.at(times_s)[0], POSITION_BITS)
 
     def _watcher(self, asked: Sequence[Register]) -> Callable[[FloatArray, FloatArray], None] | None:
-        """What these questions tell of a motion's end and of predictions, or None where they tell nothing."""
+        """What these questions tell of where the axis is, of a motion's end and of predictions; None where nothing."""
+        where = self._position_watcher(asked)
+        ends = self._end_watcher(asked)
+        if where is None or ends is None:
+            return where or ends
+
+        def seen(times_s: FloatArray, values: FloatArray) -> None:
+            where(times_s, values)
+            ends(times_s, values)
+
+        return seen
+
+    def _position_watcher(self, asked: Sequence[Register]) -> Callable[[FloatArray, FloatArray], None] | None:
+        if rows.ACTUAL_POSITION not in asked:
+            return None
+        position = asked.index(rows.ACTUAL_POSITION)
+        encoder = asked.index(rows.ENCODER) if rows.ENCODER in asked else None
+
+        def seen(times_s: FloatArray, values: FloatArray) -> None:
+            count, with_it = values[-1, position], np.nan if encoder is None else values[-1, encoder]
+            if np.isfinite(count):
+                asked_at_s = float(times_s[-1]) - self._row_spread_s()
+                self.saw_position(0, int(count), asked_at_s, int(with_it) if np.isfinite(with_it) else None)
+
+        return seen
+
+    def _end_watcher(self, asked: Sequence[Register]) -> Callable[[FloatArray, FloatArray], None] | None:
         if rows.ACTUAL_SPEED not in asked:
             return None
         speed = asked.index(rows.ACTUAL_SPEED)
