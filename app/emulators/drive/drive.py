@@ -21,7 +21,7 @@ _VELOCITIES = {"VSTART": k.VSTART, "V1": k.V1, "VMAX": k.VMAX, "VSTOP": k.VSTOP}
 _ACCELERATIONS = {"A1": (k.A1, 0), "AMAX": (k.AMAX, 0), "DMAX": (k.DMAX, 1), "D1": (k.D1, 1)}
 _PLAIN = {"TPWMTHRS": k.TPWMTHRS, "TCOOLTHRS": k.TCOOLTHRS, "THIGH": k.THIGH, "RAMPMODE": k.MODE, "SW_MODE": k.SW}
 _TABLE = ("MSLUTSEL", "MSLUTSTART", *(f"MSLUT[{i}]" for i in range(8)))
-_FASTSTANDSTILL, _EN_PWM_MODE, _SHAFT = 1 << 0, 1 << 2, 1 << 4
+_FASTSTANDSTILL, _EN_PWM_MODE, _SHAFT = 1 << 1, 1 << 2, 1 << 4
 _GSTAT_RESET, _GSTAT_DRV_ERR, _GSTAT_UV_CP = 1, 2, 4
 _STOP_SG = 1 << 6
 _KEPT = (k.TICK, k.CLOCK, k.WATCH, k.RNG, k.SUBSTEPS, k.BLOCKED, k.FORCE, k.FORCED, k.STALL_V, k.RIGID)
@@ -396,9 +396,11 @@ class Drive:
             k.n_restart(self._s, self._f)
         self._changed()
 
-    def latch_encoder(self) -> None:
-        """ENC_LATCH takes X_ENC now."""
+    def latch_now(self) -> None:
+        """ENC_LATCH takes X_ENC, and with ENCMODE.latch_x_act XLATCH XACTUAL, as upon an N event."""
         self._s[k.ENC_LATCH] = self.external.position
+        if bits(self._registers["ENCMODE"], 9, 1):
+            self._s[k.XLATCH] = self._s[k.X]
 
     @property
     def moves_by_leaps(self) -> bool:

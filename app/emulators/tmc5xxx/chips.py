@@ -12,37 +12,32 @@ from app.emulators.tmc5xxx.options import Tmc5xxxModel
 class Kind:
     """One chip as the emulator sees it."""
 
+    axes: Literal[1, 2]
+    """Motors. Chips with one have thresholds in TSTEP, and status byte and pins of their own kind."""
     version: int
     """IOIN's or INPUT's VERSION."""
     uart: Literal["", "plain", "node"]
     """Its UART: none, without or with a node address."""
     full_scale_a: float
-    """Peak coil current at current scale 31 [A], vsense 0 or GLOBALSCALER 0, with the sense resistors that the maker's
-    board has (5160: 75 mOhm) or the data sheet recommends for the largest current."""
+    """Peak coil current at current scale 31 [A], vsense 0 or GLOBALSCALER 0: 5160 as the PD42-1241 has it, 5130 with
+    110 mOhm (0.32 V over them and 20 mOhm of the chip), the dual ones the 1.5 A that their data sheets allow."""
     vsense: float = 1.0
     """Share of that with CHOPCONF.vsense set; 1: the chip has none."""
-    node_bits: int = 8
-    """Width of NODEADDR; SENDDELAY follows."""
-    stealth_bit: bool = False
-    """Whether GCONF.en_pwm_mode lets StealthChop in."""
+    delay_bit: int = 8
+    """Lowest bit of SENDDELAY in register 0x03."""
     interpolates: tuple[int, ...] = tuple(range(9))
     """MRES settings that intpol acts on."""
 
     @property
-    def axes(self) -> int:
-        """Motors."""
-        return 1 if self.single else 2
-
-    @property
     def single(self) -> bool:
-        """One motor: thresholds in TSTEP, status byte and pins of the younger chips."""
-        return self.stealth_bit
+        """One motor."""
+        return self.axes == 1
 
 
 CHIPS: dict[Tmc5xxxModel, Kind] = {
-    "tmc5031": Kind(version=0x01, uart="", full_scale_a=1.5, vsense=0.55, interpolates=()),
-    "tmc5062": Kind(version=0x01, uart="plain", full_scale_a=1.5, vsense=0.55, node_bits=4, interpolates=(4,)),
-    "tmc5072": Kind(version=0x10, uart="node", full_scale_a=1.5, vsense=0.5625, interpolates=(4,)),
-    "tmc5130": Kind(version=0x11, uart="node", full_scale_a=2.46, vsense=0.5625, stealth_bit=True),
-    "tmc5160": Kind(version=0x30, uart="node", full_scale_a=4.2, stealth_bit=True),
+    "tmc5031": Kind(2, 0x01, "", full_scale_a=1.5, vsense=0.5625, interpolates=()),
+    "tmc5062": Kind(2, 0x01, "plain", full_scale_a=1.5, vsense=0.5625, delay_bit=4, interpolates=(4,)),
+    "tmc5072": Kind(2, 0x10, "node", full_scale_a=1.5, vsense=0.5625, interpolates=(4,)),
+    "tmc5130": Kind(1, 0x11, "node", full_scale_a=2.46, vsense=0.5625),
+    "tmc5160": Kind(1, 0x30, "node", full_scale_a=4.2),
 }

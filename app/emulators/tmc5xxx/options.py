@@ -73,7 +73,7 @@ class Tmc5xxxOptions(Closed):
         """Whether the shaft follows the field exactly."""
         return self.motor == "rigid"
 
-    def drive(self, full_scale_a: float) -> DriveOptions:
+    def drive(self, full_scale_a: float, has_encoder: bool) -> DriveOptions:
         """The part that each motor and its driver are made with; `full_scale_a` [A] is what the chip has by itself."""
         return DriveOptions(
             motor=MotorOptions() if self.motor == "rigid" else self.motor,
@@ -85,11 +85,13 @@ class Tmc5xxxOptions(Closed):
             full_scale_a=self.full_scale_a or full_scale_a,
             start_fullsteps=self.start_fullsteps,
             seed=self.seed,
+            rigid=self.rigid,
+            n_line=has_encoder,
         )
 
     @model_validator(mode="after")
     def _can_be_computed(self) -> Tmc5xxxOptions:
-        self.drive(1.0)
+        self.drive(1.0, has_encoder=True)
         return self
 
 

@@ -1,19 +1,23 @@
-"""The register file behind SPI and UART: what a write changes and what a read gives, of all five chips."""
+"""The register file behind SPI and UART: what a write changes and what a read gives, of all five chips.
+
+A write takes effect at once, a read is taken when its datagram has come. Registers that can only be written read as 0.
+"""
 
 from __future__ import annotations
 
-from app.emulators.drive import Drive
-from app.emulators.drive.registers import ALIASES, READ_ONLY, WRITABLE
+from app.emulators.tmc5xxx.axis import LIVE, Axis
 from app.emulators.tmc5xxx.chips import CHIPS
 from app.emulators.tmc5xxx.options import Tmc5xxxModel, Tmc5xxxOptions
 from app.registers.model import Access, Register
 from app.registers.tmc5xxx import TABLES
 
-MASK = 0xFFFF_FFFF
-X_COMPARE = 0x05
-_STATUS = frozenset({"GSTAT", "RAMP_STAT", "ENC_STATUS"})
-_LIVE = READ_ONLY | _STATUS | {"XACTUAL", "XTARGET", "X_ENC"}
-_SHAFT = 1 << 4
+GCONF, OUTPUT, X_COMPARE = 0x00, 0x04, 0x05
+_RESET, _DRV_ERR, _UV_CP = 1, 2, 4
+"""GSTAT of a TMC5160, which is what a drive has."""
+_EVENTS = 0xF0
+"""RAMP_STAT: stops left, right and by StallGuard2, position reached."""
+_SINGLE_STATUS = ((24, 2), (31, 3)), ((8, 4), (9, 5), (0, 6), (1, 7))
+"""(bit in DRV_STATUS, bit in the status byte), and the same of RAMP_STAT, of chips with one motor."""
 
 
 class Chip:
@@ -22,79 +26,51 @@ class Chip:
     def __init__(self, model: Tmc5xxxModel, options: Tmc5xxxOptions) -> None:
         self.kind = CHIPS[model]
         self.table = TABLES[model]
-        self.drives = tuple(Drive(options.drive(self.kind.full_scale_a)) for _ in range(self.kind.axes))
-        self.drv_enn = False
+        self.has_encoder = self.table.find("X_ENC", 0) is not None
+        self.axes = tuple(Axis(self.kind, options, self.has_encoder) for _ in range(self.kind.axes))
+        self._drv_enn = False
         self.node_pin = options.node_pin
         self.ifcnt = 0
         self._words: dict[int, int] = {}
+        self._encoders = [True] * self.kind.axes
         self.reset()
+
+    # --- power and time --------------------------------------------------------------------------
 
     def reset(self) -> None:
         """Registers and ramp generators as after power-on; the world stays, and time goes on."""
         self._words = {}
         self.ifcnt = 0
-        for drive in self.drives:
-            drive.power_cycle()
+        for axis in self.axes:
+            axis.drive.power_cycle()
         for row in self.table:
-            if row.access in (Access.RW, Access.RW_IF, Access.W) and not row.when:
-                self._words[row.address] = row.reset or 0
-                self._act(row, row.reset or 0)
+            if row.access.writable and row.access is not Access.R_W1C and not row.when:
+                self._take(row, row.reset or 0)
 
     def advance(self, clock: int) -> None:
         """Catch up to `clock` clocks; never back."""
-        for drive in self.drives:
-            while drive.clocks < clock:
-                drive.advance(clock)
-
-    def held(self, address: int) -> int:
-        """What was written there last."""
-        return self._words.get(address, 0)
-
-    @property
-    def has_encoder(self) -> bool:
-        """Whether the chip has an encoder interface."""
-        return self.table.find("X_ENC", 0) is not None
-
-    def encoder_connected(self, axis: int) -> bool:
-        """Whether GCONF leaves the encoder its pins."""
-        return self.has_encoder
-
-    @property
-    def x_compare(self) -> int:
-        """X_COMPARE, signed."""
-        return self.table.get("X_COMPARE", 0).decode(self.held(X_COMPARE))
-
-    @property
-    def position_compare(self) -> bool:
-        """XACTUAL of motor 1 is X_COMPARE."""
-        return self.drives[0].read("XACTUAL") == self.x_compare
-
-    @property
-    def shows_position_compare(self) -> bool:
-        """Whether a pin shows that."""
-        return self.kind.single
-
-    @property
-    def positions_passed(self) -> int:
-        """How often XACTUAL has come upon X_COMPARE."""
-        return 0
-
-    @property
-    def interrupt(self) -> bool:
-        """Whether the interrupt output is active."""
-        return False
+        for axis in self.axes:
+            if axis.drive.clocks < clock:
+                axis.drive.advance(clock)
 
     # --- the buses -------------------------------------------------------------------------------
 
     def read(self, address: int) -> int:
-        """The word at `address`; 0 where nothing can be read. Status registers of the older chips are cleared."""
+        """The word at `address`; 0 where nothing can be read. Flags of chips that clear them by reading are cleared."""
         row = self.table.at(address)
         if row is None or not row.access.readable:
             return 0
-        if row.name not in _LIVE:
-            return self._global(row)
-        drive = self.drives[row.axis or 0]
-        word = drive.read(row.name) & MASK & row.mask
+        match row.name:
+            case "GSTAT":
+                word = self.gstat
+            case "IFCNT":
+                word = self.ifcnt
+            case "IOIN" | "INPUT":
+                word = self._pins(row)
+            case name if name in LIVE:
+                word = self.axes[row.axis or 0].read(row)
+            case _:
+                word = self.held(address)
         if row.read_clears:
             self._clear(row, word)
         return word
@@ -107,33 +83,126 @@ class Chip:
         word &= row.write_mask
         if row.access is Access.R_W1C:
             self._clear(row, word)
-            return
-        self._words[address] = word
-        self._act(row, word)
+        elif address != GCONF or not self._gconf("lock_gconf"):
+            self._take(row, word)
+
+    def held(self, address: int) -> int:
+        """What was written there last."""
+        return self._words.get(address, 0)
+
+    def _take(self, row: Register, word: int) -> None:
+        self._words[row.address] = word
+        if row.axis is not None:
+            self.axes[row.axis].write(row, word)
+        elif row.address != GCONF:
+            for axis in self.axes:  # the microstep table of a TMC5072
+                axis.write(row, word)
+        if row.name in ("GCONF", "PWMCONF"):
+            self._configure()
+
+    def _clear(self, row: Register, ones: int) -> None:
+        if row.name == "GSTAT":
+            for axis in self.axes:
+                axis.drive.write("GSTAT", _RESET | _DRV_ERR | _UV_CP if row.read_clears else ones)
+        else:
+            self.axes[row.axis or 0].clear(row, ones)
+
+    # --- GCONF -----------------------------------------------------------------------------------
+
+    def _gconf(self, field: str) -> int:
+        """A bit of GCONF; 0 where the chip does not have it."""
+        part = self.table.get("GCONF").field_named(field)
+        return part.unpack(self.held(GCONF)) if part else 0
+
+    def _configure(self) -> None:
+        bit, single = self._gconf, self.kind.single
+        for index, axis in enumerate(self.axes):
+            axis.configure(
+                shaft=bit("shaft" if single else f"shaft{index + 1}"),
+                stealth_chop=bit("en_pwm_mode") if single else 1,
+                fast_standstill=bit("faststandstill"),
+            )
+        if self.has_encoder and not single:
+            # A and B of encoder 2 come in where the right switches do, an N line may where a left one does
+            self._encoders = [not bit("poscmp_enable"), bool(bit("enc2_enable"))]
+            for index, axis in enumerate(self.axes):
+                left = not bit(f"enc{index + 1}_refsel")
+                axis.drive.wire_pins(left=left, right=not bit("enc2_enable"), encoder=self._encoders[index])
+
+    # --- pins and status -------------------------------------------------------------------------
+
+    @property
+    def gstat(self) -> int:
+        """GSTAT: dual chips have a driver error for each motor."""
+        words = [axis.drive.read("GSTAT") for axis in self.axes]
+        if self.kind.single:
+            return words[0]
+        return words[0] & (_RESET | _DRV_ERR) | (words[1] & _DRV_ERR) << 1 | bool((words[0] | words[1]) & _UV_CP) << 3
 
     @property
     def spi_status(self) -> int:
-        """The first byte of every SPI reply."""
-        return 0
+        """The first byte of every SPI reply, of this moment."""
+        ramps = [axis.drive.read("RAMP_STAT") for axis in self.axes]
+        if self.kind.single:
+            status, (of_driver, of_ramp) = self.gstat & (_RESET | _DRV_ERR), _SINGLE_STATUS
+            driver = self.axes[0].drive.read("DRV_STATUS")
+            for source, target in of_driver:
+                status |= (driver >> source & 1) << target
+            for source, target in of_ramp:
+                status |= (ramps[0] >> source & 1) << target
+            return status
+        status = self.gstat & 7
+        for index, word in enumerate(ramps):
+            status |= (word >> 8 & 1) << 3 + index | (word & 1) << 5 + index
+        return status
 
-    def _global(self, row: Register) -> int:
-        match row.name:
-            case "IFCNT":
-                return self.ifcnt
-            case "IOIN" | "INPUT":
-                return self.kind.version << 24
-        return self._words.get(row.address, 0)
+    @property
+    def drv_enn(self) -> bool:
+        """Level at DRV_ENN: high switches all bridges off."""
+        return self._drv_enn
 
-    def _clear(self, row: Register, ones: int) -> None:
-        for drive in self._drives_of(row):
-            drive.write(row.name, ones)
+    @drv_enn.setter
+    def drv_enn(self, level: bool) -> None:
+        self._drv_enn = level
+        for axis in self.axes:
+            axis.drive.enabled = not level
 
-    def _act(self, row: Register, word: int) -> None:
-        name = ALIASES.get(row.name, row.name)
-        if name not in WRITABLE or name == "GCONF":
-            return
-        for drive in self._drives_of(row):
-            drive.write(name, word)
+    def encoder_connected(self, axis: int) -> bool:
+        """Whether GCONF leaves the encoder its pins."""
+        return self.has_encoder and self._encoders[axis]
 
-    def _drives_of(self, row: Register) -> tuple[Drive, ...]:
-        return self.drives if row.axis is None else (self.drives[row.axis],)
+    @property
+    def position_compare(self) -> bool:
+        """XACTUAL of motor 1 is X_COMPARE."""
+        drive = self.axes[0].drive
+        return drive.read("XACTUAL") == drive.x_compare
+
+    @property
+    def shows_position_compare(self) -> bool:
+        """Whether a pin shows that."""
+        return self.kind.single or bool(self._gconf("poscmp_enable"))
+
+    @property
+    def interrupt(self) -> bool:
+        """Whether the interrupt output is active."""
+        return any(axis.drive.read("RAMP_STAT") & _EVENTS or axis.drive.read("ENC_STATUS") for axis in self.axes)
+
+    def encoder_lines(self, axis: int) -> tuple[bool, bool, bool]:
+        """Levels of A, B and N."""
+        encoder = self.axes[axis].drive.external
+        phase = encoder.counts & 3
+        return phase in (1, 2), phase >= 2, encoder.absolute < 4
+
+    def _pins(self, row: Register) -> int:
+        """IOIN or INPUT: levels of the pins, and the version. Pins that nothing is wired to are low."""
+        output, switches = self.held(OUTPUT), self.axes[0].drive.switches
+        levels = {"DRV_ENN": self.drv_enn, "drv_enn_in": self.drv_enn, "DRV_ENN_CFG6": self.drv_enn}
+        levels |= {"nextaddr_in": self.node_pin, "REFL_STEP": switches.left, "REFR_DIR": switches.right}
+        levels |= {f"io{n}_in": bool(output >> n & output >> 8 + n & 1) for n in range(4)}
+        if self.kind.single:
+            a, b, n = self.encoder_lines(0)
+            levels |= {"ENCA_DCIN_CFG5": a, "ENCB_DCEN_CFG4": b, "ENC_N_DCO": n, "ENC_N_DCO_CFG6": n}
+        word = 0
+        for part in row.fields:
+            word |= (self.kind.version if part.name == "VERSION" else levels.get(part.name, False)) << part.lsb
+        return word

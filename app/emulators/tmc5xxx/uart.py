@@ -29,7 +29,7 @@ class UartEnd:
     @property
     def reply_delay_bits(self) -> int:
         """SENDDELAY: 0 and 1 wait 8 bit times, 2 and 3 three times as long, and so on to 15 times."""
-        code = self._chip.held(NODECONF) >> self._chip.kind.node_bits & 15
+        code = self._chip.held(NODECONF) >> self._chip.kind.delay_bit & 15
         return 8 * (code | 1)
 
     def answer(self, datagram: bytes) -> bytes:

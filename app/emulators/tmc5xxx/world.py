@@ -39,7 +39,7 @@ def check(chip: Chip, model: Tmc5xxxModel, options: Tmc5xxxOptions, wanted: Tmc5
             raise OutOfRange("encoder", axis.axis, 0, 0, f"a {model.upper()} has no encoder interface")
         if options.rigid and (axis.load_torque_nm or axis.friction or axis.blocked):
             raise WrongState("the motor is rigid", "make the emulator with a motor that has physics")
-        check_stage(places_of(chip.drives[axis.axis].world), axis.stage)
+        check_stage(places_of(chip.axes[axis.axis].drive.world), axis.stage)
 
 
 def change(chip: Chip, wanted: Tmc5xxxPatch) -> None:
@@ -49,10 +49,10 @@ def change(chip: Chip, wanted: Tmc5xxxPatch) -> None:
     if wanted.pins.nextaddr is not None:
         chip.node_pin = wanted.pins.nextaddr
     if wanted.supply_v is not None:
-        for drive in chip.drives:
-            drive.world.supply_v = wanted.supply_v
-    for axis in wanted.axes:
-        _change_axis(chip.drives[axis.axis], axis)
+        for axis in chip.axes:
+            axis.drive.world.supply_v = wanted.supply_v
+    for one in wanted.axes:
+        _change_axis(chip.axes[one.axis].drive, one)
 
 
 def _change_axis(drive: Drive, wanted: AxisChange) -> None:
@@ -83,20 +83,20 @@ def describe(
     chip_time_s: float,
 ) -> Tmc5xxxState:
     """The chip and its bench as the API tells them."""
-    uart = UartEnd(chip)
+    uart, first = UartEnd(chip), chip.axes[0].drive
     return Tmc5xxxState(
         model=model,
         time_scale=time_scale,
         chip_time_s=chip_time_s,
         clock_hz=options.clock_hz,
         rigid=options.rigid,
-        supply_v=chip.drives[0].world.supply_v,
+        supply_v=first.world.supply_v,
         axes=[_describe_axis(chip, index) for index in range(chip.kind.axes)],
         position_compare=PositionCompareState(
-            x_compare=chip.x_compare,
+            x_compare=first.x_compare,
             output=chip.position_compare,
             enabled=chip.shows_position_compare,
-            passed=chip.positions_passed,
+            passed=first.positions_passed,
         ),
         uart=UartState(node=uart.node, reply_delay_bits=uart.reply_delay_bits, writes=chip.ifcnt)
         if chip.kind.uart
@@ -107,13 +107,13 @@ def describe(
 
 
 def _describe_axis(chip: Chip, index: int) -> AxisState:
-    drive = chip.drives[index]
+    drive = chip.axes[index].drive
     world, truth, switches = drive.world, drive.truth, drive.switches
     encoder = EncoderState(
         counts=drive.external.counts,
         counts_per_turn=drive.external.counts_per_turn,
         connected=chip.encoder_connected(index),
-        n_level=drive.external.absolute < 4,
+        n_level=chip.encoder_lines(index)[2],
         slip_fullsteps=world.external_slip_fullsteps,
     )
     return AxisState(

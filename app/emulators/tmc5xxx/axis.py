@@ -1,0 +1,73 @@
+"""One axis of a chip: a TMC5160's drive, and how the registers of the other chips reach it."""
+
+from __future__ import annotations
+
+from app.emulators.drive import Drive
+from app.emulators.drive.registers import ALIASES, READ_ONLY, WRITABLE
+from app.emulators.drive.units import bits
+from app.emulators.tmc5xxx.chips import Kind
+from app.emulators.tmc5xxx.options import Tmc5xxxOptions
+from app.registers.model import Register
+
+LIVE = READ_ONLY | {"XACTUAL", "XTARGET", "X_ENC", "RAMP_STAT", "ENC_STATUS", "PWM_STATUS"}
+"""What the drive answers; everything else that can be read is as it was written."""
+_NAMES = ALIASES | {"PWM_STATUS": "PWM_SCALE"}
+_MRES, _INTPOL, _VSENSE, _LATCH_NOW = 24, 28, 17, 11
+
+
+class Axis:
+    """Registers by the names of their rows."""
+
+    def __init__(self, kind: Kind, options: Tmc5xxxOptions, has_encoder: bool) -> None:
+        self._kind = kind
+        self._cool = self._high = 0
+        self.has_stealth_chop = kind.single
+        """Dual chips: PWM_AMPL is not 0."""
+        self.drive = Drive(options.drive(kind.full_scale_a, has_encoder))
+
+    def read(self, row: Register) -> int:
+        """A live register, as an unsigned word."""
+        return self.drive.read(_NAMES.get(row.name, row.name)) & row.mask
+
+    def clear(self, row: Register, ones: int) -> None:
+        """Let flags go."""
+        self.drive.write(row.name, ones)
+
+    def write(self, row: Register, word: int) -> None:
+        """Take over what was written to a register of this axis."""
+        drive = self.drive
+        match row.name:
+            case "X_COMPARE":
+                drive.x_compare = word
+            case "VCOOLTHRS":
+                self._cool = word
+                drive.set_velocity_window(self._cool, self._high)
+            case "VHIGH":
+                self._high = word
+                drive.set_velocity_window(self._cool, self._high)
+            case "CHOPCONF":
+                self._write_chopper(word)
+            case "PWMCONF":
+                self.has_stealth_chop = self._kind.single or bits(word, 0, 8) > 0
+                drive.write("PWMCONF", word)
+            case "ENCMODE":
+                drive.write("ENCMODE", word)
+                if bits(word, _LATCH_NOW, 1):
+                    drive.latch_now()
+            case name:
+                name = _NAMES.get(name, name)
+                if name in WRITABLE:
+                    drive.write(name, word)
+
+    def configure(self, *, shaft: int, stealth_chop: int, fast_standstill: int) -> None:
+        """GCONF's part in this axis."""
+        stealth_chop = stealth_chop and self.has_stealth_chop
+        self.drive.write("GCONF", fast_standstill << 1 | stealth_chop << 2 | shaft << 4)
+
+    def _write_chopper(self, word: int) -> None:
+        kind = self._kind
+        if kind.vsense != 1.0:
+            self.drive.sense_share = kind.vsense if bits(word, _VSENSE, 1) else 1.0
+        if bits(word, _MRES, 4) not in kind.interpolates:
+            word &= ~(1 << _INTPOL)
+        self.drive.write("CHOPCONF", word)
