@@ -114,6 +114,7 @@ describe("the scope's model", () => {
       "deg",
       "",
       "",
+      "",
     ]);
     const lamp = rows.at(-1)?.traces[0];
     expect(lamp && [valueText(lamp, 1), valueText(lamp, 0), valueText(lamp, Number.NaN)]).toEqual(["on", "off", "–"]);
