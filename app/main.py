@@ -41,8 +41,10 @@ from app.links.registry import (
 )
 from app.settings import Settings
 from app.store.connections import ConnectionStore
+from app.store.positions import PositionStore
 from app.store.saver import Saver
 from app.telemetry.hub import TelemetryHub
+from app.tuning.endless import EndlessService
 from app.tuning.procedures import Procedures
 
 log = logging.getLogger("stepscope")
@@ -50,6 +52,8 @@ log = logging.getLogger("stepscope")
 EEPROM_NAME = re.compile(r"[a-z0-9][a-z0-9-]{0,63}")
 PATIENCE_S = 1.5
 """A start that takes longer than this says why [s]."""
+SAVE_EVERY_S = 2.0
+"""Positions without end change all the time; they are saved no more often than that [s]."""
 STOP_WITHIN_S = 0.5
 """How long stopping the motors may hold up the end of the program [s]."""
 
@@ -79,18 +83,24 @@ def create_app(
 
     def changed() -> None:
         hub.sync(manager.devices)
+        endless.sync(manager.devices)
         if opened.is_set():  # what comes from the disk need not go back there
             saver.request()
 
     manager = DeviceManager(kinds, clock, on_change=changed)
     saver = Saver(store, manager.configs)
-    bench = Bench(settings, clock, manager, hub, Procedures(clock), list_serial_ports)
+    positions = PositionStore(settings.data_dir)
+    endless = EndlessService(clock, changed=lambda: position_saver.request())
+    position_saver = Saver(positions, endless.saved, clock, SAVE_EVERY_S)
+    bench = Bench(settings, clock, manager, hub, Procedures(clock), endless, list_serial_ports)
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
         saved = store.load()
-        for warning in saved.warnings:
+        kept = positions.load()
+        for warning in (*saved.warnings, *kept.warnings):
             log.warning("%s", warning)
+        endless.restore(kept.positions)
         compiling = asyncio.create_task(asyncio.to_thread(compile_kernels))
         if not (await asyncio.wait({compiling}, timeout=PATIENCE_S))[0]:
             log.warning("the first start compiles the emulators, which takes some 15 s; later ones find it done")
@@ -111,6 +121,10 @@ def create_app(
             opened.clear()
             await bench.probing.abort()
             await stop_motors(bench)
+            await endless.close()
+            if endless.saved():
+                position_saver.request()
+            await position_saver.close()
             await hub.close()
             await manager.close()
             await saver.close()

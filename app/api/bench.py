@@ -11,6 +11,7 @@ from app.clock import Clock
 from app.devices.manager import DeviceManager
 from app.settings import Settings
 from app.telemetry.hub import TelemetryHub
+from app.tuning.endless import EndlessService
 from app.tuning.procedures import Procedures
 
 
@@ -23,6 +24,7 @@ class Bench:
     manager: DeviceManager
     hub: TelemetryHub
     procedures: Procedures
+    endless: EndlessService
     list_serial_ports: Callable[[], list[Port]]
     probing: Probing = field(default_factory=Probing)
 

@@ -32,7 +32,7 @@ class Gear(Body):
 
 
 class ExtendedPositionChange(Body):
-    """Exactly one thing; `way` goes with `angle_deg` and `place`. All but `confirm` begin to watch an axis."""
+    """Exactly one thing; `way` goes with `angle_deg` and `place`. All but `confirm` and `zero` begin to watch."""
 
     watch: Literal[True] | None = Field(default=None, description="begin, at what the counter shows; else no change")
     target: Position64 | None = Field(default=None, description="go there, in as many pieces as it takes")
@@ -130,9 +130,10 @@ class ExtendedPosition(Answer):
     latch_register: str | None
     last_look_s: float | None = Field(description="device time [s]")
     look_age_s: float | None
+    device_time_s: float = Field(description="now, on the clock of `last_look_s` and of the history [s]")
     service_period_s: float | None = Field(description="how often it is looked at, at the least, device time [s]")
     allowed_s: float | None = Field(description="after so long without a look the position would be lost [s]")
-    speed_limit_pps: float | None = Field(description="what the chip can at most do, of which the two follow")
+    speed_limit_pps: float = Field(description="what the chip can at most do, of which the two follow")
     warnings: list[str]
 
 

@@ -77,8 +77,9 @@ class Saver:
                 await self._save_now()
                 self.problem = None
             except OSError as error:
+                if str(error) != str(self.problem):  # else it was said already
+                    log.warning("%s is not saved: %s", self._path, error)
                 self.problem = error
-                log.warning("%s is not saved: %s", self._path, error)
             if self._clock is not None and not self._closing:
                 self._pause = asyncio.create_task(self._clock.sleep(self._spacing_s), name="spacing of saves")
                 await asyncio.wait({self._pause})

@@ -7,7 +7,7 @@ from typing import Annotated, Protocol, cast
 from fastapi import APIRouter, Depends
 from pydantic import BaseModel, ValidationError
 
-from app.api.deps import CurrentDevice
+from app.api.deps import CurrentBench, CurrentDevice
 from app.api.problems import findings, problems
 from app.emulators.options import EmulatorPatch
 from app.emulators.pd42.options import Pd42Patch
@@ -58,9 +58,13 @@ async def get_emulator(port: CurrentEmulator) -> AnyState:
 
 
 @router.patch("", responses=problems(UnknownThing, WrongState, UsageError))
-async def change_emulator(port: CurrentEmulator, body: AnyPatch) -> AnyState:
+async def change_emulator(
+    bench: CurrentBench, device: CurrentDevice, port: CurrentEmulator, body: AnyPatch
+) -> AnyState:
     """Force switches, cause faults, load the motor, run faster or slower, cut the power; what is left out stays."""
-    return cast("Emulated", port.wire).patch(_suited(body, PATCHES[port.wire.model]), port.take_turn())
+    state = cast("Emulated", port.wire).patch(_suited(body, PATCHES[port.wire.model]), port.take_turn())
+    bench.endless.hurry(device)  # how fast its time runs may have changed, and its chip may have been reset
+    return state
 
 
 def _suited(body: BaseModel, wanted: type[BaseModel]) -> BaseModel:
