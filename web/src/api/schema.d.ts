@@ -428,6 +428,74 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/devices/{device}/axes/{axis}/extended-position": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Extended Position
+         * @description Where the axis is, looked at now; where that fails, as it was last seen, and why it is not trusted.
+         */
+        get: operations["get_extended_position"];
+        /**
+         * Put Extended Position
+         * @description Set the position or the turn, or set off somewhere. Answers when it has started, not when it has arrived.
+         */
+        put: operations["put_extended_position"];
+        post?: never;
+        /**
+         * Delete Extended Position
+         * @description Watch the axis no more, and forget where it is; a move under way is stopped by its ramp.
+         */
+        delete: operations["delete_extended_position"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/axes/{axis}/extended-position/history": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Extended History
+         * @description Where the axis was, as far as it was looked at.
+         */
+        get: operations["get_extended_history"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/axes/{axis}/extended-position/latched": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Latched Position
+         * @description What the chip's snapshot register holds, extended: right as long as the axis is not half a range away from it.
+         */
+        get: operations["get_latched_position"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/devices/{device}/axes/{axis}/reference-search": {
         parameters: {
             query?: never;
@@ -1023,6 +1091,33 @@ export interface components {
             x: number;
         };
         /**
+         * AxisChange
+         * @description One motor, its load, its switches; what is left out stays.
+         */
+        AxisChange: {
+            /** Axis */
+            axis: number;
+            motor?: components["schemas"]["MotorChange"];
+            /**
+             * Load Torque Nm
+             * @description constant, like a weight: a positive one pulls to negative positions [N m]
+             */
+            load_torque_nm?: number | null;
+            /**
+             * Blocked
+             * @description clamps the shaft where it is
+             */
+            blocked?: boolean | null;
+            /**
+             * Friction
+             * @description friction on top of the motor's own [N m]
+             */
+            friction?: number | null;
+            stage?: components["schemas"]["app__emulators__drive__bench__StageChange"];
+            switches?: components["schemas"]["app__emulators__tmc5xxx__options__SwitchesChange"];
+            encoder?: components["schemas"]["app__emulators__tmc5xxx__options__EncoderChange"];
+        };
+        /**
          * AxisConfig
          * @description The motor on an axis and what it moves.
          */
@@ -1140,18 +1235,6 @@ export interface components {
             unit?: "microsteps" | "fullsteps" | "rev" | "deg" | "rad" | "mm";
             /** Axis */
             axis: number;
-        };
-        /** AxisState */
-        AxisState: {
-            /** Axis */
-            axis: number;
-            /**
-             * Position Fullsteps
-             * @description where the carriage really is [full steps]
-             */
-            position_fullsteps: number;
-            stage: components["schemas"]["app__emulators__state__StageState"];
-            switches: components["schemas"]["app__emulators__state__Switches"];
         };
         /** AxisStateOut */
         AxisStateOut: {
@@ -1541,6 +1624,39 @@ export interface components {
             link: components["schemas"]["EmulatorLink"] | components["schemas"]["TcpLink"];
         };
         /**
+         * ChipFaultsChange
+         * @description Faults between the chip and us.
+         */
+        ChipFaultsChange: {
+            /**
+             * Silence
+             * @description datagrams are obeyed, answers are lost
+             */
+            silence?: boolean | null;
+            /**
+             * Unplugged
+             * @description the link is gone
+             */
+            unplugged?: boolean | null;
+            /**
+             * Bit Error Rate
+             * @description probability that a bit of a reply is flipped
+             */
+            bit_error_rate?: number | null;
+        };
+        /**
+         * ChipFaultsState
+         * @description What is wrong between a chip and us at present.
+         */
+        ChipFaultsState: {
+            /** Silence */
+            silence: boolean;
+            /** Unplugged */
+            unplugged: boolean;
+            /** Bit Error Rate */
+            bit_error_rate: number;
+        };
+        /**
          * ChipTrial
          * @description A link to a chip, to be tried.
          */
@@ -1614,6 +1730,20 @@ export interface components {
             /** Source */
             source: string;
         };
+        /** CompareOut */
+        CompareOut: {
+            /** Register Name */
+            register_name: string;
+            /** Position */
+            position: number;
+            /** Position Text */
+            position_text: string;
+            /**
+             * Armed
+             * @description false while the axis is further than a piece away: the counter would show the same number before
+             */
+            armed: boolean;
+        };
         /**
          * DeviceChange
          * @description What to change; what is left out stays. The link has to suit the model, which stays too.
@@ -1622,7 +1752,7 @@ export interface components {
             /** Name */
             name?: string | null;
             /** Link */
-            link?: components["schemas"]["EmulatorLink"] | components["schemas"]["Chip40EmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["ModuleEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"] | null;
+            link?: components["schemas"]["EmulatorLink"] | components["schemas"]["Chip40EmulatorLink"] | components["schemas"]["SixPointEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"] | components["schemas"]["ModuleEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"] | null;
             /** Clock Hz */
             clock_hz?: number | null;
             /** Axes */
@@ -1632,7 +1762,7 @@ export interface components {
          * DeviceCreate
          * @description A connection: the model, and a link that suits it.
          */
-        DeviceCreate: components["schemas"]["ChipCreate"] | components["schemas"]["Chip40Create"] | components["schemas"]["ModuleCreate"];
+        DeviceCreate: components["schemas"]["ChipCreate"] | components["schemas"]["Chip40Create"] | components["schemas"]["SixPointCreate"] | components["schemas"]["ModuleCreate"];
         /** DeviceInfo */
         DeviceInfo: {
             /** Id */
@@ -1648,7 +1778,7 @@ export interface components {
             title: string;
             /**
              * Link
-             * @description `kind` and its options: emulator, tcp; for a TMC4361 also spidev and landungsbruecke, for a PD42-1241 serial and can. As in DeviceCreate
+             * @description `kind` and its options: emulator, tcp; for chips of 40-bit datagrams also spidev and landungsbruecke, for those with a UART uart, for a PD42-1241 serial and can. As in DeviceCreate
              */
             link: {
                 [key: string]: unknown;
@@ -1684,7 +1814,7 @@ export interface components {
          * DeviceTrial
          * @description A link to be tried.
          */
-        DeviceTrial: components["schemas"]["ChipTrial"] | components["schemas"]["Chip40Trial"] | components["schemas"]["ModuleTrial"];
+        DeviceTrial: components["schemas"]["ChipTrial"] | components["schemas"]["Chip40Trial"] | components["schemas"]["SixPointTrial"] | components["schemas"]["ModuleTrial"];
         /**
          * DisturbanceStart
          * @description Load the axis where it stands and record. On hardware nobody can but a hand: without `load_torque_nm` the
@@ -1873,31 +2003,13 @@ export interface components {
             /** Wiring */
             wiring: string;
             /** Axes */
-            axes: components["schemas"]["AxisState"][];
+            axes: components["schemas"]["app__emulators__state__AxisState"][];
             inputs: components["schemas"]["Inputs"];
             faults: components["schemas"]["Faults"];
             /** Powered Down */
             powered_down: boolean;
             driver_chain: components["schemas"]["ChainState"] | null;
             step_dir: components["schemas"]["StepDirState"] | null;
-        };
-        /** EncoderChange */
-        EncoderChange: {
-            /**
-             * Slip Fullsteps
-             * @description one shot: lets the built-in encoder's magnet slip on the shaft by so much
-             */
-            slip_fullsteps?: number | null;
-            /**
-             * External Slip Fullsteps
-             * @description one shot: the same, external encoder
-             */
-            external_slip_fullsteps?: number | null;
-            /**
-             * Eccentricity Deg
-             * @description once-a-turn error of the built-in encoder [deg of the shaft]
-             */
-            eccentricity_deg?: number | null;
         };
         /**
          * EncoderOptions
@@ -1996,6 +2108,210 @@ export interface components {
             decoded: {
                 [key: string]: unknown;
             };
+        };
+        /**
+         * ExtendedHistory
+         * @description Looks, oldest first; where nothing changed only the first and the last of them. Old ones are thinned out.
+         */
+        ExtendedHistory: {
+            /**
+             * Time S
+             * @description device time [s]
+             */
+            time_s: number[];
+            /** Position */
+            position: number[];
+            /** Position Text */
+            position_text: string[];
+            /**
+             * Angle Deg
+             * @description null while the axis is not rotary
+             */
+            angle_deg: (number | null)[];
+            /**
+             * Encoder Angle Deg
+             * @description null where the encoder was not read along
+             */
+            encoder_angle_deg: (number | null)[];
+        };
+        /**
+         * ExtendedPosition
+         * @description Where an axis is, beyond its counter. Of an axis that is not watched all is null but what the chip can.
+         */
+        ExtendedPosition: {
+            /** Watching */
+            watching: boolean;
+            /**
+             * Trusted
+             * @description false: `actual` is the best guess, and `reason` says why it is no more
+             */
+            trusted: boolean;
+            /**
+             * Reason
+             * @description why it is not trusted; "" where it is
+             */
+            reason: string;
+            /**
+             * Way Out
+             * @description what to do about that; "" where there is nothing to do
+             */
+            way_out: string;
+            /** Actual */
+            actual: number | null;
+            /** Actual Text */
+            actual_text: string | null;
+            /**
+             * Target
+             * @description of the move under way, or the latest; null where there was none
+             */
+            target: number | null;
+            /** Target Text */
+            target_text: string | null;
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "off" | "idle" | "moving" | "lost";
+            /**
+             * Message
+             * @description how the latest move ended, or ""
+             */
+            message: string;
+            /**
+             * Counter
+             * @description what the chip's counter showed at the latest look
+             */
+            counter: number | null;
+            /**
+             * Counter Bits
+             * @description null: it wraps elsewhere as it is set, and cannot be followed
+             */
+            counter_bits: number | null;
+            pieces: components["schemas"]["Pieces"] | null;
+            /**
+             * Progress
+             * @description of the move under way, or the latest, 0..1
+             */
+            progress: number | null;
+            /** Position In Turn */
+            position_in_turn: number | null;
+            /**
+             * Position In Turn Text
+             * @description exact, "n" or "n/d"
+             */
+            position_in_turn_text: string | null;
+            /**
+             * Turns
+             * @description whole turns; below zero they count down
+             */
+            turns: number | null;
+            /** Angle Deg */
+            angle_deg: number | null;
+            /**
+             * Encoder Position
+             * @description where the encoder says it is, beyond its own counter
+             */
+            encoder_position: number | null;
+            /** Encoder Position Text */
+            encoder_position_text: string | null;
+            /** Encoder Angle Deg */
+            encoder_angle_deg: number | null;
+            rotary: components["schemas"]["RotaryOut"] | null;
+            compare: components["schemas"]["CompareOut"] | null;
+            /** Latch Register */
+            latch_register: string | null;
+            /**
+             * Last Look S
+             * @description device time [s]
+             */
+            last_look_s: number | null;
+            /** Look Age S */
+            look_age_s: number | null;
+            /**
+             * Device Time S
+             * @description now, on the clock of `last_look_s` and of the history [s]
+             */
+            device_time_s: number;
+            /**
+             * Service Period S
+             * @description how often it is looked at, at the least, device time [s]
+             */
+            service_period_s: number | null;
+            /**
+             * Allowed S
+             * @description after so long without a look the position would be lost [s]
+             */
+            allowed_s: number | null;
+            /**
+             * Speed Limit Pps
+             * @description what the chip can at most do, of which the two follow
+             */
+            speed_limit_pps: number;
+            /** Warnings */
+            warnings: string[];
+        };
+        /**
+         * ExtendedPositionChange
+         * @description Exactly one thing; `way` goes with `angle_deg` and `place`. All but `confirm` and `zero` begin to watch.
+         */
+        ExtendedPositionChange: {
+            /**
+             * Watch
+             * @description begin, at what the counter shows; else no change
+             */
+            watch?: true | null;
+            /**
+             * Target
+             * @description go there, in as many pieces as it takes
+             */
+            target?: (number | string) | null;
+            /**
+             * Actual
+             * @description the axis is here: sets the position anew, and makes it trusted. Writes no register
+             */
+            actual?: (number | string) | null;
+            /**
+             * Confirm
+             * @description what `actual` shows is right: trust it again
+             */
+            confirm?: true | null;
+            /**
+             * Microsteps Per Turn
+             * @description a turn of the axis, e.g. 51200 or "358400/3"; null: it is no rotary axis any more
+             */
+            microsteps_per_turn?: number | string | null;
+            gear?: components["schemas"]["Gear"] | null;
+            /**
+             * Zero
+             * @description the position that is angle 0
+             */
+            zero?: (number | string) | null;
+            /**
+             * Angle Deg
+             * @description go to this angle within the turn
+             */
+            angle_deg?: number | null;
+            /**
+             * Place
+             * @description go to this place within the turn [microsteps]
+             */
+            place?: number | string | null;
+            /**
+             * Way
+             * @default shortest
+             * @enum {string}
+             */
+            way?: "shortest" | "positive" | "negative";
+            /**
+             * Turns
+             * @description go so many whole turns on, negative ones back, to the same place within the turn
+             */
+            turns?: number | null;
+            /**
+             * Compare
+             * @description the position that the chip's compare register shall tell of; null: none, and the register is let alone
+             */
+            compare?: (number | string) | null;
         };
         /** Faults */
         Faults: {
@@ -2237,6 +2553,18 @@ export interface components {
             lost: number;
         };
         /**
+         * Gear
+         * @description A turn of the driven shaft is `microsteps_per_motor_turn` times `driven_teeth` / `motor_teeth`, exactly.
+         */
+        Gear: {
+            /** Microsteps Per Motor Turn */
+            microsteps_per_motor_turn: number;
+            /** Motor Teeth */
+            motor_teeth: number;
+            /** Driven Teeth */
+            driven_teeth: number;
+        };
+        /**
          * Harmonic
          * @description A harmonic of the current.
          */
@@ -2414,6 +2742,20 @@ export interface components {
              */
             timeout_s?: number;
         };
+        /**
+         * LatchedPosition
+         * @description What the chip kept at an edge of a switch, extended.
+         */
+        LatchedPosition: {
+            /** Register Name */
+            register_name: string;
+            /** Count */
+            count: number;
+            /** Position */
+            position: number;
+            /** Position Text */
+            position_text: string;
+        };
         /** LevelState */
         LevelState: {
             /**
@@ -2426,6 +2768,24 @@ export interface components {
              * @description null while nobody forces it
              */
             forced: boolean | null;
+        };
+        /**
+         * LineEncoder
+         * @description An encoder with A, B and N lines on the shaft of each motor. N is high for one line a turn, from its count 0.
+         */
+        LineEncoder: {
+            /**
+             * Lines
+             * @description four counts each
+             * @default 10000
+             */
+            lines?: number;
+            /**
+             * Reversed
+             * @description A and B are swapped
+             * @default false
+             */
+            reversed?: boolean;
         };
         /**
          * LinkCounts
@@ -3081,9 +3441,9 @@ export interface components {
         MslutDesign: {
             /**
              * Chip
-             * @constant
+             * @enum {string}
              */
-            chip: "tmc4361";
+            chip: "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160";
             /**
              * Sigma
              * @default 0
@@ -3306,9 +3666,9 @@ export interface components {
         MslutResult: {
             /**
              * Chip
-             * @constant
+             * @enum {string}
              */
-            chip: "tmc4361";
+            chip: "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160";
             /** Encodable */
             encodable: boolean;
             /**
@@ -3429,7 +3789,7 @@ export interface components {
             supply_v?: number | null;
             stage?: components["schemas"]["app__emulators__pd42__options__StageChange"];
             switches?: components["schemas"]["app__emulators__pd42__options__SwitchesChange"];
-            encoder?: components["schemas"]["EncoderChange"];
+            encoder?: components["schemas"]["app__emulators__pd42__options__EncoderChange"];
             inputs?: components["schemas"]["app__emulators__pd42__options__InputsChange"];
             step_dir?: components["schemas"]["app__emulators__pd42__options__StepDirChange"] | null;
             faults?: components["schemas"]["app__emulators__pd42__options__FaultsChange"];
@@ -3493,7 +3853,7 @@ export interface components {
             faults: components["schemas"]["app__emulators__pd42__state__FaultsState"];
             application: components["schemas"]["ApplicationState"];
             search: components["schemas"]["SearchState"];
-            truth: components["schemas"]["TruthState"];
+            truth: components["schemas"]["app__emulators__pd42__state__TruthState"];
             /**
              * Eeprom Path
              * @description file that keeps the EEPROM; null: forgotten with the process
@@ -3510,60 +3870,22 @@ export interface components {
             end_s: number;
         };
         /**
-         * PinsChange
-         * @description Levels from outside: true is high. "auto" gives START its inactive level, and leaves NFREEZE high.
+         * Pieces
+         * @description How far a move is that the chip makes in pieces.
          */
-        PinsChange: {
+        Pieces: {
             /**
-             * Start
-             * @description level at START
+             * Total
+             * @description pieces of the whole way
              */
-            start?: boolean | "auto" | null;
+            total: number;
+            /** Done */
+            done: number;
             /**
-             * Freeze
-             * @description level at NFREEZE: false freezes
+             * Length
+             * @description of one: a quarter of the counter's range [microsteps]
              */
-            freeze?: boolean | "auto" | null;
-        };
-        /**
-         * PinsState
-         * @description Pins besides those of the switches, as levels: true is high.
-         */
-        PinsState: {
-            /** @description START as an input */
-            start: components["schemas"]["LevelState"];
-            /** @description NFREEZE */
-            freeze: components["schemas"]["LevelState"];
-            /**
-             * Start Out
-             * @description the chip gives a start pulse at START
-             */
-            start_out: boolean;
-            /**
-             * Intr
-             * @description INTR
-             */
-            intr: boolean;
-            /**
-             * Target Reached
-             * @description TARGET_REACHED
-             */
-            target_reached: boolean;
-            /**
-             * Step
-             * @description STPOUT at rest
-             */
-            step: boolean;
-            /**
-             * Direction
-             * @description DIROUT
-             */
-            direction: boolean;
-            /**
-             * Standby
-             * @description STDBY_CLK while it tells standby; false while it does not
-             */
-            standby: boolean;
+            length: number;
         };
         /** PmulPdiv */
         PmulPdiv: {
@@ -3683,6 +4005,29 @@ export interface components {
              * @description ids of the devices that are connected through it
              */
             in_use_by: string[];
+        };
+        /**
+         * PositionCompareState
+         * @description The comparison of XACTUAL with X_COMPARE.
+         */
+        PositionCompareState: {
+            /** X Compare */
+            x_compare: number;
+            /**
+             * Output
+             * @description level at the pin, where GCONF lets it out: high while both are equal
+             */
+            output: boolean;
+            /**
+             * Enabled
+             * @description whether the pin shows it (dual chips: poscmp_enable)
+             */
+            enabled: boolean;
+            /**
+             * Passed
+             * @description how often XACTUAL has come upon X_COMPARE since power-on
+             */
+            passed: number;
         };
         /**
          * Prediction
@@ -4664,6 +5009,35 @@ export interface components {
             recording: components["schemas"]["Recording"] | null;
             score: components["schemas"]["Score"] | null;
         };
+        /**
+         * RotaryOut
+         * @description The turn, and what the application note (003, 3.2) calls its two numbers.
+         */
+        RotaryOut: {
+            /**
+             * Microsteps Per Turn
+             * @description exact, "n" or "n/d"
+             */
+            microsteps_per_turn: string;
+            /** Microsteps Per Turn Value */
+            microsteps_per_turn_value: number;
+            /** @description as it was given; null where the turn was given by itself */
+            gear: components["schemas"]["Gear"] | null;
+            /** Zero */
+            zero: number;
+            /** Zero Text */
+            zero_text: string;
+            /**
+             * Displacement Const
+             * @description what a wrap of the counter adds to the place within the turn, exact
+             */
+            displacement_const: string;
+            /**
+             * Offset
+             * @description what all wraps up to now have added, modulo a turn, exact
+             */
+            offset: string;
+        };
         /** Rotate */
         Rotate: {
             /** Velocity */
@@ -4864,6 +5238,102 @@ export interface components {
             cycles: number;
             /** Message */
             message: string;
+        };
+        /**
+         * SixPointCreate
+         * @description A connection to a TMC5xxx. Axes that are not given get defaults.
+         */
+        SixPointCreate: {
+            /** Name */
+            name: string;
+            /**
+             * Clock Hz
+             * @description the chip's clock [Hz]; null: 16 MHz
+             */
+            clock_hz?: number | null;
+            /** Axes */
+            axes?: components["schemas"]["AxisConfig"][] | null;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160";
+            /** Link */
+            link: components["schemas"]["SixPointEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"];
+        };
+        /**
+         * SixPointEmulatorLink
+         * @description A TMC5xxx emulated in this server, with motors, stages and encoders.
+         */
+        SixPointEmulatorLink: {
+            /**
+             * Time Scale
+             * @description how fast the chip's time passes; 0 stands still
+             * @default 1
+             */
+            time_scale?: number;
+            /**
+             * Clock Hz
+             * @description fCLK, which the units of all registers hang on [Hz]
+             * @default 16000000
+             */
+            clock_hz?: number;
+            /**
+             * Motor
+             * @description "rigid": no physics, the shaft follows the field exactly, and long stretches at constant velocity take no time to work out
+             */
+            motor?: components["schemas"]["MotorOptions"] | "rigid";
+            load?: components["schemas"]["LoadOptions"];
+            /** @description not seen by a TMC5031 */
+            encoder?: components["schemas"]["LineEncoder"];
+            stage?: components["schemas"]["StageSwitches"];
+            /**
+             * Supply V
+             * @description motor supply [V]
+             * @default 24
+             */
+            supply_v?: number;
+            /**
+             * Full Scale A
+             * @description peak coil current at current scale 31, vsense 0 or GLOBALSCALER 0; null: as the chip's evaluation board has it [A]
+             */
+            full_scale_a?: number | null;
+            /**
+             * Start Fullsteps
+             * @description where the rotors stand at first [full steps]
+             * @default 0
+             */
+            start_fullsteps?: number;
+            /**
+             * Node Pin
+             * @description NEXTADDR is high: the UART's node address is one more
+             * @default false
+             */
+            node_pin?: boolean;
+            /**
+             * Seed
+             * @description of the noise in the load value and of bit errors
+             * @default 5160
+             */
+            seed?: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "emulator";
+        };
+        /**
+         * SixPointTrial
+         * @description A link to a TMC5xxx, to be tried.
+         */
+        SixPointTrial: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160";
+            /** Link */
+            link: components["schemas"]["SixPointEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"];
         };
         /**
          * SpidevLink
@@ -5108,7 +5578,8 @@ export interface components {
         };
         /**
          * TcpLink
-         * @description A chip behind a TCP socket: raw frames both ways (TMC4361: 5 bytes, else 4), as by `stepscope emulate`.
+         * @description A chip behind a TCP socket: raw frames both ways (TMC428 and TMC4210: 4 bytes, else 5), as by
+         *     `stepscope emulate`.
          */
         TcpLink: {
             /**
@@ -5165,7 +5636,7 @@ export interface components {
             supply_v?: number | null;
             stage?: components["schemas"]["app__emulators__tmc4361__options__StageChange"];
             switches?: components["schemas"]["app__emulators__tmc4361__options__SwitchesChange"];
-            pins?: components["schemas"]["PinsChange"];
+            pins?: components["schemas"]["app__emulators__tmc4361__options__PinsChange"];
             encoder?: components["schemas"]["EncoderPatch"];
             step_dir?: components["schemas"]["app__emulators__tmc4361__options__StepDirChange"] | null;
             faults?: components["schemas"]["app__emulators__tmc4361__options__FaultsChange"];
@@ -5215,7 +5686,7 @@ export interface components {
             supply_v: number;
             stage: components["schemas"]["app__emulators__tmc4361__state__StageState"];
             switches: components["schemas"]["app__emulators__tmc4361__state__SwitchesState"];
-            pins: components["schemas"]["PinsState"];
+            pins: components["schemas"]["app__emulators__tmc4361__state__PinsState"];
             encoder: components["schemas"]["app__emulators__tmc4361__feedback__state__EncoderState"];
             pwm: components["schemas"]["PwmState"] | null;
             ramp: components["schemas"]["RampState"];
@@ -5229,6 +5700,60 @@ export interface components {
             };
             faults: components["schemas"]["app__emulators__tmc4361__state__FaultsState"];
             truth: components["schemas"]["FeedbackTruth"];
+        };
+        /**
+         * Tmc5xxxPatch
+         * @description A change to a running chip; what is left out stays. A power cycle comes first.
+         */
+        Tmc5xxxPatch: {
+            /** Time Scale */
+            time_scale?: number | null;
+            /** Axes */
+            axes?: components["schemas"]["AxisChange"][];
+            /**
+             * Supply V
+             * @description motor supply [V]; the driver needs 8
+             */
+            supply_v?: number | null;
+            pins?: components["schemas"]["app__emulators__tmc5xxx__options__PinsChange"];
+            faults?: components["schemas"]["ChipFaultsChange"];
+            /**
+             * Power Cycle
+             * @description off and on again; motors and stages stay where they are
+             * @default false
+             */
+            power_cycle?: boolean;
+        };
+        /**
+         * Tmc5xxxState
+         * @description Everything that GET .../emulator answers for a TMC5xxx.
+         */
+        Tmc5xxxState: {
+            /**
+             * Model
+             * @enum {string}
+             */
+            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160";
+            /** Time Scale */
+            time_scale: number;
+            /** Chip Time S */
+            chip_time_s: number;
+            /** Clock Hz */
+            clock_hz: number;
+            /**
+             * Rigid
+             * @description no physics: the shafts follow the fields exactly
+             */
+            rigid: boolean;
+            /** Supply V */
+            supply_v: number;
+            /** Axes */
+            axes: components["schemas"]["app__emulators__tmc5xxx__state__AxisState"][];
+            /** @description of motor 1 */
+            position_compare: components["schemas"]["PositionCompareState"];
+            uart: components["schemas"]["UartState"] | null;
+            pins: components["schemas"]["app__emulators__tmc5xxx__state__PinsState"];
+            faults: components["schemas"]["ChipFaultsState"];
         };
         /**
          * TmclFields
@@ -5300,59 +5825,66 @@ export interface components {
             took_ms: number;
         };
         /**
-         * TruthState
-         * @description How motor and shaft really are: what no command of the module tells.
+         * UartLink
+         * @description A TMC5xxx on the single wire of its UART. Several may share the wire, each by its node address.
          */
-        TruthState: {
+        UartLink: {
             /**
-             * Rotor Rad
-             * @description shaft angle, not wrapped [rad]
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
              */
-            rotor_rad: number;
+            kind: "uart";
             /**
-             * Rotor Fullsteps
-             * @description the same in full steps
+             * Port
+             * @description device name, or an address of pyserial: socket://, rfc2217://, spy://
              */
-            rotor_fullsteps: number;
+            port: string;
             /**
-             * Field Fullsteps
-             * @description where an ideal unloaded rotor would stand [full steps]
+             * Baud
+             * @description the chip measures it: at most a sixteenth of its clock
+             * @default 115200
              */
-            field_fullsteps: number;
-            /** Speed Rad S */
-            speed_rad_s: number;
+            baud?: number;
             /**
-             * Load Angle Deg
-             * @description field minus rotor [deg electrical]; more than 90 does not hold
+             * Node
+             * @description NODEADDR, plus 1 where NEXTADDR is high; a TMC5062 has none
+             * @default 0
              */
-            load_angle_deg: number;
+            node?: number;
             /**
-             * Current A A
-             * @description coil A [A]
+             * Echo
+             * @description whether what is sent comes back, as on a single wire; auto finds out
+             * @default auto
+             * @enum {string}
              */
-            current_a_a: number;
+            echo?: "auto" | "on" | "off";
             /**
-             * Current B A
-             * @description coil B [A]
+             * Timeout S
+             * @description how long to wait for an answer, beyond its own time [s]
+             * @default 0.25
              */
-            current_b_a: number;
-            /** Torque Nm */
-            torque_nm: number;
+            timeout_s?: number;
+        };
+        /**
+         * UartState
+         * @description The single-wire interface.
+         */
+        UartState: {
             /**
-             * Lost Fullsteps
-             * @description full steps lost since power-on: multiples of four
+             * Node
+             * @description address now: NODECONF and the NEXTADDR pin; null: a TMC5062 has none
              */
-            lost_fullsteps: number;
+            node: number | null;
             /**
-             * Current Scale
-             * @description current scale in use, 0..31
+             * Reply Delay Bits
+             * @description bit times before an answer (SENDDELAY)
              */
-            current_scale: number;
+            reply_delay_bits: number;
             /**
-             * Bridges
-             * @description "regulated", "open" or "shorted"
+             * Writes
+             * @description IFCNT: accepted writes, modulo 256
              */
-            bridges: string;
+            writes: number;
         };
         /**
          * Units
@@ -5474,6 +6006,126 @@ export interface components {
             /** Bit Name */
             bit_name: string;
         };
+        /** MotorState */
+        app__emulators__drive__bench__MotorState: {
+            /** Connected */
+            connected: boolean;
+            /**
+             * Temperature C
+             * @description of the driver's bridges [deg C]
+             */
+            temperature_c: number;
+            /** Fullsteps Per Turn */
+            fullsteps_per_turn: number;
+            /**
+             * Torque Constant Nm A
+             * @description of one phase, peak values; also back-EMF constant [V s/rad]
+             */
+            torque_constant_nm_a: number;
+            /**
+             * Holding Torque Nm
+             * @description both coils at rated current [N m]
+             */
+            holding_torque_nm: number;
+            /**
+             * Rated Current A
+             * @description in both coils [A]
+             */
+            rated_current_a: number;
+        };
+        /**
+         * StageChange
+         * @description Moves switches of the stage, or turns the shaft as by hand [full steps of the rotor].
+         */
+        app__emulators__drive__bench__StageChange: {
+            /** Left At Fullsteps */
+            left_at_fullsteps?: number | null;
+            /** Right At Fullsteps */
+            right_at_fullsteps?: number | null;
+            /** Home From Fullsteps */
+            home_from_fullsteps?: number | null;
+            /** Home To Fullsteps */
+            home_to_fullsteps?: number | null;
+            /**
+             * Position Fullsteps
+             * @description turns the shaft there and stops it
+             */
+            position_fullsteps?: number | null;
+        };
+        /**
+         * StageState
+         * @description Where switches and carriage are [full steps of the rotor].
+         */
+        app__emulators__drive__bench__StageState: {
+            /** Left At Fullsteps */
+            left_at_fullsteps: number;
+            /** Right At Fullsteps */
+            right_at_fullsteps: number;
+            /** Home From Fullsteps */
+            home_from_fullsteps: number;
+            /** Home To Fullsteps */
+            home_to_fullsteps: number;
+            /**
+             * Position Fullsteps
+             * @description where the carriage really is
+             */
+            position_fullsteps: number;
+        };
+        /**
+         * TruthState
+         * @description How motor and shaft really are: what nobody tells who is asked over the wire.
+         */
+        app__emulators__drive__bench__TruthState: {
+            /**
+             * Rotor Rad
+             * @description shaft angle, not wrapped [rad]
+             */
+            rotor_rad: number;
+            /**
+             * Rotor Fullsteps
+             * @description the same in full steps
+             */
+            rotor_fullsteps: number;
+            /**
+             * Field Fullsteps
+             * @description where an ideal unloaded rotor would stand [full steps]
+             */
+            field_fullsteps: number;
+            /** Speed Rad S */
+            speed_rad_s: number;
+            /**
+             * Load Angle Deg
+             * @description field minus rotor [deg electrical]; more than 90 does not hold
+             */
+            load_angle_deg: number;
+            /**
+             * Current A A
+             * @description coil A [A]
+             */
+            current_a_a: number;
+            /**
+             * Current B A
+             * @description coil B [A]
+             */
+            current_b_a: number;
+            /** Torque Nm */
+            torque_nm: number;
+            /**
+             * Lost Fullsteps
+             * @description full steps lost since power-on: multiples of four
+             */
+            lost_fullsteps: number;
+            /**
+             * Current Scale
+             * @description current scale in use
+             */
+            current_scale: number;
+            /**
+             * Bridges
+             * @description "regulated", "open", "shorted", or "voltage" while PWM drives them
+             */
+            bridges: string;
+        };
         /**
          * FaultsChange
          * @description Faults between the chip and us.
@@ -5523,6 +6175,24 @@ export interface components {
              * @description puts the carriage there
              */
             position_fullsteps?: number | null;
+        };
+        /** EncoderChange */
+        app__emulators__pd42__options__EncoderChange: {
+            /**
+             * Slip Fullsteps
+             * @description one shot: lets the built-in encoder's magnet slip on the shaft by so much
+             */
+            slip_fullsteps?: number | null;
+            /**
+             * External Slip Fullsteps
+             * @description one shot: the same, external encoder
+             */
+            external_slip_fullsteps?: number | null;
+            /**
+             * Eccentricity Deg
+             * @description once-a-turn error of the built-in encoder [deg of the shaft]
+             */
+            eccentricity_deg?: number | null;
         };
         /**
          * FaultsChange
@@ -5737,6 +6407,73 @@ export interface components {
             home: components["schemas"]["app__emulators__pd42__state__SwitchState"];
         };
         /**
+         * TruthState
+         * @description How motor and shaft really are: what no command of the module tells.
+         */
+        app__emulators__pd42__state__TruthState: {
+            /**
+             * Rotor Rad
+             * @description shaft angle, not wrapped [rad]
+             */
+            rotor_rad: number;
+            /**
+             * Rotor Fullsteps
+             * @description the same in full steps
+             */
+            rotor_fullsteps: number;
+            /**
+             * Field Fullsteps
+             * @description where an ideal unloaded rotor would stand [full steps]
+             */
+            field_fullsteps: number;
+            /** Speed Rad S */
+            speed_rad_s: number;
+            /**
+             * Load Angle Deg
+             * @description field minus rotor [deg electrical]; more than 90 does not hold
+             */
+            load_angle_deg: number;
+            /**
+             * Current A A
+             * @description coil A [A]
+             */
+            current_a_a: number;
+            /**
+             * Current B A
+             * @description coil B [A]
+             */
+            current_b_a: number;
+            /** Torque Nm */
+            torque_nm: number;
+            /**
+             * Lost Fullsteps
+             * @description full steps lost since power-on: multiples of four
+             */
+            lost_fullsteps: number;
+            /**
+             * Current Scale
+             * @description current scale in use, 0..31
+             */
+            current_scale: number;
+            /**
+             * Bridges
+             * @description "regulated", "open" or "shorted"
+             */
+            bridges: string;
+        };
+        /** AxisState */
+        app__emulators__state__AxisState: {
+            /** Axis */
+            axis: number;
+            /**
+             * Position Fullsteps
+             * @description where the carriage really is [full steps]
+             */
+            position_fullsteps: number;
+            stage: components["schemas"]["app__emulators__state__StageState"];
+            switches: components["schemas"]["app__emulators__state__Switches"];
+        };
+        /**
          * ChainBit
          * @description One bit of a driver's part of the datagram.
          */
@@ -5872,6 +6609,22 @@ export interface components {
             bit_error_rate?: number | null;
         };
         /**
+         * PinsChange
+         * @description Levels from outside: true is high. "auto" gives START its inactive level, and leaves NFREEZE high.
+         */
+        app__emulators__tmc4361__options__PinsChange: {
+            /**
+             * Start
+             * @description level at START
+             */
+            start?: boolean | "auto" | null;
+            /**
+             * Freeze
+             * @description level at NFREEZE: false freezes
+             */
+            freeze?: boolean | "auto" | null;
+        };
+        /**
          * StageChange
          * @description Moves switches of the stage, or turns the shaft as by hand [full steps of the rotor].
          */
@@ -5938,6 +6691,46 @@ export interface components {
             bit_error_rate: number;
         };
         /**
+         * PinsState
+         * @description Pins besides those of the switches, as levels: true is high.
+         */
+        app__emulators__tmc4361__state__PinsState: {
+            /** @description START as an input */
+            start: components["schemas"]["LevelState"];
+            /** @description NFREEZE */
+            freeze: components["schemas"]["LevelState"];
+            /**
+             * Start Out
+             * @description the chip gives a start pulse at START
+             */
+            start_out: boolean;
+            /**
+             * Intr
+             * @description INTR
+             */
+            intr: boolean;
+            /**
+             * Target Reached
+             * @description TARGET_REACHED
+             */
+            target_reached: boolean;
+            /**
+             * Step
+             * @description STPOUT at rest
+             */
+            step: boolean;
+            /**
+             * Direction
+             * @description DIROUT
+             */
+            direction: boolean;
+            /**
+             * Standby
+             * @description STDBY_CLK while it tells standby; false while it does not
+             */
+            standby: boolean;
+        };
+        /**
          * StageState
          * @description Where switches and carriage are [full steps of the rotor].
          */
@@ -5961,6 +6754,124 @@ export interface components {
             left: components["schemas"]["LevelState"];
             right: components["schemas"]["LevelState"];
             home: components["schemas"]["LevelState"];
+        };
+        /** EncoderChange */
+        app__emulators__tmc5xxx__options__EncoderChange: {
+            /**
+             * Slip Fullsteps
+             * @description one shot: lets the encoder slip on the shaft by so much
+             */
+            slip_fullsteps?: number | null;
+        };
+        /**
+         * PinsChange
+         * @description Levels from outside: true is high.
+         */
+        app__emulators__tmc5xxx__options__PinsChange: {
+            /**
+             * Drv Enn
+             * @description level at DRV_ENN: high switches all bridges off
+             */
+            drv_enn?: boolean | null;
+            /**
+             * Nextaddr
+             * @description level at NEXTADDR: high adds 1 to the node address
+             */
+            nextaddr?: boolean | null;
+        };
+        /**
+         * SwitchesChange
+         * @description Forces switches, or gives them back to the stage with "auto".
+         */
+        app__emulators__tmc5xxx__options__SwitchesChange: {
+            /**
+             * Left
+             * @description level at REFL: true is high, as a pressed switch is
+             */
+            left?: boolean | "auto" | null;
+            /**
+             * Right
+             * @description level at REFR
+             */
+            right?: boolean | "auto" | null;
+        };
+        /** AxisState */
+        app__emulators__tmc5xxx__state__AxisState: {
+            /** Axis */
+            axis: number;
+            motor: components["schemas"]["app__emulators__drive__bench__MotorState"];
+            /** Load Torque Nm */
+            load_torque_nm: number;
+            /** Blocked */
+            blocked: boolean;
+            /**
+             * Friction
+             * @description friction on top of the motor's own [N m]
+             */
+            friction: number;
+            stage: components["schemas"]["app__emulators__drive__bench__StageState"];
+            switches: components["schemas"]["app__emulators__tmc5xxx__state__SwitchesState"];
+            /** @description null: the chip has none */
+            encoder: components["schemas"]["app__emulators__tmc5xxx__state__EncoderState"] | null;
+            truth: components["schemas"]["app__emulators__drive__bench__TruthState"];
+        };
+        /** EncoderState */
+        app__emulators__tmc5xxx__state__EncoderState: {
+            /**
+             * Counts
+             * @description since the start, not wrapped: what no register tells
+             */
+            counts: number;
+            /** Counts Per Turn */
+            counts_per_turn: number;
+            /**
+             * Connected
+             * @description false while GCONF gives the encoder's pins to something else
+             */
+            connected: boolean;
+            /**
+             * N Level
+             * @description level of the N line
+             */
+            n_level: boolean;
+            /**
+             * Slip Fullsteps
+             * @description how far it has slipped on the shaft in all
+             */
+            slip_fullsteps: number;
+        };
+        /**
+         * PinsState
+         * @description Levels: true is high.
+         */
+        app__emulators__tmc5xxx__state__PinsState: {
+            /** Drv Enn */
+            drv_enn: boolean;
+            /** Nextaddr */
+            nextaddr: boolean;
+            /**
+             * Interrupt
+             * @description the interrupt output is active
+             */
+            interrupt: boolean;
+        };
+        /** SwitchState */
+        app__emulators__tmc5xxx__state__SwitchState: {
+            /**
+             * Active
+             * @description the pin is high: polarity and swapping by SW_MODE do not enter
+             */
+            active: boolean;
+            /**
+             * Forced
+             * @description null while the switch follows the stage
+             */
+            forced: boolean | null;
+        };
+        /** SwitchesState */
+        app__emulators__tmc5xxx__state__SwitchesState: {
+            left: components["schemas"]["app__emulators__tmc5xxx__state__SwitchState"];
+            right: components["schemas"]["app__emulators__tmc5xxx__state__SwitchState"];
         };
         /** TelemetryChannel */
         TelemetryChannel: {
@@ -8038,6 +8949,381 @@ export interface operations {
             };
         };
     };
+    get_extended_position: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ExtendedPosition"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    put_extended_position: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ExtendedPositionChange"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ExtendedPosition"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    delete_extended_position: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ExtendedPosition"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_extended_history: {
+        parameters: {
+            query?: {
+                /** @description how far back [s] */
+                seconds?: number;
+            };
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ExtendedHistory"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_latched_position: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LatchedPosition"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     get_reference_search: {
         parameters: {
             query?: never;
@@ -9624,7 +10910,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Tmc4361State"] | components["schemas"]["Pd42State"];
+                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Tmc4361State"] | components["schemas"]["Tmc5xxxState"] | components["schemas"]["Pd42State"];
                 };
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
@@ -9677,7 +10963,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["EmulatorPatch"] | components["schemas"]["Tmc4361Patch"] | components["schemas"]["Pd42Patch"];
+                "application/json": components["schemas"]["EmulatorPatch"] | components["schemas"]["Tmc4361Patch"] | components["schemas"]["Tmc5xxxPatch"] | components["schemas"]["Pd42Patch"];
             };
         };
         responses: {
@@ -9687,7 +10973,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Tmc4361State"] | components["schemas"]["Pd42State"];
+                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Tmc4361State"] | components["schemas"]["Tmc5xxxState"] | components["schemas"]["Pd42State"];
                 };
             };
             /** @description The body is not JSON (/problems/undecodable-body) */
