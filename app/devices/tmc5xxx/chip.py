@@ -101,6 +101,10 @@ class Chip(KeepingChip):
             return self._known.get(register.address)
         return self._blind.get(register.address, register.reset if self._fresh else None)
 
+    def kept_word(self, register: Register) -> int | None:
+        """As the user wants it: what a rotation or a stop has written over it comes back with the next move."""
+        return self.wanted(register)
+
     def ramp(self, axis: int) -> Ramp:
         """The ramp as the user wants it."""
         words = {name: self.wanted(row) for name, row in self.rows(axis).ramp.items()}
