@@ -54,10 +54,6 @@ class Timeline:
         """The chip may be another one: what is set there will be told."""
         self._told = 0
 
-    def told_since(self, name: str, time_s: float) -> bool:
-        """Whether an event of that name was told at `time_s` [s] or later."""
-        return any(name in entry.names for entry in self._entries if entry.time_s >= time_s)
-
     def page(self, after: int, limit: int) -> EventPage:
         """The oldest `limit` entries behind number `after`."""
         first = self._entries[0].seq if self._entries else self._seq + 1

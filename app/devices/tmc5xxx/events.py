@@ -47,6 +47,8 @@ class Events(Chip):
         """How often a reset of the chip was seen, that of its power-on included where nobody had taken notice of it."""
         self._acquainted = False
         """Whether GSTAT was read since the device is connected: the first reset is that of its power-on."""
+        self._reset_s = float("-inf")
+        """When the latest reset was seen that was not that of power-on, device time [s]."""
         self._lost = False
         """It was reset while we knew it, and nobody has read GSTAT since."""
         self._reset_shown = False
@@ -170,6 +172,8 @@ class Events(Chip):
         """GSTAT, or a status byte, tells of a reset that was not told yet."""
         self.resets += 1
         self._lost = self._acquainted
+        if self._acquainted:
+            self._reset_s = self.device_time_s()
         self._forget_setting()
 
     def _saw_status(self, time_s: float, status: int) -> None:

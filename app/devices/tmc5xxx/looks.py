@@ -98,10 +98,13 @@ class Looks(Writes):
         return {"encoder_position": encoder, "deviation": float(encoder - held.value(rows.xactual))}
 
     def _moves(self, axis: int, held: Held) -> bool:
-        """Whether the axis moves, or is about to."""
+        """Whether the axis moves, or is about to. One that stands is held where RAMP_STAT, which would tell by what,
+        must not be read."""
         rows = self.rows(axis)
         if held.word(rows.vactual):
             return True
+        if rows.ramp_stat.address not in held.words:
+            return False
         mode, vmax, amax = held.word(rows.rampmode), self.word(rows.vmax), self.word(rows.amax)
         to_go = held.value(rows.xtarget) - held.value(rows.xactual)
         way = {r.POSITION: to_go, r.FORWARD: 1, r.BACKWARD: -1, r.HOLD: 0}[mode]
@@ -110,10 +113,8 @@ class Looks(Writes):
         return not self._held_by(axis, held, way)
 
     def _held_by(self, axis: int, held: Held, way: int) -> str:
-        """What keeps the axis from going `way`; "" where nothing does, as far as may be read."""
+        """What keeps the axis from going `way`, by RAMP_STAT; "" where nothing does."""
         rows = self.rows(axis)
-        if rows.ramp_stat.address not in held.words:
-            return ""
         stat, switches = held.fields(rows.ramp_stat), held.fields(rows.sw_mode)
         side, name = ("l", "left switch") if way < 0 else ("r", "right switch")
         if switches[f"stop_{side}_enable"] and stat[f"status_stop_{side}"]:
@@ -201,7 +202,7 @@ class Looks(Writes):
         rows, flags = self.rows(axis), self.flags[axis]
         if motion.stopped_s is not None:
             return "stop_command", "stopped on command"
-        if self._timelines[axis].told_since("reset", motion.began_s):
+        if self._reset_s >= motion.began_s:
             return "unknown", "the chip was reset while it moved"
         if self._stat[axis] & flags.stall:
             return "stall", "StallGuard stopped it (event_stop_sg)"
