@@ -872,6 +872,46 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/calc/coil-current": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Calculate Coil Current
+         * @description Motor current of a TMC5xxx from its settings, or the nearest settings for a wanted current, and its delays.
+         */
+        post: operations["calculate_coil_current"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/calc/chopper": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Calculate Chopper
+         * @description Chopper settings of a TMC5xxx to begin with, from a motor's data; each with its reason and source.
+         */
+        post: operations["calculate_chopper"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/calc/microstep-table": {
         parameters: {
             query?: never;
@@ -1670,6 +1710,292 @@ export interface components {
             link: components["schemas"]["EmulatorLink"] | components["schemas"]["TcpLink"];
         };
         /**
+         * Chopper
+         * @description A motor, its supply and its current, for which settings to begin with are to be found.
+         */
+        Chopper: {
+            /**
+             * Model
+             * @enum {string}
+             */
+            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160";
+            /**
+             * Clock Hz
+             * @default 16000000
+             */
+            clock_hz?: number;
+            /**
+             * Resistance Ohm
+             * @description of a coil
+             */
+            resistance_ohm: number;
+            /**
+             * Inductance H
+             * @description of a coil
+             */
+            inductance_h: number;
+            /**
+             * Current A
+             * @description of the run current, as RMS [A]
+             */
+            current_a: number;
+            /**
+             * Supply V
+             * @description of the motor
+             */
+            supply_v: number;
+            /**
+             * Holding Torque Nm
+             * @description both phases at the rated current; null leaves out what needs the back-EMF
+             */
+            holding_torque_nm?: number | null;
+            /**
+             * Rated Current A
+             * @description null: as `current_a`
+             */
+            rated_current_a?: number | null;
+            /**
+             * Full Steps Per Rev
+             * @default 200
+             */
+            full_steps_per_rev?: number;
+            /**
+             * Microsteps Per Full Step
+             * @description in which velocities are answered
+             * @default 256
+             * @enum {integer}
+             */
+            microsteps_per_full_step?: 1 | 2 | 4 | 8 | 16 | 32 | 64 | 128 | 256;
+            /**
+             * Irun
+             * @description with it the run current is reached
+             * @default 31
+             */
+            irun?: number;
+            /**
+             * Chopper Hz
+             * @description wanted chopper frequency of SpreadCycle
+             * @default 25000
+             */
+            chopper_hz?: number;
+            /**
+             * Tbl
+             * @description null: chosen
+             */
+            tbl?: number | null;
+            /**
+             * Toff
+             * @description null: chosen
+             */
+            toff?: number | null;
+            /**
+             * Hysteresis
+             * @description effective, at its start; null: chosen
+             */
+            hysteresis?: number | null;
+            /**
+             * Pwm Freq
+             * @description null: chosen
+             */
+            pwm_freq?: number | null;
+            /**
+             * Automatic
+             * @description StealthChop regulates the current (pwm_autoscale)
+             * @default true
+             */
+            automatic?: boolean;
+        };
+        /**
+         * ChopperFigure
+         * @description A number that follows, and why.
+         */
+        ChopperFigure: {
+            /**
+             * Name
+             * @description stable, for programs: chopper_frequency, lowest_current, current_limit, ...
+             */
+            name: string;
+            /** Label */
+            label: string;
+            /** Value */
+            value: number;
+            /**
+             * Unit
+             * @description "A", "Hz", "pps", "rpm", "clocks", "V s/rad", or "" for a ratio
+             */
+            unit: string;
+            /** Reason */
+            reason: string;
+            /** Source */
+            source: string;
+        };
+        /** ChopperResult */
+        ChopperResult: {
+            /** Settings */
+            settings: components["schemas"]["ChopperSetting"][];
+            /** Figures */
+            figures: components["schemas"]["ChopperFigure"][];
+            /** Warnings */
+            warnings: string[];
+        };
+        /**
+         * ChopperSetting
+         * @description A setting to begin with, and why.
+         */
+        ChopperSetting: {
+            /** Register */
+            register: string;
+            /** Field */
+            field: string;
+            /** Value */
+            value: number;
+            /**
+             * Exact
+             * @description before rounding and limits; null where there is no such number
+             */
+            exact: number | null;
+            /**
+             * Meaning
+             * @description what the value stands for
+             */
+            meaning: string;
+            /** Reason */
+            reason: string;
+            /** Source */
+            source: string;
+            /**
+             * Chosen
+             * @description false: as asked for
+             */
+            chosen: boolean;
+        };
+        /**
+         * CoilCurrent
+         * @description Currents from settings, settings from wanted currents: what is left out is chosen.
+         *
+         *     With `run_a` (and `hold_a`) the nearest settings are searched; with `irun` (and `ihold`) they are as said. One of
+         *     the two for the run current, at most one for the hold current.
+         */
+        CoilCurrent: {
+            /**
+             * Model
+             * @enum {string}
+             */
+            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160";
+            /**
+             * Clock Hz
+             * @default 16000000
+             */
+            clock_hz?: number;
+            /**
+             * Sense Resistor Ohm
+             * @description external; TMC5130: null measures inside of the chip (internal_Rsense)
+             */
+            sense_resistor_ohm?: number | null;
+            /**
+             * Reference Resistor Ohm
+             * @description TMC5130 without sense resistors: between 5VOUT and AIN_IREF
+             */
+            reference_resistor_ohm?: number | null;
+            /**
+             * Ain V
+             * @description TMC5130 with sense resistors: voltage at AIN_IREF, with I_scale_analog [V]
+             */
+            ain_v?: number | null;
+            /**
+             * Vsense
+             * @description all but the TMC5160; null: chosen, without a wanted current 0
+             */
+            vsense?: number | null;
+            /**
+             * Global Scaler
+             * @description TMC5160: 0 (256) or 32..255; null: chosen, without a wanted current 0
+             */
+            global_scaler?: number | null;
+            /**
+             * Run A
+             * @description wanted current in motion, as `measure` says [A]
+             */
+            run_a?: number | null;
+            /**
+             * Hold A
+             * @description wanted current at rest, as `measure` says [A]
+             */
+            hold_a?: number | null;
+            /**
+             * Measure
+             * @description what `run_a` and `hold_a` are, of a sine wave
+             * @default rms
+             * @enum {string}
+             */
+            measure?: "rms" | "peak";
+            /** Irun */
+            irun?: number | null;
+            /** Ihold */
+            ihold?: number | null;
+            /** Ihold Delay */
+            ihold_delay?: number | null;
+            /**
+             * Tpowerdown
+             * @description TMC5130, TMC5160
+             */
+            tpowerdown?: number | null;
+            /**
+             * Lowering S
+             * @description wanted time from IRUN down to IHOLD, for IHOLDDELAY
+             */
+            lowering_s?: number | null;
+            /**
+             * Waiting S
+             * @description wanted time at rest before that, for TPOWERDOWN
+             */
+            waiting_s?: number | null;
+        };
+        /** CoilCurrentResult */
+        CoilCurrentResult: {
+            /**
+             * Full Scale Rms A
+             * @description at CS = 31, with the vsense and global scaler of `run`
+             */
+            full_scale_rms_a: number;
+            /** Full Scale Peak A */
+            full_scale_peak_a: number;
+            /**
+             * Least A
+             * @description the least step of `run_a` there, as `measure` says: 1/32 of full scale [A]
+             */
+            least_a: number;
+            run: components["schemas"]["CurrentSetting"];
+            hold: components["schemas"]["CurrentSetting"] | null;
+            /**
+             * Nearest
+             * @description ways to set a wanted run current, best first; else empty
+             */
+            nearest: components["schemas"]["CurrentSetting"][];
+            /**
+             * Sense Voltage V
+             * @description peak at the sense resistor; null without one
+             */
+            sense_voltage_v: number | null;
+            /**
+             * Sense Power W
+             * @description of one sense resistor, at most, at rest with the run current
+             */
+            sense_power_w: number | null;
+            delay: components["schemas"]["HoldDelay"];
+            /**
+             * Settings
+             * @description what to write
+             */
+            settings: components["schemas"]["FieldSetting"][];
+            /** Formula */
+            formula: string;
+            /** Source */
+            source: string;
+            /** Warnings */
+            warnings: string[];
+        };
+        /**
          * CommandRow
          * @description One TMCL command.
          */
@@ -1743,6 +2069,36 @@ export interface components {
              * @description false while the axis is further than a piece away: the counter would show the same number before
              */
             armed: boolean;
+        };
+        /**
+         * CurrentSetting
+         * @description One way to set a current.
+         */
+        CurrentSetting: {
+            /**
+             * Scale
+             * @description IRUN or IHOLD: CS
+             */
+            scale: number;
+            /**
+             * Vsense
+             * @description null for a TMC5160
+             */
+            vsense: number | null;
+            /**
+             * Global Scaler
+             * @description as in the register, 0 for 256; null for the others
+             */
+            global_scaler: number | null;
+            /** Rms A */
+            rms_a: number;
+            /** Peak A */
+            peak_a: number;
+            /**
+             * Error
+             * @description of the wanted current, value / wanted - 1; null without one
+             */
+            error: number | null;
         };
         /**
          * DeviceChange
@@ -2420,6 +2776,21 @@ export interface components {
             behaviour: string;
         };
         /**
+         * FieldSetting
+         * @description A register or a field of one, as it is to be written.
+         */
+        FieldSetting: {
+            /** Register */
+            register: string;
+            /**
+             * Field
+             * @description null for the whole register
+             */
+            field: string | null;
+            /** Value */
+            value: number;
+        };
+        /**
          * FilterBounds
          * @description What the filter does to any edge and pulse, wherever its samples fall.
          */
@@ -2596,6 +2967,44 @@ export interface components {
             status: "ok";
             /** Version */
             version: string;
+        };
+        /**
+         * HoldDelay
+         * @description How the current goes down after a motion.
+         */
+        HoldDelay: {
+            /** Ihold Delay */
+            ihold_delay: number;
+            /**
+             * Step S
+             * @description for each of the steps
+             */
+            step_s: number;
+            /**
+             * Steps
+             * @description from IRUN to IHOLD
+             */
+            steps: number;
+            /**
+             * Lowering S
+             * @description all of them
+             */
+            lowering_s: number;
+            /**
+             * Tpowerdown
+             * @description null for the chips with two axes, which have none
+             */
+            tpowerdown: number | null;
+            /**
+             * Waiting S
+             * @description from standstill seen to the first step
+             */
+            waiting_s: number | null;
+            /**
+             * Standstill S
+             * @description from the last step to standstill seen, 2^20 clocks
+             */
+            standstill_s: number;
         };
         /**
          * InputFilter
@@ -11232,6 +11641,126 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["RampResult"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    calculate_coil_current: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["CoilCurrent"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CoilCurrentResult"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    calculate_chopper: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["Chopper"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ChopperResult"];
                 };
             };
             /** @description The body is not JSON (/problems/undecodable-body) */
