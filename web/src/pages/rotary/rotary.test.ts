@@ -1,7 +1,10 @@
 import { describe, expect, it } from "vitest";
+import { arc, arrow, between, wayText } from "./dial";
 import { fromNumber, grouped, mod, parseRatio, ratio, ratioText, ratioWire, rounded, toNumber, wholeOf } from "./exact";
+import { type Answer, extendedOf, liveActual, liveEncoder } from "./extended";
+import { pair } from "./gears";
 import { longTime, Pace, pieceCount, viewOf } from "./pieces";
-import { anglesBack, broken, tooFast, turnsSince, unwound } from "./traces";
+import { broken, liveColumns, lookColumns, tooFast, unwound } from "./traces";
 import { angleAt, degreesOf, follow, geared, placeOf, snapped, stepsOfTurns, targetAt } from "./turn";
 
 const TURN = { length: ratio(51_200n), zero: 0n };
@@ -198,22 +201,116 @@ describe("history", () => {
     expect(tooFast([])).toBe(false);
   });
 
-  it("tells turns exactly from far away", () => {
-    const positions = [FAR, null, FAR + 51_200n, FAR + 1n];
-    const { turns, since } = turnsSince(positions, TURN);
-    expect(since).toBe(FAR / 51_200n);
-    expect((turns[2] as number) - (turns[0] as number)).toBe(1);
-    expect(turns[1]).toBeNaN();
-    expect(((turns[3] as number) - (turns[0] as number)) * 51_200).toBeCloseTo(1, 6);
-  });
-
   it("unwinds a counter from its newest sample", () => {
     const counts = [2 ** 23 - 20, 2 ** 23 - 10, Number.NaN, -(2 ** 23), -(2 ** 23) + 10];
     expect([...unwound(counts, 24)]).toEqual([-30, -20, Number.NaN, -10, 0]);
     expect([...unwound([0, -100, -200], 32)]).toEqual([200, 100, 0]);
   });
 
-  it("lays differences around the angle of now", () => {
-    expect([...anglesBack([-51_200, -25_600, 0], 90, TURN.length)]).toEqual([90, 270, 90]);
+  it("draws samples as turns, exactly from far away", () => {
+    const drawn = liveColumns({
+      time: Float64Array.of(10, 11, 12),
+      counts: Float64Array.of(-51_200, Number.NaN, 0),
+      encoderCounts: Float64Array.of(5, 5, 25_605),
+      bits: 32,
+      actual: FAR,
+      encoder: FAR + 1n,
+      turn: TURN,
+      what: "turns",
+      divisor: 60,
+    });
+    expect(drawn.since).toBe(FAR / 51_200n);
+    expect([...drawn.x].map((x) => x * 60)).toEqual([-2, -1, 0]);
+    expect((drawn.commanded[2] as number) - (drawn.commanded[0] as number)).toBe(1);
+    expect(drawn.commanded[1]).toBeNaN();
+    expect(((drawn.encoder[2] as number) - (drawn.commanded[2] as number)) * 51_200).toBeCloseTo(1, 6);
+    expect((drawn.encoder[2] as number) - (drawn.encoder[1] as number)).toBe(0.5);
+  });
+
+  it("draws the server's looks, the encoder beside what was told", () => {
+    const looks = {
+      time_s: [0, 1, 2],
+      position_text: ["51190", "51210", "102400"],
+      angle_deg: [359.93, 0.07, 0],
+      encoder_angle_deg: [0.5, null, 358],
+    };
+    const turns = lookColumns(looks, TURN, "turns", 1);
+    expect(turns.since).toBe(0n);
+    expect(turns.commanded[2]).toBe(2);
+    expect(turns.encoder[0]).toBeCloseTo(1 + 0.5 / 360);
+    expect(turns.encoder[1]).toBeNaN();
+    expect(turns.encoder[2]).toBeCloseTo(2 - 2 / 360);
+    const angles = lookColumns(looks, TURN, "angle", 1);
+    expect(angles.fast).toBe(true);
+    expect(angles.commanded.some(Number.isNaN)).toBe(true);
+  });
+});
+
+describe("an answer of the server", () => {
+  const ANSWER = {
+    watching: true,
+    trusted: true,
+    reason: "",
+    actual_text: "9007199254740993",
+    target_text: "9007199254741993",
+    encoder_position_text: "9007199254740990",
+    progress: 0.5,
+    counter: 1,
+    counter_bits: 24,
+    pieces: null,
+    rotary: { microsteps_per_turn: "358400/3", zero_text: "-7" },
+  } as unknown as Answer;
+
+  it("loses no digit", () => {
+    expect(extendedOf(ANSWER)).toMatchObject({
+      actual: 9_007_199_254_740_993n,
+      turn: { length: ratio(358_400n, 3n), zero: -7n },
+      start: 9_007_199_254_739_993n,
+      pieceLength: 1n << 22n,
+    });
+  });
+
+  it("goes on with the newest counts", () => {
+    const seen = extendedOf(ANSWER);
+    expect(liveActual(seen, -1)).toBe(9_007_199_254_740_991n);
+    expect(liveActual(seen, Number.NaN)).toBe(seen.actual);
+    expect(liveActual(null, 5)).toBeNull();
+    // the encoder's counter is 12 beyond the chip's, across the end of both
+    expect(liveEncoder(seen, 2 ** 23 - 2, -(2 ** 23) + 10)).toBe((liveActual(seen, 2 ** 23 - 2) as bigint) + 12n);
+    expect(liveEncoder(seen, 1, Number.NaN)).toBe(9_007_199_254_740_990n);
+  });
+
+  it("has no start once it is there", () => {
+    expect(extendedOf({ ...ANSWER, progress: 1 } as Answer).start).toBeNull();
+    expect(extendedOf({ ...ANSWER, actual_text: null } as Answer)).toMatchObject({ actual: null, start: null });
+  });
+});
+
+describe("the dial's drawing", () => {
+  it("shows a way either way, and what is beyond a turn in words", () => {
+    expect(arc(0, 90, 100)).toMatch(/^M0.00 -100.00A100 100 0 0 1 100.00 -?0.00$/);
+    expect(arc(90, -270, 100)).toMatch(/ 0 1 0 /);
+    expect(arc(0, 360, 10).match(/A/g)).toHaveLength(2);
+    expect(arc(5, 0, 10)).toBe("");
+    expect(arrow(0, 0.5, 10)).toBe("");
+    expect(arrow(0, -90, 100)).toMatch(/^M-100/);
+    expect([90, -12.345, 810, -360, 720.5].map(wayText)).toEqual([
+      "+90.0°",
+      "−12.3°",
+      "+2 turns 90.0°",
+      "−1 turn 0.00°",
+      "+2 turns 0.50°",
+    ]);
+    expect([between(350, 10), between(10, 350), between(0, 180)]).toEqual([20, -20, -180]);
+  });
+
+  it("meshes gears of any teeth", () => {
+    const { motor, driven } = pair(3, 7, 150);
+    expect(driven.x - motor.x).toBeCloseTo(motor.radius + driven.radius);
+    expect(motor.radius / driven.radius).toBeCloseTo(3 / 7);
+    expect([motor.teeth, driven.teeth]).toEqual([9, 21]);
+    expect(motor.path.match(/L/g)).toHaveLength(9 * 4 - 1);
+    expect(pair(1, 100_000, 150).motor.radius).toBeGreaterThan(5);
+    expect(pair(1, 100_000, 150).driven.path).toContain("A");
   });
 });

@@ -1,0 +1,145 @@
+import { Button, SegmentedControl, Select } from "@mantine/core";
+import { IconPlayerPlayFilled } from "@tabler/icons-react";
+import { useState } from "react";
+import { compact } from "../../lib/format";
+import { Section } from "../../lib/Section";
+import { ExactField } from "./ExactField";
+import { abs, grouped, LEAST, MOST, type Ratio, ratio, rounded, times } from "./exact";
+import { longTime, pieceCount } from "./pieces";
+import classes from "./rotary.module.css";
+import { degreesOf, type Turn } from "./turn";
+
+interface Props {
+  actual: bigint | null;
+  turn: Turn | null;
+  pieceLength: bigint;
+  /** what it goes at when it is up to speed; null while unknown */
+  pps: number | null;
+  disabled: boolean;
+  going: boolean;
+  onGo: (target: bigint) => void;
+}
+
+type Unit = "microsteps" | "turns" | "degrees";
+const RANGE = "beyond 64 bits: −2^63 to 2^63 − 1 microsteps";
+
+/** A move to any of 2^64 positions. */
+export function LongMove({ actual, turn, pieceLength, pps, disabled, going, onGo }: Props) {
+  const [value, setValue] = useState<Ratio | null>(null);
+  const [text, setText] = useState("");
+  const [unit, setUnit] = useState<Unit>("microsteps");
+  const [relative, setRelative] = useState<"to" | "by">("to");
+  const shown = turn === null ? "microsteps" : unit;
+
+  const steps = (of: Ratio): bigint => {
+    if (shown === "microsteps" || turn === null) return rounded(of);
+    const inTurns = shown === "turns" ? of : times(of, ratio(1n, 360n));
+    return rounded(times(inTurns, turn.length));
+  };
+  const targetOf = (of: Ratio): bigint | null => {
+    if (relative === "by") return actual === null ? null : actual + steps(of);
+    return steps(of) + (shown === "microsteps" ? 0n : (turn?.zero ?? 0n));
+  };
+  const target = value === null ? null : targetOf(value);
+  const outside = target !== null && (target > MOST || target < LEAST);
+  const way = target === null || actual === null ? null : target - actual;
+
+  return (
+    <Section title="Long move" note="any of 2^64 positions">
+      <div className={classes.formRow}>
+        <ExactField
+          label={relative === "to" ? "Go to" : "Go by"}
+          value={text}
+          placeholder="1e12, 2^40, −3.5"
+          disabled={disabled}
+          check={(candidate) => {
+            const there = targetOf(candidate);
+            return there !== null && (there > MOST || there < LEAST) ? RANGE : null;
+          }}
+          onValue={(next, typed) => {
+            setValue(next);
+            setText(typed);
+          }}
+          data-testid="long-target"
+        />
+        <Select
+          size="xs"
+          label="in"
+          w={96}
+          data={[
+            { value: "microsteps", label: "µsteps" },
+            ...(turn === null
+              ? []
+              : [
+                  { value: "turns", label: "turns" },
+                  { value: "degrees", label: "degrees" },
+                ]),
+          ]}
+          value={shown}
+          allowDeselect={false}
+          disabled={disabled}
+          onChange={(next) => next && setUnit(next as Unit)}
+        />
+      </div>
+      <SegmentedControl
+        mt={6}
+        size="xs"
+        fullWidth
+        aria-label="Reference"
+        data={[
+          { value: "to", label: "to a position" },
+          { value: "by", label: "from here" },
+        ]}
+        value={relative}
+        disabled={disabled}
+        onChange={(next) => setRelative(next as "to" | "by")}
+      />
+      <dl className={classes.preview} data-testid="long-preview">
+        <div>
+          <dt>target</dt>
+          <dd>
+            <span className="num" data-testid="long-exact">
+              {target === null ? "–" : grouped(target)}
+            </span>{" "}
+            <span>µsteps</span>
+          </dd>
+        </div>
+        <div>
+          <dt>way</dt>
+          <dd>
+            <span className="num">{way === null || outside ? "–" : grouped(way)}</span> <span>µsteps</span>
+          </dd>
+        </div>
+        {turn !== null && (
+          <div>
+            <dt>turns</dt>
+            <dd className="num">{way === null || outside ? "–" : compact(degreesOf(way, turn) / 360, 5)}</dd>
+          </div>
+        )}
+        <div>
+          <dt>pieces</dt>
+          <dd className="num">{way === null || outside ? "–" : compact(pieceCount(way, pieceLength))}</dd>
+        </div>
+        <div>
+          <dt>takes</dt>
+          <dd className="num">
+            {way === null || outside || pps === null || pps <= 0
+              ? "–"
+              : `${longTime(Number(abs(way)) / pps)} at ${compact(Math.round(pps))} pps`}
+          </dd>
+        </div>
+      </dl>
+      <Button
+        fullWidth
+        size="xs"
+        leftSection={<IconPlayerPlayFilled size={14} aria-hidden />}
+        disabled={disabled || target === null || outside}
+        loading={going}
+        onClick={() => target !== null && onGo(target)}
+        data-testid="go-long"
+      >
+        Go
+      </Button>
+    </Section>
+  );
+}

@@ -1,0 +1,53 @@
+import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { useMemo } from "react";
+import { api, unwrap } from "../../api/client";
+import type { AxisAddress } from "../../api/motion";
+import { type Answer, type Change, extendedOf } from "./extended";
+
+/** A few times a second while the page is seen; the digits between come from the samples. */
+const PERIOD_MS = 300;
+const ROUTE = "/api/v1/devices/{device}/axes/{axis}/extended-position";
+
+/** Where an axis is beyond its counter, and what changes that. */
+export function useExtended({ device, axis }: AxisAddress, enabled: boolean) {
+  const queries = useQueryClient();
+  const key = useMemo(() => ["extended-position", device, axis], [device, axis]);
+  const params = { params: { path: { device, axis } } };
+  const query = useQuery({
+    queryKey: key,
+    queryFn: async () => unwrap(await api.GET(ROUTE, params)),
+    enabled,
+    refetchInterval: PERIOD_MS,
+    retry: false,
+  });
+  const settled = (answer: Answer) => {
+    // an answer that was asked for before the change must not come after it
+    void queries.cancelQueries({ queryKey: key });
+    queries.setQueryData(key, answer);
+    void queries.invalidateQueries({ queryKey: ["extended-history", device, axis] });
+  };
+  const change = useMutation({
+    mutationFn: async (body: Change) => unwrap(await api.PUT(ROUTE, { ...params, body })),
+    onSuccess: settled,
+  });
+  const forget = useMutation({
+    mutationFn: async () => unwrap(await api.DELETE(ROUTE, params)),
+    onSuccess: settled,
+  });
+  const seen = useMemo(() => (query.data ? extendedOf(query.data) : null), [query.data]);
+  return { query, seen, change, forget };
+}
+
+export type ExtendedAxis = ReturnType<typeof useExtended>;
+
+/** What was seen of it in the last `seconds`; asked for less often the longer that is. */
+export function useHistory({ device, axis }: AxisAddress, seconds: number, enabled: boolean) {
+  return useQuery({
+    queryKey: ["extended-history", device, axis, seconds],
+    queryFn: async () =>
+      unwrap(await api.GET(`${ROUTE}/history`, { params: { path: { device, axis }, query: { seconds } } })),
+    enabled,
+    refetchInterval: Math.max(2000, seconds * 2),
+    retry: false,
+  });
+}
