@@ -9,6 +9,7 @@ import { EmptyState } from "../../lib/EmptyState";
 import { familyOf } from "../../lib/family";
 import { useSelection } from "../../live/selection";
 import { EventsTimeline } from "../events/EventsTimeline";
+import { eventRegisters } from "../events/useEvents";
 import { AxisTree } from "./AxisTree";
 import classes from "./bench.module.css";
 import { DemoBanner } from "./DemoBanner";
@@ -91,7 +92,7 @@ function Bench({ devices, lost }: BenchProps) {
             )}
             <ScopeCard devices={devices} main={main} axisName={`${device.name} ${entry.name}`}>
               {(scope) =>
-                familyOf(device.model) === "sramp" && (
+                eventRegisters(device.model).length > 0 && (
                   <EventsTimeline
                     key={`${device.id}/${entry.index}`}
                     at={main}
@@ -107,7 +108,9 @@ function Bench({ devices, lost }: BenchProps) {
           </>
         )}
       </div>
-      {device?.emulated && panel && <EmulatorPanel device={device} onClose={close} />}
+      {device?.emulated && panel && (
+        <EmulatorPanel device={device} axis={axis} onAxis={(next) => select(device.id, next)} onClose={close} />
+      )}
     </div>
   );
 }

@@ -12,9 +12,14 @@ describe("the carriage", () => {
     });
     expect(geometry).toMatchObject({ from: -60, to: 1060 });
     expect(geometry.left).toBeGreaterThan(0);
-    expect(geometry.left).toBeLessThan(geometry.homeFrom);
+    expect(geometry.left).toBeLessThan(geometry.homeFrom ?? Number.NaN);
     expect(geometry.homeTo).toBeLessThan(geometry.right);
     expect(geometry.right).toBeLessThan(1);
+  });
+
+  it("has no home switch where the chip has none", () => {
+    const geometry = geometryOf({ left: 0, right: 1000, homeFrom: null, homeTo: null });
+    expect(geometry).toMatchObject({ homeFrom: null, homeTo: null });
   });
 
   it("compares the emulator's answer with the sample of the same chip time", () => {

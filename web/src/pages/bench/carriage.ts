@@ -10,8 +10,8 @@ export interface StageGeometry {
   to: number;
   left: number;
   right: number;
-  homeFrom: number;
-  homeTo: number;
+  homeFrom: number | null;
+  homeTo: number | null;
 }
 
 /** The stage with a margin beyond its end switches, in full steps; switches as shares of it. */
@@ -20,13 +20,14 @@ export function geometryOf(places: StagePlaces, margin = 0.06): StageGeometry {
   const from = places.left - margin * span;
   const to = places.right + margin * span;
   const share = (at: number) => (at - from) / (to - from);
+  const home = (at: number | null) => (at === null ? null : share(at));
   return {
     from,
     to,
     left: share(places.left),
     right: share(places.right),
-    homeFrom: share(places.homeFrom),
-    homeTo: share(places.homeTo),
+    homeFrom: home(places.homeFrom),
+    homeTo: home(places.homeTo),
   };
 }
 

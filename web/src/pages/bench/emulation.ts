@@ -1,4 +1,5 @@
-import { type EmulatorState, isModuleState, isTmc4361State } from "./useEmulator";
+import type { Places } from "./EmulatorParts";
+import { type EmulatorState, isModuleState, isTmc5xxxState, isTmc4361State } from "./useEmulator";
 
 export interface EmulatedSwitch {
   active: boolean;
@@ -6,12 +7,12 @@ export interface EmulatedSwitch {
   forced: boolean | null;
 }
 
-/** Where the switches of a stage stand [full steps]. The home switch has two edges. */
+/** Where the switches of a stage stand [full steps]. The home switch has two edges, where there is one. */
 export interface StagePlaces {
   left: number;
   right: number;
-  homeFrom: number;
-  homeTo: number;
+  homeFrom: number | null;
+  homeTo: number | null;
 }
 
 /** One axis of an emulated device, whatever its model: its stage, and where the carriage really is. */
@@ -20,27 +21,33 @@ export interface EmulatedAxis {
   positionFullsteps: number;
   chipTimeS: number;
   places: StagePlaces;
-  switches: Record<"left" | "right" | "home", EmulatedSwitch>;
+  switches: Record<"left" | "right", EmulatedSwitch> & { home: EmulatedSwitch | null };
+}
+
+/** A motor's own stage, as modules and the chips with a motor have it. */
+function motorStage(axis: number, chipTimeS: number, stage: Places, switches: EmulatedAxis["switches"]): EmulatedAxis {
+  const home = switches.home !== null;
+  return {
+    axis,
+    positionFullsteps: stage.position_fullsteps,
+    chipTimeS,
+    places: {
+      left: stage.left_at_fullsteps,
+      right: stage.right_at_fullsteps,
+      homeFrom: home ? stage.home_from_fullsteps : null,
+      homeTo: home ? stage.home_to_fullsteps : null,
+    },
+    switches,
+  };
 }
 
 export function emulatedAxis(state: EmulatorState | undefined, axis: number): EmulatedAxis | undefined {
   if (state === undefined) return undefined;
-  if (isModuleState(state) || isTmc4361State(state)) {
-    const { stage, switches } = state;
-    return axis !== 0
-      ? undefined
-      : {
-          axis,
-          positionFullsteps: stage.position_fullsteps,
-          chipTimeS: state.chip_time_s,
-          places: {
-            left: stage.left_at_fullsteps,
-            right: stage.right_at_fullsteps,
-            homeFrom: stage.home_from_fullsteps,
-            homeTo: stage.home_to_fullsteps,
-          },
-          switches,
-        };
+  if (isModuleState(state) || isTmc4361State(state))
+    return axis === 0 ? motorStage(axis, state.chip_time_s, state.stage, state.switches) : undefined;
+  if (isTmc5xxxState(state)) {
+    const motor = state.axes.find((candidate) => candidate.axis === axis);
+    return motor && motorStage(axis, state.chip_time_s, motor.stage, { ...motor.switches, home: null });
   }
   const found = state.axes.find((candidate) => candidate.axis === axis);
   if (found === undefined) return undefined;

@@ -1,17 +1,20 @@
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
 import { api, type Schemas, unwrap } from "../../api/client";
 import type { Device } from "../../api/queries";
+import { familyOf } from "../../lib/family";
 import { forgetWritten } from "../../lib/rows/written";
 
 export type ChipState = Schemas["EmulatorState"];
 export type Tmc4361State = Schemas["Tmc4361State"];
 export type ChipAxis = ChipState["axes"][number];
 export type Pd42State = Schemas["Pd42State"];
-export type EmulatorState = ChipState | Tmc4361State | Pd42State;
+export type Tmc5xxxState = Schemas["Tmc5xxxState"];
+export type EmulatorState = ChipState | Tmc4361State | Tmc5xxxState | Pd42State;
 export type ChipPatch = Schemas["EmulatorPatch"];
 export type Tmc4361Patch = Schemas["Tmc4361Patch"];
 export type Pd42Patch = Schemas["Pd42Patch"];
-export type EmulatorPatch = ChipPatch | Tmc4361Patch | Pd42Patch;
+export type Tmc5xxxPatch = Schemas["Tmc5xxxPatch"];
+export type EmulatorPatch = ChipPatch | Tmc4361Patch | Tmc5xxxPatch | Pd42Patch;
 
 export function isModuleState(state: EmulatorState): state is Pd42State {
   return state.model === "pd42-1241";
@@ -19,6 +22,10 @@ export function isModuleState(state: EmulatorState): state is Pd42State {
 
 export function isTmc4361State(state: EmulatorState): state is Tmc4361State {
   return state.model === "tmc4361";
+}
+
+export function isTmc5xxxState(state: EmulatorState): state is Tmc5xxxState {
+  return familyOf(state.model) === "sixpoint";
 }
 
 const key = (device: string) => ["emulator", device];

@@ -42,7 +42,7 @@ export function emulatedStage(emulator: EmulatorState | undefined, axis: number)
     forced: {
       left: switches.left.forced !== null,
       right: switches.right.forced !== null,
-      home: switches.home.forced !== null,
+      home: switches.home !== null && switches.home.forced !== null,
     },
   };
 }
