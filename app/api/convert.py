@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import fields
+from typing import get_args
 
 from pydantic import TypeAdapter, ValidationError
 
 from app.api.problems import findings, problem_of
-from app.api.schemas import AxisConfig, AxisInfo, ChannelInfo, DeviceInfo
+from app.api.schemas import AxisConfig, AxisInfo, ChannelInfo, DeviceInfo, Tmc5xxxName
 from app.api.schemas_axes import MotionEnd, Prediction, StopResult
 from app.api.schemas_calc import Phase
 from app.api.schemas_closed_loop import Recording, ResponseState, Score
@@ -24,6 +25,9 @@ from app.api.schemas_devices import (
     ModuleCreate,
     ModuleEmulatorLink,
     ModuleLink,
+    SixPointCreate,
+    SixPointEmulatorLink,
+    SixPointLink,
 )
 from app.api.schemas_tables import ChainBit, ChainTable, DriverSpecIn, ProfileRegister
 from app.calc.driver_chain import Chain, build_chain, decode_chain
@@ -56,6 +60,7 @@ def calculating() -> Iterator[None]:
 _LINKS: dict[str, TypeAdapter[AnyLink]] = {
     "chip": TypeAdapter(ChipLink),
     "chip40": TypeAdapter(Chip40Link),
+    "sixpoint": TypeAdapter(SixPointLink),
     "module": TypeAdapter(ModuleLink),
 }
 
@@ -63,7 +68,9 @@ _LINKS: dict[str, TypeAdapter[AnyLink]] = {
 def suited(link: AnyLink, model: str) -> AnyLink:
     """The link as that model understands it. Raises UsageError where it has no such link or option."""
     family = MODELS[model]
-    links = _LINKS["chip40" if model in datagram40.MODELS else family.kind]
+    links = _LINKS[
+        "sixpoint" if model in get_args(Tmc5xxxName) else "chip40" if model in datagram40.MODELS else family.kind
+    ]
     try:
         return links.validate_python(link.model_dump(exclude_unset=True) | {"kind": link.kind})
     except ValidationError as error:
@@ -77,12 +84,14 @@ def link_of(link: AnyLink, clock_hz: float | None) -> Link:
     """
     said = link.model_dump(mode="json", exclude_unset=True)
     said["kind"] = link.kind
-    if isinstance(link, EmulatorLink | Chip40EmulatorLink) and clock_hz is not None:
+    if isinstance(link, EmulatorLink | Chip40EmulatorLink | SixPointEmulatorLink) and clock_hz is not None:
         said.setdefault("clock_hz", clock_hz)
     return said
 
 
-def with_memory(link: Link, wanted: ChipCreate | Chip40Create | ModuleCreate, others: Sequence[Device]) -> Link:
+def with_memory(
+    link: Link, wanted: ChipCreate | Chip40Create | SixPointCreate | ModuleCreate, others: Sequence[Device]
+) -> Link:
     """An emulated module of a new connection gets a memory of its own, unless it was told another one."""
     if isinstance(wanted.link, ModuleEmulatorLink) and "eeprom" not in wanted.link.model_fields_set:
         taken = {str(other.link.get("eeprom")) for other in others}
@@ -92,7 +101,11 @@ def with_memory(link: Link, wanted: ChipCreate | Chip40Create | ModuleCreate, ot
 
 def clock_of(link: AnyLink, clock_hz: float | None) -> float:
     """The clock that the driver reckons with [Hz]: as said, else the emulator's own; 0 for the model's default."""
-    if clock_hz is None and isinstance(link, EmulatorLink | Chip40EmulatorLink) and "clock_hz" in link.model_fields_set:
+    if (
+        clock_hz is None
+        and isinstance(link, EmulatorLink | Chip40EmulatorLink | SixPointEmulatorLink)
+        and "clock_hz" in link.model_fields_set
+    ):
         return link.clock_hz
     return clock_hz or 0.0
 

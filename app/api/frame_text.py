@@ -1,9 +1,9 @@
-"""What a frame of the log says, for people: TMCL commands, datagrams of 32 bits and of 40."""
+"""What a frame of the log says, for people: TMCL commands, datagrams of 32 bits and of 40, and those of a UART."""
 
 from __future__ import annotations
 
 from app.devices.pd42.frames import spelled
-from app.links import datagram32, datagram40, tmcl
+from app.links import datagram32, datagram40, datagram_uart, tmcl
 from app.links.errors import BadReply
 from app.registers.catalog import MODELS
 from app.registers.landungsbruecke import BoardOpcode
@@ -17,6 +17,8 @@ def frame_text(model: str, tx: bytes, rx: bytes | None) -> str:
         return _board(MODELS[model].table, tx, rx) if model in datagram40.MODELS else _tmcl(tx, rx)
     if len(tx) == datagram40.FRAME_BYTES:
         return _datagram40(MODELS[model].table, tx, rx)
+    if model in datagram_uart.MODELS:
+        return _uart(model, tx, rx)
     if len(tx) == datagram32.FRAME_BYTES:
         return _datagram(MODELS[model].table, tx, rx)
     return f"{len(tx)} bytes"
@@ -50,6 +52,24 @@ def _datagram40(table: RegisterTable, tx: bytes, rx: bytes | None) -> str:
         return asked
     reply = datagram40.Reply.decode(rx)
     return f"{asked} (status {reply.status:#04x}, of the datagram before {reply.data:#010x})"
+
+
+def _uart(model: str, tx: bytes, rx: bytes | None) -> str:
+    """A write is answered by the chip's count of writes."""
+    table, form = MODELS[model].table, datagram_uart.form_of(model)
+    if len(tx) not in (form.read_bytes, form.write_bytes):
+        return f"{len(tx)} bytes"
+    write, address = form.is_write(tx), form.register_of(tx)
+    register = table.at(address, write=write)
+    name = f"{address:#04x}" if register is None else register.name
+    asked = f"{name} := {_shown(register, int.from_bytes(tx[-5:-1], 'big'))}" if write else f"read {name}"
+    if not rx:
+        return asked
+    try:
+        data = form.data_of(datagram_uart.IFCNT if write else address, rx)
+    except ValueError:
+        return f"{asked} -> ?"
+    return f"{asked} (write {data & 0xFF} of the chip)" if write else f"{asked} -> {_shown(register, data)}"
 
 
 def _board(table: RegisterTable, tx: bytes, rx: bytes | None) -> str:

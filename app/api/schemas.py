@@ -117,8 +117,8 @@ class DeviceInfo(Answer):
     model: ModelName
     title: str
     link: dict[str, object] = Field(
-        description="`kind` and its options: emulator, tcp; for a TMC4361 also spidev and landungsbruecke, for a "
-        "PD42-1241 serial and can. As in DeviceCreate"
+        description="`kind` and its options: emulator, tcp; for chips of 40-bit datagrams also spidev and "
+        "landungsbruecke, for those with a UART uart, for a PD42-1241 serial and can. As in DeviceCreate"
     )
     clock_hz: float
     state: DeviceState

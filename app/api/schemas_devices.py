@@ -6,11 +6,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Discriminator, Field, RootModel, StringConstraints, Tag
 
-from app.api.schemas import AxisConfig, Body, Chip40Name, ChipName, ModuleName, Name
+from app.api.schemas import AxisConfig, Body, Chip40Name, ChipName, ModuleName, Name, Tmc5xxxName
 from app.api.schemas_calc import ClockHz
 from app.api.schemas_links import Address, Baud
 from app.emulators.options import EmulatorOptions
 from app.emulators.pd42.options import Pd42Options
+from app.emulators.tmc5xxx.options import Tmc5xxxOptions
 from app.emulators.tmc4361.options import Tmc4361Options
 
 HOST = (
@@ -37,8 +38,15 @@ class Chip40EmulatorLink(Tmc4361Options):
     kind: Literal["emulator"]
 
 
+class SixPointEmulatorLink(Tmc5xxxOptions):
+    """A TMC5xxx emulated in this server, with motors, stages and encoders."""
+
+    kind: Literal["emulator"]
+
+
 class TcpLink(Body):
-    """A chip behind a TCP socket: raw frames both ways (TMC4361: 5 bytes, else 4), as by `stepscope emulate`."""
+    """A chip behind a TCP socket: raw frames both ways (TMC428 and TMC4210: 4 bytes, else 5), as by
+    `stepscope emulate`."""
 
     kind: Literal["tcp"]
     host: Host = Field(description="name or address of the machine")
@@ -111,8 +119,28 @@ class LandungsbrueckeLink(Body):
     timeout_s: Seconds = Field(default=0.25, description="how long to wait for an answer, beyond its own time [s]")
 
 
+class UartLink(Body):
+    """A TMC5xxx on the single wire of its UART. Several may share the wire, each by its node address."""
+
+    kind: Literal["uart"]
+    port: Text = Field(description="device name, or an address of pyserial: socket://, rfc2217://, spy://")
+    baud: Annotated[int, Field(strict=True, ge=9000, le=4_000_000)] = Field(
+        default=115_200, description="the chip measures it: at most a sixteenth of its clock"
+    )
+    node: Annotated[int, Field(strict=True, ge=0, le=254)] = Field(
+        default=0, description="NODEADDR, plus 1 where NEXTADDR is high; a TMC5062 has none"
+    )
+    echo: Literal["auto", "on", "off"] = Field(
+        default="auto", description="whether what is sent comes back, as on a single wire; auto finds out"
+    )
+    timeout_s: Seconds = Field(default=0.25, description="how long to wait for an answer, beyond its own time [s]")
+
+
 ChipLink = Annotated[EmulatorLink | TcpLink, Field(discriminator="kind")]
 Chip40Link = Annotated[Chip40EmulatorLink | TcpLink | SpidevLink | LandungsbrueckeLink, Field(discriminator="kind")]
+SixPointLink = Annotated[
+    SixPointEmulatorLink | TcpLink | SpidevLink | LandungsbrueckeLink | UartLink, Field(discriminator="kind")
+]
 ModuleLink = Annotated[
     ModuleEmulatorLink | ModuleTcpLink | ModuleSerialLink | ModuleCanLink, Field(discriminator="kind")
 ]
@@ -121,7 +149,9 @@ AnyLink = (
     | TcpLink
     | SpidevLink
     | LandungsbrueckeLink
+    | UartLink
     | Chip40EmulatorLink
+    | SixPointEmulatorLink
     | ModuleEmulatorLink
     | ModuleTcpLink
     | ModuleSerialLink
@@ -152,6 +182,13 @@ class Chip40Create(_Create):
     link: Chip40Link
 
 
+class SixPointCreate(_Create):
+    """A connection to a TMC5xxx. Axes that are not given get defaults."""
+
+    model: Tmc5xxxName
+    link: SixPointLink
+
+
 class ModuleCreate(_Create):
     """A connection to a module. Axes that are not given get defaults."""
 
@@ -159,7 +196,9 @@ class ModuleCreate(_Create):
     link: ModuleLink
 
 
-class DeviceCreate(RootModel[Annotated[ChipCreate | Chip40Create | ModuleCreate, Field(discriminator="model")]]):
+class DeviceCreate(
+    RootModel[Annotated[ChipCreate | Chip40Create | SixPointCreate | ModuleCreate, Field(discriminator="model")]]
+):
     """A connection: the model, and a link that suits it."""
 
 
@@ -177,6 +216,13 @@ class Chip40Trial(Body):
     link: Chip40Link
 
 
+class SixPointTrial(Body):
+    """A link to a TMC5xxx, to be tried."""
+
+    model: Tmc5xxxName
+    link: SixPointLink
+
+
 class ModuleTrial(Body):
     """A link to a module, to be tried."""
 
@@ -184,13 +230,16 @@ class ModuleTrial(Body):
     link: ModuleLink
 
 
-class DeviceTrial(RootModel[Annotated[ChipTrial | Chip40Trial | ModuleTrial, Field(discriminator="model")]]):
+class DeviceTrial(
+    RootModel[Annotated[ChipTrial | Chip40Trial | SixPointTrial | ModuleTrial, Field(discriminator="model")]]
+):
     """A link to be tried."""
 
 
 EMULATORS: dict[str, type[BaseModel]] = {
     "emulator": EmulatorOptions,
     "chip40-emulator": Tmc4361Options,
+    "sixpoint-emulator": Tmc5xxxOptions,
     "module-emulator": Pd42Options,
 }
 
@@ -222,9 +271,11 @@ class DeviceChange(Body):
         Annotated[
             Annotated[EmulatorLink, Tag("emulator")]
             | Annotated[Chip40EmulatorLink, Tag("chip40-emulator")]
+            | Annotated[SixPointEmulatorLink, Tag("sixpoint-emulator")]
             | Annotated[TcpLink, Tag("tcp")]
             | Annotated[SpidevLink, Tag("spidev")]
             | Annotated[LandungsbrueckeLink, Tag("landungsbruecke")]
+            | Annotated[UartLink, Tag("uart")]
             | Annotated[ModuleEmulatorLink, Tag("module-emulator")]
             | Annotated[ModuleTcpLink, Tag("module-tcp")]
             | Annotated[ModuleSerialLink, Tag("serial")]

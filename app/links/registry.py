@@ -77,8 +77,9 @@ def uart_factory(model: str, link: Link, clock: Clock) -> FramePort:
     """
     if model not in datagram_uart.MODELS:
         raise UsageError(f"a {model} has no uart link; {', '.join(sorted(datagram_uart.MODELS))} has")
-    nodes = ["node"] if model in datagram_uart.NODE_MODELS else []
-    _only(link, "port", "baud", *nodes, "echo", "timeout_s")
+    if "node" in link and model not in datagram_uart.NODE_MODELS:
+        raise UsageError(f"a {model} has no node address, and is alone on its line")
+    _only(link, "port", "baud", "node", "echo", "timeout_s")
     echo = link.get("echo", "auto")
     if echo not in get_args(Echo):
         raise UsageError(f"echo is {', '.join(get_args(Echo))}, not {echo!r}")

@@ -45,7 +45,7 @@ def test_a_taken_port_is_told_and_what_to_do(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
-        (["emulate", "tmc5160", "--tcp", "127.0.0.1:0"], "tmc5160"),
+        (["emulate", "tmc9999", "--tcp", "127.0.0.1:0"], "tmc9999"),
         (["emulate", "tmc428", "--tcp", "nowhere"], "HOST:PORT"),
         (["emulate", "tmc428", "--tcp", "127.0.0.1:0", "--clock-hz", "1e12"], "clock_hz"),
         (["serve", "--port", "99999"], "port"),

@@ -85,7 +85,7 @@ async def test_disconnected_is_409_and_connecting_brings_it_back(client: httpx.A
 @pytest.mark.parametrize(
     ("change", "part"),
     [
-        ({"model": "tmc5160"}, "model"),
+        ({"model": "tmc9999"}, "model"),
         ({"link": {"kind": "spidev"}}, "link"),
         ({"link": {"kind": "emulator", "sead": 1}}, "sead"),
         ({"link": {"kind": "tcp", "host": "x", "port": 0}}, "port"),

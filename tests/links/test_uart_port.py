@@ -429,7 +429,7 @@ def test_options() -> None:
         ("tmc5160", {"port": "x", "baud": 8999}, OutOfRange),
         ("tmc5160", {"port": "x", "echo": "maybe"}, UsageError),
         ("tmc5160", {"port": "x", "address": 1}, UnknownThing),
-        ("tmc5062", {"port": "x", "node": 0}, UnknownThing),
+        ("tmc5062", {"port": "x", "node": 0}, UsageError),
     ],
 )
 def test_options_that_cannot_be(model: str, options: dict[str, object], error: type[Exception]) -> None:
