@@ -1843,8 +1843,11 @@ export interface components {
          * @description A setting to begin with, and why.
          */
         ChopperSetting: {
-            /** Register */
-            register: string;
+            /**
+             * Name
+             * @description the register
+             */
+            name: string;
             /** Field */
             field: string;
             /** Value */
@@ -2780,8 +2783,11 @@ export interface components {
          * @description A register or a field of one, as it is to be written.
          */
         FieldSetting: {
-            /** Register */
-            register: string;
+            /**
+             * Name
+             * @description the register
+             */
+            name: string;
             /**
              * Field
              * @description null for the whole register
@@ -2967,6 +2973,58 @@ export interface components {
             status: "ok";
             /** Version */
             version: string;
+        };
+        /**
+         * HeldRegister
+         * @description What a wanted number becomes in a register, or what a register's number stands for.
+         */
+        HeldRegister: {
+            /**
+             * Name
+             * @description the register
+             */
+            name: string;
+            /**
+             * Raw
+             * @description the whole number in the register; null where it cannot hold as much
+             */
+            raw: number | null;
+            /**
+             * Value
+             * @description what that stands for [unit]; of a threshold as the motor slows down
+             */
+            value: number | null;
+            /**
+             * Rising
+             * @description of TPWMTHRS, TCOOLTHRS, THIGH: where it switches as the motor speeds up [unit]
+             */
+            rising: number | null;
+            /**
+             * Unit
+             * @enum {string}
+             */
+            unit: "pps" | "pps^2" | "s";
+            /**
+             * Error
+             * @description value / wanted - 1
+             */
+            error: number | null;
+            /**
+             * Least
+             * @description the step from one value to the next, and the smallest above 0 [unit]
+             */
+            least: number;
+            /**
+             * Highest
+             * @description the greatest that the register can stand for [unit]
+             */
+            highest: number;
+            /**
+             * Note
+             * @description why `raw` is null, or what else to know
+             * @default
+             */
+            note: string;
         };
         /**
          * HoldDelay
@@ -4654,7 +4712,8 @@ export interface components {
          *
          *     "sixpoint" is the ramp of a PD42-1241 (TMC5160): amax, vmax, dmax, and vstart, a1, v1, d1, vstop, all in pps and
          *     pps^2; v1 = 0 makes a trapezoid. `v_actual` is the velocity at the beginning (a move that is changed under way),
-         *     `t_zero_wait_s` the pause before a reversal [s]. `ramp_mode` "velocity" goes to `v_target` by amax alone.
+         *     `t_zero_wait_s` the pause before a reversal [s]. `ramp_mode` "velocity" goes to `v_target` by amax alone. What the
+         *     registers of a chip get at `clock_hz` (16 MHz) is answered too; with `rounding` "registers" the curve is of that.
          *
          *     "s_ramp" is the ramp of a TMC4361: vmax, amax, dmax, bow1 to bow4, vstart, vstop, astart, dfinal, in pps, pps^2 and
          *     pps^3; dmax is amax and bow2 to bow4 are bow1 where they are left out. `ramp_mode` is "position", "velocity" (to
@@ -4923,13 +4982,13 @@ export interface components {
             limits: components["schemas"]["RampLimit"][];
             /**
              * Findings
-             * @description s_ramp: `warnings` with the parameters they are about
+             * @description s_ramp, sixpoint: `warnings` with their parameters
              * @default []
              */
             findings: components["schemas"]["RampFinding"][];
             /**
              * Registers
-             * @description s_ramp: what goes into the chip
+             * @description s_ramp, sixpoint: what goes into the chip
              * @default []
              */
             registers: components["schemas"]["RampRegister"][];
@@ -5745,6 +5804,27 @@ export interface components {
             link: components["schemas"]["SixPointEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"];
         };
         /**
+         * SixPointUnits
+         * @description What the model's registers make of velocity, acceleration and delay, and what `registers` stand for.
+         */
+        SixPointUnits: {
+            /**
+             * Registers
+             * @description those that could hold one of them, in the order of addresses
+             */
+            registers: components["schemas"]["HeldRegister"][];
+            /**
+             * Tstep
+             * @description clocks between two of 256 microsteps a full step at the velocity
+             */
+            tstep: number | null;
+            /**
+             * Given
+             * @description of the request's `registers`, in their order
+             */
+            given: components["schemas"]["HeldRegister"][];
+        };
+        /**
          * SpidevLink
          * @description A chip at an SPI bus of the server's machine, through Linux's spidev (the extra "spidev").
          */
@@ -6302,6 +6382,8 @@ export interface components {
          *     The chips' units hang on `pulse_div` and `ramp_div`, which they need. A PD42-1241 has none: its unit "chip" is that
          *     of the TMC5160 inside, in which it counts where axis parameter 255 is 0; otherwise it counts in pps and pps2.
          *     A TMC4361 counts in pps, pps2 and pps3 with a fixed point: its "chip" is the register's whole number.
+         *     The TMC5xxx count by their clock: "chip" is the whole number in VMAX or AMAX. Of these `delay_s` and `tstep` are
+         *     answered too, and `registers`, which go the other way: whole numbers in registers, by name.
          */
         Units: {
             /**
@@ -6353,6 +6435,24 @@ export interface components {
              * @default false
              */
             direct_bow?: boolean;
+            /**
+             * Delay S
+             * @description TMC5xxx: a time, for TZEROWAIT, TPOWERDOWN and each step of IHOLDDELAY
+             */
+            delay_s?: number | null;
+            /**
+             * Registers
+             * @description TMC5xxx: numbers in registers of ramp, thresholds and delays
+             */
+            registers?: {
+                [key: string]: number;
+            } | null;
+            /**
+             * Small Hysteresis
+             * @description TMC5130, TMC5160: GCONF.small_hysteresis
+             * @default false
+             */
+            small_hysteresis?: boolean;
         };
         /**
          * UnitsResult
@@ -6386,6 +6486,8 @@ export interface components {
             } | null;
             /** @description TMC4361 alone */
             ramp: components["schemas"]["RampUnits"] | null;
+            /** @description TMC5xxx alone */
+            sixpoint: components["schemas"]["SixPointUnits"] | null;
         };
         /** Switches */
         app__api__schemas_axes__Switches: {
