@@ -12,7 +12,7 @@ from app.emulators.drive.events import Event, EventKind
 from app.emulators.drive.options import DriveOptions
 from app.emulators.drive.physics import set_physics, truth_of
 from app.emulators.drive.registers import ALIASES, CLEARED_BY_ONES, MAX_VMAX, READ_ONLY, WRITABLE
-from app.emulators.drive.table import currents, decode
+from app.emulators.drive.table import wave_of
 from app.emulators.drive.units import bits, signed, wrap32
 from app.emulators.drive.world import OT_C, OTPW_C, UNDERVOLTAGE_V, Switches, Truth, World
 
@@ -225,9 +225,8 @@ class Drive:
             self.external.scale(signed(constant, 32), 1 << 16)
 
     def _load_table(self) -> None:
-        words = [self._registers[f"MSLUT[{i}]"] for i in range(8)]
-        self._wave = decode(words, self._registers["MSLUTSEL"], self._registers["MSLUTSTART"])
-        self._table[:] = currents(self._wave)
+        words = tuple(self._registers[f"MSLUT[{i}]"] for i in range(8))
+        self._wave, self._table[:] = wave_of(words, self._registers["MSLUTSEL"], self._registers["MSLUTSTART"])
 
     def _ramp_stat(self) -> int:
         s = self._s

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,3 +33,10 @@ def decode(words: Sequence[int], select: int, start: int) -> tuple[int, ...]:
 def currents(wave: Sequence[int]) -> NDArray[np.float64]:
     """Share of the peak current at each entry. The half count makes the default wave an unbiased sine (a reading)."""
     return (np.asarray(wave, dtype=np.float64) + 0.5) / PEAK
+
+
+@lru_cache(maxsize=64)
+def wave_of(words: tuple[int, ...], select: int, start: int) -> tuple[tuple[int, ...], NDArray[np.float64]]:
+    """Both of the above, kept: a chip that is reset goes through the same ten writes every time."""
+    wave = decode(words, select, start)
+    return wave, currents(wave)
