@@ -8,6 +8,7 @@ from pydantic import ConfigDict, Discriminator, Field, Tag
 
 from app.api.schemas import Answer, Body, ChipName, Flag, ModelName, Number
 from app.api.schemas_mslut import MslutDesign
+from app.api.schemas_sixpoint import RegisterNumbers, SixPointUnits
 from app.api.schemas_sramp import RampFinding, RampLimit, RampMotor, RampRegister, RampRival, RampTorque
 from app.api.schemas_tables import DriverChain, TableValue
 
@@ -106,6 +107,8 @@ class Units(Body):
     The chips' units hang on `pulse_div` and `ramp_div`, which they need. A PD42-1241 has none: its unit "chip" is that
     of the TMC5160 inside, in which it counts where axis parameter 255 is 0; otherwise it counts in pps and pps2.
     A TMC4361 counts in pps, pps2 and pps3 with a fixed point: its "chip" is the register's whole number.
+    The TMC5xxx count by their clock: "chip" is the whole number in VMAX or AMAX. Of these `delay_s` and `tstep` are
+    answered too, and `registers`, which go the other way: whole numbers in registers, by name.
     """
 
     model: ModelName = "tmc428"
@@ -125,6 +128,13 @@ class Units(Body):
     )
     direct_acceleration: Flag = Field(default=False, description="TMC4361: GENERAL_CONF.direct_acc_val_en")
     direct_bow: Flag = Field(default=False, description="TMC4361: GENERAL_CONF.direct_bow_val_en")
+    delay_s: Annotated[float, Field(strict=True, ge=0, le=1e6, allow_inf_nan=False)] | None = Field(
+        default=None, description="TMC5xxx: a time, for TZEROWAIT, TPOWERDOWN and each step of IHOLDDELAY"
+    )
+    registers: RegisterNumbers | None = Field(
+        default=None, description="TMC5xxx: numbers in registers of ramp, thresholds and delays"
+    )
+    small_hysteresis: Flag = Field(default=False, description="TMC5130, TMC5160: GCONF.small_hysteresis")
 
 
 class RampUnits(Answer):
@@ -162,6 +172,7 @@ class UnitsResult(Answer):
     module: ModuleUnits | None = Field(default=None, description="null for chips")
     bow: dict[str, float | None] | None = None
     ramp: RampUnits | None = Field(default=None, description="TMC4361 alone")
+    sixpoint: SixPointUnits | None = Field(default=None, description="TMC5xxx alone")
 
 
 class Ramp(Body):
@@ -171,7 +182,8 @@ class Ramp(Body):
 
     "sixpoint" is the ramp of a PD42-1241 (TMC5160): amax, vmax, dmax, and vstart, a1, v1, d1, vstop, all in pps and
     pps^2; v1 = 0 makes a trapezoid. `v_actual` is the velocity at the beginning (a move that is changed under way),
-    `t_zero_wait_s` the pause before a reversal [s]. `ramp_mode` "velocity" goes to `v_target` by amax alone.
+    `t_zero_wait_s` the pause before a reversal [s]. `ramp_mode` "velocity" goes to `v_target` by amax alone. What the
+    registers of a chip get at `clock_hz` (16 MHz) is answered too; with `rounding` "registers" the curve is of that.
 
     "s_ramp" is the ramp of a TMC4361: vmax, amax, dmax, bow1 to bow4, vstart, vstop, astart, dfinal, in pps, pps^2 and
     pps^3; dmax is amax and bow2 to bow4 are bow1 where they are left out. `ramp_mode` is "position", "velocity" (to
@@ -205,8 +217,8 @@ class RampResult(Answer):
     warnings: list[str]
     jerk_pps3: list[float] = Field(default=[], description="s_ramp alone")
     limits: list[RampLimit] = Field(default=[], description="s_ramp: how much of VMAX, AMAX and DMAX it uses")
-    findings: list[RampFinding] = Field(default=[], description="s_ramp: `warnings` with the parameters they are about")
-    registers: list[RampRegister] = Field(default=[], description="s_ramp: what goes into the chip")
+    findings: list[RampFinding] = Field(default=[], description="s_ramp, sixpoint: `warnings` with their parameters")
+    registers: list[RampRegister] = Field(default=[], description="s_ramp, sixpoint: what goes into the chip")
     rivals: list[RampRival] = Field(default=[], description="s_ramp: other ways to make the same move, from rest")
     torque: RampTorque | None = Field(default=None, description="s_ramp, sixpoint and trapezoid with a `motor`")
 

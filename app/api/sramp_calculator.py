@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
+from app.api.ramp_parameters import number_of
 from app.api.ramp_torque import torque_of
 from app.api.schemas_calc import Phase, Ramp, RampResult
 from app.api.schemas_sramp import RampFinding, RampLimit, RampRegister, RampRival, RampTorque
@@ -96,18 +97,18 @@ def _understood(body: Ramp) -> Wanted:
         mode, shape = "velocity" if "v_target" in given else "position", "hold"
     flags = {name: _flag(name, given.get(name, 0)) for name in FLAGS}
     units = Units(
-        _number("clock_hz", given.get("clock_hz", CLOCK_HZ_DEFAULT)),
+        number_of("clock_hz", given.get("clock_hz", CLOCK_HZ_DEFAULT)),
         flags["direct_acc_val_en"],
         flags["direct_bow_val_en"],
     )
     asked = tuple(name for name in (*VALUES, "vbreak") if name in given)
-    values = {name: _number(name, given[name]) for name in asked}
+    values = {name: number_of(name, given[name]) for name in asked}
     for name in asked:
         raw = units.to_raw(name.upper(), values[name])  # also what is not rounded has to fit
         if rounding == "registers":
             values[name] = units.from_raw(name.upper(), raw)
     _complete(values, shape)
-    v_target = _number("v_target", given.get("v_target", math.copysign(values["vmax"], body.distance)))
+    v_target = number_of("v_target", given.get("v_target", math.copysign(values["vmax"], body.distance)))
     units.to_raw("VMAX", v_target)
     return Wanted(
         values=values,
@@ -116,8 +117,8 @@ def _understood(body: Ramp) -> Wanted:
         mode=mode,
         shape=shape,
         use_astart_and_vstart=flags["use_astart_and_vstart"],
-        v_actual=_number("v_actual", given.get("v_actual", 0.0)),
-        a_actual=_number("a_actual", given.get("a_actual", 0.0)),
+        v_actual=number_of("v_actual", given.get("v_actual", 0.0)),
+        a_actual=number_of("a_actual", given.get("a_actual", 0.0)),
         v_target=v_target,
         positioning=mode == "position",
     )
@@ -225,12 +226,6 @@ def _choice(name: str, given: Mapping[str, float | str]) -> str:
     if value not in allowed:
         raise UsageError(f"{name} of an s_ramp is {', '.join(allowed)}, not {value!r}")
     return str(value)
-
-
-def _number(name: str, value: float | str) -> float:
-    if isinstance(value, str):
-        raise UsageError(f"{name} is a number, not {value!r}")
-    return value
 
 
 def _flag(name: str, value: float | str) -> bool:

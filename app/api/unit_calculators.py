@@ -8,6 +8,8 @@ from typing import TypeVar
 
 from app.api.convert import calculating
 from app.api.schemas_calc import Mechanics, ModuleUnits, Quantity, RampUnits, Units, UnitsResult
+from app.api.sixpoint_calculator import MODELS as SIXPOINT
+from app.api.sixpoint_calculator import sixpoint_units
 from app.calc import mechanics, tmc5xxx_units, tmc4361_formats
 from app.calc import units as chip_units
 from app.calc.tmc5xxx_times import tstep
@@ -65,7 +67,7 @@ def _ramp_scale(units: tmc4361_formats.Units) -> _Scale:
 
 
 def _scale(body: Units) -> _Scale:
-    if body.model == "pd42-1241":
+    if body.model == "pd42-1241" or body.model in SIXPOINT:
         return _Scale(
             lambda value: tmc5xxx_units.velocity_pps(value, body.clock_hz),
             lambda pps: pps / tmc5xxx_units.velocity_unit_pps(body.clock_hz),
@@ -89,6 +91,8 @@ def units(body: Units) -> UnitsResult:
     axis = mechanics_of(body.mechanics)
     if body.bow is not None and body.model != "tmc4361":
         raise UsageError(f"a {body.model} has no bows; a tmc4361 has")
+    if body.model not in SIXPOINT and (body.delay_s is not None or body.registers is not None):
+        raise UsageError(f"delay_s and registers are for {', '.join(SIXPOINT)}, not a {body.model}")
     with calculating():
         scale = _scale(body)
     velocity_pps = acceleration_pps2 = bow_pps3 = None
@@ -111,6 +115,7 @@ def units(body: Units) -> UnitsResult:
             known = dict(zip(mechanics.POSITION_UNITS, mechanics.POSITION_UNITS, strict=True))
             microsteps = axis.to_microsteps(body.position.value, unit_of(body.position, known))
             position = _all_units(microsteps, axis, known)
+        sixpoint = sixpoint_units(body, velocity_pps, acceleration_pps2) if body.model in SIXPOINT else None
     steps = time_s = None
     if velocity_pps is not None and acceleration_pps2:
         # From rest at a constant acceleration: S = v^2 / 2a (001, 8.14 in chip units).
@@ -125,6 +130,7 @@ def units(body: Units) -> UnitsResult:
         module=_module(body, velocity_pps, acceleration_pps2) if body.model == "pd42-1241" else None,
         bow=bow,
         ramp=_ramp(body, velocity_pps, acceleration_pps2, bow_pps3) if body.model == "tmc4361" else None,
+        sixpoint=sixpoint,
     )
 
 

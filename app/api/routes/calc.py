@@ -4,7 +4,14 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from app.api import calculators, input_filters, mslut_tables, ramp_calculators, unit_calculators
+from app.api import (
+    calculators,
+    input_filters,
+    motor_calculators,
+    mslut_tables,
+    ramp_calculators,
+    unit_calculators,
+)
 from app.api.problems import problems
 from app.api.schemas_calc import (
     AnyMicrostepDesign,
@@ -21,6 +28,7 @@ from app.api.schemas_calc import (
 )
 from app.api.schemas_filter import InputFilter, InputFilterResult, InputFilters
 from app.api.schemas_mslut import MslutDesign, MslutResult
+from app.api.schemas_sixpoint import Chopper, ChopperResult, CoilCurrent, CoilCurrentResult
 from app.api.schemas_tables import ChainDesign
 from app.links.errors import UsageError
 
@@ -49,6 +57,18 @@ def convert_units(body: Units) -> UnitsResult:
 def calculate_ramp(body: Ramp) -> RampResult:
     """A move over time: bit for bit as a chip makes it, a module's SixPoint ramp, or an ideal trapezoid."""
     return ramp_calculators.ramp(body)
+
+
+@router.post("/coil-current")
+def calculate_coil_current(body: CoilCurrent) -> CoilCurrentResult:
+    """Motor current of a TMC5xxx from its settings, or the nearest settings for a wanted current, and its delays."""
+    return motor_calculators.coil_current(body)
+
+
+@router.post("/chopper")
+def calculate_chopper(body: Chopper) -> ChopperResult:
+    """Chopper settings of a TMC5xxx to begin with, from a motor's data; each with its reason and source."""
+    return motor_calculators.chopper(body)
 
 
 @router.post("/microstep-table")
