@@ -31,6 +31,8 @@ interface Props {
   rotation: Schemas["Rotate"] | null;
   /** of the move [microsteps] */
   distance: number;
+  /** what the last column shows */
+  proof?: string;
   /** what is to be known of the table, below it */
   foot?: string;
 }
@@ -167,7 +169,7 @@ export function SendPanel(props: Props) {
               <th scope="col">register</th>
               <th scope="col">chip</th>
               <th scope="col">design</th>
-              <th scope="col">read back</th>
+              <th scope="col">{props.proof ?? "read back"}</th>
             </tr>
           </thead>
           <tbody>
@@ -184,7 +186,7 @@ export function SendPanel(props: Props) {
           </tbody>
         </table>
       )}
-      {differences && device && props.foot !== undefined && <p className={classes.hint}>{props.foot}</p>}
+      {differences && device && props.foot !== undefined && <p className={classes.foot}>{props.foot}</p>}
       <div aria-live="polite">
         {result?.answer.failed && <ProblemAlert error={result.answer.failed} doing="Sending the design" />}
         {send.isError && <ProblemAlert error={send.error} doing="Sending the design" onClose={send.reset} />}
@@ -192,9 +194,12 @@ export function SendPanel(props: Props) {
         {back.isError && <ProblemAlert error={back.error} doing="Moving there and back" onClose={back.reset} />}
         {stop.isError && <ProblemAlert error={stop.error} doing="Stopping the axis" onClose={stop.reset} />}
         {move.data && !runs && (
-          <p className={classes.hint}>
-            {move.data.text} {move.data.warnings.join(" ")}
-          </p>
+          <>
+            <p className={classes.hint}>{move.data.text}</p>
+            {move.data.warnings.map((warning) => (
+              <Caution key={warning}>{warning}</Caution>
+            ))}
+          </>
         )}
         {runs && <p className={classes.hint}>Moves there and back until it is ended or the axis is stopped.</p>}
       </div>

@@ -1,8 +1,10 @@
 import type { ReactNode } from "react";
-import { fixed, withUnit } from "../format";
+import { compact, fixed, withUnit } from "../format";
 import { NumberField } from "../NumberField";
 import type { Reach } from "./HandleLayer";
 import classes from "./ramp.module.css";
+
+const DIGITS = 6;
 
 interface Props {
   /** the register, as it is called */
@@ -29,13 +31,19 @@ interface Props {
 export function ValueRow(props: Props) {
   const { name, meaning, value, per, unit, reach, onChange, register, chip, ignored = false } = props;
   const { hints = [], cautions = [] } = props;
-  const off = register ? register.value - value : 0;
-  const rounded = register !== null && Math.abs(off) > 1e-6 * Math.abs(value);
+  // what is not seen in so many digits is no rounding to speak of
+  const digits = (each: number) => Number((each / per).toPrecision(DIGITS));
+  const rounded = register !== null && digits(register.value) !== digits(value);
   const equals: ReactNode = rounded && (
-    <span className={`num ${classes.rounded}`}>= {withUnit(register.value / per, unit, 6)}</span>
+    <span
+      className={`num ${classes.rounded}`}
+      title={`the register stands for ${withUnit(register.value / per, unit, 9)}`}
+    >
+      = {chip ? compact(register.value / per, DIGITS) : withUnit(register.value / per, unit, DIGITS)}
+    </span>
   );
   return (
-    <div className={classes.row} data-ignored={ignored || undefined}>
+    <div className={classes.row} data-ignored={ignored || undefined} data-chip={chip !== undefined || undefined}>
       <span className={classes.rowName} title={meaning}>
         {name}
       </span>
@@ -49,7 +57,7 @@ export function ValueRow(props: Props) {
         onChange={(typed) => onChange(typed * per)}
       />
       {chip ? (
-        <span className={classes.chipField}>
+        <>
           <NumberField
             aria-label={`${name} in chip units`}
             value={register?.raw ?? null}
@@ -60,7 +68,7 @@ export function ValueRow(props: Props) {
             onChange={chip.onChange}
           />
           {equals}
-        </span>
+        </>
       ) : (
         <span className={classes.register} title="what the register holds">
           <span className="num">{register ? fixed(register.raw) : "–"}</span>

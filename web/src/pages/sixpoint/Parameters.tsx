@@ -75,7 +75,7 @@ export const Parameters = memo(function Parameters(props: Props) {
         />
       </div>
       <div className={classes.table}>
-        <div className={classes.heads} aria-hidden>
+        <div className={classes.heads} data-chip aria-hidden>
           <span>wished</span>
           <span>in the register</span>
         </div>

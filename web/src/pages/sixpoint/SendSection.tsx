@@ -27,6 +27,7 @@ export const SendSection = memo(function SendSection({ chip, mode, vmax, distanc
       cautions={(changed) => cautionsOn(chip, changed).map((note) => <Caution key={note}>{note}</Caution>)}
       rotation={mode === "velocity" ? { velocity: distance < 0 ? -vmax : vmax, unit: "pps" } : null}
       distance={distance}
+      proof="arrived"
       foot="The chip does not tell its ramp registers: known is what was written, and a tick says that it arrived."
     />
   );
