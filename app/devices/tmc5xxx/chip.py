@@ -69,7 +69,7 @@ class Chip(KeepingChip):
         """The chip was seen to hold `word`."""
         if register.address not in self._remembered or not register.access.readable:
             return
-        self._known[register.address] = word
+        self._known[register.address] = word & register.mask
         for rows in self.chip.axes:
             if register is rows.chopconf:
                 self.axes[rows.axis].microsteps_per_full_step = self._microsteps(rows)

@@ -24,10 +24,6 @@ from app.links.errors import BenchError
 from app.links.port import FramePort
 from app.registers.model import Register
 
-SINGLE_STATUS = ("reset", "drv_err")
-DUAL_STATUS = ("reset", "drv_err1", "drv_err2")
-"""What the lowest bits of the SPI status byte say of GSTAT."""
-
 
 class Events(Chip):
     """A TMC5xxx whose events are kept."""
@@ -51,8 +47,6 @@ class Events(Chip):
         """When the latest reset was seen that was not that of power-on, device time [s]."""
         self._lost = False
         """It was reset while we knew it, and nobody has read GSTAT since."""
-        self._reset_shown = False
-        """A status byte has shown a reset that GSTAT has not confirmed yet."""
 
     def events(self, axis: int, after: int = 0, limit: int = 1000) -> EventPage:
         """The oldest `limit` entries of the timeline behind number `after`. Raises UnknownThing for the axis."""
@@ -74,10 +68,26 @@ class Events(Chip):
                 self._looked[axis] = None
         asked += [*stats, self.chip.gstat]
         held = Held(asked, await words.read_many(asked))
+        if self._tells_reset(held) and await self._still_set(words):
+            gstat = self.chip.gstat.address
+            held.words[gstat] &= ~r.part(self.chip.gstat, "reset").mask
         self._saw(held)
         self._saw_flags(held, words.time_s)
         self._saw_positions(held, words.asked_s)
         return held
+
+    def _tells_reset(self, held: Held) -> bool:
+        """Whether GSTAT tells of a reset of a chip that we know."""
+        return self._acquainted and bool(self.chip.gstat.unpack(held.word(self.chip.gstat))["reset"])
+
+    async def _still_set(self, words: Words) -> bool:
+        """Whether the chip holds what it would not after a reset: then the flag was noise on the way, which nothing
+        on SPI shows."""
+        known = [row for row in self.chip.remembered if self.known(row) not in (None, row.reset)]
+        if not known:
+            return False
+        again = await words.read_many(known)
+        return any(word & row.mask == self.known(row) for row, word in zip(known, again, strict=True))
 
     async def _look_at_events(self, words: Words, axes: Sequence[int], registers: Sequence[Register] = ()) -> Held:
         """`_peek`, and clear what was told and may be cleared, where that takes a write."""
@@ -133,9 +143,8 @@ class Events(Chip):
         if clears and gstat:
             self._took(self.chip.gstat, gstat)
         fresh = bool(gstat & r.part(self.chip.gstat, "reset").mask)
-        if fresh and not self._reset_shown:
+        if fresh:
             self._was_reset()
-        self._reset_shown = False
         self._acquainted = True
         for rows in self.chip.axes:
             flags = self.flags[rows.axis]
@@ -169,28 +178,12 @@ class Events(Chip):
             self._gstat &= ~bits
 
     def _was_reset(self) -> None:
-        """GSTAT, or a status byte, tells of a reset that was not told yet."""
+        """GSTAT tells of a reset that was not told yet."""
         self.resets += 1
         self._lost = self._acquainted
         if self._acquainted:
             self._reset_s = self.device_time_s()
         self._forget_setting()
-
-    def _saw_status(self, time_s: float, status: int) -> None:
-        """A status byte of that time: it shows a reset and an error of the driver without reading GSTAT."""
-        names = DUAL_STATUS if self.chip.two_axes else SINGLE_STATUS
-        shown = {name for bit, name in enumerate(names) if status >> bit & 1}
-        if not shown:
-            return
-        told = False
-        for axis, flags in enumerate(self.flags):
-            entry = self._timelines[axis].glimpsed(sum(flags.bit(name) for name in shown), time_s)
-            if entry is not None:
-                told = told or "reset" in entry.names
-                self._tell(entry)
-        if told and not self._reset_shown:
-            self._reset_shown = True
-            self._was_reset()
 
     # --- by hand --------------------------------------------------------------------------------
 
@@ -235,6 +228,5 @@ class Events(Chip):
             self._stat = [0] * len(self.axes)
             self._looked = [None] * len(self.axes)
             self._gstat = 0
-            self._reset_shown = False
             for timeline in self._timelines:
                 timeline.forget()

@@ -63,7 +63,7 @@ class Looks(Writes):
             held = await self._look_at_events(words, [axis], self._asked(axis))
             time_s = words.time_s
         position, velocity, target = (held.value(row) for row in (rows.xactual, rows.vactual, rows.xtarget))
-        mode = held.word(rows.rampmode)
+        mode = held.value(rows.rampmode)
         positioning = mode == r.POSITION
         stat = held.fields(rows.ramp_stat) if rows.ramp_stat.address in held.words else None
         self._look(axis, time_s, held)
@@ -105,7 +105,7 @@ class Looks(Writes):
             return True
         if rows.ramp_stat.address not in held.words:
             return False
-        mode, vmax, amax = held.word(rows.rampmode), self.word(rows.vmax), self.word(rows.amax)
+        mode, vmax, amax = held.value(rows.rampmode), self.word(rows.vmax), self.word(rows.amax)
         to_go = held.value(rows.xtarget) - held.value(rows.xactual)
         way = {r.POSITION: to_go, r.FORWARD: 1, r.BACKWARD: -1, r.HOLD: 0}[mode]
         if not way or not vmax or not amax:
@@ -194,7 +194,7 @@ class Looks(Writes):
         moving = held.value(rows.vactual) or int(self._moves(axis, held))
         watch = self._watches[axis]
         watch.wait_s = (self.wanted(rows.ramp["TZEROWAIT"]) or 0) * 512 / self.clock_hz
-        reached = held.word(rows.rampmode) == r.POSITION and position == target
+        reached = held.value(rows.rampmode) == r.POSITION and position == target
         watch.look(Look(time_s, position, moving, reached))
 
     def _why(self, axis: int, motion: UnderWay, rest: Look, held: Held) -> tuple[StopReason, str]:

@@ -260,7 +260,7 @@ class Moves(Events):
         return Before(
             axis,
             self.ramp(axis),
-            held.word(rows.rampmode),
+            held.value(rows.rampmode),
             held.value(rows.xactual),
             held.value(rows.vactual),
             held.value(rows.xtarget),

@@ -2,7 +2,7 @@
 
 No sample clears a flag: RAMP_STAT is only asked where reading it clears nothing (TMC5160). Elsewhere arrival is
 XACTUAL = XTARGET, switches come from the SPI status byte or from IOIN as far as they show them, and otherwise from the
-latest look. Over SPI the status byte comes with every row for nothing, and tells of a reset at the row's own time.
+latest look. Over SPI the status byte comes with every row for nothing.
 """
 
 from __future__ import annotations
@@ -150,19 +150,21 @@ class Samples(Looks, WordSamples):
         return lambda times_s, _, __: np.full(len(times_s), self._switch_seen(rows.axis, left=left))
 
     def _by_pin(self, quantity: str, rows: AxisRows, asked: Asked) -> Decoder:
-        """Of one axis by the level of the pin, with polarity and side as SW_MODE has them."""
+        """Of one axis by the level of the pin. Polarity is the pin's, and the sides change places behind it: a reading,
+        as the data sheets give each no more than a sentence."""
         levels = {
             name: field(asked.column(self.chip.inputs), r.part(self.chip.inputs, pin))
             for name, pin in SINGLE_PINS.items()
         }
+        polarities = {name: r.part(rows.sw_mode, f"pol_stop_{name[len('switch_')]}") for name in SINGLE_PINS}
         other = "switch_right" if quantity == "switch_left" else "switch_left"
-        polarity = r.part(rows.sw_mode, "pol_stop_l" if quantity == "switch_left" else "pol_stop_r")
         swapped = r.part(rows.sw_mode, "swap_lr")
 
         def decode(times_s: FloatArray, words: IntArray, status: IntArray) -> FloatArray:
             sw_mode = self.known(rows.sw_mode) or 0
-            level = levels[other if swapped.unpack(sw_mode) else quantity](times_s, words, status)
-            return 1.0 - level if polarity.unpack(sw_mode) else level
+            pin = other if swapped.unpack(sw_mode) else quantity
+            level = levels[pin](times_s, words, status)
+            return 1.0 - level if polarities[pin].unpack(sw_mode) else level
 
         return decode
 
@@ -207,18 +209,19 @@ class Samples(Looks, WordSamples):
 
     def saw_rows(self, times_s: FloatArray, words: IntArray, status: IntArray, asked: Sequence[Register]) -> None:
         """For the plans: a block of samples is about to be decoded."""
-        for row in np.flatnonzero(np.diff(status & 7, prepend=0)):
-            self._saw_status(float(times_s[row]), int(status[row]))
+        reset = bool(status[-1] & 1)  # then the counter does not count what it did
         for rows in self.chip.axes:
-            self._saw_axis_rows(rows, times_s, words, asked)
+            self._saw_axis_rows(rows, times_s, words, asked, reset=reset)
 
-    def _saw_axis_rows(self, rows: AxisRows, times_s: FloatArray, words: IntArray, asked: Sequence[Register]) -> None:
+    def _saw_axis_rows(
+        self, rows: AxisRows, times_s: FloatArray, words: IntArray, asked: Sequence[Register], *, reset: bool
+    ) -> None:
         none = np.zeros(0, dtype=np.int64)
 
         def values(register: Register) -> FloatArray:
             return number(asked.index(register), register)(times_s, words, none)
 
-        if rows.xactual in asked:
+        if rows.xactual in asked and not reset:
             encoder = rows.x_enc if self.counts_encoder(rows.axis) else None
             seen = None if encoder is None or encoder not in asked else int(values(encoder)[-1])
             self.saw_position(rows.axis, int(values(rows.xactual)[-1]), float(times_s[-1]), seen)

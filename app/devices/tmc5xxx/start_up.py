@@ -107,7 +107,10 @@ def _encoder(device: Device, axis: int, start: Start) -> Sequence[WriteItem]:
     settings = device.axes[axis].settings
     ratio = Fraction(settings.full_steps_per_rev * TABLE_MICROSTEPS, start.counts_per_rev)
     decimal, word = encoder_constant(-ratio if start.invert_encoder else ratio)
+    gconf = device.family.table.get("GCONF")
+    second = axis > 0 and gconf.field_named("enc2_enable") is not None
     return [
+        *([WriteItem("GCONF", None, fields={"enc2_enable": 1})] if second else []),
         WriteItem("ENCMODE", axis, fields={"enc_sel_decimal": int(decimal)}),
         WriteItem("ENC_CONST", axis, word),
         WriteItem("X_ENC", axis, 0),

@@ -75,7 +75,7 @@ class Stops(Moves):
         self._saw_positions(back, words.asked_s)
         if not words.arrived:
             return BadReply(self.port.name, "the stop may have arrived otherwise", b"")
-        if back.word(rows.rampmode) != r.FORWARD:
+        if back.value(rows.rampmode) != r.FORWARD:
             return WriteRefused(rows.rampmode.name, r.FORWARD, back.word(rows.rampmode), "stop again, or cut the power")
         ramp = self.ramp(axis)
         v_pps = back.value(rows.vactual) * ramp.velocity_unit_pps

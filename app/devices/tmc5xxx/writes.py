@@ -40,7 +40,7 @@ class Writes(Stops):
         self._saw_positions(held, words.asked_s)
         position, target = held.value(rows.xactual), held.value(rows.xtarget)
         self._before_it = (position, held.word(rows.vactual), words.time_s)
-        positioning = held.word(rows.rampmode) == r.POSITION
+        positioning = held.value(rows.rampmode) == r.POSITION
         if register is rows.xactual and positioning and register.decode(word) != target:
             notes.append("while positioning the motor now drives to XTARGET")
         elif register is rows.rampmode and word == r.POSITION and not positioning and target != position:
@@ -105,7 +105,7 @@ class Writes(Stops):
         if before_velocity == 0 and position == before_position:
             # From rest the start is known exactly: it was when the datagram went out.
             velocity, time_s = 0, min(time_s, sent_s) or time_s
-        mode, vmax, amax = held.word(rows.rampmode), self.word(rows.vmax), self.word(rows.amax)
+        mode, vmax, amax = held.value(rows.rampmode), self.word(rows.vmax), self.word(rows.amax)
         moves = target != position and vmax != 0 if mode == r.POSITION else vmax != 0 or velocity != 0
         if not moves or (mode == r.HOLD and not velocity):
             self._books[axis].end(time_s, "a register was written")
