@@ -57,7 +57,7 @@ class Bench:
     def write(self, name: str, value: int, axis: int = 0) -> None:
         self.chip.write(self.table.get(name, axis).address, value & 0xFFFFFFFF, self.now_s)
 
-    def set(self, axis: int = 0, **values: int) -> None:
+    def put(self, axis: int = 0, **values: int) -> None:
         for name, value in values.items():
             self.write(name, value, axis)
 
@@ -94,6 +94,6 @@ class Bench:
 def moving(model: Tmc5xxxModel, axis: int = 0, *, rigid: bool = True, current: int = 16, **options: Any) -> Bench:
     """A chip with its driver on and a ramp of two turns a second on `axis`."""
     bench = Bench(model, rigid=rigid, **options)
-    bench.set(axis, CHOPCONF=CHOPPER_ON, IHOLD_IRUN=current | current << 8 | 1 << 16, **RAMP)
+    bench.put(axis, CHOPCONF=CHOPPER_ON, IHOLD_IRUN=current | current << 8 | 1 << 16, **RAMP)
     bench.wait(0.2)
     return bench

@@ -33,7 +33,7 @@ def test_the_data_belong_to_the_datagram_before(model: Tmc5xxxModel, words: list
 @pytest.mark.parametrize("model", MODELS)
 def test_a_read_is_taken_when_it_is_asked_for(model: Tmc5xxxModel) -> None:
     bench = moving(model)
-    bench.set(RAMPMODE=1)
+    bench.put(RAMPMODE=1)
     bench.wait(1)
     bench.chip.exchange(read(XACTUAL), bench.now_s)
     then = bench.read("XACTUAL")
@@ -57,7 +57,7 @@ def test_the_status_byte_of_chips_with_one_axis(model: Tmc5xxxModel) -> None:
     standing, fast, there = 1 << 3, 1 << 4, 1 << 5
     assert bench.status == RESET | standing | there
     bench.write("GSTAT", bench.raw("GSTAT"))
-    bench.set(XTARGET=100_000)
+    bench.put(XTARGET=100_000)
     bench.wait(0.1)
     assert bench.status == 0
     bench.wait(0.7)
@@ -75,7 +75,7 @@ def test_the_status_byte_of_chips_with_one_axis(model: Tmc5xxxModel) -> None:
 @pytest.mark.parametrize("model", SINGLE)
 def test_a_stall_is_told_by_the_status_byte(model: Tmc5xxxModel) -> None:
     bench = moving(model, rigid=False)
-    bench.set(RAMPMODE=1)
+    bench.put(RAMPMODE=1)
     bench.wait(1)
     assert not bench.status & 1 << 2
     bench.stage(blocked=True)
@@ -88,8 +88,8 @@ def test_the_status_byte_of_chips_with_two_axes(model: Tmc5xxxModel) -> None:
     bench = moving(model, axis=1)
     assert bench.status == RESET | 1 << 3, "VMAX of motor 1 is 0, and so is its velocity"
     bench.raw("GSTAT")
-    bench.set(axis=0, VMAX=1000)
-    bench.set(axis=1, RAMPMODE=1)
+    bench.put(axis=0, VMAX=1000)
+    bench.put(axis=1, RAMPMODE=1)
     bench.wait(0.1)
     assert bench.status == 0
     bench.wait(0.9)
