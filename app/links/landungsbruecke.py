@@ -18,7 +18,14 @@ from app.registers.tmcl import Opcode
 
 BAUD = 115_200
 """Any will do over USB; PyTrinamic opens the port at this one."""
-MODELS = {"tmc4361": "TMC4361A"}
+MODELS = {
+    "tmc4361": "TMC4361A",
+    "tmc5031": "TMC5031",
+    "tmc5062": "TMC5062",
+    "tmc5072": "TMC5072",
+    "tmc5130": "TMC5130",
+    "tmc5160": "TMC5160",
+}
 """Chips that have such boards, by what the board calls them."""
 BOARDS_IN_SLOTS = 4
 """The global parameter that tells them. Command 143 tells them too, but looks for them anew, which resets them."""

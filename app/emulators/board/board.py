@@ -4,28 +4,36 @@ from __future__ import annotations
 
 import threading
 
+from pydantic import ValidationError
+
 from app.emulators.board.firmware import VERSION_STRING, Firmware
+from app.emulators.board.functions import BoardFunctions
 from app.emulators.board.options import BoardFaults, BoardPatch, BoardState
 from app.emulators.board.registers import ChipRegisters
+from app.emulators.board.sixpoint import SixPointBoard
+from app.emulators.board.tmc4361 import Tmc4361Board
+from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxPatch
 from app.emulators.tmc4361 import EmulatedTmc4361, Tmc4361Patch
+from app.links.errors import UsageError
 from app.links.tmcl import FRAME_BYTES
-from app.registers.tmc4361 import TMC4361
+from app.registers.catalog import MODELS
 
 MODEL = "landungsbruecke"
+BoardChip = EmulatedTmc4361 | EmulatedTmc5xxx
 
 
 class EmulatedBoard:
     """`LineModule` with a chip at its SPI; safe to use from several threads. Time is the chip's."""
 
-    def __init__(self, chip: EmulatedTmc4361) -> None:
+    def __init__(self, chip: BoardChip) -> None:
         """A board that has just been plugged in, and has set up its chip."""
         self.chip = chip
         self.clock = chip.clock
         self.faults = BoardFaults()
         self._lock = threading.Lock()
-        self._registers = ChipRegisters(chip, TMC4361)
+        self._registers = ChipRegisters(chip, MODELS[chip.model].table)
         self._registers.at_s = chip.clock.now()
-        self._firmware = Firmware(self._registers, self._reset_chip)
+        self._firmware = Firmware(self._registers, self._functions)
 
     @property
     def model(self) -> str:
@@ -65,16 +73,41 @@ class EmulatedBoard:
 
     def patch(self, change: BoardPatch, at_s: float | None = None) -> BoardState:
         """Change the world around the board at chip time `at_s` [s], by default now. Raises what the chip raises."""
+        of_chip = self._patch_of_chip(change)
         with self._lock:
             self._registers.at_s = self.clock.now() if at_s is None else at_s
             if change.power_cycle:
                 self._firmware.power_on()
-            self.chip.patch(change.chip, at_s)
+            self._patch_chip(of_chip, at_s)
             self.faults = self.faults.model_copy(update=change.faults.model_dump(exclude_none=True))
             return self._describe(at_s)
 
     def _describe(self, at_s: float | None) -> BoardState:
         return BoardState(version=VERSION_STRING.decode(), faults=self.faults, chip=self.chip.state(at_s))
 
+    def _functions(self, registers: ChipRegisters) -> BoardFunctions:
+        model = self.chip.model
+        if isinstance(self.chip, EmulatedTmc4361):
+            return Tmc4361Board(registers, self._reset_chip)
+        return SixPointBoard(model, MODELS[model].table, MODELS[model].axes, registers, self._reset_chip)
+
     def _reset_chip(self) -> None:
-        self.chip.patch(Tmc4361Patch(power_cycle=True), self._registers.at_s)
+        off_and_on = Tmc4361Patch if isinstance(self.chip, EmulatedTmc4361) else Tmc5xxxPatch
+        self._patch_chip(off_and_on(power_cycle=True), self._registers.at_s)
+
+    def _patch_of_chip(self, change: BoardPatch) -> Tmc4361Patch | Tmc5xxxPatch:
+        """What is said of the chip, as this chip takes it. Raises UsageError for what it does not have."""
+        known = Tmc4361Patch if isinstance(self.chip, EmulatedTmc4361) else Tmc5xxxPatch
+        try:
+            return known.model_validate(change.chip.model_dump(exclude_unset=True))
+        except ValidationError as error:
+            what = ".".join(str(part) for part in error.errors()[0]["loc"])
+            raise UsageError(f"chip.{what} is not for a {self.chip.model}") from error
+
+    def _patch_chip(self, change: Tmc4361Patch | Tmc5xxxPatch, at_s: float | None) -> None:
+        if isinstance(self.chip, EmulatedTmc4361):
+            assert isinstance(change, Tmc4361Patch)
+            self.chip.patch(change, at_s)
+        else:
+            assert isinstance(change, Tmc5xxxPatch)
+            self.chip.patch(change, at_s)

@@ -6,10 +6,11 @@ from collections.abc import Mapping
 
 from app.clock import Clock
 from app.emulators.board.board import EmulatedBoard
+from app.emulators.tmc5xxx import MODELS, EmulatedTmc5xxx, Tmc5xxxOptions
 from app.emulators.tmc4361 import EmulatedTmc4361, Tmc4361Options
 from app.links.errors import UnknownThing
 
-CHIPS = ("tmc4361",)
+CHIPS = ("tmc4361", *MODELS)
 """Chips that an emulated board may have in its slot."""
 
 
@@ -20,4 +21,7 @@ def build_board(chip: str, clock: Clock, options: Mapping[str, object]) -> Emula
     """
     if chip not in CHIPS:
         raise UnknownThing("chip on a landungsbruecke", chip, list(CHIPS))
+    for model in MODELS:
+        if chip == model:
+            return EmulatedBoard(EmulatedTmc5xxx(model, clock, Tmc5xxxOptions.model_validate(options)))
     return EmulatedBoard(EmulatedTmc4361(clock, Tmc4361Options.model_validate(options)))

@@ -13,9 +13,9 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable
 
+from app.emulators.board.functions import BoardFunctions
 from app.emulators.board.refusal import Refusal, invalid_command, invalid_value, wrong_type
 from app.emulators.board.registers import ChipRegisters
-from app.emulators.board.tmc4361 import BOARD_ID, DRIVER_ID, MOTORS, Tmc4361Board
 from app.registers.landungsbruecke import ADDRESS, REGISTER_ADDRESS_BITS, BoardOpcode, SlotState
 from app.registers.tmcl import MAGIC, Opcode, Status
 
@@ -24,8 +24,6 @@ MODULE = 12
 VERSION_MAJOR, VERSION_MINOR = 3, 10
 VERSION_STRING = b"%04dV%d%02d" % (MODULE, VERSION_MAJOR, VERSION_MINOR)
 VERSION_BINARY = MODULE // 100 << 24 | MODULE % 100 << 16 | VERSION_MAJOR << 8 | VERSION_MINOR
-SLOTS = BOARD_ID | SlotState.DONE << 8 | DRIVER_ID << 16 | SlotState.DONE << 24
-"""Channel 1, its state, channel 2, its state, from the lowest byte on."""
 SUPPLY_DECIVOLTS = 240
 SPI_HZ = (2_000_000, 2_000_000)
 Handler = Callable[[int, int, int], int]
@@ -40,26 +38,31 @@ _INFO = {
     20: 8,  # bits of an axis parameter's number
     21: REGISTER_ADDRESS_BITS,
     200: 0,  # patch
-    201: BOARD_ID << 16 | DRIVER_ID,
     202: 0xFFFF_FFFF,  # versions of the boards: unknown
 }
 
 
 class Firmware:
-    """One board between two power-offs. `reset_chip` pulses the chip's reset pin."""
+    """One board between two power-offs. `make_functions` makes those for the chip in the slot, as after power-on."""
 
-    def __init__(self, registers: ChipRegisters, reset_chip: Callable[[], None]) -> None:
+    def __init__(self, registers: ChipRegisters, make_functions: Callable[[ChipRegisters], BoardFunctions]) -> None:
         self._registers = registers
-        self._reset_chip = reset_chip
+        self._make_functions = make_functions
         self.power_on()
 
     def power_on(self) -> None:
-        """Start the microcontroller: it finds the boards, resets the chip and sets it up."""
-        self._board = Tmc4361Board(self._registers)
+        """Start the microcontroller: it finds the boards and sets the chip up."""
+        self._board = self._make_functions(self._registers)
         self._globals = {1: 0, 2: 1, 3: 0, 5: 0, 7: SPI_HZ[0], 8: SPI_HZ[1], 9: 3, 10: 3, 11: 243, 12: 9600}
         """Errors, drivers enabled, debug mode, hardware, SPI clocks [Hz] and modes, bulk bytes, UART's baud rate."""
         self._heard = (0, 0)
-        self._reset_board()
+        self._board.power_on()
+
+    @property
+    def _slots(self) -> int:
+        """Channel 1, its state, channel 2, its state, from the lowest byte on."""
+        other = SlotState.DONE if self._board.driver_id else SlotState.NO_ANSWER
+        return self._board.board_id | SlotState.DONE << 8 | self._board.driver_id << 16 | other << 24
 
     def receive(self, frame: bytes) -> bytes | None:
         """Obey one 9-byte frame; None where it is for another module."""
@@ -104,21 +107,21 @@ class Firmware:
         return handlers[opcode](type_, motor, value)
 
     def _axis(self, opcode: int, type_: int, motor: int, value: int) -> int:
-        board = self._board
-        if motor >= MOTORS:
+        if motor >= len(self._board.axes):
             raise wrong_type()
+        axis = self._board.axes[motor]
         if opcode in (Opcode.ROR, Opcode.ROL, Opcode.MST):
-            board.rotate({Opcode.ROR: value, Opcode.ROL: -value}.get(Opcode(opcode), 0))
+            axis.rotate({Opcode.ROR: value, Opcode.ROL: -value}.get(Opcode(opcode), 0))
         elif opcode == Opcode.MVP and type_ == 0:
-            board.move_to(value)
+            axis.move_to(value)
         elif opcode == Opcode.MVP and type_ == 1:
-            return board.move_by(value)
+            return axis.move_by(value)
         elif opcode == Opcode.MVP and type_ == 2:
             raise invalid_command()
         elif opcode == Opcode.SAP:
-            board.set(type_, value)
+            axis.set(type_, value)
         elif opcode == Opcode.GAP:
-            return board.get(type_)
+            return axis.get(type_)
         else:
             raise wrong_type()
         return value
@@ -128,7 +131,7 @@ class Firmware:
     def _get_global(self, type_: int, motor: int, value: int) -> int:
         del motor, value
         if type_ == 4:
-            return SLOTS
+            return self._slots
         if type_ not in self._globals:
             raise wrong_type()
         return self._globals[type_]
@@ -159,10 +162,13 @@ class Firmware:
 
     def _version(self, type_: int, motor: int, value: int) -> int:
         del motor
-        return {1: VERSION_BINARY, 4: 0x0202, 5: VERSION_MAJOR * 100 + VERSION_MINOR, 6: MOTORS}.get(type_, value)
+        motors = len(self._board.axes)
+        return {1: VERSION_BINARY, 4: 0x0202, 5: VERSION_MAJOR * 100 + VERSION_MINOR, 6: motors}.get(type_, value)
 
     def _info(self, type_: int, motor: int, value: int) -> int:
         del motor, value
+        if type_ == 201:
+            return self._board.board_id << 16 | self._board.driver_id
         if type_ not in _INFO:
             raise wrong_type()
         return _INFO[type_]
@@ -178,22 +184,21 @@ class Firmware:
         can be put into the slots."""
         del motor, value
         if type_ == 0:
-            self._reset_board()
+            self._board.reset()
         elif type_ not in (4, 5):
             raise wrong_type() if type_ > 5 else invalid_value()
-        return SLOTS
+        return self._slots
 
     def _board_reset(self, type_: int, motor: int, value: int) -> int:
         del motor
         if type_ > 2:
             raise wrong_type()
         if type_ != 1:  # the driver board alone: it has no registers here
-            self._reset_board()
+            self._board.reset()
         return value
 
     def _user_function(self, type_: int, motor: int, value: int) -> int:
-        del motor
-        return self._board.user_function(type_, value)
+        return self._board.user_function(type_, motor, value)
 
     def _restart(self, type_: int, motor: int, value: int) -> int:
         del type_, motor
@@ -202,10 +207,6 @@ class Firmware:
             self.power_on()
             self._heard = heard  # the answer goes out before the restart
         return value
-
-    def _reset_board(self) -> None:
-        self._reset_chip()
-        self._board.set_up()
 
 
 def _pack(module: int, status: int, opcode: int, value: int) -> bytes:

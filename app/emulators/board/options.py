@@ -7,6 +7,8 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from app.emulators.line.faults import Late, Rate, Switch
+from app.emulators.tmc5xxx.options import Tmc5xxxPatch
+from app.emulators.tmc5xxx.state import Tmc5xxxState
 from app.emulators.tmc4361.options import Tmc4361Patch
 from app.emulators.tmc4361.state import Tmc4361State
 
@@ -42,7 +44,9 @@ class BoardPatch(_Closed):
 
     faults: BoardFaultsChange = Field(default_factory=BoardFaultsChange)
     power_cycle: Flag = Field(default=False, description="board and chip off and on again; motor and stage stay")
-    chip: Tmc4361Patch = Field(default_factory=Tmc4361Patch, description="the chip in the slot and the world around it")
+    chip: Tmc4361Patch | Tmc5xxxPatch = Field(
+        default_factory=Tmc4361Patch, description="the chip in the slot and the world around it"
+    )
 
 
 class BoardState(_Closed):
@@ -51,4 +55,4 @@ class BoardState(_Closed):
     model: Literal["landungsbruecke"] = "landungsbruecke"
     version: str
     faults: BoardFaults
-    chip: Tmc4361State
+    chip: Annotated[Tmc4361State | Tmc5xxxState, Field(discriminator="model")]

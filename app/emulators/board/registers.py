@@ -27,13 +27,16 @@ class ChipRegisters:
             if row.address in self._resets and row.reset:
                 self._resets[row.address] = row.reset
         self._remembered = dict(self._resets)
-        self.resettable = tuple(
-            address
+        writable = {
+            address: [row for row in table.meanings(address) if row.access.writable]
             for address in range(datagram40.ADDRESS_MAX + 1)
-            if (rows := [row for row in table.meanings(address) if row.access.writable])
-            and not any(row.reset for row in rows)
+        }
+        self.writable = tuple(address for address, rows in writable.items() if rows)
+        """Addresses that can be written."""
+        self.zeroed = tuple(
+            address for address, rows in writable.items() if rows and not any(row.reset for row in rows)
         )
-        """Addresses that can be written and come up as zero."""
+        """Those of them that come up as zero."""
         self.at_s = 0.0
         """The chip's time at which the next access takes place [s]."""
 

@@ -13,11 +13,6 @@ from app.emulators.board.refusal import Refusal, invalid_value, wrong_type
 from app.emulators.board.registers import ChipRegisters
 from app.registers.landungsbruecke import BoardStatus
 
-BOARD_ID = 11
-"""TMC4361A; the firmware of today does not know 4, the TMC4361 without A."""
-DRIVER_ID = 1
-"""TMC2660, a driver like the one that the emulated chip turns its motor with."""
-MOTORS = 1
 GENERAL_CONF, SPI_OUT_CONF, CURRENT_CONF, SCALE_VALUES, STATUS = 0x00, 0x04, 0x05, 0x06, 0x0F
 RAMPMODE, XACTUAL, VACTUAL, VMAX, XTARGET = 0x20, 0x21, 0x22, 0x24, 0x37
 POSITION_MODE = 1 << 2
@@ -45,10 +40,20 @@ Write = Callable[[int], None]
 
 
 class Tmc4361Board:
-    """The functions of the board in slot 1. Addresses of `app.registers.tmc4361`."""
+    """`BoardFunctions` and those of its one motor. Addresses of `app.registers.tmc4361`.
 
-    def __init__(self, registers: ChipRegisters) -> None:
+    `reset_chip` pulses the chip's reset pin.
+    """
+
+    board_id = 11
+    """TMC4361A; the firmware of today does not know 4, the TMC4361 without A."""
+    driver_id = 1
+    """TMC2660, a driver like the one that the emulated chip turns its motor with."""
+
+    def __init__(self, registers: ChipRegisters, reset_chip: Callable[[], None]) -> None:
+        self.axes = (self,)
         self._registers = registers
+        self._reset_chip = reset_chip
         self._positioning_pps = POSITIONING_PPS
         same = partial(self._register, shift=0)
         self._parameters: dict[int, tuple[Read, Write | None]] = {
@@ -76,11 +81,16 @@ class Tmc4361Board:
             214: (lambda: registers.signed(0x15), lambda value: registers.write(0x15, value * 160_000)),
         }
 
-    def set_up(self) -> None:
-        """What the firmware writes into a chip that was reset."""
+    def power_on(self) -> None:
+        """The firmware resets the chip, and sets it up."""
+        self.reset()
+
+    def reset(self) -> None:
+        """Pulse the chip's reset pin, and write what the firmware writes then."""
+        self._reset_chip()
         registers = self._registers
         registers.forget()
-        for address in registers.resettable:
+        for address in registers.zeroed:
             registers.write(address, PRESETS.get(address, 0))
         registers.write(SPI_OUT_CONF, OUTPUT_TO_TMC2660)
         registers.write(CURRENT_CONF, 3)
@@ -162,9 +172,9 @@ class Tmc4361Board:
 
     # --- user functions --------------------------------------------------------------------------
 
-    def user_function(self, number: int, value: int) -> int:
+    def user_function(self, number: int, motor: int, value: int) -> int:
         """Command 144. Switch inputs that the board can pull (0..2) are refused: here the world around has them."""
-        del value
+        del motor, value
         if number == 3:  # closed-loop calibration by the firmware; ours is `app.tuning`
             raise Refusal(BoardStatus.DELAYED)
         raise wrong_type()

@@ -1,0 +1,307 @@
+"""What the firmware does with a TMC5xxx in the slot: sets it up, moves its motors, names registers as parameters.
+
+Source: boards/TMC5031_eval.c, TMC5062_eval.c, TMC5072_eval.c, TMC5130_eval.c, TMC5160_eval.c of TMC-EvalSystem, and the
+register presets in the headers of TMC-API. Numbers are in the chip's own units: nothing is converted but where a
+parameter is a velocity and the register a TSTEP. Refused with status 3, besides what there is not: the measured speed
+(29; VACTUAL is parameter 3), the reference voltage (9), hysteresis and fast decay under one number (165, 166) and the
+switch between encoder and reference inputs (211); their registers can be reached as such.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from types import MappingProxyType
+
+from app.emulators.board.refusal import invalid_value, wrong_type
+from app.emulators.board.registers import ChipRegisters
+from app.registers.model import Field, Register, RegisterTable, to_signed
+
+Read = Callable[[], int]
+Write = Callable[[int], None]
+POSITION, RIGHT, LEFT = 0, 1, 2
+"""RAMPMODE."""
+TSTEP_MAX = 0xF_FFFF
+VELOCITY_BITS = 24
+CHOPCONF, CURRENTS = 0x0001_01D5, 0x0007_1703
+BOARD_IDS: Mapping[str, int] = MappingProxyType(
+    {"tmc5031": 2, "tmc5062": 25, "tmc5072": 7, "tmc5130": 5, "tmc5160": 16}
+)
+"""What the boards call themselves (BoardAssignment.h)."""
+PRESETS: Mapping[str, Mapping[str, int]] = MappingProxyType(
+    {
+        "tmc5031": {"IHOLD_IRUN": CURRENTS, "VHIGH": 0xFF_FFFF, "CHOPCONF": CHOPCONF},
+        "tmc5062": {"IHOLD_IRUN": CURRENTS, "VHIGH": 0xFF_FFFF, "ENC_CONST": 0x1_0000, "CHOPCONF": CHOPCONF},
+        "tmc5072": {"IHOLD_IRUN": CURRENTS, "VHIGH": 0xFF_FFFF, "ENC_CONST": 0x1_0000, "CHOPCONF": CHOPCONF},
+        "tmc5130": {"IHOLD_IRUN": CURRENTS, "ENC_CONST": 0x1_0000, "CHOPCONF": CHOPCONF},
+        "tmc5160": {
+            "GCONF": 0x8,
+            "SHORT_CONF": 0x1_0606,
+            "DRV_CONF": 0x8_0400,
+            "IHOLD_IRUN": 0x0007_0A03,
+            "TPOWERDOWN": 0xA,
+            "VSTOP": 1,
+            "ENC_CONST": 0x1_0000,
+            "CHOPCONF": 0x0041_0153,
+        },
+    }
+)
+"""What the firmware writes after a reset; every other register that it may write gets zero."""
+KEPT = ("MSLUT", "PWMCONF")
+"""Beginnings of names of registers that it leaves alone, because the chip comes up with something sensible."""
+PWMCONF_5072 = 0x0005_04C8
+REGISTERS = MappingProxyType(
+    {0: "XTARGET", 1: "XACTUAL", 5: "AMAX", 14: "SW_MODE", 15: "A1", 16: "V1", 17: "DMAX", 18: "D1", 19: "VSTART",
+     20: "VSTOP", 21: "TZEROWAIT", 24: "VDCMIN", 209: "X_ENC", 210: "ENC_CONST"}
+)  # fmt: skip
+"""Parameters that are a whole register."""
+VELOCITY_THRESHOLDS = MappingProxyType({22: "VCOOLTHRS", 23: "VHIGH", 182: "VCOOLTHRS"})
+"""Of the chips with two axes."""
+TSTEP_THRESHOLDS = MappingProxyType({23: "THIGH", 182: "TCOOLTHRS", 186: "TPWMTHRS"})
+"""Of the chips with one axis: velocities here, times of a step there."""
+FIELDS = MappingProxyType(
+    {6: ("IHOLD_IRUN", "IRUN"), 7: ("IHOLD_IRUN", "IHOLD"), 27: ("CHOPCONF", "vhighchm"), 28: ("CHOPCONF", "vhighfs"),
+     30: ("RAMPMODE", ""), 33: ("GCONF", "I_scale_analog"), 34: ("GCONF", "internal_Rsense"),
+     35: ("GLOBAL_SCALER", ""), 162: ("CHOPCONF", "tbl"), 163: ("CHOPCONF", "chm"), 164: ("CHOPCONF", "disfdcc"),
+     167: ("CHOPCONF", "toff"), 168: ("COOLCONF", "seimin"), 169: ("COOLCONF", "sedn"), 170: ("COOLCONF", "semax"),
+     171: ("COOLCONF", "seup"), 172: ("COOLCONF", "semin"), 173: ("COOLCONF", "sfilt"), 174: ("COOLCONF", "sgt"),
+     179: ("CHOPCONF", "vsense"), 184: ("CHOPCONF", "rndtf"), 185: ("CHOPCONF", "sync")}
+)  # fmt: skip
+"""Parameters that are part of a register, or with "" all of one, where the chip has that."""
+SINGLE_FIELDS = (
+    (33, "GCONF", "recalibrate"),
+    (188, "PWMCONF", "PWM_AMPL"),
+    (188, "PWMCONF", "PWM_OFS"),
+    (204, "PWMCONF", "freewheel"),
+)
+"""Of the chips with one axis; where there are two for a number each chip has one of them."""
+READINGS = MappingProxyType(
+    {8: ("RAMP_STAT", "position_reached"), 180: ("DRV_STATUS", "CS_ACTUAL"), 206: ("DRV_STATUS", "SG_RESULT")}
+)
+"""Parameters that can only be read."""
+
+
+class SixPointBoard:
+    """`BoardFunctions` for a chip of `model`, whose rows are in `table`. `reset_chip` is for power-on: its reset pin is
+    not the board's."""
+
+    driver_id = 0
+
+    def __init__(
+        self, model: str, table: RegisterTable, axes: int, registers: ChipRegisters, reset_chip: Callable[[], None]
+    ) -> None:
+        self.board_id = BOARD_IDS[model]
+        self.axes = tuple(SixPointAxis(model, table, axis, registers) for axis in range(axes))
+        self._model = model
+        self._table = table
+        self._registers = registers
+        self._reset_chip = reset_chip
+
+    def power_on(self) -> None:
+        """Chip and board got their supply together; the chip is set up."""
+        self._reset_chip()
+        self._set_up()
+
+    def reset(self) -> None:
+        """Set the chip up again. It goes on as it is while its first motor turns."""
+        if self._registers.read(self._table.get("VACTUAL", 0).address) == 0:
+            self._set_up()
+
+    def _set_up(self) -> None:
+        self._registers.forget()
+        presets = PRESETS[self._model]
+        for address in self._registers.writable:
+            row = self._table.at(address, write=True)
+            if row is None or row.name.startswith(KEPT):
+                continue
+            if row.name == "FACTORY_CONF":  # keeps the trim of the clock that was burnt in
+                otp = self._table.get("OTP_READ")
+                trim = otp.field_named("OTP_FCLKTRIM")
+                word = self._registers.read(otp.address)
+                self._registers.write(address, trim.unpack(word) if trim else 0)
+            else:
+                self._registers.write(address, presets.get(row.name, 0))
+        if self._model == "tmc5072":
+            for axis in self.axes:
+                self._registers.write(self._table.get("PWMCONF", axis.axis).address, PWMCONF_5072)
+
+    def user_function(self, number: int, motor: int, value: int) -> int:
+        """Command 144: pins of the board that the emulated one does not have."""
+        del number, motor, value
+        raise wrong_type()
+
+
+class SixPointAxis:
+    """`AxisFunctions` of motor `axis`."""
+
+    def __init__(self, model: str, table: RegisterTable, axis: int, registers: ChipRegisters) -> None:
+        self.axis = axis
+        self._table = table
+        self._registers = registers
+        self._positioning = 0
+        self._parameters: dict[int, tuple[Read, Write | None]] = {
+            2: (self._reader("VMAX"), lambda value: self._write("VMAX", abs(value))),
+            3: (lambda: to_signed(self._read("VACTUAL") & (1 << VELOCITY_BITS) - 1, VELOCITY_BITS), None),
+            4: (lambda: self._positioning, self._set_positioning),
+        }
+        for number, name in REGISTERS.items():
+            self._add_register(number, name)
+        single = self._row("THIGH") is not None
+        if single:
+            for number, name in TSTEP_THRESHOLDS.items():
+                self._parameters[number] = (partial(self._velocity, name), partial(self._set_velocity, name))
+            self._add_stealth()
+        else:
+            for number, name in VELOCITY_THRESHOLDS.items():
+                self._add_register(number, name)
+        for number, (name, part) in FIELDS.items():
+            self._add_field(number, name, part)
+        for number, name, part in SINGLE_FIELDS if single else ():
+            self._add_field(number, name, part)
+        for number, (name, part) in READINGS.items():
+            self._add_field(number, name, part)
+            self._parameters[number] = (self._parameters[number][0], None)
+        self._add_switches(model)
+        self._parameters[140] = (lambda: 256 >> self._field("CHOPCONF", "mres"), self._set_resolution)
+        self._parameters[181] = self._stall()
+
+    # --- motion ----------------------------------------------------------------------------------
+
+    def rotate(self, velocity: int) -> None:
+        self._write("VMAX", abs(velocity))
+        self._write("RAMPMODE", RIGHT if velocity >= 0 else LEFT)
+
+    def move_to(self, position: int) -> None:
+        self._write("RAMPMODE", POSITION)
+        self._write("VMAX", self._positioning)
+        self._write("XTARGET", position)
+
+    def move_by(self, distance: int) -> int:
+        target = to_signed(self._read("XACTUAL") + distance & 0xFFFF_FFFF, 32)
+        self.move_to(target)
+        return target
+
+    # --- axis parameters -------------------------------------------------------------------------
+
+    def get(self, number: int) -> int:
+        """Raises Refusal for a parameter that there is not."""
+        if number not in self._parameters:
+            raise wrong_type()
+        return self._parameters[number][0]()
+
+    def set(self, number: int, value: int) -> None:
+        """Raises Refusal for a parameter that there is not or can only be read, and for a value that it cannot have."""
+        _, write = self._parameters.get(number, (None, None))
+        if write is None:
+            raise wrong_type()
+        write(value)
+
+    def _add_register(self, number: int, name: str) -> None:
+        if self._row(name) is not None:
+            self._parameters[number] = (self._reader(name), partial(self._write, name))
+
+    def _add_field(self, number: int, name: str, part: str) -> None:
+        row = self._row(name)
+        if row is None:
+            return
+        if not part:
+            self._add_register(number, name)
+        elif row.field_named(part) is not None:
+            self._parameters[number] = (partial(self._field, name, part), partial(self._set_field, name, part))
+
+    def _add_switches(self, model: str) -> None:
+        """Inputs at rest read 1, but on a TMC5072; stops are switched on by 0 on two boards, by 1 on the others."""
+        of_5072 = model == "tmc5072"
+        inverted = model in ("tmc5031", "tmc5130")
+
+        def level(side: str) -> int:
+            return self._field("RAMP_STAT", f"status_stop_{side}") ^ (not of_5072)
+
+        def enable(side: str, value: int) -> None:
+            on = value == 0 if inverted else value > 0 if of_5072 else value & 1
+            self._set_field("SW_MODE", f"stop_{side}_enable", int(on))
+            if of_5072:
+                self._set_field("SW_MODE", f"pol_stop_{side}", int(value == 2))
+
+        for number, side in ((10, "r"), (11, "l")):
+            self._parameters[number] = (partial(level, side), None)
+            enabled = partial(self._field, "SW_MODE", f"stop_{side}_enable")
+            self._parameters[number + 2] = (enabled, partial(enable, side))
+
+    def _add_stealth(self) -> None:
+        def gradient(value: int) -> None:
+            self._set_field("PWMCONF", "PWM_GRAD", value)
+            self._set_field("GCONF", "en_pwm_mode", int(value != 0))
+
+        def limited(part: str, most: int, value: int) -> None:
+            if not 0 <= value <= most:
+                raise invalid_value()
+            self._set_field("PWMCONF", part, value)
+
+        self._parameters[187] = (partial(self._field, "PWMCONF", "PWM_GRAD"), gradient)
+        for number, part, most in ((191, "pwm_freq", 3), (192, "pwm_autoscale", 1)):
+            self._parameters[number] = (partial(self._field, "PWMCONF", part), partial(limited, part, most))
+
+    def _stall(self) -> tuple[Read, Write]:
+        """Stop on stall above a velocity, 0: never."""
+        read, write = self._parameters[182]
+
+        def stop_above(value: int) -> None:
+            self._set_field("SW_MODE", "sg_stop", int(value != 0))
+            if write is not None:
+                write(value)
+
+        return lambda: read() if self._field("SW_MODE", "sg_stop") else 0, stop_above
+
+    def _set_positioning(self, velocity: int) -> None:
+        self._positioning = abs(velocity)
+        if self._read("RAMPMODE") == POSITION:
+            self._write("VMAX", self._positioning)
+
+    def _set_resolution(self, microsteps: int) -> None:
+        if microsteps not in (1 << power for power in range(9)):
+            raise invalid_value()
+        self._set_field("CHOPCONF", "mres", 8 - microsteps.bit_length() + 1)
+
+    # --- registers by name ------------------------------------------------------------------------
+
+    def _row(self, name: str) -> Register | None:
+        try:
+            return self._table.get(name, self.axis)
+        except KeyError:
+            return None
+
+    def _part(self, name: str, part: str) -> tuple[Register, Field]:
+        row = self._table.get(name, self.axis)
+        field = row.field_named(part)
+        if field is None:
+            raise wrong_type()
+        return row, field
+
+    def _read(self, name: str) -> int:
+        return self._registers.read(self._table.get(name, self.axis).address)
+
+    def _reader(self, name: str) -> Read:
+        return lambda: to_signed(self._read(name), 32)
+
+    def _write(self, name: str, value: int) -> None:
+        self._registers.write(self._table.get(name, self.axis).address, value)
+
+    def _field(self, name: str, part: str) -> int:
+        row, field = self._part(name, part)
+        return field.unpack(self._registers.read(row.address))
+
+    def _set_field(self, name: str, part: str, value: int) -> None:
+        row, field = self._part(name, part)
+        self._registers.change(row.address, field.mask, value << field.lsb & field.mask)
+
+    def _velocity(self, name: str) -> int:
+        return _step_time(self._read(name))
+
+    def _set_velocity(self, name: str, value: int) -> None:
+        self._write(name, _step_time(value))
+
+
+def _step_time(value: int) -> int:
+    """Between a velocity and the time of a step, either way, as the firmware does it."""
+    return min(TSTEP_MAX, (1 << VELOCITY_BITS) // (value or 1))
