@@ -11,7 +11,7 @@ from app.devices.device import Device
 from app.links.errors import BenchError, UsageError, WrongState
 from app.registers.model import to_signed
 from app.store.positions import SavedPosition
-from app.tuning.endless.followed import Followed, link_text, track_of
+from app.tuning.endless.followed import Wake, link_text, track_of
 from app.tuning.endless.mover import AGAIN_S, Mover
 from app.tuning.endless.state import CompareState, ExtendedState, HistoryState, Latched, TurnState
 from app.tuning.endless.track import Track
@@ -41,7 +41,7 @@ class WatchedAxis(Mover):
         device: Device,
         axis: int,
         unix_s: Callable[[], float],
-        wake: Callable[[Followed], None],
+        wake: Wake,
         changed: Callable[[], None],
     ) -> WatchedAxis:
         """Watch from now on, at what the counter shows. Raises WrongState, LinkError."""
@@ -64,7 +64,7 @@ class WatchedAxis(Mover):
         device: Device,
         saved: SavedPosition,
         unix_s: Callable[[], float],
-        wake: Callable[[Followed], None],
+        wake: Wake,
         changed: Callable[[], None],
     ) -> WatchedAxis:
         """As it was kept. Raises ValueError for what cannot be."""

@@ -6,6 +6,7 @@ import asyncio
 import json
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Protocol
 
 from app.calc.extended_position import Counter, checked_position
 from app.devices.counter import CounterLook, CounterWritten, PositionSeen
@@ -21,8 +22,16 @@ RESET_NAMES = frozenset({"RST_EV", "reset"})
 CONNECT = "connect the device: it is trusted again where a look can show that nothing was missed"
 
 
+class Wake(Protocol):
+    """Has an axis served."""
+
+    def __call__(self, watched: Followed, in_s: float = 0.0) -> None:
+        """In `in_s` of device time [s]."""
+        ...
+
+
 class Followed:
-    """One axis from the beginning of its watch to the end. `wake` has it served at once, `changed` has it saved."""
+    """One axis from the beginning of its watch to the end. `changed` has it saved."""
 
     def __init__(
         self,
@@ -30,7 +39,7 @@ class Followed:
         axis: int,
         track: Track,
         unix_s: Callable[[], float],
-        wake: Callable[[Followed], None],
+        wake: Wake,
         changed: Callable[[], None],
     ) -> None:
         self.device = device

@@ -77,7 +77,7 @@ class Mover(Followed):
         except BenchError as error:
             await self.give_up(str(error))
             raise
-        self._wake(self)
+        self._wake(self, AGAIN_S)
 
     def _replace(self, journey: Journey) -> None:
         self._end("ended", "another target")

@@ -242,9 +242,14 @@ class EndlessService:
                 self._wake(watched)
             return watched
 
-    def _wake(self, watched: Followed) -> None:
+    def _wake(self, watched: Followed, in_s: float = 0.0) -> None:
         assert isinstance(watched, WatchedAxis)
-        self._schedule(watched, self._clock.now())
+        self._schedule(watched, self._clock.now() + self._server_s(watched, in_s))
+
+    def _server_s(self, watched: WatchedAxis, device_s: float) -> float:
+        """Device time as the server's, no more than an axis may go unlooked at [s]."""
+        scale = watched.device.time_scale
+        return min(self._period_max_s, device_s / scale) if scale > 0 else self._period_max_s
 
     def _schedule(self, watched: WatchedAxis, due_s: float) -> None:
         if self._axes.get((watched.device, watched.axis)) is not watched:
@@ -291,8 +296,7 @@ class EndlessService:
         except Exception:  # a mistake of ours must not leave an axis unwatched
             log.exception("axis %d of %s", watched.axis, watched.device.name)
             next_s = 1.0
-        scale = watched.device.time_scale
-        period_s = min(self._period_max_s, max(PERIOD_MIN_S, next_s / scale)) if scale > 0 else self._period_max_s
+        period_s = max(PERIOD_MIN_S, self._server_s(watched, next_s))
         due_s = float("inf") if next_s == float("inf") else self._clock.now() + period_s
         if due_s < watched.due_s:  # unless somebody has woken it meanwhile
             self._schedule(watched, due_s)
