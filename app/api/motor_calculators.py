@@ -18,7 +18,8 @@ from app.api.schemas_sixpoint import (
 )
 from app.calc import tmc5xxx_times as times
 from app.calc.chopper import Winding
-from app.calc.chopper_hints import Wishes, hints
+from app.calc.chopper_hints import hints
+from app.calc.chopper_notes import Wishes
 from app.calc.coil_current import CurrentStage, Setting, error, nearest_hold, warnings
 from app.links.errors import UsageError
 

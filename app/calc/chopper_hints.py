@@ -8,94 +8,17 @@ Sources: as in `chopper`.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from typing import Literal, NamedTuple
 
-from app.calc.chopper import AMPLITUDE_MAX, BLANK_CLOCKS, PWM_DIVIDERS, Winding
+from app.calc.chopper import BLANK_CLOCKS, Winding
+from app.calc.chopper_notes import OWN, SHEETS, Figure, Hints, Setting, Sheet, Wishes, picked
+from app.calc.chopper_stealth import stealthchop
 from app.calc.tmc5xxx_times import TABLE_MICROSTEPS, TSTEP_MAX, tstep
 
-Stealth = Literal["none", "fixed", "gradient", "tuned"]
-"""Without StealthChop; an amplitude alone; with a gradient besides; with a gradient that the chip tunes by itself."""
-
-
-class Sheet(NamedTuple):
-    """What a chip has, and where its data sheet tells it."""
-
-    stealth: Stealth
-    least_irun: int
-    """Below it StealthChop does not regulate by itself."""
-    spreadcycle: str
-    stealthchop: str
-
-
-SHEETS = {
-    "tmc5031": Sheet("none", 0, "DS5031, 7", ""),
-    "tmc5062": Sheet("none", 0, "DS5062, 8", ""),
-    "tmc5072": Sheet("fixed", 6, "DS5072, 9", "DS5072, 8"),
-    "tmc5130": Sheet("gradient", 8, "DS5130, 8", "DS5130, 7"),
-    "tmc5160": Sheet("tuned", 8, "DS5160, 8", "DS5160, 7"),
-}
 BLANK_GOAL_S = 2e-6
 """Blank times of 1 to 2 us are where to begin (AN-001)."""
-PWM_GOAL_HZ = 35e3
-"""The middle, by ratio, of the 20 to 50 kHz that suit most motors (DS5160, 7.2)."""
 HYSTERESIS_USUAL = 4
 """Fits most motors (DS5160, 8.1)."""
 HYSTERESIS_MOST = 16
-REGULATION = 4
-"""PWM_GRAD to begin with where it is how fast the amplitude is regulated (DS5130, 7.2.2; DS5072, 8.2.3)."""
-OWN = "own estimate"
-
-
-@dataclass(frozen=True)
-class Setting:
-    """A field of the register `name`, and its value. exact : before rounding and limits; None where there is no such number."""
-
-    name: str
-    field: str
-    value: int
-    exact: float | None
-    meaning: str
-    reason: str
-    source: str
-    chosen: bool = True
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A number that follows from the settings. name : stable, for programs."""
-
-    name: str
-    label: str
-    value: float
-    unit: str
-    reason: str
-    source: str
-
-
-@dataclass(frozen=True)
-class Wishes:
-    """What is not to be chosen; None leaves it to the hints. automatic : with pwm_autoscale."""
-
-    chopper_hz: float = 25e3
-    tbl: int | None = None
-    toff: int | None = None
-    hysteresis: int | None = None
-    pwm_freq: int | None = None
-    automatic: bool = True
-    microsteps: int = 256
-
-
-@dataclass
-class Hints:
-    settings: list[Setting] = field(default_factory=list)
-    figures: list[Figure] = field(default_factory=list)
-    warnings: list[str] = field(default_factory=list)
-
-    def value(self, name: str) -> int:
-        """Of a field that has been set."""
-        return next(setting.value for setting in self.settings if setting.field == name)
 
 
 def hints(model: str, winding: Winding, wishes: Wishes | None = None) -> Hints:
@@ -108,7 +31,7 @@ def hints(model: str, winding: Winding, wishes: Wishes | None = None) -> Hints:
     sheet, wishes, found = SHEETS[model], wishes or Wishes(), Hints()
     _spreadcycle(found, sheet, winding, wishes)
     if sheet.stealth != "none":
-        _stealthchop(found, sheet, winding, wishes)
+        stealthchop(found, sheet, winding, wishes)
     _limits(found, sheet, winding, wishes)
     _of_supply(found, winding)
     return found
@@ -126,13 +49,9 @@ def split(hysteresis: int) -> tuple[int, int]:
     return start - 1, hysteresis - start + 3
 
 
-def _picked(asked: int | None, choose: Callable[[], int]) -> tuple[int, bool]:
-    return (choose(), True) if asked is None else (asked, False)
-
-
 def _spreadcycle(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes) -> None:
     clock_hz, source = winding.clock_hz, sheet.spreadcycle
-    tbl, chosen = _picked(wishes.tbl, lambda: blank_setting(clock_hz))
+    tbl, chosen = picked(wishes.tbl, lambda: blank_setting(clock_hz))
     blank_s = winding.blank_s(tbl)
     found.settings.append(
         Setting(
@@ -149,7 +68,7 @@ def _spreadcycle(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes) -
     )
     exact = winding.toff(wishes.chopper_hz)
     least = 2 if tbl == 0 else 1
-    toff, chosen = _picked(wishes.toff, lambda: min(max(round(exact), least), 15))
+    toff, chosen = picked(wishes.toff, lambda: min(max(round(exact), least), 15))
     if toff == 1 and tbl == 0:
         raise ValueError("TOFF 1 takes a blank time of 24 clocks or more: tbl 1 to 3")
     off_s = winding.off_s(toff)
@@ -166,7 +85,7 @@ def _spreadcycle(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes) -
         )
     )
     exact = winding.hysteresis(tbl, toff)
-    hysteresis, chosen = _picked(
+    hysteresis, chosen = picked(
         wishes.hysteresis, lambda: min(max(math.ceil(exact - 1e-9), HYSTERESIS_USUAL), HYSTERESIS_MOST)
     )
     start, end = split(hysteresis)
@@ -236,152 +155,6 @@ def blank_setting(clock_hz: float) -> int:
     return max(
         (n for n, clocks in enumerate(BLANK_CLOCKS) if clocks / clock_hz <= BLANK_GOAL_S * (1 + 1e-9)), default=0
     )
-
-
-def pwm_setting(clock_hz: float) -> int:
-    """The pwm_freq to begin with: nearest, by ratio, to the middle of 20 to 50 kHz."""
-    return min(range(4), key=lambda n: abs(math.log(2 * clock_hz / PWM_DIVIDERS[n] / PWM_GOAL_HZ)))
-
-
-def _stealthchop(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes) -> None:
-    source = sheet.stealthchop
-    freq, chosen = _picked(wishes.pwm_freq, lambda: pwm_setting(winding.clock_hz))
-    found.settings.append(
-        Setting(
-            "PWMCONF",
-            "pwm_freq",
-            freq,
-            None,
-            f"{winding.pwm_hz(freq) / 1e3:.3g} kHz",
-            "20 to 50 kHz: little ripple, and little lost in switching",
-            source,
-            chosen,
-        )
-    )
-    found.settings.append(
-        Setting(
-            "PWMCONF",
-            "pwm_autoscale",
-            int(wishes.automatic),
-            None,
-            "regulated" if wishes.automatic else "as set",
-            "the current is regulated by what is measured" if wishes.automatic else "fixed amplitudes were asked for",
-            source,
-            chosen=False,
-        )
-    )
-    at_full_scale = winding.current_a * 32 / (winding.irun + 1)
-    exact = winding.amplitude(at_full_scale if sheet.stealth == "tuned" else winding.current_a)
-    rest = min(max(round(exact), 0), AMPLITUDE_MAX)
-    if sheet.stealth == "tuned":
-        _set_pwm(
-            found,
-            "PWM_OFS",
-            rest,
-            exact,
-            "amplitude at rest with CS = 31",
-            "374 R I / V with the current of CS = 31, since the chip scales it by CS",
-            f"{source}, 7.4",
-        )
-    elif wishes.automatic:
-        _set_pwm(
-            found,
-            "PWM_AMPL",
-            AMPLITUDE_MAX,
-            None,
-            "no limit",
-            "limits the amplitude when StealthChop takes over again; 255 suits low velocities, later one half to "
-            "three quarters of what PWM_SCALE showed before",
-            source,
-        )
-        _set_pwm(
-            found,
-            "PWM_GRAD",
-            REGULATION,
-            None,
-            "greatest change a half wave",
-            "how fast the amplitude follows: 1 slow and calm, 15 fast and maybe unstable",
-            source,
-        )
-    else:
-        _set_pwm(found, "PWM_AMPL", rest, exact, "amplitude at rest", "374 R I / V", source)
-    _gradient(found, sheet, winding, wishes)
-    if exact > AMPLITUDE_MAX:
-        found.warnings.append("the supply is too low for this current with StealthChop, even at rest")
-    tbl = found.value("tbl")
-    lowest = winding.lowest_current_a(tbl, freq)
-    found.figures.append(
-        Figure(
-            "lowest_current",
-            "lowest current that StealthChop regulates",
-            lowest,
-            "A",
-            "t_blank f_PWM V / R: the current of the shortest pulse that can be measured",
-            source,
-        )
-    )
-    if wishes.automatic and winding.current_a < lowest:
-        found.warnings.append(
-            f"StealthChop regulates nothing below {lowest:.3g} A here: a shorter blank time, a lower pwm_freq or supply"
-        )
-    if wishes.automatic and winding.irun < sheet.least_irun:
-        found.warnings.append(
-            f"IRUN {winding.irun} is below {sheet.least_irun}: StealthChop does not regulate by itself"
-        )
-
-
-def _gradient(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes) -> None:
-    """PWM_GRAD where it is what velocity adds to the amplitude."""
-    if sheet.stealth == "fixed" and not wishes.automatic:
-        _set_pwm(
-            found,
-            "PWM_GRAD",
-            1,
-            None,
-            "StealthChop on",
-            "only 0 or not 0 counts with fixed amplitudes",
-            sheet.stealthchop,
-        )
-        return
-    if sheet.stealth != "tuned" and (sheet.stealth == "fixed" or wishes.automatic):
-        return
-    exact = winding.gradient
-    if exact is None:
-        found.warnings.append("without a holding torque there is no PWM_GRAD: the back-EMF is not known")
-        return
-    _set_pwm(
-        found,
-        "PWM_GRAD",
-        min(round(exact), AMPLITUDE_MAX),
-        exact,
-        "amplitude that velocity adds",
-        "C_BEMF 2 pi fCLK 1.46 / (V MSPR): what the back-EMF takes is added",
-        sheet.stealthchop,
-    )
-    if sheet.stealth == "tuned":
-        _set_pwm(
-            found,
-            "pwm_autograd",
-            int(wishes.automatic),
-            None,
-            "tuned in motion" if wishes.automatic else "as set",
-            "the chip goes on from PWM_GRAD by itself",
-            sheet.stealthchop,
-            chosen=False,
-        )
-
-
-def _set_pwm(
-    found: Hints,
-    name: str,
-    value: int,
-    exact: float | None,
-    meaning: str,
-    reason: str,
-    source: str,
-    chosen: bool = True,
-) -> None:
-    found.settings.append(Setting("PWMCONF", name, value, exact, meaning, reason, source, chosen))
 
 
 def _limits(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes) -> None:

@@ -1,4 +1,4 @@
-"""Units of the SixPoint ramp generator: formulas, ranges of the module's manual, round trips, vectors against scalars."""
+"""Units of the SixPoint ramp generator: formulas, the module manual's ranges, round trips, vectors against scalars."""
 
 from __future__ import annotations
 

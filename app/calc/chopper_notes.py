@@ -1,0 +1,89 @@
+"""What hints for a chopper are made of: settings and figures with reasons, what is wished, and what a chip has."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Literal, NamedTuple
+
+Stealth = Literal["none", "fixed", "gradient", "tuned"]
+"""Without StealthChop; an amplitude alone; with a gradient besides; with a gradient that the chip tunes by itself."""
+
+
+class Sheet(NamedTuple):
+    """What a chip has, and where its data sheet tells it."""
+
+    stealth: Stealth
+    least_irun: int
+    """Below it StealthChop does not regulate by itself."""
+    spreadcycle: str
+    stealthchop: str
+
+
+SHEETS = {
+    "tmc5031": Sheet("none", 0, "DS5031, 7", ""),
+    "tmc5062": Sheet("none", 0, "DS5062, 8", ""),
+    "tmc5072": Sheet("fixed", 6, "DS5072, 9", "DS5072, 8"),
+    "tmc5130": Sheet("gradient", 8, "DS5130, 8", "DS5130, 7"),
+    "tmc5160": Sheet("tuned", 8, "DS5160, 8", "DS5160, 7"),
+}
+OWN = "own estimate"
+
+
+@dataclass(frozen=True)
+class Setting:
+    """A field of the register `name`, and its value.
+
+    exact : before rounding and limits; None where there is no such number
+    chosen : False for what was asked for
+    """
+
+    name: str
+    field: str
+    value: int
+    exact: float | None
+    meaning: str
+    reason: str
+    source: str
+    chosen: bool = True
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A number that follows from the settings. name : stable, for programs."""
+
+    name: str
+    label: str
+    value: float
+    unit: str
+    reason: str
+    source: str
+
+
+@dataclass(frozen=True)
+class Wishes:
+    """What is not to be chosen; None leaves it to the hints. automatic : with pwm_autoscale."""
+
+    chopper_hz: float = 25e3
+    tbl: int | None = None
+    toff: int | None = None
+    hysteresis: int | None = None
+    pwm_freq: int | None = None
+    automatic: bool = True
+    microsteps: int = 256
+
+
+@dataclass
+class Hints:
+    settings: list[Setting] = field(default_factory=list)
+    figures: list[Figure] = field(default_factory=list)
+    warnings: list[str] = field(default_factory=list)
+
+    def value(self, name: str) -> int:
+        """Of a field that has been set."""
+        return next(setting.value for setting in self.settings if setting.field == name)
+
+
+def picked(asked: int | None, choose: Callable[[], int]) -> tuple[int, bool]:
+    """What was asked for, or what `choose` finds, and whether it was found."""
+    return (choose(), True) if asked is None else (asked, False)
