@@ -1,4 +1,4 @@
-"""An emulated TMC5xxx for the browser tests of its pages: made over REST, set up, turned and loaded as a test wants it."""
+"""An emulated TMC5xxx for the browser tests of its pages: made over REST, set up, turned and loaded by a test."""
 
 from __future__ import annotations
 

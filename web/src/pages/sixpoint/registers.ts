@@ -45,10 +45,11 @@ export function designOfRaws(raws: Raw, clockHz: number): Design {
 
 /** The register's number as a value that a person would type: as short as still gives the same number. */
 export function typedOf(parameter: Parameter, raw: number, clockHz: number): number {
-  const exact = raw * unitOf(parameter, clockHz);
+  const unit = unitOf(parameter, clockHz);
+  const most = REGISTERS[parameter].most * unit;
   for (let digits = 3; digits < 15; digits++) {
-    const short = Number(exact.toPrecision(digits));
-    if (rawOf(parameter, short, clockHz) === raw) return short;
+    const short = Number((raw * unit).toPrecision(digits));
+    if (short <= most && rawOf(parameter, short, clockHz) === raw) return short;
   }
-  return exact;
+  return raw * unit;
 }

@@ -54,6 +54,7 @@ describe("units of the registers", () => {
 
   it("come back as short numbers that mean the same register", () => {
     expect(typedOf("vmax", 209_715, CLOCK)).toBe(200_000);
+    expect(typedOf("amax", 65_535, CLOCK)).toBeLessThanOrEqual(65_535 * unitOf("amax", CLOCK));
     for (const raw of [0, 1, 7, 999, 65_535])
       for (const parameter of PARAMETERS) expect(rawOf(parameter, typedOf(parameter, raw, CLOCK), CLOCK)).toBe(raw);
   });

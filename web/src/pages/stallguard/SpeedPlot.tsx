@@ -8,51 +8,41 @@ import { LiveText } from "../../live/LiveText";
 import { useFrame } from "../../live/useFrame";
 import { Plot } from "../../plots/Plot";
 import type { Level, Mark, Overlay, PlotHandle, PlotSeries } from "../../plots/types";
-import type { Parameters } from "../module/useParameters";
+import { type CurrentScale, currentOf, type LoadSettings, topOf } from "./load";
 import { AP } from "./names";
 import { SPEED_BINS, type SpeedMap } from "./speedMap";
 import classes from "./stallguard.module.css";
-import {
-  currentA,
-  hysteresisFor,
-  LOAD_MAX,
-  lowerLoad,
-  MODULE_MAX_A,
-  runCurrentA,
-  startFor,
-  upperLoad,
-} from "./thresholds";
+import { hysteresisFor, LOAD_MAX, lowerLoad, startFor, upperLoad } from "./thresholds";
 
 interface Props {
   map: SpeedMap;
-  parameters: Parameters;
+  settings: LoadSettings;
+  current: CurrentScale;
+  /** the thresholds of speed that are drawn, and what each is called; null while speeds are not in pps */
+  lines: Partial<Record<Line, string>> | null;
   /** the newest sample; NaN while unknown */
   now: () => { speed: number; load: number };
 }
 
-const LINES = {
-  [AP.stealthBelow]: { label: "StealthChop below", light: "#00795a", dark: "#0f8f6c" },
-  [AP.coolOn]: { label: "CoolStep above", light: "#0072b2", dark: "#2d86c4" },
-  [AP.coolOff]: { label: "CoolStep off above", light: "#4f5b69", dark: "#6b7480" },
-  [AP.stopOnStall]: { label: "stops on stall above", light: "#d02828", dark: "#d92d2d" },
+const INKS = {
+  [AP.stealthBelow]: { light: "#00795a", dark: "#0f8f6c" },
+  [AP.coolOn]: { light: "#0072b2", dark: "#2d86c4" },
+  [AP.coolOff]: { light: "#4f5b69", dark: "#6b7480" },
+  [AP.stopOnStall]: { light: "#d02828", dark: "#d92d2d" },
 } as const;
-type Line = keyof typeof LINES;
+export type Line = keyof typeof INKS;
 
 /** Load value and current over speed, as they gather, with every threshold that lies there. */
-export function SpeedPlot({ map, parameters, now }: Props) {
+export function SpeedPlot({ map, settings, current, lines, now }: Props) {
   const scheme = useScheme();
   const plot = useRef<PlotHandle | null>(null);
   const drawn = useRef("");
   const lastMs = useRef(0);
-  const scaler = parameters.planned(AP.scaler);
-  const run = { run: parameters.planned(AP.runCurrent), scaler };
-  const runA = runCurrentA(run);
-  const inPps = parameters.planned(AP.unitMode) !== 0;
 
   useFrame((nowMs) => {
     if (nowMs - lastMs.current < 100) return;
     const here = now();
-    const state = `${map.revision} ${scaler} ${here.speed} ${here.load}`;
+    const state = `${map.revision} ${current.step} ${here.speed} ${here.load}`;
     if (state === drawn.current) return;
     drawn.current = state;
     lastMs.current = nowMs;
@@ -66,7 +56,7 @@ export function SpeedPlot({ map, parameters, now }: Props) {
       [
         x,
         where(map.load, (bin) => map.load.mean[bin] as number),
-        where(map.scale, (bin) => currentA(map.scale.mean[bin] as number, scaler)),
+        where(map.scale, (bin) => currentOf(map.scale.mean[bin] as number, current)),
       ],
       whole || shown.min == null || shown.max == null ? [0, map.top] : [shown.min, shown.max],
     );
@@ -80,17 +70,13 @@ export function SpeedPlot({ map, parameters, now }: Props) {
       { x: [Math.abs(here.speed)], y: [here.load], dots: 8, aside: true, color: colorOf("load_value", scheme) },
     ];
   };
-  const marks: Mark[] = !inPps
-    ? []
-    : (Object.keys(LINES) as Line[]).flatMap((name) => {
-        const at = parameters.planned(name);
-        if (at === null || at === 0) return [];
-        const staged = parameters.staged.has(name);
-        return [
-          { id: name, x: at, color: LINES[name][scheme], label: LINES[name].label + (staged ? ", not applied" : "") },
-        ];
-      });
-  const cool = { hysteresisStart: parameters.planned(AP.coolStart), hysteresis: parameters.planned(AP.coolWidth) };
+  const marks = (Object.entries(lines ?? {}) as [Line, string][]).flatMap(([name, label]): Mark[] => {
+    const at = settings.planned(name);
+    if (at === null || at === 0) return [];
+    const staged = settings.staged.has(name);
+    return [{ id: name, x: at, color: INKS[name][scheme], label: label + (staged ? ", not applied" : "") }];
+  });
+  const cool = { hysteresisStart: settings.planned(AP.coolStart), hysteresis: settings.planned(AP.coolWidth) };
   const level = (id: string, y: number | null, text: string, name: string): Level[] =>
     y === null
       ? []
@@ -98,8 +84,8 @@ export function SpeedPlot({ map, parameters, now }: Props) {
           {
             id,
             y,
-            color: LINES[AP.coolOn][scheme],
-            label: text + (parameters.staged.has(name) ? ", not applied" : ""),
+            color: INKS[AP.coolOn][scheme],
+            label: text + (settings.staged.has(name) ? ", not applied" : ""),
           },
         ];
   const levels = [
@@ -108,7 +94,7 @@ export function SpeedPlot({ map, parameters, now }: Props) {
   ];
   const series: PlotSeries[] = [
     { label: "load value, mean", color: colorOf("load_value", scheme), width: 2 },
-    { label: "current, mean", color: colorOf("actual_current_scale", scheme), scale: "current", unit: "A" },
+    { label: "current, mean", color: colorOf("actual_current_scale", scheme), scale: "current", unit: current.symbol },
   ];
   return (
     <Section
@@ -129,9 +115,9 @@ export function SpeedPlot({ map, parameters, now }: Props) {
           y: { range: [0, LOAD_MAX + 1] },
           current: {
             side: "right",
-            unit: "A",
-            range: [0, Number.isFinite(runA) && runA > 0 ? runA * 1.1 : MODULE_MAX_A],
-            ticks: (values) => values.map((value) => `${fixed(value, 2)} A`),
+            unit: current.symbol,
+            range: [0, topOf(current)],
+            ticks: (values) => values.map((value) => `${fixed(value, current.decimals)} ${current.symbol}`),
           },
         }}
         height={340}
@@ -142,11 +128,11 @@ export function SpeedPlot({ map, parameters, now }: Props) {
         }}
         overlays={overlays}
         marks={marks}
-        onMark={(id, x) => parameters.stage(id, Math.max(1, Math.round(x / 10) * 10))}
+        onMark={(id, x) => settings.stage(id, Math.max(1, Math.round(x / 10) * 10))}
         levels={levels}
         onLevel={(id, y) => {
-          if (id === "lower") parameters.stage(AP.coolStart, startFor(y));
-          else parameters.stage(AP.coolWidth, hysteresisFor(y, cool.hysteresisStart ?? 1));
+          if (id === "lower") settings.stage(AP.coolStart, startFor(y));
+          else settings.stage(AP.coolWidth, hysteresisFor(y, cool.hysteresisStart ?? 1));
         }}
         onWindow={(change) => {
           if (change === "reset") {

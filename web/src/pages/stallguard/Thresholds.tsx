@@ -1,11 +1,10 @@
-import { Select, Text } from "@mantine/core";
-import type { ReactNode } from "react";
+import { Text } from "@mantine/core";
 import { compact, fixed } from "../../lib/format";
-import { NumberField } from "../../lib/NumberField";
 import { Section } from "../../lib/Section";
 import { StagedBar } from "../module/StagedBar";
 import type { Parameters } from "../module/useParameters";
 import { AP } from "./names";
+import { ChoiceRow, DOWNS, FILTERS, MINIMA, NumberRow, UPS } from "./Rows";
 import classes from "./stallguard.module.css";
 import { lowerLoad, runCurrentA, upperLoad } from "./thresholds";
 
@@ -17,77 +16,9 @@ interface Props {
   disabled: boolean;
 }
 
-interface RowProps extends Props {
-  name: string;
-  label: string;
-  alias: string;
-  note?: ReactNode;
-}
-
-interface NumberRowProps extends RowProps {
-  min: number;
-  max: number;
-  unit?: string;
-  step?: number;
-}
-
-function NumberRow({ parameters, disabled, name, label, alias, note, min, max, unit = "", step = 1 }: NumberRowProps) {
-  return (
-    <div className={classes.row} data-staged={parameters.staged.has(name)}>
-      <span className={classes.rowLabel}>
-        {label} <span className={classes.alias}>{alias}</span>
-      </span>
-      <NumberField
-        aria-label={`${label}, ${alias}`}
-        integer
-        value={parameters.planned(name)}
-        placeholder="unknown"
-        unit={unit}
-        min={min}
-        max={max}
-        step={step}
-        disabled={disabled}
-        onChange={(value) => parameters.stage(name, value)}
-        data-testid={name}
-      />
-      <span className={classes.rowNote}>{note}</span>
-    </div>
-  );
-}
-
-function ChoiceRow({
-  parameters,
-  disabled,
-  name,
-  label,
-  alias,
-  note,
-  choices,
-}: RowProps & { choices: readonly string[] }) {
-  const value = parameters.planned(name);
-  return (
-    <div className={classes.row} data-staged={parameters.staged.has(name)}>
-      <span className={classes.rowLabel}>
-        {label} <span className={classes.alias}>{alias}</span>
-      </span>
-      <Select
-        size="xs"
-        aria-label={`${label}, ${alias}`}
-        data={choices.map((choice, index) => ({ value: String(index), label: choice }))}
-        value={value === null ? null : String(value)}
-        placeholder="unknown"
-        allowDeselect={false}
-        disabled={disabled}
-        onChange={(next) => next !== null && parameters.stage(name, Number(next))}
-      />
-      <span className={classes.rowNote}>{note}</span>
-    </div>
-  );
-}
-
 /** Every setting that the plots show, staged until applied. */
 export function Thresholds({ parameters, disabled }: Props) {
-  const common = { parameters, disabled };
+  const common = { settings: parameters, disabled };
   const of = parameters.planned;
   const cool = { hysteresisStart: of(AP.coolStart), hysteresis: of(AP.coolWidth) };
   const current = { run: of(AP.runCurrent), scaler: of(AP.scaler) };
@@ -104,13 +35,7 @@ export function Thresholds({ parameters, disabled }: Props) {
         max={63}
         note="lower stalls earlier"
       />
-      <ChoiceRow
-        {...common}
-        name={AP.stallFilter}
-        label="Filter"
-        alias="AP 173"
-        choices={["each full step", "mean of four"]}
-      />
+      <ChoiceRow {...common} name={AP.stallFilter} label="Filter" alias="AP 173" choices={FILTERS} />
       <NumberRow
         {...common}
         name={AP.stopOnStall}
@@ -161,27 +86,9 @@ export function Thresholds({ parameters, disabled }: Props) {
         max={COOL_OFF_MAX}
         step={1000}
       />
-      <ChoiceRow
-        {...common}
-        name={AP.coolMinimum}
-        label="Least current"
-        alias="AP 168"
-        choices={["½ of run", "¼ of run"]}
-      />
-      <ChoiceRow
-        {...common}
-        name={AP.coolUp}
-        label="Up by"
-        alias="AP 171"
-        choices={["1 a reading", "2 a reading", "4 a reading", "8 a reading"]}
-      />
-      <ChoiceRow
-        {...common}
-        name={AP.coolDown}
-        label="Down by 1"
-        alias="AP 169"
-        choices={["in 32 readings", "in 8 readings", "in 2 readings", "each reading"]}
-      />
+      <ChoiceRow {...common} name={AP.coolMinimum} label="Least current" alias="AP 168" choices={MINIMA} />
+      <ChoiceRow {...common} name={AP.coolUp} label="Up by" alias="AP 171" choices={UPS} />
+      <ChoiceRow {...common} name={AP.coolDown} label="Down by 1" alias="AP 169" choices={DOWNS} />
       <h3 className={classes.group}>StealthChop and current</h3>
       <NumberRow
         {...common}

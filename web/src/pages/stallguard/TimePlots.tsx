@@ -9,12 +9,12 @@ import type { LinkState, TelemetrySource } from "../../live/TelemetrySource";
 import { Plot } from "../../plots/Plot";
 import type { Level, Mark } from "../../plots/types";
 import { LinkReadout } from "../bench/scope/LinkReadout";
-import type { Parameters } from "../module/useParameters";
 import { useRolling } from "../module/useRolling";
 import { type MotionEnd, REASONS } from "../module/useStops";
+import { type CurrentScale, type LoadSettings, topOf } from "./load";
 import { AP } from "./names";
 import classes from "./stallguard.module.css";
-import { currentA, LOAD_MAX, lowerLoad, MODULE_MAX_A, runCurrentA, upperLoad } from "./thresholds";
+import { LOAD_MAX, lowerLoad, upperLoad } from "./thresholds";
 
 const SPANS_S = [5, 10, 20, 60, 120] as const;
 const COOL = { light: "#0072b2", dark: "#2d86c4" };
@@ -26,19 +26,19 @@ interface Props {
   link: LinkState;
   name: string;
   axis: number;
-  parameters: Parameters;
+  settings: LoadSettings;
+  current: CurrentScale;
+  /** the driver measures a speed of its own */
+  measured: boolean;
   stops: readonly MotionEnd[];
 }
 
 /** Load value, current and speed over time. */
-export function TimePlots({ source, link, name, axis, parameters, stops }: Props) {
+export function TimePlots({ source, link, name, axis, settings, current, measured, stops }: Props) {
   const scheme = useScheme();
   const [spanS, setSpanS] = useState(20);
   const rolling = useRolling(source, spanS);
-  const scaler = parameters.planned(AP.scaler);
-  const runA = runCurrentA({ run: parameters.planned(AP.runCurrent), scaler });
-  const topA = Number.isFinite(runA) && runA > 0 ? runA * 1.1 : MODULE_MAX_A;
-  const cool = { hysteresisStart: parameters.planned(AP.coolStart), hysteresis: parameters.planned(AP.coolWidth) };
+  const cool = { hysteresisStart: settings.planned(AP.coolStart), hysteresis: settings.planned(AP.coolWidth) };
   const levels = [
     { id: "lower", y: lowerLoad(cool) },
     { id: "upper", y: upperLoad(cool) },
@@ -54,7 +54,7 @@ export function TimePlots({ source, link, name, axis, parameters, stops }: Props
         fixed: true,
       }));
   const common = { group: "stallguard", marks, onWindow: rolling.changeWindow, height: "100%", legend: true } as const;
-  const step = currentA(0, scaler); // of one count, and that of count 0
+  const { step, run, symbol } = current;
   return (
     <Section
       title="Over time"
@@ -96,11 +96,18 @@ export function TimePlots({ source, link, name, axis, parameters, stops }: Props
         <Plot
           {...common}
           label="Current over time"
-          series={[{ label: "current, rms", color: colorOf("actual_current_scale", scheme), unit: "A", stepped: true }]}
+          series={[
+            {
+              label: `current, ${current.unit}`,
+              color: colorOf("actual_current_scale", scheme),
+              unit: symbol,
+              stepped: true,
+            },
+          ]}
           x={{ axis: false }}
           scales={{
-            y: { unit: "A", range: [0, topA] },
-            ...(Number.isFinite(runA) && runA > 0
+            y: { unit: symbol, range: [0, topOf(current)] },
+            ...(current.shares && Number.isFinite(run) && run > 0
               ? {
                   share: {
                     side: "right" as const,
@@ -121,13 +128,13 @@ export function TimePlots({ source, link, name, axis, parameters, stops }: Props
           label="Speed over time"
           series={[
             { label: "velocity", color: colorOf("velocity", scheme), unit: "pps" },
-            { label: "measured", color: colorOf("measured_speed", scheme), unit: "pps" },
+            ...(measured ? [{ label: "measured", color: colorOf("measured_speed", scheme), unit: "pps" }] : []),
           ]}
           x={{ label: "time", unit: "s" }}
           scales={{ y: { include: [0] } }}
           handle={rolling.plot("speed", [
             { channel: `velocity.${axis}`, divisor: 1 },
-            { channel: `measured_speed.${axis}`, divisor: 1 },
+            ...(measured ? [{ channel: `measured_speed.${axis}`, divisor: 1 }] : []),
           ])}
         />
       </div>

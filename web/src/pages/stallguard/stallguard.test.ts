@@ -1,13 +1,16 @@
 import { describe, expect, it } from "vitest";
 import { TraceBuffer } from "../../live/TraceBuffer";
+import { chipCurrent, chipSettings, placeOf, speedOf, thresholdFor } from "./chip";
+import { currentOf, topOf } from "./load";
+import { AP } from "./names";
 import { SPEED_BINS, SpeedMap } from "./speedMap";
 import {
   currentA,
   hysteresisFor,
   LOAD_MAX,
   lowerLoad,
+  moduleCurrent,
   runCurrentA,
-  shareOfRun,
   startFor,
   upperLoad,
   zoneAt,
@@ -39,9 +42,12 @@ describe("the current", () => {
     expect(currentA(31, 0)).toBe(3);
     expect(currentA(15, 128)).toBeCloseTo(0.75);
     expect(runCurrentA({ run: 128, scaler: 0 })).toBeCloseTo((3 * 17) / 32);
-    expect(shareOfRun(8, { run: 136, scaler: 0 })).toBe(0.5);
     expect(currentA(31, null)).toBeNaN();
-    expect(shareOfRun(31, { run: null, scaler: 0 })).toBeNaN();
+    const scale = moduleCurrent({ run: 136, scaler: 0 });
+    expect(currentOf(8, scale) / scale.run).toBe(0.5);
+    expect(currentOf(31, scale)).toBe(3);
+    expect(topOf(scale)).toBeCloseTo(((3 * 18) / 32) * 1.1);
+    expect(topOf(moduleCurrent({ run: null, scaler: 0 }))).toBe(3);
   });
 });
 
@@ -107,5 +113,69 @@ describe("the map over speed", () => {
     expect(map.dotScale[0]).toBeNaN();
     map.clear();
     expect([map.dots, map.load.total]).toEqual([0, 0]);
+  });
+});
+
+/** A chip of these fields, as `useChipRows` shows it; what is put is staged. */
+function chipOf(values: Record<string, number>) {
+  const staged = new Map<string, number>();
+  const key = (register: string, field?: string) => (field === undefined ? register : `${register}.${field}`);
+  type Rows = Parameters<typeof chipSettings>[0];
+  const rows: Rows = {
+    spot: (register, field) => (key(register, field) in values ? ({} as ReturnType<Rows["spot"]>) : null),
+    held: (register, field) => values[key(register, field)] ?? null,
+    planned: (register, field) => staged.get(key(register, field)) ?? values[key(register, field)] ?? null,
+    isStaged: (register, field) => staged.has(key(register, field)),
+    put: (register, field, value) => void staged.set(key(register, field), value),
+  };
+  return { rows, staged };
+}
+
+describe("a chip's thresholds of speed", () => {
+  const units = { clockHz: 16e6, microstepsPerFullStep: 256 };
+  it("count clocks a microstep, 256 of them a full step, or as the ramp generator does", () => {
+    expect(speedOf(320, "tstep", units)).toBe(50_000);
+    expect(speedOf(320, "tstep", { ...units, microstepsPerFullStep: 16 })).toBe(3125);
+    expect(speedOf(53_687, "velocity", units)).toBeCloseTo(51_200, 0);
+    expect([speedOf(0, "tstep", units), speedOf(0, "velocity", units)]).toEqual([0, 0]);
+  });
+  it("are the nearest that the register compares, and 0 for 0 alone", () => {
+    expect(thresholdFor(50_000, "tstep", units)).toBe(320);
+    expect(thresholdFor(1e9, "tstep", units)).toBe(1);
+    expect(thresholdFor(1, "tstep", units)).toBe(2 ** 20 - 1);
+    expect(thresholdFor(51_200, "velocity", units) % 256).toBe(0);
+    expect(thresholdFor(1, "velocity", units)).toBe(256);
+    expect([thresholdFor(0, "tstep", units), thresholdFor(0, "velocity", units)]).toEqual([0, 0]);
+    for (const pps of [1000, 20_000, 333_333])
+      for (const counting of ["tstep", "velocity"] as const)
+        expect(Math.abs(speedOf(thresholdFor(pps, counting, units), counting, units) / pps - 1)).toBeLessThan(0.13);
+  });
+});
+
+describe("the settings of a chip", () => {
+  const units = { clockHz: 16e6, microstepsPerFullStep: 256 };
+  it("are in the registers that it has", () => {
+    const single = chipOf({ TCOOLTHRS: 320, "COOLCONF.semin": 4, "IHOLD_IRUN.IRUN": 15, GLOBAL_SCALER: 128 });
+    const settings = chipSettings(single.rows, units);
+    expect(settings.planned(AP.coolOn)).toBe(50_000);
+    expect(settings.planned(AP.coolStart)).toBe(4);
+    expect(settings.planned(AP.stealthBelow)).toBeNull();
+    expect(settings.planned("no such name")).toBeNull();
+    expect(chipCurrent(settings)).toMatchObject({ step: 100 / 64, run: 25, symbol: "%" });
+    const dual = chipOf({ VCOOLTHRS: 0 });
+    expect(placeOf(dual.rows, AP.coolOn)?.register).toBe("VCOOLTHRS");
+    expect(chipSettings(dual.rows, units).planned(AP.coolOn)).toBe(0);
+    expect(chipCurrent(chipSettings(dual.rows, units)).run).toBeNaN();
+  });
+  it("are staged as the register counts them", () => {
+    const { rows, staged } = chipOf({ TCOOLTHRS: 320, "COOLCONF.sgt": 0 });
+    const settings = chipSettings(rows, units);
+    settings.stage(AP.coolOn, 100_000);
+    settings.stage(AP.stallThreshold, -7);
+    settings.stage(AP.scaler, 1);
+    expect(Object.fromEntries(staged)).toEqual({ TCOOLTHRS: 160, "COOLCONF.sgt": -7 });
+    expect(settings.staged.has(AP.coolOn)).toBe(true);
+    expect([settings.held(AP.coolOn), settings.planned(AP.coolOn)]).toEqual([50_000, 100_000]);
+    expect(settings.staged.has(AP.scaler)).toBe(false);
   });
 });

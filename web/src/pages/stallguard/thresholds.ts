@@ -1,3 +1,5 @@
+import type { CurrentScale } from "./load";
+
 /**
  * What CoolStep and StallGuard2 hang on, from axis parameters. Speeds are in pps where the module's unit mode (AP 255)
  * is pps. Document 004, 7.3 and chapter 4 in outline; the formula of the upper threshold is TMCM-1290's table.
@@ -59,9 +61,17 @@ export function currentA(scale: number, scaler: number | null): number {
   return MODULE_MAX_A * global * ((scale + 1) / 32);
 }
 
-/** AP 180 against the run current, 0..1. */
-export function shareOfRun(scale: number, { run }: CurrentSetting): number {
-  return run === null ? Number.NaN : (scale + 1) / (Math.floor(run / 8) + 1);
+/** What the module's current scale stands for. */
+export function moduleCurrent(setting: CurrentSetting): CurrentScale {
+  return {
+    step: currentA(0, setting.scaler), // of one count, and that of count 0
+    run: runCurrentA(setting),
+    unit: "A rms",
+    symbol: "A",
+    decimals: 2,
+    most: MODULE_MAX_A,
+    shares: true,
+  };
 }
 
 export type Zone = "stealthchop" | "spreadcycle" | "coolstep" | "high speed";

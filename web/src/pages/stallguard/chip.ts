@@ -1,0 +1,112 @@
+import type { ChipRows } from "../../lib/rows/useChipRows";
+import type { CurrentScale, LoadSettings } from "./load";
+import { AP } from "./names";
+
+/** How a register counts speeds: in clocks between two of 256 microsteps a full step, or as the ramp generator does. */
+export type Counting = "tstep" | "velocity";
+
+export interface SpeedUnits {
+  clockHz: number;
+  microstepsPerFullStep: number;
+}
+
+const TSTEP_MAX = 2 ** 20 - 1;
+/** Of a threshold that counts like the ramp generator the lowest bits are not compared. */
+const COARSE = 2 ** 8;
+const VELOCITY_MAX = 2 ** 23 - COARSE;
+
+/** The speed of a threshold [pps]; 0 where it is 0: never passed. */
+export function speedOf(raw: number, counting: Counting, { clockHz, microstepsPerFullStep }: SpeedUnits): number {
+  if (raw === 0) return 0;
+  return counting === "tstep" ? (clockHz * microstepsPerFullStep) / 256 / raw : (raw * clockHz) / 2 ** 24;
+}
+
+/** The register's nearest value to a speed [pps]; 0 for 0, and never 0 for anything else. */
+export function thresholdFor(pps: number, counting: Counting, units: SpeedUnits): number {
+  if (pps === 0) return 0;
+  if (counting === "tstep") {
+    const clocks = Math.round((units.clockHz * units.microstepsPerFullStep) / 256 / pps);
+    return Math.min(TSTEP_MAX, Math.max(1, clocks));
+  }
+  const raw = Math.round((pps * 2 ** 24) / units.clockHz / COARSE) * COARSE;
+  return Math.min(VELOCITY_MAX, Math.max(COARSE, raw));
+}
+
+interface Where {
+  register: string;
+  field?: string;
+  counting?: Counting;
+}
+
+/** Where a chip keeps what the page sets: of several places the first that it has. */
+const PLACES: Readonly<Record<string, readonly Where[]>> = {
+  [AP.stallThreshold]: [{ register: "COOLCONF", field: "sgt" }],
+  [AP.stallFilter]: [{ register: "COOLCONF", field: "sfilt" }],
+  [AP.stopOnStall]: [{ register: "SW_MODE", field: "sg_stop" }],
+  [AP.coolStart]: [{ register: "COOLCONF", field: "semin" }],
+  [AP.coolWidth]: [{ register: "COOLCONF", field: "semax" }],
+  [AP.coolUp]: [{ register: "COOLCONF", field: "seup" }],
+  [AP.coolDown]: [{ register: "COOLCONF", field: "sedn" }],
+  [AP.coolMinimum]: [{ register: "COOLCONF", field: "seimin" }],
+  [AP.coolOn]: [
+    { register: "TCOOLTHRS", counting: "tstep" },
+    { register: "VCOOLTHRS", counting: "velocity" },
+  ],
+  [AP.coolOff]: [
+    { register: "THIGH", counting: "tstep" },
+    { register: "VHIGH", counting: "velocity" },
+  ],
+  [AP.stealthBelow]: [{ register: "TPWMTHRS", counting: "tstep" }],
+  [AP.stealthGradient]: [{ register: "GCONF", field: "en_pwm_mode" }],
+  [AP.runCurrent]: [{ register: "IHOLD_IRUN", field: "IRUN" }],
+  [AP.scaler]: [{ register: "GLOBAL_SCALER" }],
+};
+
+type Rows = Pick<ChipRows, "spot" | "held" | "planned" | "isStaged" | "put">;
+
+/** Where the chip keeps `name`; null where it has no such thing. */
+export function placeOf(chip: Pick<Rows, "spot">, name: string): Where | null {
+  return PLACES[name]?.find(({ register, field }) => chip.spot(register, field) !== null) ?? null;
+}
+
+/** The registers of a chip as the settings of the page. */
+export function chipSettings(chip: Rows, units: SpeedUnits): LoadSettings {
+  const read = (name: string, from: Rows["held"]): number | null => {
+    const place = placeOf(chip, name);
+    if (place === null) return null;
+    const raw = from(place.register, place.field);
+    return raw === null || place.counting === undefined ? raw : speedOf(raw, place.counting, units);
+  };
+  return {
+    held: (name) => read(name, chip.held),
+    planned: (name) => read(name, chip.planned),
+    staged: {
+      has: (name) => {
+        const place = placeOf(chip, name);
+        return place !== null && chip.isStaged(place.register, place.field);
+      },
+    },
+    stage: (name, value) => {
+      const place = placeOf(chip, name);
+      if (place === null) return;
+      const raw = place.counting === undefined ? value : thresholdFor(value, place.counting, units);
+      chip.put(place.register, place.field, raw);
+    },
+  };
+}
+
+/** IRUN counts 32nds of what sense resistor and reference allow, which the chip does not know: shares, no amperes. */
+export function chipCurrent(settings: LoadSettings): CurrentScale {
+  const scaler = settings.planned(AP.scaler);
+  const step = (100 / 32) * (scaler === null || scaler === 0 ? 1 : scaler / 256);
+  const run = settings.planned(AP.runCurrent);
+  return {
+    step,
+    run: run === null ? Number.NaN : step * (run + 1),
+    unit: "% of full scale",
+    symbol: "%",
+    decimals: 0,
+    most: 100,
+    shares: false,
+  };
+}

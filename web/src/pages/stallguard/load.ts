@@ -1,0 +1,36 @@
+/**
+ * What the page shows and sets, wherever it is kept: axis parameters of a module, or registers of a chip. By the names
+ * in `names.ts`; speeds in pps, of a chip 0 where a threshold is never passed.
+ */
+export interface LoadSettings {
+  /** what the device holds; null while unknown */
+  held: (name: string) => number | null;
+  /** the same, with what is staged in its place */
+  planned: (name: string) => number | null;
+  staged: { has: (name: string) => boolean };
+  stage: (name: string, value: number) => void;
+}
+
+/** What a count of the current scale (0..31, of the driver) is worth: a count of n stands for (n + 1) of it. */
+export interface CurrentScale {
+  step: number;
+  /** the run current that is set; NaN while unknown */
+  run: number;
+  /** beside a number, and on an axis */
+  unit: string;
+  symbol: string;
+  decimals: number;
+  /** where nothing is known of the run current [as `step`] */
+  most: number;
+  /** a second axis tells the share of the run current */
+  shares: boolean;
+}
+
+export function currentOf(scale: number, { step }: CurrentScale): number {
+  return step * (scale + 1);
+}
+
+/** The top of an axis of currents. */
+export function topOf({ run, most }: CurrentScale): number {
+  return Number.isFinite(run) && run > 0 ? run * 1.1 : most;
+}
