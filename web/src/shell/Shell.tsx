@@ -1,6 +1,6 @@
 import { AppShell, Group, NavLink, ScrollArea, Text } from "@mantine/core";
 import { useHotkeys } from "@mantine/hooks";
-import { type PropsWithChildren, useEffect } from "react";
+import { type PropsWithChildren, useEffect, useRef } from "react";
 import { Link, useLocation } from "wouter";
 import { ColorSchemeToggle } from "./ColorSchemeToggle";
 import { ConnectionBanner } from "./ConnectionBanner";
@@ -17,7 +17,14 @@ import { useFamily } from "./useFamily";
 export function Shell({ children }: PropsWithChildren) {
   const [location, go] = useLocation();
   const pages = pagesFor(useFamily());
-  useHotkeys(pages.map(({ path }, index) => [`alt+${index + 1}`, () => go(path)]));
+  // ten keys: the tenth is 0
+  useHotkeys(pages.slice(0, 10).map(({ path }, index) => [`alt+${(index + 1) % 10}`, () => go(path)]));
+  const bar = useRef<HTMLElement>(null);
+  // biome-ignore lint/correctness/useExhaustiveDependencies: another page is another tab, and other pages move it
+  useEffect(() => {
+    const tab = bar.current?.querySelector("[aria-current='page']");
+    tab?.scrollIntoView?.({ block: "nearest", inline: "center" });
+  }, [location, pages.length]);
   useEffect(() => {
     const page = PAGES.find((candidate) => candidate.path === location);
     document.title = page ? `${page.label} · stepscope` : "stepscope";
@@ -73,7 +80,7 @@ export function Shell({ children }: PropsWithChildren) {
           <PageBoundary key={location}>{children}</PageBoundary>
         </AppShell.Main>
         <AppShell.Footer hiddenFrom="sm">
-          <nav className={classes.bar} aria-label="Pages">
+          <nav ref={bar} className={classes.bar} aria-label="Pages">
             {pages.map(({ path, short, label, Icon }) => (
               <Link
                 key={path}

@@ -93,7 +93,7 @@ export function ValueText({ row, raw }: { row: RegisterRow; raw: number | null }
 export function PhysicalText({ row, raw, edit, scales, also }: PhysicalProps) {
   const staged = edit?.value ?? null;
   const value = staged ?? (raw === null ? null : row.signed ? toSigned(raw, row.width) : raw);
-  const more = value === null ? "" : (also?.(value) ?? "");
+  const more = value === null ? [] : (also?.(value) ?? []);
   return (
     <span className={css.physicals}>
       {staged !== null && (
@@ -108,7 +108,11 @@ export function PhysicalText({ row, raw, edit, scales, also }: PhysicalProps) {
             {withUnit(value * scale.perChip, scale.unit, 3)}
           </span>
         ))}
-      {more !== "" && <span className={css.physicalPart}>{more}</span>}
+      {more.map((part) => (
+        <span key={part} className={css.physicalPart}>
+          {part}
+        </span>
+      ))}
     </span>
   );
 }
@@ -119,7 +123,7 @@ interface PhysicalProps {
   edit: Edit | null;
   scales: readonly Scale[];
   /** what else a value stands for */
-  also?: (value: number) => string;
+  also?: (value: number) => string[];
 }
 
 /** A packed register's fields in one line, staged ones first. */

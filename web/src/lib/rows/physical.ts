@@ -55,6 +55,7 @@ const BRIEF: Readonly<Record<string, string>> = {
   "microsteps/2^31": "µst/2³¹",
   "1/1024 electrical turn": "turn/1024",
   "fCLK/2^24 pps": "chip",
+  "2^18 tCLK": "2¹⁸ tCLK",
   "1/65536 or 1/10000 microsteps": "",
   // scales with an offset: the help has them
   "1/32, plus 1/32": "",
@@ -144,12 +145,12 @@ const STEP_TIMES = ["TSTEP", "TPWMTHRS", "TCOOLTHRS", "THIGH"];
 const STEP_TIME_MICROSTEPS = 256;
 
 /** The velocity that a time between two steps stands for, in the axis's microsteps; nothing for any other register. */
-export function speedText(row: Pick<RegisterRow, "name" | "unit" | "width">, value: number, scale: AxisScale): string {
-  if (!STEP_TIMES.includes(row.name) || row.unit !== "tCLK" || value === 0) return "";
-  if (row.name === "TSTEP" && value >= 2 ** row.width - 1) return "at rest";
+export function speedsOf(row: Pick<RegisterRow, "name" | "unit" | "width">, value: number, scale: AxisScale): string[] {
+  if (!STEP_TIMES.includes(row.name) || row.unit !== "tCLK" || value === 0) return [];
+  if (row.name === "TSTEP" && value >= 2 ** row.width - 1) return ["at rest"];
   const own = scale.microstepsPerFullStep ?? STEP_TIME_MICROSTEPS;
   const pps = (scale.clockHz / value) * (own / STEP_TIME_MICROSTEPS);
-  return ["pps", "rpm"].map((unit) => withUnit(fromSteps(pps, unit, scale, "velocity"), symbolOf(unit))).join(" · ");
+  return ["pps", "rpm"].map((unit) => withUnit(fromSteps(pps, unit, scale, "velocity"), symbolOf(unit), 3));
 }
 
 /** p of a pmul/pdiv pair, or nothing for any other register. */

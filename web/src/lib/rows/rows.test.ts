@@ -3,7 +3,7 @@ import type { Schemas } from "../../api/client";
 import { scaleOf } from "../units";
 import { bitOf, editorOf, type FieldRow, packField, segments, summary, toRaw, toSigned, unpackField } from "./bits";
 import { parseInput } from "./input";
-import { derived, liveScale, pairText, physicalText, scalesOf, speedText } from "./physical";
+import { derived, liveScale, pairText, physicalText, scalesOf, speedsOf } from "./physical";
 import { field, register } from "./samples";
 import { besideText, groupRows, matches, matchingFields } from "./search";
 import { batchOf, changes, countChanges, type Edit, keyOf, merge, settle, stage, stagedRaw, unstage } from "./staging";
@@ -299,10 +299,10 @@ describe("velocities that are kept as steps", () => {
   it("come from times between steps, in the axis's own microsteps", () => {
     const scale = scaleOf({ microsteps_per_full_step: 16, full_steps_per_rev: 200 } as Schemas["AxisInfo"], 16e6);
     const tstep = { name: "TSTEP", unit: "tCLK", width: 20 };
-    expect(speedText(tstep, 1000, scale)).toBe("1000\u202fpps · 18.75\u202frpm");
-    expect(speedText(tstep, 0xf_ffff, scale)).toBe("at rest");
-    expect(speedText({ ...tstep, name: "TPWMTHRS" }, 0, scale)).toBe("");
-    expect(speedText({ ...tstep, name: "TZEROWAIT" }, 1000, scale)).toBe("");
+    expect(speedsOf(tstep, 1000, scale)).toEqual(["1000\u202fpps", "18.8\u202frpm"]);
+    expect(speedsOf(tstep, 0xf_ffff, scale)).toEqual(["at rest"]);
+    expect(speedsOf({ ...tstep, name: "TPWMTHRS" }, 0, scale)).toEqual([]);
+    expect(speedsOf({ ...tstep, name: "TZEROWAIT" }, 1000, scale)).toEqual([]);
   });
 });
 

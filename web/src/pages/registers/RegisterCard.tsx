@@ -5,7 +5,7 @@ import { hex } from "../../lib/format";
 import { toSigned, writable } from "../../lib/rows/bits";
 import { NumberEntry } from "../../lib/rows/NumberEntry";
 import { AccessMark, NameTags, PackedText, PhysicalText, RawText, RegisterName, ValueText } from "../../lib/rows/parts";
-import { scalesOf, speedText } from "../../lib/rows/physical";
+import { scalesOf, speedsOf } from "../../lib/rows/physical";
 import common from "../../lib/rows/rows.module.css";
 import { keyOf } from "../../lib/rows/staging";
 import { RegisterHelp } from "./RegisterHelp";
@@ -48,7 +48,7 @@ export const RegisterCard = memo(function RegisterCard(props: RowProps) {
             raw={raw}
             edit={edit}
             scales={scales}
-            also={(of) => (scale ? speedText(row, of, scale) : "")}
+            also={(of) => (scale ? speedsOf(row, of, scale) : [])}
           />
         )}
       </button>

@@ -6,7 +6,7 @@ import type { RowActions } from "../../lib/rows/actions";
 import { type RegisterRow, toSigned, writable } from "../../lib/rows/bits";
 import { NumberEntry } from "../../lib/rows/NumberEntry";
 import { AccessMark, NameTags, PackedText, PhysicalText, RawText, RegisterName, ValueText } from "../../lib/rows/parts";
-import { fieldScales, scalesOf, speedText } from "../../lib/rows/physical";
+import { fieldScales, scalesOf, speedsOf } from "../../lib/rows/physical";
 import common from "../../lib/rows/rows.module.css";
 import { type Edit, keyOf, stagedRaw } from "../../lib/rows/staging";
 import type { Reading } from "../../lib/rows/useRegisters";
@@ -109,7 +109,7 @@ export const RegisterLine = memo(function RegisterLine(props: RowProps) {
                 raw={raw}
                 edit={edit}
                 scales={scales}
-                also={(of) => (scale ? speedText(row, of, scale) : "")}
+                also={(of) => (scale ? speedsOf(row, of, scale) : [])}
               />
             </td>
           </>

@@ -9,6 +9,8 @@ interface TopRegister {
   name: string;
   /** pps of one unit of it; by the axis's dividers where none is said */
   pps?: (clockHz: number) => number;
+  /** it cannot be read: it is asked for among what the server knows of this group */
+  kept?: string;
 }
 
 /**
@@ -18,29 +20,40 @@ interface TopRegister {
 const TOP: Record<Family, TopRegister> = {
   pmul: { name: "V_MAX" },
   sramp: { name: "VMAX", pps: () => 1 / 256 },
-  sixpoint: { name: "VMAX", pps: (clockHz) => clockHz / 2 ** 24 },
+  sixpoint: { name: "VMAX", pps: (clockHz) => clockHz / 2 ** 24, kept: "ramp" },
   module: { name: "maximum_positioning_speed" },
 };
 
 /** Where neither the register nor the dividers are known yet: slow enough for any motor. */
 const CAREFUL_PPS = 1000;
 
+/** What the register holds; null where nobody knows. */
+async function look({ device, axis }: AxisAddress, { name, kept }: TopRegister) {
+  if (kept === undefined)
+    return unwrap(
+      await api.GET("/api/v1/devices/{device}/registers/{name}", {
+        params: { path: { device, name }, query: { axis } },
+      }),
+    );
+  const known = unwrap(
+    await api.GET("/api/v1/devices/{device}/registers", {
+      params: { path: { device }, query: { axis, group: [kept], kept: true } },
+    }),
+  );
+  return known.find((reading) => reading.name === name) ?? null;
+}
+
 /** The fastest that the axis is set to go [pps]: V_MAX or VMAX of a chip, AP 4 of a module; looked at now and then. */
 export function useTopSpeed(at: AxisAddress, model: Device["model"], scale: AxisScale, enabled: boolean): number {
-  const { name, pps: unit } = TOP[familyOf(model) ?? "pmul"];
+  const top = TOP[familyOf(model) ?? "pmul"];
   const register = useQuery({
-    queryKey: ["register", at.device, at.axis, name],
-    queryFn: async () =>
-      unwrap(
-        await api.GET("/api/v1/devices/{device}/registers/{name}", {
-          params: { path: { device: at.device, name }, query: { axis: at.axis } },
-        }),
-      ),
+    queryKey: ["register", at.device, at.axis, top.name],
+    queryFn: () => look(at, top),
     enabled,
     refetchInterval: 5000,
   });
   const value = register.data?.value ?? Number.NaN;
-  const chip = unit === undefined ? toSteps(value, "chip", scale, "velocity") : Math.abs(value) * unit(scale.clockHz);
+  const chip = top.pps ? Math.abs(value) * top.pps(scale.clockHz) : toSteps(value, "chip", scale, "velocity");
   const pps = register.data?.unit === "pps" ? value : chip;
   return Number.isFinite(pps) && pps > 0 ? pps : CAREFUL_PPS;
 }

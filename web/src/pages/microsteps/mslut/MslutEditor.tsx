@@ -21,7 +21,17 @@ import { MAGNIFIED, VectorFigure } from "./VectorFigure";
 import { Watch } from "./Watch";
 import { type Tool, type View, WaveEditor } from "./WaveEditor";
 import { WavePanel } from "./WavePanel";
-import { DEFAULT, type Design, type Draft, type Formula, type Norm, questionOf, SEGMENTS, wordsOf } from "./wave";
+import {
+  DEFAULT,
+  type Design,
+  type Draft,
+  type Formula,
+  type Norm,
+  phasesOf,
+  questionOf,
+  SEGMENTS,
+  wordsOf,
+} from "./wave";
 
 type Result = Schemas["MslutResult"];
 
@@ -44,6 +54,7 @@ export function MslutEditor({
   choice?: ReactNode;
 }) {
   const model = (device?.model ?? "tmc4361") as Design["chip"];
+  const phases = phasesOf(model);
   const connected = device?.state === "connected";
   const scheme = useScheme();
   const drafting = useDraft<Draft>(`mslut ${device?.id}`, { kind: "formula", formula: DEFAULT });
@@ -105,10 +116,10 @@ export function MslutEditor({
           title="Wave"
           note={
             <span className={classes.legend}>
-              <i data-kind="design" /> {view === "period" ? "phase A" : "design"}
+              <i data-kind="design" /> {view === "period" ? phases.sine : "design"}
               {view === "period" && (
                 <>
-                  <i data-kind="phase_b" /> phase B
+                  <i data-kind="phase_b" /> {phases.cosine}
                 </>
               )}
               <i data-kind="before" /> {beforeName} <i data-kind="ideal" /> sine

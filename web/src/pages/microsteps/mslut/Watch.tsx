@@ -3,7 +3,7 @@ import type { Device } from "../../../api/queries";
 import { useFrame } from "../../../live/useFrame";
 import { useTelemetry } from "../../../live/useTelemetry";
 import type { Seen } from "./seen";
-import type { Table } from "./wave";
+import { phasesOf, type Table } from "./wave";
 
 interface Props {
   device: Device;
@@ -25,7 +25,8 @@ const TOLD_EVERY_MS = 300;
 
 /** Collects what the chip shows of its wave while the motor turns. */
 export function Watch({ device, axis, held, seen, onCount }: Props) {
-  const channels = [`mscnt.${axis}`, `current_a.${axis}`, `current_b.${axis}`];
+  const sine = phasesOf(device.model).sine === "CUR_B" ? "b" : "a";
+  const channels = ["mscnt", `current_${sine}`, `current_${sine === "a" ? "b" : "a"}`].map((each) => `${each}.${axis}`);
   const { buffer } = useTelemetry(device.id, channels, Math.min(RATE_HZ, device.rate_max_hz), KEEP_S);
   const from = useRef(Number.NaN);
   const told = useRef({ atMs: 0, revision: 0 });

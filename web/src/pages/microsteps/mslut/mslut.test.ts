@@ -11,6 +11,7 @@ import {
   hexLines,
   parseWave,
   period,
+  phasesOf,
   questionOf,
   type Register,
   rippleOf,
@@ -31,6 +32,13 @@ const REGISTERS: Register[] = WORDS.map((value, at) => ({
   hex: value.toString(16).toUpperCase().padStart(8, "0"),
 }));
 const POWER_ON = decode(WORDS.slice(0, 8), 0xffff8056, 0x00f70000);
+
+describe("the phases", () => {
+  it("bear the names of the chip's data sheet", () => {
+    expect(phasesOf("tmc4361").sine).toBe("phase A");
+    expect(phasesOf("tmc5072")).toEqual({ sine: "CUR_B", cosine: "CUR_A" });
+  });
+});
 
 describe("the wave of register words", () => {
   it("is what real chips show", () => {
