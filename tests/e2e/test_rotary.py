@@ -243,21 +243,17 @@ def test_a_turn_that_cannot_be_is_refused(rotary: Page, text: str) -> None:
 
 @pytest.fixture(scope="module")
 def winch(api: httpx.Client) -> Iterator[Motor]:
-    """A TMC428 that lives a thousand times as fast as we do."""
+    """A TMC428 at its greatest speed, that lives ten times as fast as we do."""
     body = {"name": "winch", "model": "tmc428", "link": {"kind": "emulator"}}
     device = api.post("/devices", json=body).raise_for_status().json()["id"]
     motor = Motor(api, device)
     try:
         wait_for(lambda: api.get(f"/devices/{device}").json()["state"] == "connected", "it is connected")
-        for name, value in {
-            "pulse_div": 3,
-            "ramp_div": 5,
-            "V_MIN": 1,
-            "V_MAX": 2047,
-            "A_MAX": 2047,
-        }.items():
+        ramp = {"pulse_div": 0, "ramp_div": 5, "a_max": 100}
+        pair = api.post("/calc/pmul-pdiv", json=ramp).raise_for_status().json()
+        for name, value in {**ramp, "pmul": pair["pmul"], "pdiv": pair["pdiv"], "v_min": 1, "v_max": 2047}.items():
             motor.write(name, value)
-        motor.world(time_scale=200)
+        motor.world(time_scale=10)
         yield motor
     finally:
         api.post("/stop")

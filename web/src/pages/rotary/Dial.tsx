@@ -46,7 +46,6 @@ const BLUR_TURNS_PER_S = 6;
 /** A turn of the shaft: where it was told to be, where the encoder saw it, and a hand to say where to go. */
 export function Dial({ now, staged, way, sent, disabled, stale, onStage, onDone }: Props) {
   const scheme = useScheme();
-  const svg = useRef<SVGSVGElement>(null);
   const commanded = useRef<SVGGElement>(null);
   const encoder = useRef<SVGGElement>(null);
   const apart = useRef<SVGPathElement>(null);
@@ -88,22 +87,12 @@ export function Dial({ now, staged, way, sent, disabled, stale, onStage, onDone 
     [],
   );
 
-  function angleOf(event: PointerEvent): number | null {
-    const box = svg.current?.getBoundingClientRect();
-    if (!box) return null;
+  function pick(event: PointerEvent<SVGSVGElement>) {
+    const box = event.currentTarget.getBoundingClientRect();
     const scale = 400 / box.width;
     const x = (event.clientX - box.left - box.width / 2) * scale;
     const y = (event.clientY - box.top - box.height / 2) * scale;
-    const radius = Math.hypot(x, y);
-    // the middle is for reading, and on the face a finger scrolls: there an angle would be an accident
-    const inner = event.pointerType === "touch" ? RIM - GRIP / 2 : HUB;
-    if (!dragging.current && (radius < inner || radius > RIM + GRIP / 2)) return null;
-    return snapped(angleAt(x, y), event.shiftKey ? 15 : event.altKey ? 0.1 : 1);
-  }
-
-  function pick(event: PointerEvent) {
-    const angle = angleOf(event);
-    if (angle !== null) onStage(angle);
+    onStage(snapped(angleAt(x, y), event.shiftKey ? 15 : event.altKey ? 0.1 : 1));
   }
 
   function key(event: KeyboardEvent) {
@@ -132,13 +121,12 @@ export function Dial({ now, staged, way, sent, disabled, stale, onStage, onDone 
   const seenColor = colorOf("encoder_position", scheme);
   return (
     <svg
-      ref={svg}
       viewBox="-200 -200 400 400"
       className={classes.dial}
       data-stale={stale}
       data-disabled={disabled}
       onPointerDown={(event) => {
-        if (disabled || event.button !== 0 || angleOf(event) === null) return;
+        if (disabled || event.button !== 0) return;
         dragging.current = true;
         event.currentTarget.setPointerCapture(event.pointerId);
         event.currentTarget.querySelector<SVGGElement>("[role=slider]")?.focus();
