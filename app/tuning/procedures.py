@@ -11,6 +11,7 @@ from app.devices.device import Device
 from app.devices.pd42.driver import Pd42
 from app.devices.ramp_stops import RampStops
 from app.devices.results import Rotating
+from app.devices.tmc5xxx.driver import Tmc5xxx
 from app.devices.tmc4361.driver import Tmc4361
 from app.links.errors import WrongState
 from app.tuning import search as searches
@@ -26,6 +27,7 @@ from app.tuning.reference_search import ReferenceSearch
 from app.tuning.response import Disturbance, Response, Shape, StepResponse
 from app.tuning.search import ReferenceSearchState, Search
 from app.tuning.shuttle import Shuttle, ShuttleState
+from app.tuning.switch_search import SwitchSearch
 
 P = TypeVar("P", bound=Procedure)
 
@@ -77,6 +79,8 @@ class Procedures:
             search = ModuleSearch(
                 device, axis, self._clock, mode, search_speed_pps or velocity_pps, switch_speed_pps, max_travel
             )
+        elif isinstance(device, Tmc5xxx):
+            search = SwitchSearch(device, axis, self._clock, switch, velocity_pps, max_travel)
         elif isinstance(device, Tmc4361):
             search = LatchSearch(device, axis, self._clock, switch, velocity_pps, max_travel)
         else:

@@ -104,6 +104,11 @@ class Chip(KeepingChip):
         full_steps = rows.FULL_STEPS.unpack(self._known.get(rows.STEP_CONF.address, 0)) or settings.full_steps_per_rev
         return Mechanics(full_steps, self.microsteps, settings.gear_ratio, travel_mm_per_rev=settings.travel_mm_per_rev)
 
+    def cruise_pps(self, axis: int) -> float | None:
+        """The speed limit of moves as the user has set it [pps]."""
+        self.axis(axis)
+        return self.cruise.speed / 256
+
     def clock_warnings(self) -> list[str]:
         """What to know where the chip reckons with another clock than it has."""
         told_hz = self._known.get(rows.CLK_FREQ.address)

@@ -133,9 +133,27 @@ class Chip(KeepingChip):
         return self.axes[axis].settings.mechanics(self._microsteps(self.rows(axis)))
 
     def counts_encoder(self, axis: int) -> bool:
-        """Whether X_ENC counts what somebody wants it to: there is one, and ENC_CONST is not as after a reset."""
+        """Whether X_ENC counts what somebody wants it to: there is one, GCONF leaves it its pins, and ENC_CONST is not
+        as after a reset."""
         row = self.rows(axis).enc_const
-        return row is not None and self.word(row) not in (0, row.reset)
+        if row is None or self.word(row) in (0, row.reset):
+            return False
+        if not self.chip.two_axes:
+            return True
+        return self._gconf("enc2_enable") if axis else not self._gconf("poscmp_enable")
+
+    def has_right_switch(self) -> bool:
+        """Whether the pins of the right switches are theirs: encoder 2 takes both."""
+        return not self._gconf("enc2_enable")
+
+    def _gconf(self, name: str) -> bool:
+        """A bit of GCONF as last seen; False where the chip has none of that name."""
+        part = self.chip.gconf.field_named(name)
+        return part is not None and bool(part.unpack(self._known.get(self.chip.gconf.address, 0)))
+
+    def cruise_pps(self, axis: int) -> float | None:
+        """The speed limit of moves as the user has set it [pps]; None where nobody knows it."""
+        return self.ramp(self.axis(axis).index).pps("VMAX")
 
     # --- write-only registers -------------------------------------------------------------------
 

@@ -81,7 +81,7 @@ class Looks(Writes):
             mode=r.MODE_NAMES[mode],
             switches=Switches(
                 None if stat is None else bool(stat["status_stop_l"]),
-                None if stat is None else bool(stat["status_stop_r"]),
+                None if stat is None or not self.has_right_switch() else bool(stat["status_stop_r"]),
                 None,
             ),
             flags=self._flags(axis, held),

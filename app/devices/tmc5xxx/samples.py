@@ -171,7 +171,8 @@ class Samples(Looks, WordSamples):
     def _switch_seen(self, axis: int, *, left: bool) -> float:
         """As the latest look saw it; NaN where none did."""
         stat = self._looked[axis]
-        return float("nan") if stat is None else float(stat >> (0 if left else 1) & 1)
+        known = stat is not None and (left or self.has_right_switch())
+        return float((stat or 0) >> (0 if left else 1) & 1) if known else float("nan")
 
     def _arrival(self, rows: AxisRows, asked: Asked) -> Decoder:
         position, target = (number(asked.column(row), row) for row in (rows.xactual, rows.xtarget))

@@ -31,7 +31,8 @@ class Start:
     v1 : 0 leaves a1 and d1 out
     vstop : at least 10 chip units, as the data sheets advise, and not below vstart
     irun, ihold : 0..31; None for the maker's
-    counts_per_rev : of the encoder, four a line; 0 for none
+    counts_per_rev : of the encoder, four a line; 0 for none. That of a second axis takes the pins of both right
+        switches, which then stop nothing
     stops : the stop switches are in force, active at high level unless `stop_low_active`
     """
 
@@ -59,12 +60,13 @@ async def start_up(device: Device, starts: Sequence[Start]) -> None:
     """
     if len(starts) > len(device.axes):
         raise UsageError(f"a {device.family.title} has {len(device.axes)} axes, not {len(starts)}")
+    second = any(start.counts_per_rev for start in starts[1:])
     for axis, start in enumerate(starts):
-        for item in _items(device, axis, start):
+        for item in _items(device, axis, start, right_switch=not second):
             await device.write(item.name, item.axis, item.value, item.fields)
 
 
-def _items(device: Device, axis: int, start: Start) -> Sequence[WriteItem]:
+def _items(device: Device, axis: int, start: Start, *, right_switch: bool) -> Sequence[WriteItem]:
     strong = device.model == "tmc5160"
 
     def velocity(name: str, pps: float) -> WriteItem:
@@ -87,7 +89,12 @@ def _items(device: Device, axis: int, start: Start) -> Sequence[WriteItem]:
         WriteItem(
             "SW_MODE",
             axis,
-            fields={"stop_l_enable": stops, "stop_r_enable": stops, "pol_stop_l": low, "pol_stop_r": low},
+            fields={
+                "stop_l_enable": stops,
+                "stop_r_enable": stops if right_switch else 0,
+                "pol_stop_l": low,
+                "pol_stop_r": low,
+            },
         ),
         *_encoder(device, axis, start),
         velocity("VSTART", start.vstart),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import cast
 
 from app.clock import Clock, VirtualClock
@@ -26,7 +26,6 @@ from app.registers.tmc5xxx import AXES
 MODELS = ("tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160")
 START = Start(vmax=50_000, amax=200_000, vstart=0, counts_per_rev=40_000)
 """0.25 s to full speed, on 6250 microsteps."""
-PLAIN = Start(vmax=50_000, amax=200_000)
 
 
 class Overheard(EmulatorPort):
@@ -112,8 +111,9 @@ async def bench(
     assert isinstance(device, Tmc5xxx)
     assert device.state == "connected", device.problem
     if start is not None:
-        fits = start if device.rows(0).x_enc is not None else PLAIN
-        await start_up(device, [fits] * AXES[model])
+        first = start if device.rows(0).x_enc is not None else replace(start, counts_per_rev=0)
+        # A second encoder would take the pins of the right switches.
+        await start_up(device, [first, replace(start, counts_per_rev=0)][: AXES[model]])
     made = Bench(clock, manager, device)
     device.listen(made.told.append)
     try:

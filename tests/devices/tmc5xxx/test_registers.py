@@ -163,11 +163,14 @@ def test_an_encoder_constant_that_does_not_fit_is_refused() -> None:
 
 @pytest.mark.parametrize("invert", [False, True])
 async def test_an_encoder_counts_in_microsteps_after_start_up(invert: bool) -> None:
-    async with bench("tmc5072", replace(START, invert_encoder=invert), encoder={"reversed": invert}) as b:
-        await b.device.move(1, 51_200)
-        state = await b.at_rest(1)
-        assert state.deviation is not None
-        assert abs(state.deviation) < 30
+    async with bench("tmc5072", None, encoder={"reversed": invert}) as b:
+        await start_up(b.device, [replace(START, invert_encoder=invert)] * 2)
+        for axis in (0, 1):
+            await b.device.move(axis, 51_200)
+            state = await b.at_rest(axis)
+            assert state.deviation is not None
+            assert abs(state.deviation) < 30
+            assert state.switches.right is None  # encoder 2 has taken its pin
 
 
 async def test_a_start_that_does_not_fit_says_which_number() -> None:
