@@ -19,6 +19,9 @@ BLANK_GOAL_S = 2e-6
 HYSTERESIS_USUAL = 4
 """Fits most motors (DS5160, 8.1)."""
 HYSTERESIS_MOST = 16
+HEARD_HZ = 16e3
+HOT_HZ = 50e3
+"""Between these a chopper is not heard and loses little (DS5160, 8; DS5031, 7)."""
 
 
 def hints(model: str, winding: Winding, wishes: Wishes | None = None) -> Hints:
@@ -50,101 +53,78 @@ def split(hysteresis: int) -> tuple[int, int]:
 
 
 def _spreadcycle(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes) -> None:
-    clock_hz, source = winding.clock_hz, sheet.spreadcycle
-    tbl, chosen = picked(wishes.tbl, lambda: blank_setting(clock_hz))
-    blank_s = winding.blank_s(tbl)
-    found.settings.append(
-        Setting(
-            "CHOPCONF",
-            "tbl",
-            tbl,
-            None,
-            f"{BLANK_CLOCKS[tbl]} clocks, {blank_s * 1e6:.3g} us",
-            "the longest blank time of up to 2 us: short enough for small currents, long enough for the ringing "
-            "at the sense resistor of most boards",
-            f"AN-001; {source}",
-            chosen,
-        )
+    tbl = _blank(found, sheet, winding, wishes)
+    toff = _off(found, sheet, winding, wishes, tbl)
+    hysteresis = _hysteresis(found, sheet, winding, wishes, tbl, toff)
+    _frequencies(found, sheet, winding, tbl, toff, hysteresis)
+
+
+def _blank(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes) -> int:
+    tbl, chosen = picked(wishes.tbl, lambda: blank_setting(winding.clock_hz))
+    meaning = f"{BLANK_CLOCKS[tbl]} clocks, {winding.blank_s(tbl) * 1e6:.3g} us"
+    reason = (
+        "the longest blank time of up to 2 us: short enough for small currents, long enough for the ringing at the "
+        "sense resistor of most boards"
     )
+    found.settings.append(
+        Setting("CHOPCONF", "tbl", tbl, None, meaning, reason, f"AN-001; {sheet.spreadcycle}", chosen)
+    )
+    return tbl
+
+
+def _off(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes, tbl: int) -> int:
     exact = winding.toff(wishes.chopper_hz)
-    least = 2 if tbl == 0 else 1
-    toff, chosen = picked(wishes.toff, lambda: min(max(round(exact), least), 15))
+    toff, chosen = picked(wishes.toff, lambda: min(max(round(exact), 1 if tbl else 2), 15))
     if toff == 1 and tbl == 0:
         raise ValueError("TOFF 1 takes a blank time of 24 clocks or more: tbl 1 to 3")
-    off_s = winding.off_s(toff)
-    found.settings.append(
-        Setting(
-            "CHOPCONF",
-            "toff",
-            toff,
-            exact,
-            f"{24 + 32 * toff} clocks, {off_s * 1e6:.3g} us",
-            f"two slow decays for half of a cycle at {wishes.chopper_hz / 1e3:g} kHz",
-            source,
-            chosen,
-        )
-    )
+    meaning = f"{24 + 32 * toff} clocks, {winding.off_s(toff) * 1e6:.3g} us"
+    reason = f"two slow decays for half of a cycle at {wishes.chopper_hz / 1e3:g} kHz"
+    found.settings.append(Setting("CHOPCONF", "toff", toff, exact, meaning, reason, sheet.spreadcycle, chosen))
+    return toff
+
+
+def _hysteresis(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes, tbl: int, toff: int) -> int:
     exact = winding.hysteresis(tbl, toff)
     hysteresis, chosen = picked(
         wishes.hysteresis, lambda: min(max(math.ceil(exact - 1e-9), HYSTERESIS_USUAL), HYSTERESIS_MOST)
     )
     start, end = split(hysteresis)
-    why = (
+    reason = (
         f"the band has to hold the ripple of the blank time and of both slow decays, {exact:.3g} of hysteresis, and "
         f"{HYSTERESIS_USUAL} suits most motors; as much of it as can be in HSTRT"
     )
-    sources = f"{source} (words), {OWN} (numbers); AN-001"
-    found.settings.append(Setting("CHOPCONF", "hstrt", start, exact, f"+{start + 1}", why, sources, chosen))
-    found.settings.append(
-        Setting(
-            "CHOPCONF", "hend", end, exact, f"{end - 3:+d}, effective {hysteresis} at the start", why, sources, chosen
-        )
-    )
-    say = found.figures.append
-    ripple_b, ripple_d = winding.blank_ripple_a(tbl), winding.decay_ripple_a(toff)
-    say(Figure("blank_ripple", "ripple of the blank time", ripple_b, "A", "V t_blank / L", OWN))
-    say(Figure("decay_ripple", "ripple of both slow decays", ripple_d, "A", "R I 2 t_off / L, at the peak", OWN))
-    say(
-        Figure(
-            "hysteresis_band",
-            "band of the hysteresis",
-            winding.band_a(hysteresis),
-            "A",
-            "hysteresis / 248 of the peak at full scale",
-            OWN,
-        )
-    )
-    say(
-        Figure(
-            "chopper_limit",
-            "chopper frequency at most",
-            winding.highest_chopper_hz(tbl, toff),
-            "Hz",
-            "two slow decays and two blank times are the shortest cycle",
-            source,
-        )
-    )
-    estimate = winding.chopper_hz(tbl, toff, hysteresis)
-    say(
-        Figure(
-            "chopper_frequency",
-            "chopper frequency at rest",
-            estimate,
-            "Hz",
-            "with the hysteresis at its start, at the current's peak; decrement raises it",
-            OWN,
-        )
-    )
+    source = f"{sheet.spreadcycle} (words), {OWN} (numbers); AN-001"
+    meanings = {"hstrt": f"+{start + 1}", "hend": f"{end - 3:+d}, effective {hysteresis} at the start"}
+    for name, value in (("hstrt", start), ("hend", end)):
+        found.settings.append(Setting("CHOPCONF", name, value, exact, meanings[name], reason, source, chosen))
     if exact > HYSTERESIS_MOST:
         found.warnings.append(
             f"the ripple takes a hysteresis of {exact:.3g}, and {HYSTERESIS_MOST} is the most: less TOFF or TBL, a "
             "lower supply or a motor of more inductance"
         )
-    if winding.irun == 31 and hysteresis > HYSTERESIS_MOST - 1:
+    if winding.irun == 31 and hysteresis == HYSTERESIS_MOST:
         found.warnings.append("with the greatest hysteresis IRUN of 30 or less leaves the sine its shape")
-    if 0 < estimate < 16e3:
+    return hysteresis
+
+
+def _frequencies(found: Hints, sheet: Sheet, winding: Winding, tbl: int, toff: int, hysteresis: int) -> None:
+    def say(name: str, label: str, value: float, unit: str, reason: str, source: str = OWN) -> None:
+        found.figures.append(Figure(name, label, value, unit, reason, source))
+
+    say("blank_ripple", "ripple of the blank time", winding.blank_ripple_a(tbl), "A", "V t_blank / L")
+    decay = winding.decay_ripple_a(toff)
+    say("decay_ripple", "ripple of both slow decays", decay, "A", "R I 2 t_off / L, at the peak")
+    band = winding.band_a(hysteresis)
+    say("hysteresis_band", "band of the hysteresis", band, "A", "hysteresis / 248 of the peak at full scale")
+    limit = winding.highest_chopper_hz(tbl, toff)
+    shortest = "two slow decays and two blank times are the shortest cycle"
+    say("chopper_limit", "chopper frequency at most", limit, "Hz", shortest, sheet.spreadcycle)
+    estimate = winding.chopper_hz(tbl, toff, hysteresis)
+    begin = "with the hysteresis at its start, at the current's peak; decrement raises it"
+    say("chopper_frequency", "chopper frequency at rest", estimate, "Hz", begin)
+    if 0 < estimate < HEARD_HZ:
         found.warnings.append(f"the chopper may be heard: about {estimate / 1e3:.3g} kHz; less TOFF or hysteresis")
-    if estimate > 50e3:
+    if estimate > HOT_HZ:
         found.warnings.append(
             f"about {estimate / 1e3:.3g} kHz of chopper heat driver and motor: more TOFF or hysteresis"
         )
