@@ -50,7 +50,7 @@ class SpiThatIsAChip:
     mode = 0
     bits_per_word = 0
 
-    def __init__(self, chip: EmulatedTmc4361) -> None:
+    def __init__(self, chip: EmulatedTmc4361 | EmulatedTmc5xxx) -> None:
         self._chip = chip
 
     def open(self, bus: int, device: int) -> None:
