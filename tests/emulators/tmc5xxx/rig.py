@@ -85,6 +85,12 @@ class Bench:
         """Let RAMP_STAT's flags go, as this chip does it."""
         self.write("RAMP_STAT", self.raw("RAMP_STAT", axis), axis)
 
+    def counts(self, axis: int = 0) -> int:
+        """Where the encoder really is."""
+        encoder = self.state().axes[axis].encoder
+        assert encoder is not None
+        return encoder.counts
+
     @property
     def status(self) -> int:
         """The first byte of an SPI reply."""
