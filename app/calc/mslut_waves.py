@@ -95,11 +95,6 @@ def exponent_of_thousandths(thousandths: float) -> float:
     return 1.0 + thousandths / 1000.0
 
 
-def exponent_for_ripple(ripple: float) -> float:
-    """The exponent that cancels a disturbance of `ripple` times the motor's torque, to first order."""
-    return 1.0 + 3.0 * ripple
-
-
 def wanted_wave(formula: Formula) -> WantedWave:
     """The wave of a formula.
 

@@ -59,7 +59,6 @@ CL_OFFSET = row("CL_OFFSET")
 V_ENC_MEAN = row("V_ENC_MEAN")
 MSCNT = row("MSCNT")
 CURRENTS = row("CURRENTA_B")
-CURRENTS_SPI = row("CURRENTA_B_SPI")
 SCALE = row("SCALE_PARAM")
 VERSION = row("VERSION_NO")
 MSLUT = tuple(row(f"MSLUT[{index}]") for index in range(8))
@@ -103,7 +102,6 @@ MOVING = frozenset(
 ) | {row("VIRT_STOP_RIGHT").address, row("DSTOP").address, row("X_RANGE").address, RESET.address}
 """Addresses a write to which may move or stop the motor, or change how it moves."""
 
-PROFILE = part(RAMPMODE, "RAMP_PROFILE")
 POSITIONING = part(RAMPMODE, "OPERATION_MODE")
 HOLD, TRAPEZOID, S_SHAPED = range(3)
 """RAMP_PROFILE."""
