@@ -46,6 +46,8 @@ class Track:
         """Why the position is not trusted; stays until somebody says where it is."""
         self.away: Doubt | None = None
         """Why it cannot be looked at now."""
+        self._proven = position
+        """Where the axis was at the latest look that came with word of resets."""
         self._rebase = False
 
     @property
@@ -101,6 +103,8 @@ class Track:
         """The service's own look, which also tells of resets; what was away is back with it."""
         was_away, self.away = self.away, None
         if look.reset_seen:
+            # Others' looks since may be from before the reset or from behind it, and nobody can tell.
+            self.origin += self._proven - self.position
             self._doubt("the chip was reset, and its counter with it")
         if look.reset_seen or self._rebase:
             self._restart(look.count, look.asked_at_s)
@@ -108,6 +112,7 @@ class Track:
             self._seen(look.count, look.asked_at_s, heard_s, speed_limit_pps)
         if was_away is not None and look.reset_seen is None:
             self._doubt(f"{was_away.reason}; and this chip cannot tell whether it was reset meanwhile")
+        self._proven = self.position
 
     def lost_sight(self, reason: str, way_out: str) -> None:
         """It cannot be looked at: trusted again when a look has shown that nothing was missed."""
@@ -132,6 +137,7 @@ class Track:
     def confirm(self) -> None:
         """What `position` says is right."""
         self.doubt = None
+        self._proven = self.position
         self._check_range()
 
     # --- inside ---------------------------------------------------------------------------------

@@ -77,6 +77,11 @@ class Patched(Protocol):
     def patch(self, change: BaseModel) -> object: ...
 
 
+def patch(wire: Wire, change: dict[str, object]) -> None:
+    """Change an emulator's world."""
+    cast("Patched", wire).patch(PATCHES[wire.model].model_validate(change))
+
+
 @dataclass
 class Bench:
     """One server: its devices, its service."""
@@ -103,7 +108,7 @@ class Bench:
     def patch(self, **change: object) -> None:
         """Change the world of the first device's emulator."""
         cast("EmulatorPort", self.device.port).take_turn()
-        cast("Patched", self.wire).patch(PATCHES[self.device.model].model_validate(change))
+        patch(self.wire, change)
 
     @property
     def whole(self) -> int:
@@ -128,11 +133,16 @@ class Bench:
 
     async def write_target(self, count: int) -> None:
         """Write the target register by its name."""
-        await self.device.write(TARGETS.get(self.device.model, "XTARGET"), 0, count)
+        await self.device.write(self.target_row, 0, count)
+
+    @property
+    def target_row(self) -> str:
+        """The target register's name."""
+        return TARGETS.get(self.device.model, "XTARGET")
 
     async def target(self) -> int:
         """What the target register holds."""
-        return (await self.device.read(TARGETS.get(self.device.model, "XTARGET"), 0)).value
+        return (await self.device.read(self.target_row, 0)).value
 
     def frame_of_target(self, count: int) -> bytes:
         """The same as a raw frame."""
@@ -198,13 +208,15 @@ class Bench:
 
 
 @asynccontextmanager
-async def server(hardware: Hardware, model: str, *, set_up: bool = True, **options: object) -> AsyncIterator[Bench]:
+async def server(hardware: Hardware, model: str, *, set_up: bool = True) -> AsyncIterator[Bench]:
     """A server with one device; with `set_up` its chip is made ready to move."""
     changes: list[int] = []
     service = EndlessService(hardware.clock, partial(changes.append, 1), hardware.unix_s)
     manager = DeviceManager({"emulator": hardware.port}, hardware.clock, lambda: service.sync(manager.devices))
     made = Bench(hardware, manager, service, changes)
-    link = {"kind": "emulator", "chip": model, **options}
+    link: dict[str, object] = {"kind": "emulator", "chip": model}
+    if model.startswith("tmc5"):
+        link["motor"] = "rigid"  # no physics: counters alone are looked at here
     device = await manager.add(DeviceConfig("Bench", model, link))
     assert device.state == "connected", device.problem
     device.listen(made.told.append)
@@ -228,13 +240,8 @@ async def set_up_axes(device: Device) -> None:
         await tmc5xxx.start_up(device, [SIXPOINT] * axes)
 
 
-def options(model: str) -> dict[str, object]:
-    """Emulators without physics where there are some: counters alone are looked at here."""
-    return {"motor": "rigid"} if model.startswith("tmc5") else {}
-
-
 @asynccontextmanager
-async def bench(model: str, *, set_up: bool = True, **more: object) -> AsyncIterator[Bench]:
+async def bench(model: str, *, set_up: bool = True) -> AsyncIterator[Bench]:
     """A server with new hardware."""
-    async with server(Hardware(), model, set_up=set_up, **options(model), **more) as made:
+    async with server(Hardware(), model, set_up=set_up) as made:
         yield made
