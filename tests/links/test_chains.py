@@ -11,6 +11,7 @@ import pytest
 
 from app.clock import VirtualClock, WallClock
 from app.emulators.server import serve_tcp
+from app.emulators.tmc5xxx import EmulatedTmc5xxx
 from app.emulators.tmc4361 import EmulatedTmc4361, Tmc4361Patch
 from app.links import datagram40
 from app.links.emulator import EmulatorPort
