@@ -5,7 +5,7 @@ from __future__ import annotations
 from app.registers.microstep_rows import GROUP as TABLE
 from app.registers.microstep_rows import START_RESET, mslut_rows
 from app.registers.model import Access, Field, Register
-from app.registers.tmc5xxx_rows import CLOCKS, VENDOR, VENDOR_RESET, flag, state
+from app.registers.tmc5xxx_rows import CLOCKS, VENDOR, VENDOR_RESET, flag, reading, state
 
 DRIVER = "driver"
 PWM = "stealthchop"
@@ -40,27 +40,20 @@ def table_rows(start_90: str) -> tuple[Register, ...]:
 
 
 PLACE_ROWS = (
-    Register(
+    reading(
         "MSCNT",
         10,
         "place of phase B in the microstep table now; phase A is 256 ahead",
+        0x6A,
+        TABLE,
         unit="1/1024 electrical turn",
-        address=0x6A,
-        access=Access.R,
-        reset=None,
-        volatile=True,
-        group=TABLE,
-        source=VENDOR,
     ),
-    Register(
+    reading(
         "MSCURACT",
         25,
         "both values of the microstep table now, before scaling",
-        address=0x6B,
-        access=Access.R,
-        reset=None,
-        volatile=True,
-        group=TABLE,
+        0x6B,
+        TABLE,
         source="API and PY have A and B the other way round",
         fields=(
             Field("CUR_B", 9, "phase B: sine", signed=True, lsb=0),
@@ -219,16 +212,12 @@ def dcctrl(time_bits: int, sg_lsb: int, source: str = VENDOR) -> Register:
 
 
 def _drv_status(*more: Field) -> Register:
-    return Register(
+    return reading(
         "DRV_STATUS",
         32,
         "load, current and faults of the driver now",
-        address=0x6F,
-        access=Access.R,
-        reset=None,
-        volatile=True,
-        group=DRIVER,
-        source=VENDOR,
+        0x6F,
+        DRIVER,
         fields=(
             Field("SG_RESULT", 10, "StallGuard's value: the less, the more load; 0 at a stall", lsb=0),
             *more,
@@ -288,17 +277,7 @@ _AMPLITUDE = (
 )
 PWM_5072 = (
     _pwmconf(0x10, 22, 0, *_AMPLITUDE, _FREQUENCY, _AUTOSCALE, _FREEWHEEL),
-    Register(
-        "PWM_STATUS",
-        8,
-        "amplitude now, at most 255",
-        address=0x11,
-        access=Access.R,
-        reset=None,
-        volatile=True,
-        group=PWM,
-        source=VENDOR,
-    ),
+    reading("PWM_STATUS", 8, "amplitude now, at most 255", 0x11, PWM),
 )
 PWM_5130 = (
     _pwmconf(
@@ -311,17 +290,7 @@ PWM_5130 = (
         flag(19, "pwm_symmetric", "both sides of a PWM period are alike"),
         _FREEWHEEL,
     ),
-    Register(
-        "PWM_SCALE",
-        8,
-        "amplitude now, at most 255",
-        address=0x71,
-        access=Access.R,
-        reset=None,
-        volatile=True,
-        group=PWM,
-        source=VENDOR,
-    ),
+    reading("PWM_SCALE", 8, "amplitude now, at most 255", 0x71, PWM),
 )
 PWM_5160 = (
     _pwmconf(
@@ -337,31 +306,23 @@ PWM_5160 = (
         Field("PWM_REG", 4, "greatest change of the amplitude a half wave, with pwm_autoscale", unit="1/2", lsb=24),
         Field("PWM_LIM", 4, "limit of the amplitude when StealthChop takes over again", lsb=28),
     ),
-    Register(
+    reading(
         "PWM_SCALE",
         25,
         "amplitude now, and what the regulation adds to it",
-        address=0x71,
-        access=Access.R,
-        reset=None,
-        volatile=True,
-        group=PWM,
-        source=VENDOR,
+        0x71,
+        PWM,
         fields=(
             Field("PWM_SCALE_SUM", 8, "amplitude now", lsb=0),
             Field("PWM_SCALE_AUTO", 9, "what pwm_autoscale adds", signed=True, range=(-255, 255), lsb=16),
         ),
     ),
-    Register(
+    reading(
         "PWM_AUTO",
         24,
         "what StealthChop has found by itself",
-        address=0x72,
-        access=Access.R,
-        reset=None,
-        volatile=True,
-        group=PWM,
-        source=VENDOR,
+        0x72,
+        PWM,
         fields=(
             Field("PWM_OFS_AUTO", 8, "amplitude at rest", lsb=0),
             Field("PWM_GRAD_AUTO", 8, "amplitude that velocity adds", lsb=16),
@@ -381,15 +342,4 @@ ENCM_CTRL = Register(
         flag(1, "maxspeed", "steps are ignored"),
     ),
 )
-LOST_STEPS = Register(
-    "LOST_STEPS",
-    20,
-    "steps that DcStep left out, counted round",
-    unit="steps",
-    address=0x73,
-    access=Access.R,
-    reset=None,
-    volatile=True,
-    group=DRIVER,
-    source=VENDOR,
-)
+LOST_STEPS = reading("LOST_STEPS", 20, "steps that DcStep left out, counted round", 0x73, DRIVER, unit="steps")

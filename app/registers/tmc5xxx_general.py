@@ -11,7 +11,9 @@ from app.registers.tmc5xxx_rows import (
     MODE_STEP_DIR,
     OPEN_PUSH,
     VENDOR,
+    clearing,
     flag,
+    reading,
     state,
 )
 
@@ -96,35 +98,20 @@ _GSTAT_ONE = (
 
 
 def _gstat(width: int, *fields: Field, write_clears: bool = False) -> Register:
-    return Register(
+    return clearing(
         "GSTAT",
         width,
         f"what has happened to the chip; {'writing 1' if write_clears else 'reading'} clears",
-        address=0x01,
-        access=Access.R_W1C if write_clears else Access.R,
-        read_clears=not write_clears,
-        reset=None,
-        volatile=True,
-        group=GROUP,
-        source=VENDOR,
-        fields=fields,
+        0x01,
+        GROUP,
+        write_clears,
+        fields,
     )
 
 
 GSTAT_5130 = _gstat(3, *_GSTAT_ONE)
 GSTAT_5160 = _gstat(3, *_GSTAT_ONE, write_clears=True)
-IFCNT = Register(
-    "IFCNT",
-    8,
-    "UART writes that arrived with a right CRC, counted round",
-    unit="writes",
-    address=0x02,
-    access=Access.R,
-    reset=None,
-    volatile=True,
-    group=GROUP,
-    source=VENDOR,
-)
+IFCNT = reading("IFCNT", 8, "UART writes that arrived with a right CRC, counted round", 0x02, GROUP, unit="writes")
 
 
 def nodeconf(source: str = VENDOR) -> Register:
@@ -152,16 +139,12 @@ def _send_delay(lsb: int) -> Field:
 
 def _ioin(enable: str, index: str) -> Register:
     names = ("REFL_STEP", "REFR_DIR", "ENCB_DCEN_CFG4", "ENCA_DCIN_CFG5", enable, index)
-    return Register(
+    return reading(
         "IOIN",
         32,
         "levels of the pins, and the chip's version",
-        address=0x04,
-        access=Access.R,
-        reset=None,
-        volatile=True,
-        group=GROUP,
-        source=VENDOR,
+        0x04,
+        GROUP,
         fields=(
             *(Field(name, 1, f"pin {name}", lsb=n, values=LOW_HIGH) for n, name in enumerate(names)),
             Field(
@@ -318,16 +301,12 @@ CURRENT_5160 = (
         group="current",
         source=VENDOR,
     ),
-    Register(
+    reading(
         "OFFSET_READ",
         16,
         "what the calibration of the current comparators found",
-        address=0x0C,
-        access=Access.R,
-        reset=None,
-        volatile=True,
-        group="current",
-        source=VENDOR,
+        0x0C,
+        "current",
         fields=(
             Field("OFFSET_READ_B", 8, "offset of phase B", signed=True, lsb=0),
             Field("OFFSET_READ_A", 8, "offset of phase A", signed=True, lsb=8),
@@ -395,16 +374,12 @@ SLAVECONF = Register(
 
 
 def _input(*fields: Field) -> Register:
-    return Register(
+    return reading(
         "INPUT",
         32,
         "levels of the pins, and the chip's version",
-        address=0x04,
-        access=Access.R,
-        reset=None,
-        volatile=True,
-        group=GROUP,
-        source=VENDOR,
+        0x04,
+        GROUP,
         fields=(*fields, Field("VERSION", 8, "version of the silicon", lsb=24)),
     )
 

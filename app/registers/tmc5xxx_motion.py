@@ -13,7 +13,9 @@ from app.registers.tmc5xxx_rows import (
     SCALE_UNIT,
     VELOCITY_UNIT,
     VENDOR,
+    clearing,
     flag,
+    reading,
     state,
 )
 
@@ -70,19 +72,7 @@ def ramp_rows(vstop_reset: int = 0) -> tuple[Register, ...]:
         _position(
             "XACTUAL", 0x21, "position now; written while positioning, the motor sets off to XTARGET", volatile=True
         ),
-        Register(
-            "VACTUAL",
-            24,
-            "velocity now",
-            signed=True,
-            unit=VELOCITY_UNIT,
-            address=0x22,
-            access=Access.R,
-            reset=None,
-            volatile=True,
-            group="ramp",
-            source=VENDOR,
-        ),
+        reading("VACTUAL", 24, "velocity now", 0x22, "ramp", unit=VELOCITY_UNIT, signed=True),
         _velocity("VSTART", 0x23, 18, "velocity with which a motion begins"),
         _acceleration("A1", 0x24, "acceleration from VSTART to V1"),
         _velocity("V1", 0x25, 20, "velocity between the two slopes each way; 0 leaves A1 and D1 out"),
@@ -162,19 +152,15 @@ def _now(lsb: int, name: str, help_: str) -> Field:
 
 def ramp_stat(write_clears: bool) -> Register:
     """RAMP_STAT. write_clears: writing 1 clears the flags that stay (TMC5160); else reading does."""
-    return Register(
+    return clearing(
         "RAMP_STAT",
         14,
         f"where the ramp is and what has happened; {'writing 1' if write_clears else 'reading'} clears "
         "the latches' flags, event_stop_sg, event_pos_reached and second_move",
-        address=0x35,
-        access=Access.R_W1C if write_clears else Access.R,
-        read_clears=not write_clears,
-        reset=None,
-        volatile=True,
-        group="ramp",
-        source=VENDOR,
-        fields=(
+        0x35,
+        "ramp",
+        write_clears,
+        (
             _now(0, "status_stop_l", "the left switch is active"),
             _now(1, "status_stop_r", "the right switch is active"),
             state(2, "status_latch_l", "the left switch has latched a position"),
@@ -232,17 +218,13 @@ def time_threshold_rows(powerdown_reset: int, powerdown_help: str) -> tuple[Regi
             group="current",
             source=VENDOR,
         ),
-        Register(
+        reading(
             "TSTEP",
             20,
             "time between two of 256 microsteps a full step now; 2^20 - 1 at rest",
+            0x12,
+            "thresholds",
             unit=CLOCKS,
-            address=0x12,
-            access=Access.R,
-            reset=None,
-            volatile=True,
-            group="thresholds",
-            source=VENDOR,
         ),
         _clocks("TPWMTHRS", 0x13, "StealthChop while TSTEP is not below this; 0 at every velocity"),
         _clocks("TCOOLTHRS", 0x14, "CoolStep and StallGuard while TSTEP is not above this; 0 never"),
@@ -324,18 +306,14 @@ def _enc_status(write_clears: bool) -> Register:
     events: tuple[Field, ...] = (state(0, "n_event", "the index channel had an event"),)
     if write_clears:
         events += (state(1, "deviation_warn", "X_ENC was farther from XACTUAL than ENC_DEVIATION"),)
-    return Register(
+    return clearing(
         "ENC_STATUS",
         len(events),
         f"what the encoder saw; {'writing 1' if write_clears else 'reading'} clears",
-        address=0x3B,
-        access=Access.R_W1C if write_clears else Access.R,
-        read_clears=not write_clears,
-        reset=None,
-        volatile=True,
-        group="encoder",
-        source=VENDOR,
-        fields=events,
+        0x3B,
+        "encoder",
+        write_clears,
+        events,
     )
 
 

@@ -9,7 +9,9 @@ the chip's data sheet and the place in it, where that tells the row: DS5031 and 
 
 from __future__ import annotations
 
-from app.registers.model import Field
+from dataclasses import replace
+
+from app.registers.model import Access, Field, Register
 
 MICROSTEPS = "microsteps"
 CLOCKS = "tCLK"
@@ -39,6 +41,42 @@ def flag(lsb: int, name: str, help_: str, when: str = "") -> Field:
 def state(lsb: int, name: str, help_: str) -> Field:
     """A bit that tells whether something is so."""
     return Field(name, 1, help_, lsb=lsb, values=NO_YES)
+
+
+def reading(
+    name: str,
+    width: int,
+    help_: str,
+    address: int,
+    group: str,
+    unit: str = "",
+    signed: bool = False,
+    source: str = VENDOR,
+    fields: tuple[Field, ...] = (),
+) -> Register:
+    """A register that the chip keeps by itself, and that can only be read."""
+    return Register(
+        name,
+        width,
+        help_,
+        signed=signed,
+        unit=unit,
+        address=address,
+        access=Access.R,
+        reset=None,
+        volatile=True,
+        group=group,
+        source=source,
+        fields=fields,
+    )
+
+
+def clearing(
+    name: str, width: int, help_: str, address: int, group: str, write_clears: bool, fields: tuple[Field, ...]
+) -> Register:
+    """Flags that stay until somebody clears them, by writing 1 or else by reading."""
+    row = reading(name, width, help_, address, group, fields=fields)
+    return replace(row, access=Access.R_W1C) if write_clears else replace(row, read_clears=True)
 
 
 _PAGES_5072 = {
