@@ -46,6 +46,7 @@ export function ChipThresholds({ chip, settings, current, disabled }: Props) {
       />
     );
   };
+  const clocks = placeOf(chip, AP.coolOn)?.counting === "tstep";
   const soft = chip.planned("SW_MODE", "en_softstop") === 1 && of(AP.stopOnStall) === 1;
   return (
     <Section title="Thresholds" note="drag them in the plot, or type">
@@ -59,10 +60,10 @@ export function ChipThresholds({ chip, settings, current, disabled }: Props) {
       <ChoiceRow {...row(AP.stallFilter, "Filter")} choices={FILTERS} />
       <ChoiceRow
         {...row(AP.stopOnStall, "A stall")}
-        choices={["goes on", "stops the motor"]}
+        choices={["is told", "stops it"]}
         note={soft ? "not together with en_softstop" : ""}
       />
-      {speed(AP.coolOn, "Works above", "0: StallGuard and CoolStep never work")}
+      {speed(AP.coolOn, "Works above", clocks ? "0: StallGuard and CoolStep never work" : "0: from standstill on")}
       <h3 className={classes.group}>CoolStep</h3>
       <NumberRow
         {...row(AP.coolStart, "Lower threshold")}
@@ -76,7 +77,7 @@ export function ChipThresholds({ chip, settings, current, disabled }: Props) {
         max={15}
         note={of(AP.coolStart) === 0 ? "" : `less current above ${fixed(upperLoad(cool))}`}
       />
-      {speed(AP.coolOff, "Off above", "0: never off")}
+      {speed(AP.coolOff, "Off above", clocks ? "0: never off" : "0: StallGuard and CoolStep never work")}
       <ChoiceRow {...row(AP.coolMinimum, "Least current")} choices={MINIMA} />
       <ChoiceRow {...row(AP.coolUp, "Up by")} choices={UPS} />
       <ChoiceRow {...row(AP.coolDown, "Down by 1")} choices={DOWNS} />

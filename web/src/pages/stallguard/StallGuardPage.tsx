@@ -12,7 +12,7 @@ import { Page } from "../../lib/Section";
 import { useSelection } from "../../live/selection";
 import { useParameters } from "../module/useParameters";
 import { ChipThresholds } from "./ChipThresholds";
-import { chipCurrent, chipSettings, placeOf } from "./chip";
+import { chipCurrent, chipSettings, passedFrom, placeOf } from "./chip";
 import { LoadView } from "./LoadView";
 import { AP, NAMES } from "./names";
 import { Thresholds } from "./Thresholds";
@@ -108,9 +108,6 @@ function ModuleLoad({ device, axis }: Props) {
 
 const GROUPS = ["general", "current", "thresholds", "switches", "driver", "ramp"] as const;
 
-/** 0 in a register of speeds: never passed. */
-const orNever = (speed: number | null) => (speed === 0 ? Number.POSITIVE_INFINITY : speed);
-
 function ChipLoad({ device, axis }: Props) {
   const connected = device.state === "connected";
   const clockHz = device.clock_hz ?? 16e6;
@@ -127,10 +124,10 @@ function ChipLoad({ device, axis }: Props) {
       settings={settings}
       current={current}
       limits={{
-        stealth: orNever(held(AP.stealthBelow)),
+        stealth: passedFrom(chip, settings, AP.stealthBelow),
         stealthOn: stealth,
-        coolOn: orNever(held(AP.coolOn)),
-        coolOff: orNever(held(AP.coolOff)),
+        coolOn: passedFrom(chip, settings, AP.coolOn),
+        coolOff: passedFrom(chip, settings, AP.coolOff),
         coolStepOn: (held(AP.coolStart) ?? 0) > 0,
       }}
       zones={{
@@ -141,7 +138,7 @@ function ChipLoad({ device, axis }: Props) {
       }}
       lines={{
         ...(stealth ? { [AP.stealthBelow]: "StealthChop below" } : {}),
-        [AP.coolOn]: "StallGuard and CoolStep above",
+        [AP.coolOn]: "works above",
         [AP.coolOff]: "CoolStep off above",
       }}
       accelerationPps2={amax ? (amax * clockHz ** 2) / 2 ** 41 : null}

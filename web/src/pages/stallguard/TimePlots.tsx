@@ -98,7 +98,7 @@ export function TimePlots({ source, link, name, axis, settings, current, measure
           label="Current over time"
           series={[
             {
-              label: `current, ${current.unit}`,
+              label: current.name,
               color: colorOf("actual_current_scale", scheme),
               unit: symbol,
               stepped: true,

@@ -15,7 +15,7 @@ const TSTEP_MAX = 2 ** 20 - 1;
 const COARSE = 2 ** 8;
 const VELOCITY_MAX = 2 ** 23 - COARSE;
 
-/** The speed of a threshold [pps]; 0 where it is 0: never passed. */
+/** The speed of a threshold [pps]; 0 where it is 0. */
 export function speedOf(raw: number, counting: Counting, { clockHz, microstepsPerFullStep }: SpeedUnits): number {
   if (raw === 0) return 0;
   return counting === "tstep" ? (clockHz * microstepsPerFullStep) / 256 / raw : (raw * clockHz) / 2 ** 24;
@@ -69,6 +69,15 @@ export function placeOf(chip: Pick<Rows, "spot">, name: string): Where | null {
   return PLACES[name]?.find(({ register, field }) => chip.spot(register, field) !== null) ?? null;
 }
 
+/**
+ * The speed from which on a threshold is passed: 0 clocks never are (data sheets of the TMC5130 and TMC5160, TCOOLTHRS
+ * and THIGH), while a velocity of 0 always is (TMC5072, VCOOLTHRS and VHIGH).
+ */
+export function passedFrom(chip: Pick<Rows, "spot">, settings: LoadSettings, name: string): number | null {
+  const speed = settings.held(name);
+  return speed === 0 && placeOf(chip, name)?.counting === "tstep" ? Number.POSITIVE_INFINITY : speed;
+}
+
 /** The registers of a chip as the settings of the page. */
 export function chipSettings(chip: Rows, units: SpeedUnits): LoadSettings {
   const read = (name: string, from: Rows["held"]): number | null => {
@@ -101,6 +110,7 @@ export function chipCurrent(settings: LoadSettings): CurrentScale {
   const step = (100 / 32) * (scaler === null || scaler === 0 ? 1 : scaler / 256);
   const run = settings.planned(AP.runCurrent);
   return {
+    name: "current",
     step,
     run: run === null ? Number.NaN : step * (run + 1),
     unit: "% of full scale",

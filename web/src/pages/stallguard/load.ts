@@ -1,6 +1,6 @@
 /**
  * What the page shows and sets, wherever it is kept: axis parameters of a module, or registers of a chip. By the names
- * in `names.ts`; speeds in pps, of a chip 0 where a threshold is never passed.
+ * in `names.ts`; speeds in pps.
  */
 export interface LoadSettings {
   /** what the device holds; null while unknown */
@@ -13,6 +13,8 @@ export interface LoadSettings {
 
 /** What a count of the current scale (0..31, of the driver) is worth: a count of n stands for (n + 1) of it. */
 export interface CurrentScale {
+  /** in a legend */
+  name: string;
   step: number;
   /** the run current that is set; NaN while unknown */
   run: number;

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { TraceBuffer } from "../../live/TraceBuffer";
-import { chipCurrent, chipSettings, placeOf, speedOf, thresholdFor } from "./chip";
+import { chipCurrent, chipSettings, passedFrom, placeOf, speedOf, thresholdFor } from "./chip";
 import { currentOf, topOf } from "./load";
 import { AP } from "./names";
 import { SPEED_BINS, SpeedMap } from "./speedMap";
@@ -166,6 +166,16 @@ describe("the settings of a chip", () => {
     expect(placeOf(dual.rows, AP.coolOn)?.register).toBe("VCOOLTHRS");
     expect(chipSettings(dual.rows, units).planned(AP.coolOn)).toBe(0);
     expect(chipCurrent(chipSettings(dual.rows, units)).run).toBeNaN();
+  });
+  it("are never passed at 0 clocks, and always at a velocity of 0", () => {
+    const of = (values: Record<string, number>) => {
+      const { rows } = chipOf(values);
+      return passedFrom(rows, chipSettings(rows, units), AP.coolOff);
+    };
+    expect(of({ THIGH: 0 })).toBe(Number.POSITIVE_INFINITY);
+    expect(of({ THIGH: 320 })).toBe(50_000);
+    expect(of({ VHIGH: 0 })).toBe(0);
+    expect(of({})).toBeNull();
   });
   it("are staged as the register counts them", () => {
     const { rows, staged } = chipOf({ TCOOLTHRS: 320, "COOLCONF.sgt": 0 });

@@ -64,6 +64,7 @@ export function currentA(scale: number, scaler: number | null): number {
 /** What the module's current scale stands for. */
 export function moduleCurrent(setting: CurrentSetting): CurrentScale {
   return {
+    name: "current, rms",
     step: currentA(0, setting.scaler), // of one count, and that of count 0
     run: runCurrentA(setting),
     unit: "A rms",
