@@ -1,0 +1,91 @@
+"""PyTrinamic's classes of the TMC5xxx evaluation boards, unmodified, and the emulated board: over a pty and TCP."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from pytrinamic.connections import ConnectionManager
+from pytrinamic.evalboards import TMC5031_eval, TMC5062_eval, TMC5072_eval, TMC5130_eval, TMC5160_eval
+from pytrinamic.modules import Landungsbruecke
+
+from app.clock import WallClock
+from app.emulators.board.build import build_board
+from app.emulators.line.line import Line
+from tests.peers.served_line import served
+from tests.peers.test_pytrinamic import wait_for
+from tests.peers.test_pytrinamic_landungsbruecke import refused
+
+EVALUATIONS = {
+    "tmc5031": TMC5031_eval,
+    "tmc5062": TMC5062_eval,
+    "tmc5072": TMC5072_eval,
+    "tmc5130": TMC5130_eval,
+    "tmc5160": TMC5160_eval,
+}
+REFUSED = {9, 29, 165, 166, 211}
+"""Parameters that PyTrinamic has a name for and the emulated board no answer (docs/tmc5xxx.md)."""
+
+NOT_THERE = {"tmc5031": {24, 140, 209, 210}, "tmc5072": {185}, "tmc5160": {34, 184, 185}}
+"""Parameters that it has a name for and the chip no register or field."""
+
+
+@pytest.fixture(params=[(model, how) for model in EVALUATIONS for how in ("pty", "tcp")],
+                ids=lambda param: " over ".join(param))  # fmt: skip
+def evaluation(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Any]:
+    model, how = request.param
+    line = Line([build_board(model, WallClock(), {})], WallClock())
+    with served(line, tmp_path / "board") as (host, port):
+        arguments = (
+            f"--interface serial_tmcl --port {tmp_path / 'board'} --data-rate 115200"
+            if how == "pty"
+            else f"--interface socket_serial_tmcl --port {host}:{port}"
+        )
+        with ConnectionManager(f"{arguments} --timeout 20").connect() as connection:
+            made = EVALUATIONS[model](connection)
+            made.model, made.connection = model, connection
+            yield made
+
+
+def test_it_is_known_and_its_registers_survive_both_ways(evaluation: Any) -> None:
+    assert Landungsbruecke(evaluation.connection).get_board_names()[0] == evaluation.model.upper()
+    for value in (0, -1, 0x1234_5678, -(2**31)):
+        evaluation.write_register(0x21, value)
+        assert evaluation.read_register(0x21, signed=True) == value
+    assert evaluation.read_register(0x26) == 0, "write only: from the firmware's memory"
+    evaluation.write_register(0x26, 1000)
+    assert evaluation.read_register(0x26) == 1000
+
+
+def test_every_motor_moves_rotates_and_stops(evaluation: Any) -> None:
+    for axis, motor in enumerate(evaluation.motors):
+        ap = motor.AP
+        settings = (
+            (ap.MaxAcceleration, 50_000), (ap.MaxDeceleration, 50_000), (ap.D1, 50_000), (ap.StopVelocity, 10),
+        )  # fmt: skip
+        for number, value in settings:
+            motor.set_axis_parameter(number, value)
+            assert motor.get_axis_parameter(number) == value
+        motor.move_to(3000 + axis, 500_000)
+        wait_for(lambda motor=motor, ap=ap: bool(motor.get_axis_parameter(ap.PositionReachedFlag)))  # type: ignore[misc]  # mypy knows no defaults of lambdas
+        assert motor.actual_position == 3000 + axis
+        assert motor.target_position == 3000 + axis
+        motor.rotate(-100_000)
+        wait_for(lambda motor=motor: motor.actual_velocity == -100_000)  # type: ignore[misc]  # likewise
+        motor.stop()
+        wait_for(lambda motor=motor: motor.actual_velocity == 0)  # type: ignore[misc]  # likewise
+        assert motor.actual_position < 3000
+    positions = [motor.actual_position for motor in evaluation.motors]
+    assert [evaluation.read_register(0x21 + 0x20 * axis, True) for axis in range(len(positions))] == positions
+
+
+def test_every_parameter_that_it_has_a_name_for_is_answered(evaluation: Any) -> None:
+    numbers = {number for name, number in vars(evaluation.motors[0].AP).items() if not name.startswith("_")}
+    missing = NOT_THERE.get(evaluation.model, set())
+    for number in sorted(numbers - REFUSED - missing):
+        value = evaluation.motors[0].get_axis_parameter(number)
+        assert isinstance(value, int), number
+    for number in numbers & (REFUSED | missing):
+        assert refused(lambda number=number: evaluation.motors[0].get_axis_parameter(number)) == 3
