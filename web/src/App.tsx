@@ -18,6 +18,7 @@ const COMPONENTS: Record<string, ComponentType> = {
   "/parameters": lazy(() => import("./pages/parameters/ParametersPage")),
   "/encoder": lazy(() => import("./pages/encoder/EncoderPage")),
   "/stallguard": lazy(() => import("./pages/stallguard/StallGuardPage")),
+  "/currents": lazy(() => import("./pages/currents/CurrentsPage")),
   "/rotary": lazy(() => import("./pages/rotary/RotaryPage")),
   "/console": lazy(() => import("./pages/console/ConsolePage")),
   "/connections": lazy(() => import("./pages/connections/ConnectionsPage")),

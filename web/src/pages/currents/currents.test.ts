@@ -1,5 +1,7 @@
 import { describe, expect, it } from "vitest";
+import type { Registers } from "./chip";
 import { holdLine, holdTimes } from "./hold";
+import { bodyOf, wantedBody } from "./sensing";
 import {
   axisFor,
   chopperZones,
@@ -28,27 +30,81 @@ const MODES: Modes = {
 };
 
 describe("the way to the hold current", () => {
-  const settings = { irun: 16, ihold: 8, iholddelay: 4, tpowerdown: 10, clockHz: 16e6 };
+  const DELAY = {
+    ihold_delay: 4,
+    step_s: 0.1,
+    steps: 8,
+    lowering_s: 0.8,
+    tpowerdown: 10,
+    waiting_s: 0.2,
+    standstill_s: 0.05,
+  };
 
-  it("takes TPOWERDOWN and a delay for each of the steps", () => {
-    const times = holdTimes(settings);
-    expect(times.waitS).toBeCloseTo(0.16384);
-    expect(times.stepS).toBeCloseTo(0.065536);
-    expect(times.fallS).toBeCloseTo(8 * 0.065536);
-    expect(holdTimes({ ...settings, iholddelay: 0 }).fallS).toBe(0);
-    // without TPOWERDOWN it begins when the chip sees that the motor stands
-    expect(holdTimes({ ...settings, tpowerdown: null }).waitS).toBeCloseTo(0.065536);
+  it("begins when the chip has seen that the motor stands, and waited", () => {
+    const times = holdTimes(DELAY);
+    expect([times.seenS, times.fallsS, times.downS].map((time) => Number(time.toFixed(6)))).toEqual([0.05, 0.25, 1.05]);
+    expect(holdTimes({ ...DELAY, tpowerdown: null, waiting_s: null }).fallsS).toBe(0.05);
   });
 
   it("is a staircase, down or up", () => {
-    const line = holdLine(settings, (scale) => scale / 10);
+    const line = holdLine(DELAY, 16, 8, (scale) => scale / 10);
     expect(line.y[0]).toBe(1.6);
     expect(line.y.at(-1)).toBe(0.8);
     expect(new Set(line.y).size).toBe(9);
     expect(line.x).toEqual([...line.x].sort((a, b) => a - b));
-    const up = holdLine({ ...settings, irun: 2, ihold: 4 }, (scale) => scale);
-    expect([...new Set(up.y)]).toEqual([2, 3, 4]);
-    expect(holdLine({ ...settings, ihold: 16 }, (scale) => scale).y).toEqual([16, 16, 16, 16]);
+    expect([...new Set(holdLine(DELAY, 2, 4, (scale) => scale).y)]).toEqual([2, 3, 4]);
+    expect(holdLine(DELAY, 16, 16, (scale) => scale).y).toEqual([16, 16, 16]);
+  });
+});
+
+/** A chip of a few registers. */
+function chipOf(values: Record<string, number>): Registers {
+  const planned = (register: string, field?: string) => values[field ?? register] ?? null;
+  const spot = (register: string) => (register in values ? ({} as ReturnType<Registers["spot"]>) : null);
+  return { spot, planned, held: planned, isStaged: () => false, origin: () => "read", put: () => {} };
+}
+
+describe("the question about a current", () => {
+  const BOARD = { senseOhm: 0.1, referenceOhm: 9100, ainV: 1.5 };
+  const SCALES = { IRUN: 20, IHOLD: 8, IHOLDDELAY: 6 };
+
+  it("has what each chip has", () => {
+    const big = chipOf({ ...SCALES, GLOBAL_SCALER: 130, TPOWERDOWN: 10 });
+    expect(bodyOf(big, "tmc5160", 12e6, BOARD)).toEqual({
+      model: "tmc5160",
+      clock_hz: 12e6,
+      sense_resistor_ohm: 0.1,
+      irun: 20,
+      ihold: 8,
+      ihold_delay: 6,
+      tpowerdown: 10,
+      global_scaler: 130,
+    });
+    const dual = bodyOf(chipOf({ ...SCALES, vsense: 1 }), "tmc5072", 16e6, BOARD);
+    expect(dual).toMatchObject({ vsense: 1, sense_resistor_ohm: 0.1 });
+    expect(dual).not.toHaveProperty("tpowerdown");
+  });
+
+  it("knows that a TMC5130 can measure inside, or scale with a voltage", () => {
+    const set = { ...SCALES, vsense: 0, TPOWERDOWN: 10 };
+    const inside = bodyOf(chipOf({ ...set, internal_Rsense: 1, I_scale_analog: 1 }), "tmc5130", 16e6, BOARD);
+    expect(inside).toMatchObject({ reference_resistor_ohm: 9100 });
+    expect(inside).not.toHaveProperty("sense_resistor_ohm");
+    expect(inside).not.toHaveProperty("ain_v");
+    expect(bodyOf(chipOf({ ...set, I_scale_analog: 1 }), "tmc5130", 16e6, BOARD)).toMatchObject({ ain_v: 1.5 });
+  });
+
+  it("waits for the registers, and takes a scaler that is none for full scale", () => {
+    expect(bodyOf(chipOf({}), "tmc5160", 16e6, BOARD)).toBeNull();
+    expect(bodyOf(chipOf({ ...SCALES, GLOBAL_SCALER: 5 }), "tmc5160", 16e6, BOARD)?.global_scaler).toBe(0);
+  });
+
+  it("the other way leaves out what is to be found", () => {
+    const body = bodyOf(chipOf({ ...SCALES, GLOBAL_SCALER: 130 }), "tmc5160", 16e6, BOARD);
+    if (body === null) throw new Error("no body");
+    const wanted = wantedBody(body, 1.2, 0.4, "peak");
+    expect(wanted).toMatchObject({ run_a: 1.2, hold_a: 0.4, measure: "peak", ihold_delay: 6 });
+    for (const key of ["irun", "ihold", "vsense", "global_scaler"]) expect(wanted).not.toHaveProperty(key);
   });
 });
 

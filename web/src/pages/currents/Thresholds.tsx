@@ -1,0 +1,105 @@
+import { Text } from "@mantine/core";
+import { compact } from "../../lib/format";
+import { NumberField } from "../../lib/NumberField";
+import { ChipField } from "../../lib/rows/ChipField";
+import { Section } from "../../lib/Section";
+import { type Registers, THRESHOLDS, thresholdKind } from "./chip";
+import classes from "./currents.module.css";
+import { SpeedAxis, type Threshold } from "./SpeedAxis";
+import { axisFor, ppsOf, registerOf, rpmOf, type SpeedScale } from "./speed";
+
+interface Props {
+  chip: Registers;
+  scale: SpeedScale;
+  now: () => number;
+  disabled: boolean;
+}
+
+const WHAT = {
+  stealth: "StealthChop below",
+  cool: "CoolStep and StallGuard above",
+  high: "fast chopper above",
+} as const;
+
+/** TSTEP and the thresholds against it, or the velocities of chips with two axes, as speeds. */
+export function Thresholds({ chip, scale, now, disabled }: Props) {
+  const kind = thresholdKind(chip);
+  const names = THRESHOLDS[kind];
+  const axis = axisFor(scale);
+  const rows = (["stealth", "cool", "high"] as const).flatMap((role) => {
+    const register = names[role];
+    return register === null || chip.spot(register) === null ? [] : [{ role, register }];
+  });
+  const ppsAt = (register: string | null) => (register === null ? null : ppsOf(kind, chip.planned(register), scale));
+  const flag = (register: string, field: string) => chip.planned(register, field) === 1;
+  const modes = {
+    stealth: flag("GCONF", "en_pwm_mode"),
+    stealthBelow: ppsAt(names.stealth),
+    coolAbove: ppsAt(names.cool),
+    highAbove: ppsAt(names.high),
+    highChopper: flag("CHOPCONF", "vhighchm"),
+    highFullstep: flag("CHOPCONF", "vhighfs"),
+  };
+  const thresholds = rows.map(
+    ({ role, register }): Threshold => ({
+      register,
+      name: register,
+      pps: ppsAt(register),
+      staged: chip.isStaged(register),
+      lane: role === "stealth" ? "chopper" : role === "cool" ? "cool" : "both",
+    }),
+  );
+  const move = (register: string, pps: number) => chip.put(register, undefined, registerOf(kind, pps, scale));
+
+  return (
+    <Section
+      title="Speed thresholds"
+      note={kind === "tstep" ? "TSTEP: clocks between two 256ths of a full step" : "velocities of the ramp generator"}
+    >
+      <SpeedAxis
+        axis={axis}
+        scale={scale}
+        modes={modes}
+        thresholds={thresholds}
+        now={now}
+        disabled={disabled}
+        onMove={move}
+      />
+      <div className={classes.thresholdRows}>
+        {rows.map(({ role, register }) => {
+          const pps = ppsAt(register);
+          return (
+            <div key={register} className={classes.thresholdRow} data-testid={`threshold-${register}`}>
+              <ChipField chip={chip} register={register} disabled={disabled} physical={() => WHAT[role]} />
+              <NumberField
+                label="as a speed"
+                unit="rpm"
+                aria-label={`${register} in rpm`}
+                value={pps === null ? null : Number(rpmOf(pps, scale).toPrecision(5))}
+                placeholder="off"
+                min={1e-3}
+                max={1e6}
+                step={10}
+                disabled={disabled}
+                description={pps === null ? "0 turns it off" : `${compact(Math.round(pps))} pps`}
+                inputWrapperOrder={["label", "input", "description", "error"]}
+                onChange={(rpm) => move(register, (rpm * scale.microsteps * scale.fullStepsPerTurn) / 60)}
+                data-testid={`rpm-${register}`}
+              />
+            </div>
+          );
+        })}
+      </div>
+      <div className={classes.checks}>
+        <ChipField chip={chip} register="GCONF" field="en_pwm_mode" label="StealthChop" disabled={disabled} />
+        <ChipField chip={chip} register="CHOPCONF" field="vhighchm" label="constant off time" disabled={disabled} />
+        <ChipField chip={chip} register="CHOPCONF" field="vhighfs" label="full steps" disabled={disabled} />
+      </div>
+      {modes.highAbove !== null && modes.coolAbove !== null && modes.coolAbove >= modes.highAbove && (
+        <Text className={classes.caution} role="status">
+          {names.cool} begins where {names.high} has ended it already: CoolStep is never on.
+        </Text>
+      )}
+    </Section>
+  );
+}
