@@ -8,10 +8,10 @@ from pydantic import Field
 
 from app.api.schemas import Answer, Body, Flag, Tmc5xxxName
 
-Amperes = Annotated[float, Field(strict=True, gt=0, le=100, allow_inf_nan=False)]
-Ohms = Annotated[float, Field(strict=True, gt=0, le=1e6, allow_inf_nan=False)]
-Volts = Annotated[float, Field(strict=True, gt=0, le=1000, allow_inf_nan=False)]
-Henries = Annotated[float, Field(strict=True, gt=0, le=10, allow_inf_nan=False)]
+Amperes = Annotated[float, Field(strict=True, ge=1e-3, le=100, allow_inf_nan=False)]
+Ohms = Annotated[float, Field(strict=True, ge=1e-3, le=1e6, allow_inf_nan=False)]
+Volts = Annotated[float, Field(strict=True, ge=1, le=1000, allow_inf_nan=False)]
+Henries = Annotated[float, Field(strict=True, ge=1e-6, le=10, allow_inf_nan=False)]
 Seconds = Annotated[float, Field(strict=True, ge=0, le=1e6, allow_inf_nan=False)]
 ClockHz = Annotated[float, Field(strict=True, ge=4e6, le=18e6, allow_inf_nan=False)]
 Scale = Annotated[int, Field(strict=True, ge=0, le=31)]
@@ -144,7 +144,7 @@ class Chopper(Body):
     inductance_h: Henries = Field(description="of a coil")
     current_a: Amperes = Field(description="of the run current, as RMS [A]")
     supply_v: Volts = Field(description="of the motor")
-    holding_torque_nm: Annotated[float, Field(strict=True, gt=0, le=1000, allow_inf_nan=False)] | None = Field(
+    holding_torque_nm: Annotated[float, Field(strict=True, ge=1e-4, le=1000, allow_inf_nan=False)] | None = Field(
         default=None, description="both phases at the rated current; null leaves out what needs the back-EMF"
     )
     rated_current_a: Amperes | None = Field(default=None, description="null: as `current_a`")
