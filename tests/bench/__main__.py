@@ -8,12 +8,24 @@ import platform
 import sys
 from collections.abc import Callable, Sequence
 
-from tests.bench import browser, calculators, emulation, emulation4361, motor, mslut, planner, serving, tmcl_link
+from tests.bench import (
+    browser,
+    calculators,
+    emulation,
+    emulation5xxx,
+    emulation4361,
+    motor,
+    mslut,
+    planner,
+    serving,
+    tmcl_link,
+)
 from tests.bench.table import Row, render
 
 MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "emulation": lambda quick: [emulation.measure(quick=quick)],
     "tmc4361": emulation4361.measure,
+    "tmc5xxx": emulation5xxx.measure,
     "cpu": lambda quick: [serving.measure_cpu(quick=quick)],
     "get": lambda quick: [serving.measure_get(quick=quick)],
     "telemetry": lambda quick: serving.measure_telemetry(quick=quick),

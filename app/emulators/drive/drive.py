@@ -53,7 +53,7 @@ class Drive:
         self._registers: dict[str, int] = {}
         self._gstat = 0
         self._wired = True
-        self._hot = False
+        self._hot = self._undervoltage = False
         self._enabled, self._sense = True, 1.0
         self._stall_stop_velocity: int | None = None
         self._set_constants()
@@ -120,11 +120,11 @@ class Drive:
                 at = int(s[k.LOOK])
                 return self._wave[at & 1023] & 0x1FF | (self._wave[at + 256 & 1023] & 0x1FF) << 16
             case "RAMP_STAT":
-                return self._ramp_stat()
+                return self.ramp_stat
             case "DRV_STATUS":
                 return self._drv_status()
             case "GSTAT":
-                return self._gstat | (_GSTAT_UV_CP if self._undervoltage else 0)
+                return self.gstat
             case "ENC_STATUS":
                 return int(s[k.N_FLAG]) | self.external.exceeded << 1
             case "PWM_SCALE":
@@ -228,38 +228,15 @@ class Drive:
         words = tuple(self._registers[f"MSLUT[{i}]"] for i in range(8))
         self._wave, self._table[:] = wave_of(words, self._registers["MSLUTSEL"], self._registers["MSLUTSTART"])
 
-    def _ramp_stat(self) -> int:
-        s = self._s
-        v, mode, way = int(s[k.V]), int(s[k.MODE]), wrap32(int(s[k.XT]) - int(s[k.X]))
-        # the direction it goes or is asked to go; hold mode asks for none
-        heading = v or {k.POSITION: way, k.FORWARD: 1, k.BACKWARD: -1, k.HOLD_MODE: 0}[mode]
-        stalled = bool(k.stalled(s)) and bool(k.stall_may_stop(s))
-        flags = (
-            (0, s[k.LSEEN]),
-            (1, s[k.RSEEN]),
-            (4, s[k.LSTOP] and heading < 0),
-            (5, s[k.RSTOP] and heading > 0),
-            (8, s[k.FAST]),
-            (9, way == 0),
-            (10, v == 0),
-            (11, s[k.ZWAIT] > 0),
-            (13, stalled),
-        )
-        return int(s[k.LATCHED]) | sum(1 << bit for bit, on in flags if on)
-
     def _drv_status(self) -> int:
-        s = self._s
-        open_load = not self.world.motor_connected and self._toff > 0
-        flags = (
-            (14, s[k.STEALTH]),
-            (24, k.stalled(s)),
-            (25, self._hot),
-            (26, self.world.temperature_c >= OTPW_C),
-            (29, open_load),
-            (30, open_load),
-            (31, s[k.STILL] >= s[k.STILL_LIMIT]),
-        )
-        return int(s[k.SG]) | int(s[k.CS]) << 16 | sum(1 << bit for bit, on in flags if on)
+        word = int(k.driver_stat(self._s))
+        if self._hot:
+            word |= 1 << 25
+        if self.world.temperature_c >= OTPW_C:
+            word |= 1 << 26
+        if not self.world.motor_connected and self._toff > 0:
+            word |= 3 << 29
+        return word
 
     def _pwm_scale(self) -> int:
         """PWM_SCALE_SUM: the voltage that the coils need, of what the supply has. 0 unless StealthChop works."""
@@ -329,6 +306,22 @@ class Drive:
         self._world_changed()
 
     # --- the rest --------------------------------------------------------------------------------
+
+    @property
+    def ramp_stat(self) -> int:
+        """RAMP_STAT, for who asks often."""
+        return int(k.ramp_stat(self._s))
+
+    @property
+    def gstat(self) -> int:
+        """GSTAT."""
+        return self._gstat | (_GSTAT_UV_CP if self._undervoltage else 0)
+
+    @property
+    def standing_or_stalled(self) -> tuple[bool, bool]:
+        """DRV_STATUS.stst and stallGuard."""
+        word = int(k.driver_stat(self._s))
+        return bool(word >> 31), bool(word >> 24 & 1)
 
     @property
     def stall_stop_velocity(self) -> int | None:
@@ -427,10 +420,6 @@ class Drive:
     def _toff(self) -> int:
         return bits(self._registers["CHOPCONF"], 0, 4)
 
-    @property
-    def _undervoltage(self) -> bool:
-        return self.world.supply_v < UNDERVOLTAGE_V
-
     def _set_constants(self) -> None:
         options, encoders, f = self.options, self.options.encoders, self._f
         set_physics(options, self._s, f, k.TICK_CLOCKS)
@@ -453,6 +442,7 @@ class Drive:
     def _world_changed(self) -> None:
         if not self._registers:  # still being made
             return
+        self._undervoltage = self.world.supply_v < UNDERVOLTAGE_V
         was_hot = self._hot
         self._hot = self.world.temperature_c >= (OTPW_C if was_hot else OT_C)
         if self._hot and not was_hot:

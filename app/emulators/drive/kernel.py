@@ -537,6 +537,45 @@ def stall_may_stop(s: Cells) -> bool:
     return s[TSTEP] <= s[TCOOLTHRS]
 
 
+@compiled
+def ramp_stat(s: Cells) -> int:
+    """RAMP_STAT."""
+    v, mode, way = s[V], s[MODE], wrap32(s[XT] - s[X])
+    # the direction it goes or is asked to go; hold mode asks for none
+    heading = v
+    if v == 0:
+        heading = way if mode == POSITION else 1 if mode == FORWARD else -1 if mode == BACKWARD else 0
+    word = s[LATCHED] | s[LSEEN] | s[RSEEN] << 1
+    if s[LSTOP] and heading < 0:
+        word |= 1 << 4
+    if s[RSTOP] and heading > 0:
+        word |= 1 << 5
+    if s[FAST]:
+        word |= 1 << 8
+    if way == 0:
+        word |= 1 << 9
+    if v == 0:
+        word |= 1 << 10
+    if s[ZWAIT] > 0:
+        word |= 1 << 11
+    if stalled(s) and stall_may_stop(s):
+        word |= 1 << 13
+    return word
+
+
+@compiled
+def driver_stat(s: Cells) -> int:
+    """The part of DRV_STATUS that the cells tell."""
+    word = s[SG] | s[CS] << 16
+    if s[STEALTH]:
+        word |= 1 << 14
+    if stalled(s):
+        word |= 1 << 24
+    if s[STILL] >= s[STILL_LIMIT]:
+        word |= 1 << 31
+    return word
+
+
 # --- stage and encoders --------------------------------------------------------------------------
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from app.emulators.drive import Drive
 from app.emulators.drive.registers import ALIASES, READ_ONLY, WRITABLE
 from app.emulators.drive.units import bits
@@ -25,9 +27,10 @@ class Axis:
         """Dual chips: PWM_AMPL is not 0."""
         self.drive = Drive(options.drive(kind.full_scale_a, has_encoder))
 
-    def read(self, row: Register) -> int:
-        """A live register, as an unsigned word."""
-        return self.drive.read(_NAMES.get(row.name, row.name)) & row.mask
+    def reader(self, row: Register) -> Callable[[], int]:
+        """What reads a live register, as an unsigned word."""
+        read, name, mask = self.drive.read, _NAMES.get(row.name, row.name), row.mask
+        return lambda: read(name) & mask
 
     def clear(self, row: Register, ones: int) -> None:
         """Let flags go."""

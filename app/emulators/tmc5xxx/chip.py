@@ -13,7 +13,7 @@ from app.emulators.tmc5xxx.options import Tmc5xxxModel, Tmc5xxxOptions, Tmc5xxxP
 from app.emulators.tmc5xxx.registers import Chip
 from app.emulators.tmc5xxx.state import Tmc5xxxState
 from app.emulators.tmc5xxx.uart import UartEnd
-from app.links.datagram40 import FRAME_BYTES, Reply, Request
+from app.links.datagram40 import ADDRESS_MAX, FRAME_BYTES, WRITE_BIT
 
 
 class EmulatedTmc5xxx(FarEnd):
@@ -61,14 +61,14 @@ class EmulatedTmc5xxx(FarEnd):
         with self._lock:
             chip = self._chip
             self._run_until(at_s)
-            received = (Reply(chip.spi_status, self._data).encode() + sent)[: len(sent)]
+            received = (bytes((chip.spi_status,)) + self._data.to_bytes(4, "big") + sent)[: len(sent)]
             if len(sent) >= FRAME_BYTES:
-                request = Request.decode(sent[-FRAME_BYTES:])
-                if request.write:
-                    chip.write(request.address, request.data)
-                    self._data = request.data
+                first, data = sent[-FRAME_BYTES], int.from_bytes(sent[1 - FRAME_BYTES :], "big")
+                if first & WRITE_BIT:
+                    chip.write(first & ADDRESS_MAX, data)
+                    self._data = data
                 else:
-                    self._data = chip.read(request.address)
+                    self._data = chip.read(first)
             return self._faults.pass_on(self._model, received, self._noise)
 
     # --- UART ------------------------------------------------------------------------------------

@@ -5,6 +5,9 @@ A write takes effect at once, a read is taken when its datagram has come. Regist
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+
 from app.emulators.tmc5xxx.axis import LIVE, Axis
 from app.emulators.tmc5xxx.chips import CHIPS
 from app.emulators.tmc5xxx.options import Tmc5xxxModel, Tmc5xxxOptions
@@ -16,8 +19,6 @@ _RESET, _DRV_ERR, _UV_CP = 1, 2, 4
 """GSTAT of a TMC5160, which is what a drive has."""
 _EVENTS = 0xF0
 """RAMP_STAT: stops left, right and by StallGuard2, position reached."""
-_SINGLE_STATUS = ((24, 2), (31, 3)), ((8, 4), (9, 5), (0, 6), (1, 7))
-"""(bit in DRV_STATUS, bit in the status byte), and the same of RAMP_STAT, of chips with one motor."""
 
 
 class Chip:
@@ -28,11 +29,13 @@ class Chip:
         self.table = TABLES[model]
         self.has_encoder = self.table.find("X_ENC", 0) is not None
         self.axes = tuple(Axis(self.kind, options, self.has_encoder) for _ in range(self.kind.axes))
+        self._clock = 0
         self._drv_enn = False
         self.node_pin = options.node_pin
         self.ifcnt = 0
         self._words: dict[int, int] = {}
         self._encoders = [True] * self.kind.axes
+        self._readers = {row.address: self._reader(row) for row in self.table if row.access.readable and not row.when}
         self.reset()
 
     # --- power and time --------------------------------------------------------------------------
@@ -49,31 +52,17 @@ class Chip:
 
     def advance(self, clock: int) -> None:
         """Catch up to `clock` clocks; never back."""
-        for axis in self.axes:
-            if axis.drive.clocks < clock:
+        if clock > self._clock:
+            self._clock = clock
+            for axis in self.axes:
                 axis.drive.advance(clock)
 
     # --- the buses -------------------------------------------------------------------------------
 
     def read(self, address: int) -> int:
         """The word at `address`; 0 where nothing can be read. Flags of chips that clear them by reading are cleared."""
-        row = self.table.at(address)
-        if row is None or not row.access.readable:
-            return 0
-        match row.name:
-            case "GSTAT":
-                word = self.gstat
-            case "IFCNT":
-                word = self.ifcnt
-            case "IOIN" | "INPUT":
-                word = self._pins(row)
-            case name if name in LIVE:
-                word = self.axes[row.axis or 0].read(row)
-            case _:
-                word = self.held(address)
-        if row.read_clears:
-            self._clear(row, word)
-        return word
+        reader = self._readers.get(address)
+        return reader() if reader else 0
 
     def write(self, address: int, word: int) -> None:
         """Write `word`; bits that the register does not have are dropped, as are writes to what cannot be written."""
@@ -89,6 +78,26 @@ class Chip:
     def held(self, address: int) -> int:
         """What was written there last."""
         return self._words.get(address, 0)
+
+    def _reader(self, row: Register) -> Callable[[], int]:
+        """What answers for a register."""
+        match row.name:
+            case "GSTAT":
+                read: Callable[[], int] = partial(getattr, self, "gstat")
+            case "IFCNT":
+                read = partial(getattr, self, "ifcnt")
+            case "IOIN" | "INPUT":
+                read = partial(self._pins, row)
+            case name if name in LIVE:
+                read = self.axes[row.axis or 0].reader(row)
+            case _:
+                read = partial(self.held, row.address)
+        return partial(self._read_and_clear, row, read) if row.read_clears else read
+
+    def _read_and_clear(self, row: Register, read: Callable[[], int]) -> int:
+        word = read()
+        self._clear(row, word)
+        return word
 
     def _take(self, row: Register, word: int) -> None:
         self._words[row.address] = word
@@ -134,7 +143,7 @@ class Chip:
     @property
     def gstat(self) -> int:
         """GSTAT: dual chips have a driver error for each motor."""
-        words = [axis.drive.read("GSTAT") for axis in self.axes]
+        words = [axis.drive.gstat for axis in self.axes]
         if self.kind.single:
             return words[0]
         return words[0] & (_RESET | _DRV_ERR) | (words[1] & _DRV_ERR) << 1 | bool((words[0] | words[1]) & _UV_CP) << 3
@@ -142,19 +151,15 @@ class Chip:
     @property
     def spi_status(self) -> int:
         """The first byte of every SPI reply, of this moment."""
-        ramps = [axis.drive.read("RAMP_STAT") for axis in self.axes]
+        first = self.axes[0].drive
+        ramp = first.ramp_stat
         if self.kind.single:
-            status, (of_driver, of_ramp) = self.gstat & (_RESET | _DRV_ERR), _SINGLE_STATUS
-            driver = self.axes[0].drive.read("DRV_STATUS")
-            for source, target in of_driver:
-                status |= (driver >> source & 1) << target
-            for source, target in of_ramp:
-                status |= (ramps[0] >> source & 1) << target
-            return status
-        status = self.gstat & 7
-        for index, word in enumerate(ramps):
-            status |= (word >> 8 & 1) << 3 + index | (word & 1) << 5 + index
-        return status
+            standing, stalled = first.standing_or_stalled
+            # velocity and position reached, both switches
+            return first.gstat & 3 | stalled << 2 | standing << 3 | (ramp >> 8 & 3) << 4 | (ramp & 3) << 6
+        second = self.axes[1].drive.ramp_stat
+        reached, left = ramp >> 8 & 1 | (second >> 8 & 1) << 1, ramp & 1 | (second & 1) << 1
+        return self.gstat & 7 | reached << 3 | left << 5
 
     @property
     def drv_enn(self) -> bool:
@@ -185,7 +190,7 @@ class Chip:
     @property
     def interrupt(self) -> bool:
         """Whether the interrupt output is active."""
-        return any(axis.drive.read("RAMP_STAT") & _EVENTS or axis.drive.read("ENC_STATUS") for axis in self.axes)
+        return any(axis.drive.ramp_stat & _EVENTS or axis.drive.read("ENC_STATUS") for axis in self.axes)
 
     def encoder_lines(self, axis: int) -> tuple[bool, bool, bool]:
         """Levels of A, B and N."""
