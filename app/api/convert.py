@@ -10,8 +10,16 @@ from typing import get_args
 from pydantic import TypeAdapter, ValidationError
 
 from app.api.problems import findings, problem_of
-from app.api.schemas import AxisConfig, AxisInfo, ChannelInfo, DeviceInfo, Tmc5xxxName
-from app.api.schemas_axes import MotionEnd, Prediction, StopResult
+from app.api.schemas import (
+    AxisConfig,
+    AxisInfo,
+    ChannelInfo,
+    DeviceInfo,
+    RegisterBatchResult,
+    RegisterWritten,
+    Tmc5xxxName,
+)
+from app.api.schemas_axes import MotionEnd, Prediction, StartUp, StopResult
 from app.api.schemas_calc import Phase
 from app.api.schemas_closed_loop import Recording, ResponseState, Score
 from app.api.schemas_devices import (
@@ -36,6 +44,7 @@ from app.devices import prediction, results
 from app.devices.config import AxisSettings, slug, unique_slug
 from app.devices.device import Axis, Device
 from app.devices.results import StopOutcome
+from app.devices.tmc5xxx.start_up import Start
 from app.emulators.tmc4361 import EmulatedTmc4361
 from app.emulators.tmc4361.options import Tmc4361Patch
 from app.links import datagram40
@@ -156,6 +165,29 @@ def _axis_info(axis: Axis) -> AxisInfo:
 def stop_result(outcome: StopOutcome) -> StopResult:
     problem = None if outcome.problem is None else problem_of(outcome.problem)
     return StopResult(device=outcome.device, axis=outcome.axis, ok=outcome.ok, took_ms=outcome.took_ms, problem=problem)
+
+
+def batch_result(result: results.BatchResult) -> RegisterBatchResult:
+    return RegisterBatchResult(
+        done=[RegisterWritten.model_validate(written) for written in result.done],
+        failed=None if result.failed is None else problem_of(result.failed),
+        not_tried=result.not_tried,
+    )
+
+
+def start_of(body: StartUp) -> Start:
+    return Start(
+        vmax=body.velocity_pps,
+        amax=body.acceleration_pps2,
+        dmax=body.deceleration_pps2,
+        d1=body.deceleration_pps2,
+        irun=body.irun,
+        ihold=body.ihold,
+        counts_per_rev=body.counts_per_rev,
+        invert_encoder=body.invert_encoder,
+        stops=body.stops,
+        stop_low_active=body.stop_low_active,
+    )
 
 
 def stops_out(ends: Sequence[results.MotionEnd]) -> list[MotionEnd]:

@@ -53,6 +53,35 @@ async def test_every_chip_connects_and_moves(client: httpx.AsyncClient, clock: V
         assert (state["position"], state["position_reached"], state["mode"]) == (20_000, True, "position")
 
 
+@pytest.mark.parametrize("model", MODELS)
+async def test_one_call_sets_a_fresh_axis_up(client: httpx.AsyncClient, clock: VirtualClock, model: str) -> None:
+    link = {"kind": "emulator", "motor": "rigid"}
+    await client.post("devices", json={"name": "Slide", "model": model, "link": link})
+    last = AXES[model] - 1
+    axis = f"{CHIP}/axes/{last}"
+    assert (await client.post(f"{axis}/move", json={"target": 100})).status_code == 409
+    encoder = {} if model == "tmc5031" else {"counts_per_rev": 40_000}
+    done = (await client.post(f"{axis}/start-up", json={"velocity_pps": 30_000.0, **encoder})).json()
+    assert (done["failed"], done["not_tried"]) == (None, 0)
+    assert done["done"][-1]["name"] == "VMAX"
+    started = (await client.post(f"{axis}/move", json={"target": 20_000})).json()
+    assert started["warnings"] == []
+    await let(clock, 2)
+    state = (await client.get(axis)).json()
+    assert state["position"] == 20_000
+    assert (state["deviation"] is None) == (model == "tmc5031")
+
+
+async def test_other_chips_have_no_such_start_up(client: httpx.AsyncClient) -> None:
+    refused = await client.post("devices/bench/axes/0/start-up")
+    assert refused.status_code == 409
+    link = {"kind": "emulator", "motor": "rigid"}
+    await client.post("devices", json={"name": "Slide", "model": "tmc5160", "link": link})
+    refused = await client.post(f"{AXIS}/start-up", json={"velocity_pps": 7.9e6, "acceleration_pps2": 9e6})
+    assert refused.status_code == 422
+    assert "A1" in refused.json()["detail"]
+
+
 async def test_two_axes_start_together(client: httpx.AsyncClient, clock: VirtualClock) -> None:
     await connected(client, "tmc5072")
     moves = [{"axis": 0, "target": 5_000}, {"axis": 1, "target": -5_000}]

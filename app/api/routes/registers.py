@@ -7,8 +7,9 @@ from typing import Annotated
 from fastapi import APIRouter, Query, Request
 
 from app.api.abilities import CurrentStoringDevice
+from app.api.convert import batch_result
 from app.api.deps import AxisQuery, CurrentDevice, DeviceId, RegisterName, device_of
-from app.api.problems import DEVICE_PROBLEMS, problem_of, problems
+from app.api.problems import DEVICE_PROBLEMS, problems
 from app.api.schemas import (
     Exchange,
     ExchangeReply,
@@ -48,12 +49,7 @@ async def list_registers(
 async def write_registers(device: CurrentDevice, body: RegisterBatch) -> RegisterBatchResult:
     """Write several in order; the first that fails ends it, and the answer says how far it came."""
     items = [WriteItem(item.name, item.axis, item.value, item.fields) for item in body.writes]
-    result = await device.write_many(items)
-    return RegisterBatchResult(
-        done=[RegisterWritten.model_validate(written) for written in result.done],
-        failed=None if result.failed is None else problem_of(result.failed),
-        not_tried=result.not_tried,
-    )
+    return batch_result(await device.write_many(items))
 
 
 @router.get("/registers/{name}", responses=problems(*DEVICE_PROBLEMS))

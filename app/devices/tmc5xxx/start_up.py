@@ -62,11 +62,15 @@ async def start_up(device: Device, starts: Sequence[Start]) -> None:
         raise UsageError(f"a {device.family.title} has {len(device.axes)} axes, not {len(starts)}")
     second = any(start.counts_per_rev for start in starts[1:])
     for axis, start in enumerate(starts):
-        for item in _items(device, axis, start, right_switch=not second):
+        for item in start_items(device, axis, start, right_switch=not second):
             await device.write(item.name, item.axis, item.value, item.fields)
 
 
-def _items(device: Device, axis: int, start: Start, *, right_switch: bool) -> Sequence[WriteItem]:
+def start_items(device: Device, axis: int, start: Start, *, right_switch: bool = True) -> Sequence[WriteItem]:
+    """What `start_up` writes for one axis, in its order. Raises UsageError for numbers that no register can hold.
+
+    right_switch : its pin is that of a switch, and not taken by the encoder of a second axis
+    """
     strong = device.model == "tmc5160"
 
     def velocity(name: str, pps: float) -> WriteItem:
