@@ -1,30 +1,15 @@
 import { Badge, Button, Text } from "@mantine/core";
-import { useLocalStorage } from "@mantine/hooks";
-import { api, type Schemas, unwrap } from "../../api/client";
-import { compact, fixed, frequency, withUnit } from "../../lib/format";
+import type { Schemas } from "../../api/client";
+import { fixed } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Section } from "../../lib/Section";
-import { useCalc } from "../../lib/useCalc";
 import type { Registers } from "./chip";
 import classes from "./currents.module.css";
-import type { Model } from "./models";
-import type { SpeedScale } from "./speed";
+import type { ChopperQuestion, Motor } from "./useChopper";
 
-type Result = Schemas["ChopperResult"];
 type Setting = Schemas["ChopperSetting"];
 
-interface Motor {
-  ohm: number;
-  mH: number;
-  supplyV: number;
-  holdingNm: number;
-  ratedA: number;
-  chopperKhz: number;
-}
-
-/** A common 40 mm motor, as on the ramp pages. */
-const MOTOR: Motor = { ohm: 2.3, mH: 4.4, supplyV: 24, holdingNm: 0.45, ratedA: 1.5, chopperKhz: 25 };
 const FIELDS: readonly { key: keyof Motor; label: string; unit: string; least: number; most: number; title: string }[] =
   [
     { key: "ohm", label: "resistance", unit: "Ω", least: 0.01, most: 1000, title: "of a coil" },
@@ -44,41 +29,14 @@ const FIELDS: readonly { key: keyof Motor; label: string; unit: string; least: n
 
 interface Props {
   chip: Registers;
-  model: Model;
-  scale: SpeedScale;
-  /** of the run current as it is set [A]; null while unknown */
-  runRmsA: number | null;
+  chopper: ChopperQuestion;
   disabled: boolean;
 }
 
 /** Where to begin with the chopper, from what the motor's data sheet says, each with its reason. */
-export function Chopper({ chip, model, scale, runRmsA, disabled }: Props) {
-  const [motor, setMotor] = useLocalStorage<Motor>({
-    key: "stepscope.currents.motor",
-    defaultValue: MOTOR,
-    getInitialValueInEffect: false,
-  });
-  const irun = chip.planned("IHOLD_IRUN", "IRUN");
-  const body: Schemas["Chopper"] | null =
-    runRmsA === null || irun === null
-      ? null
-      : {
-          model,
-          clock_hz: scale.clockHz,
-          resistance_ohm: motor.ohm,
-          inductance_h: motor.mH / 1000,
-          current_a: runRmsA,
-          supply_v: motor.supplyV,
-          holding_torque_nm: motor.holdingNm,
-          rated_current_a: motor.ratedA,
-          full_steps_per_rev: scale.fullStepsPerTurn,
-          microsteps_per_full_step: scale.microsteps as NonNullable<Schemas["Chopper"]["microsteps_per_full_step"]>,
-          irun,
-          chopper_hz: motor.chopperKhz * 1000,
-        };
-  const { result, stale, error, retry } = useCalc<Schemas["Chopper"], Result>("chopper", body, async (asked, signal) =>
-    unwrap(await api.POST("/api/v1/calc/chopper", { body: asked, signal })),
-  );
+export function Chopper({ chip, chopper, disabled }: Props) {
+  const { motor, setMotor, runRmsA, answer } = chopper;
+  const { result, stale, error, retry } = answer;
   const differs = (setting: Setting) => chip.planned(setting.name, setting.field) !== setting.value;
   const left = (result?.settings ?? []).filter(differs);
   const put = (settings: readonly Setting[]) => {
@@ -110,7 +68,7 @@ export function Chopper({ chip, model, scale, runRmsA, disabled }: Props) {
             min={least}
             max={most}
             step={motor[key] / 20}
-            onChange={(value) => setMotor({ ...motor, [key]: value })}
+            onChange={(value) => setMotor({ [key]: value })}
             data-testid={`motor-${key}`}
           />
         ))}
@@ -138,26 +96,6 @@ export function Chopper({ chip, model, scale, runRmsA, disabled }: Props) {
               </li>
             ))}
           </ul>
-          <table className={`words-figures ${classes.follows}`}>
-            <thead>
-              <tr>
-                <th scope="col">What follows</th>
-                <th scope="col"> </th>
-              </tr>
-            </thead>
-            <tbody>
-              {result.figures.map((figure) => (
-                <tr
-                  key={figure.name}
-                  title={`${figure.reason} (${figure.source})`}
-                  data-testid={`figure-${figure.name}`}
-                >
-                  <th scope="row">{figure.label}</th>
-                  <td className="num">{figureText(figure)}</td>
-                </tr>
-              ))}
-            </tbody>
-          </table>
           {result.warnings.map((warning) => (
             <Text key={warning} className={classes.caution} role="status">
               {warning}
@@ -165,7 +103,7 @@ export function Chopper({ chip, model, scale, runRmsA, disabled }: Props) {
           ))}
         </div>
       )}
-      {body === null && <Text className={classes.hint}>Waits for the run current: IRUN is not known yet.</Text>}
+      {runRmsA === null && <Text className={classes.hint}>Waits for the run current: IRUN is not known yet.</Text>}
     </Section>
   );
 }
@@ -190,9 +128,4 @@ function Held(props: { chip: Registers; setting: Setting; disabled: boolean; onU
       {planned === null ? "use" : `${planned} → ${setting.value}`}
     </Button>
   );
-}
-
-function figureText({ value, unit }: Schemas["ChopperFigure"]): string {
-  if (unit === "Hz") return frequency(value);
-  return unit === "pps" ? `${compact(Math.round(value))} pps` : withUnit(value, unit, 3);
 }

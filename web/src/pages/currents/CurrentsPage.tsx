@@ -15,10 +15,13 @@ import { Chopper } from "./Chopper";
 import { askCurrent, CurrentSection } from "./CurrentSection";
 import { type Registers, usePaperChip } from "./chip";
 import classes from "./currents.module.css";
+import { Follows } from "./Follows";
+import { speedLimits } from "./figures";
 import { MODELS, type Model, modelOf } from "./models";
 import { bodyOf, useSensing } from "./sensing";
 import type { SpeedScale } from "./speed";
 import { Thresholds } from "./Thresholds";
+import { useChopper } from "./useChopper";
 
 const GROUPS = ["general", "current", "thresholds", "driver", "stealthchop"] as const;
 const DEFAULT_CLOCK = 16e6;
@@ -142,20 +145,31 @@ interface Parts {
 function Parts({ chip, known, model, scale, now, of }: Parts) {
   const [sensing, onSensing] = useSensing(model, of);
   const run = useCalc("coil-current", bodyOf(chip, model, scale.clockHz, sensing), askCurrent);
+  const chopper = useChopper(chip, model, scale, run.result?.run.rms_a ?? null);
+  const follows = chopper.answer.result;
   return (
     <div className={classes.page}>
-      <CurrentSection
-        chip={chip}
-        model={model}
-        clockHz={scale.clockHz}
-        sensing={sensing}
-        onSensing={onSensing}
-        disabled={!known}
-      />
-      <Chopper chip={chip} model={model} scale={scale} runRmsA={run.result?.run.rms_a ?? null} disabled={!known} />
       <div className={classes.whole}>
-        <Thresholds chip={chip} scale={scale} now={now} disabled={!known} />
+        <Thresholds
+          chip={chip}
+          scale={scale}
+          limits={follows ? speedLimits(follows.figures) : []}
+          now={now}
+          disabled={!known}
+        />
       </div>
+      <div className={classes.column}>
+        <CurrentSection
+          chip={chip}
+          model={model}
+          clockHz={scale.clockHz}
+          sensing={sensing}
+          onSensing={onSensing}
+          disabled={!known}
+        />
+        {follows && <Follows result={follows} stale={chopper.answer.stale} />}
+      </div>
+      <Chopper chip={chip} chopper={chopper} disabled={!known} />
     </div>
   );
 }

@@ -2,6 +2,7 @@ import { type KeyboardEvent, type PointerEvent, useEffect, useRef } from "react"
 import { compact } from "../../lib/format";
 import { everyTick } from "../../live/LiveText";
 import classes from "./currents.module.css";
+import type { SpeedLimit } from "./figures";
 import {
   chopperZones,
   coolZones,
@@ -30,6 +31,7 @@ interface Props {
   scale: SpeedScale;
   modes: Modes;
   thresholds: readonly Threshold[];
+  limits: readonly SpeedLimit[];
   /** the speed now [pps]; NaN while unknown */
   now: () => number;
   disabled: boolean;
@@ -40,7 +42,7 @@ interface Props {
 const STEP = 1.01;
 
 /** Every speed threshold on one axis of speeds, and what the driver does between them. */
-export function SpeedAxis({ axis, scale, modes, thresholds, now, disabled, onMove }: Props) {
+export function SpeedAxis({ axis, scale, modes, thresholds, limits, now, disabled, onMove }: Props) {
   const box = useRef<HTMLDivElement>(null);
   const needle = useRef<HTMLSpanElement>(null);
   const latest = useRef({ now, axis });
@@ -84,6 +86,20 @@ export function SpeedAxis({ axis, scale, modes, thresholds, now, disabled, onMov
       <div className={classes.lanes} ref={box}>
         <Lane label="Chopper" zones={chopperZones(modes, axis)} axis={axis} scale={scale} />
         <Lane label="Load" zones={coolZones(modes, axis)} axis={axis} scale={scale} />
+        {[...limits]
+          .sort((a, b) => a.pps - b.pps)
+          .map(({ name, pps }, index) => (
+            <span
+              key={name}
+              className={classes.limit}
+              // the names of two that are close stand either side of them
+              data-side={(index === 0 && limits.length > 1) || shareOf(pps, axis) > 0.85 ? "before" : "after"}
+              style={{ left: percent(shareOf(pps, axis)) }}
+              title={`${name} at ${compact(rpmOf(pps, scale), 3)} rpm`}
+            >
+              <span className={classes.limitName}>{name}</span>
+            </span>
+          ))}
         <span ref={needle} className={classes.needle} style={{ visibility: "hidden" }} title="speed now" />
         {thresholds.map((threshold) =>
           threshold.pps === null ? null : (

@@ -5,12 +5,15 @@ import { ChipField } from "../../lib/rows/ChipField";
 import { Section } from "../../lib/Section";
 import { type Registers, THRESHOLDS, thresholdKind } from "./chip";
 import classes from "./currents.module.css";
+import type { SpeedLimit } from "./figures";
 import { SpeedAxis, type Threshold } from "./SpeedAxis";
 import { axisFor, ppsOf, registerOf, rpmOf, type SpeedScale } from "./speed";
 
 interface Props {
   chip: Registers;
   scale: SpeedScale;
+  /** where the motor's own speed ends */
+  limits: readonly SpeedLimit[];
   now: () => number;
   disabled: boolean;
 }
@@ -22,7 +25,7 @@ const WHAT = {
 } as const;
 
 /** TSTEP and the thresholds against it, or the velocities of chips with two axes, as speeds. */
-export function Thresholds({ chip, scale, now, disabled }: Props) {
+export function Thresholds({ chip, scale, limits, now, disabled }: Props) {
   const kind = thresholdKind(chip);
   const names = THRESHOLDS[kind];
   const axis = axisFor(scale);
@@ -61,6 +64,7 @@ export function Thresholds({ chip, scale, now, disabled }: Props) {
         scale={scale}
         modes={modes}
         thresholds={thresholds}
+        limits={limits}
         now={now}
         disabled={disabled}
         onMove={move}

@@ -1,5 +1,6 @@
 import { describe, expect, it } from "vitest";
 import type { Registers } from "./chip";
+import { figureLines, speedLimits } from "./figures";
 import { holdLine, holdTimes } from "./hold";
 import { bodyOf, wantedBody } from "./sensing";
 import {
@@ -164,5 +165,34 @@ describe("what the driver does at a speed", () => {
     expect(names(coolZones(MODES, AXIS)).map(([name]) => name)).toEqual(["off", "CoolStep, StallGuard", "off"]);
     expect(names(coolZones({ ...MODES, coolAbove: null }, AXIS)).map(([name]) => name)).toEqual(["off"]);
     expect(coolZones({ ...MODES, highAbove: null }, AXIS).at(-1)).toMatchObject({ kind: "cool", to: AXIS.most });
+  });
+});
+
+describe("what follows for a motor", () => {
+  const figure = (name: string, value: number, unit: string) => ({
+    name,
+    label: name,
+    value,
+    unit,
+    reason: "why",
+    source: "where",
+  });
+  const FIGURES = [
+    figure("current_limit", 500_000, "pps"),
+    figure("current_limit_rpm", 586, "rpm"),
+    figure("current_limit_tstep", 32, "clocks"),
+    figure("chopper_frequency", 34_676, "Hz"),
+    figure("stealthchop_limit", 0, "pps"),
+  ];
+
+  it("tells a speed in its units on one line", () => {
+    const lines = figureLines(FIGURES);
+    expect(lines.map(({ name }) => name)).toEqual(["current_limit", "chopper_frequency", "stealthchop_limit"]);
+    expect(lines[0]?.values).toHaveLength(3);
+    expect(lines[0]?.values[2]).toBe("TSTEP 32");
+  });
+
+  it("marks the limits that there are on the axis of speeds", () => {
+    expect(speedLimits(FIGURES)).toEqual([{ name: "full current ends", pps: 500_000 }]);
   });
 });
