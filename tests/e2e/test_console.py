@@ -123,7 +123,7 @@ def test_the_frame_log_is_filtered_paused_and_copied(page: Page, api: httpx.Clie
 def test_a_chip_has_its_datagrams_and_its_frames_here(page: Page) -> None:
     select(page.context, "bench")
     page.goto("/console")
-    page.get_by_label("Datagram, 4 bytes in hex").fill("03 00 00 00")
+    page.get_by_label("Datagram in hex, 4 bytes").fill("03 00 00 00")
     page.get_by_role("button", name="Send").click()
     expect(page.get_by_label("Datagrams sent, newest first")).to_contain_text("read x_actual")
     expect(page.get_by_label("Frames, newest last")).to_contain_text("read x_actual")

@@ -1,14 +1,34 @@
-import { Button, Group, Text } from "@mantine/core";
-import { IconPlus } from "@tabler/icons-react";
+import { Button, Group, Menu, Text } from "@mantine/core";
+import { IconChevronDown, IconPlus } from "@tabler/icons-react";
 import { useQueryClient } from "@tanstack/react-query";
 import { api, type Schemas, unwrap } from "../../api/client";
 import type { Device } from "../../api/queries";
+import { familyOf } from "../../lib/family";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useSelection } from "../../live/selection";
 import { useCatalog, usePorts } from "../connections/useConnections";
 import { useAction } from "./motion/useAction";
 
 type Model = Schemas["DeviceCreate"]["model"];
+type Entry = Schemas["CatalogEntry"];
+
+const LOOK = { size: "compact-sm", variant: "default", leftSection: <IconPlus size={14} aria-hidden /> } as const;
+
+function byFamily(models: readonly Entry[]): Map<string, Entry[]> {
+  const found = new Map<string, Entry[]>();
+  for (const model of models) {
+    const family = familyOf(model.name) ?? model.name;
+    found.set(family, [...(found.get(family) ?? []), model]);
+  }
+  return found;
+}
+
+/** TMC5031, TMC5160: "TMC5xxx". */
+function commonTitle(models: readonly Entry[]): string {
+  const [first = "", ...rest] = models.map(({ title }) => title);
+  const same = [...first].findIndex((letter, at) => rest.some((title) => title[at] !== letter));
+  return `${first.slice(0, same)}${"x".repeat(first.length - same)}`;
+}
 
 /** The demo has two of the families: one click brings an emulated one of each other, and the pages that are for it. */
 export function TryModels({ devices }: { devices: readonly Device[] }) {
@@ -27,24 +47,50 @@ export function TryModels({ devices }: { devices: readonly Device[] }) {
     await queries.invalidateQueries({ queryKey: ["devices"] });
     selection.select(device.id, 0);
   };
+  const put = (model: Entry) => void action.run(`Adding an emulated ${model.title}`, () => add(model.name as Model));
+  const families = [...byFamily(others)];
   return (
     <Group gap={6}>
       <Text size="sm" c="dimmed">
         Try also:
       </Text>
-      {others.map((model) => (
-        <Button
-          key={model.name}
-          size="compact-sm"
-          variant="default"
-          leftSection={<IconPlus size={14} aria-hidden />}
-          disabled={action.busy}
-          aria-label={`Add an emulated ${model.title}`}
-          onClick={() => void action.run(`Adding an emulated ${model.title}`, () => add(model.name as Model))}
-        >
-          {model.title}
-        </Button>
-      ))}
+      {families.map(([family, models]) => {
+        const [first] = models;
+        return models.length === 1 && first ? (
+          <Button
+            key={family}
+            {...LOOK}
+            disabled={action.busy}
+            aria-label={`Add an emulated ${first.title}`}
+            onClick={() => put(first)}
+          >
+            {first.title}
+          </Button>
+        ) : (
+          <Menu key={family} position="bottom-start">
+            <Menu.Target>
+              <Button
+                {...LOOK}
+                disabled={action.busy}
+                rightSection={<IconChevronDown size={14} aria-hidden />}
+                aria-label={`Add an emulated chip of the ${commonTitle(models)}`}
+              >
+                {commonTitle(models)}
+              </Button>
+            </Menu.Target>
+            <Menu.Dropdown>
+              {models.map((model) => (
+                <Menu.Item key={model.name} aria-label={`Add an emulated ${model.title}`} onClick={() => put(model)}>
+                  {model.title}
+                  <Text span size="xs" c="dimmed" ml={8}>
+                    {model.axes === 1 ? "1 axis" : `${model.axes} axes`}
+                  </Text>
+                </Menu.Item>
+              ))}
+            </Menu.Dropdown>
+          </Menu>
+        );
+      })}
       {action.failure && (
         <ProblemAlert error={action.failure.error} doing={action.failure.doing} onClose={action.dismiss} />
       )}

@@ -60,13 +60,13 @@ export default function ConsolePage() {
   );
 }
 
-/** A chip takes no commands, but 32-bit datagrams. */
+/** A chip takes no commands, but datagrams. */
 function Datagrams({ device }: { device: Device }) {
   const catalog = useCatalogModel(device.model);
   return (
     <Section title="Raw datagrams" note="one out, one back">
       <ExchangeConsole
-        device={device.id}
+        device={device}
         connected={device.state === "connected"}
         rows={catalog.data?.rows ?? []}
         selected={null}

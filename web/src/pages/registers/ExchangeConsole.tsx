@@ -2,10 +2,20 @@ import { Button, Group, Text, TextInput } from "@mantine/core";
 import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useRef, useState, useSyncExternalStore } from "react";
 import { api, type Problem, problemOf, unwrap } from "../../api/client";
+import type { Device } from "../../api/queries";
 import { hex } from "../../lib/format";
 import { type RegisterRow, readable, writable } from "../../lib/rows/bits";
 import common from "../../lib/rows/rows.module.css";
-import { decodedLines, decodeRequest, frameText, parseFrame, type Request, requestFrame } from "./frames";
+import {
+  decodedLines,
+  decodeRequest,
+  frameText,
+  parseFrame,
+  type Request,
+  sizeText,
+  type Wire,
+  wireOf,
+} from "./frames";
 import css from "./registers.module.css";
 
 interface Entry {
@@ -45,7 +55,7 @@ function useHistory(device: string): readonly Entry[] {
 }
 
 interface Props {
-  device: string;
+  device: Device;
   connected: boolean;
   rows: readonly RegisterRow[];
   selected: RegisterRow | null;
@@ -53,20 +63,26 @@ interface Props {
 }
 
 /** One datagram out, one back, past all checks: what you send is what the chip gets. */
-export function ExchangeConsole({ device, connected, rows, selected, raw }: Props) {
+export function ExchangeConsole({ device: { id: device, model, link }, connected, rows, selected, raw }: Props) {
   const queries = useQueryClient();
+  const wire = wireOf({ model, link });
   const entries = useHistory(device);
   const [text, setText] = useState("");
   const back = useRef(-1);
-  const frame = parseFrame(text);
-  const request = frame.ok ? decodeRequest(frame.bytes, rows) : null;
+  const frame = parseFrame(text, wire);
+  const request = frame.ok ? decodeRequest(frame.bytes, wire, rows) : null;
   const send = useMutation({
     mutationFn: async (sent: string) =>
       unwrap(
         await api.POST("/api/v1/devices/{device}/exchange", { params: { path: { device } }, body: { frame: sent } }),
       ),
     onSuccess: (answer, sent) =>
-      remember(device, { sent, reply: grouped(answer.reply), lines: decodedLines(answer.decoded), problem: null }),
+      remember(device, {
+        sent,
+        reply: grouped(answer.reply),
+        lines: decodedLines(answer.decoded, wire.dataBits),
+        problem: null,
+      }),
     onError: (error, sent) => remember(device, { sent, reply: null, lines: [], problem: problemOf(error) }),
     onSettled: () => queries.invalidateQueries({ queryKey: ["registers", device] }),
   });
@@ -91,8 +107,8 @@ export function ExchangeConsole({ device, connected, rows, selected, raw }: Prop
           <TextInput
             size="xs"
             flex={1}
-            label="Datagram, 4 bytes in hex"
-            placeholder="03 00 00 00"
+            label={`Datagram in hex, ${sizeText(wire)}`}
+            placeholder={wire.example}
             classNames={{ input: "num" }}
             autoComplete="off"
             spellCheck={false}
@@ -116,7 +132,7 @@ export function ExchangeConsole({ device, connected, rows, selected, raw }: Prop
           className={text.trim() !== "" && !frame.ok ? `${common.wrong} ${css.refused}` : css.meaning}
         >
           {request
-            ? requestText(request)
+            ? requestText(request, wire)
             : frame.ok || text.trim() === ""
               ? "It goes to the chip as it is: no range is checked."
               : frame.why}
@@ -128,7 +144,7 @@ export function ExchangeConsole({ device, connected, rows, selected, raw }: Prop
             <Button
               size="compact-xs"
               variant="default"
-              onClick={() => setText(frameText(requestFrame(selected.address, true)))}
+              onClick={() => setText(frameText(wire.frame(selected.address, true, 0)))}
             >
               Read {selected.name.length > 24 ? "the selected register" : selected.name}
             </Button>
@@ -137,7 +153,7 @@ export function ExchangeConsole({ device, connected, rows, selected, raw }: Prop
             <Button
               size="compact-xs"
               variant="default"
-              onClick={() => setText(frameText(requestFrame(selected.address, false, raw ?? 0)))}
+              onClick={() => setText(frameText(wire.frame(selected.address, false, raw ?? 0)))}
             >
               Write it
             </Button>
@@ -156,7 +172,7 @@ export function ExchangeConsole({ device, connected, rows, selected, raw }: Prop
               <button type="button" className={css.sent} onClick={() => setText(entry.sent)} title="Use it again">
                 <span className={common.dim}>{entry.at.toLocaleTimeString()}</span>
                 <span className="num">{entry.sent}</span>
-                <span className={common.dim}>{shortRequest(entry.sent, rows)}</span>
+                <span className={common.dim}>{shortRequest(entry.sent, wire, rows)}</span>
               </button>
               {entry.problem ? (
                 <Text size="xs" className={common.wrong}>
@@ -184,14 +200,13 @@ function grouped(reply: string): string {
   return reply.replace(/\s/g, "").replace(/(..)(?=.)/g, "$1 ");
 }
 
-function requestText({ address, read, data, row }: Request): string {
+function requestText({ address, read, data, row }: Request, wire: Wire): string {
   const what = row ? `${row.name}${row.axis === null ? "" : ` of axis ${row.axis}`}` : "no register";
-  return `${read ? "reads" : "writes"} ${hex(address, 8)}, ${what}${read ? "" : `: ${hex(data, 24)}`}`;
+  return `${read ? "reads" : "writes"} ${hex(address, 8)}, ${what}${read ? "" : `: ${hex(data, wire.dataBits)}`}`;
 }
 
-function shortRequest(sent: string, rows: readonly RegisterRow[]): string {
-  const frame = parseFrame(sent);
-  if (!frame.ok) return "";
-  const { read, row } = decodeRequest(frame.bytes, rows);
-  return `${read ? "read" : "write"} ${row?.name ?? "?"}`;
+function shortRequest(sent: string, wire: Wire, rows: readonly RegisterRow[]): string {
+  const frame = parseFrame(sent, wire);
+  const request = frame.ok ? decodeRequest(frame.bytes, wire, rows) : null;
+  return request ? `${request.read ? "read" : "write"} ${request.row?.name ?? "?"}` : "";
 }

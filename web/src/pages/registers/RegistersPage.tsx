@@ -145,9 +145,9 @@ export default function RegistersPage() {
         {
           value: "console",
           label: "Console",
-          panel: (
+          panel: device && (
             <ExchangeConsole
-              device={id}
+              device={device}
               connected={live.connected}
               rows={rows ?? []}
               selected={selected}

@@ -1,61 +1,167 @@
+import type { Device } from "../../api/queries";
+import { familyOf } from "../../lib/family";
 import { hex } from "../../lib/format";
-import type { RegisterRow } from "../../lib/rows/bits";
+import { type RegisterRow, readable, writable } from "../../lib/rows/bits";
 
-/** Bytes of one datagram of TMC428 and TMC4210. */
-export const FRAME_BYTES = 4;
+/** What a raw frame asks for. */
+export interface Asked {
+  address: number;
+  read: boolean;
+  data: number;
+}
+
+export interface Request extends Asked {
+  row: RegisterRow | null;
+}
+
+/** How registers are said on one kind of wire. */
+export interface Wire {
+  /** bytes of a frame that reads, and of one that writes */
+  sizes: readonly [read: number, write: number];
+  dataBits: number;
+  /** what stands in the field while nothing is typed */
+  example: string;
+  frame: (address: number, read: boolean, data: number) => number[];
+  /** null where it is no access to a register */
+  asked: (bytes: readonly number[]) => Asked | null;
+  /** what the receiver would find wrong, beside the length */
+  wrong?: (bytes: readonly number[]) => string | null;
+}
+
+const bytesOf = (word: number): number[] => [24, 16, 8, 0].map((shift) => Math.floor(word / 2 ** shift) % 256);
+const wordOf = (bytes: readonly number[]): number => bytes.reduce((word, byte) => word * 256 + byte, 0);
+
+/** RRS and six address bits, RW (1 reads), 24 data bits: TMC428 data sheet, Table 6-3. */
+const SPI32: Wire = {
+  sizes: [4, 4],
+  dataBits: 24,
+  example: "03 00 00 00",
+  frame: (address, read, data) => [(address << 1) | (read ? 1 : 0), ...bytesOf(data).slice(1)],
+  asked: ([head = 0, ...data]) => ({ address: head >> 1, read: (head & 1) === 1, data: wordOf(data) }),
+};
+
+/** Bit 7 (1 writes), seven address bits, 32 data bits: TMC4361 data sheet, 4.1. */
+const SPI40: Wire = {
+  sizes: [5, 5],
+  dataBits: 32,
+  example: "21 00 00 00 00",
+  frame: (address, read, data) => [address + (read ? 0 : 0x80), ...bytesOf(data)],
+  asked: ([head = 0, ...data]) => ({ address: head & 0x7f, read: head < 0x80, data: wordOf(data) }),
+};
+
+/** Polynomial x^8 + x^2 + x + 1, from 0, each byte from its lowest bit: the CRC of the UART's datagrams. */
+export function crc8(bytes: readonly number[]): number {
+  let crc = 0;
+  for (const byte of bytes)
+    for (let bit = 0; bit < 8; bit++) {
+      const feed = (crc >> 7) ^ ((byte >> bit) & 1);
+      crc = ((crc << 1) & 0xff) ^ (feed ? 0x07 : 0);
+    }
+  return crc;
+}
+
+const SYNC = 0x05;
+
+/** Sync byte, the node where the chip has one, register (bit 7 writes), data of a write, CRC. */
+function uart(node: number | null): Wire {
+  const head = node === null ? [SYNC] : [SYNC, node];
+  const closed = (bytes: number[]) => [...bytes, crc8(bytes)];
+  const frame = (address: number, read: boolean, data: number) =>
+    closed([...head, address + (read ? 0 : 0x80), ...(read ? [] : bytesOf(data))]);
+  const place = head.length;
+  return {
+    sizes: [place + 2, place + 6],
+    dataBits: 32,
+    example: frameText(frame(0x21, true, 0)),
+    frame,
+    asked: (bytes) => {
+      const register = bytes[place] ?? 0;
+      return { address: register & 0x7f, read: register < 0x80, data: wordOf(bytes.slice(place + 1, -1)) };
+    },
+    wrong: (bytes) => {
+      const crc = crc8(bytes.slice(0, -1));
+      return crc === bytes.at(-1) ? null : `the last byte is the CRC: it would be ${hex(crc, 8)}`;
+    },
+  };
+}
+
+const BOARD = { address: 1, write: 146, read: 148 } as const;
+
+/** A TMCL command of an evaluation board: address, opcode, register, channel, value, checksum. */
+function board(channel: number): Wire {
+  const sum = (bytes: readonly number[]) => bytes.reduce((all, byte) => all + byte, 0) % 256;
+  const frame = (address: number, read: boolean, data: number) => {
+    const command = [BOARD.address, read ? BOARD.read : BOARD.write, address, channel, ...bytesOf(read ? 0 : data)];
+    return [...command, sum(command)];
+  };
+  return {
+    sizes: [9, 9],
+    dataBits: 32,
+    example: frameText(frame(0x21, true, 0)),
+    frame,
+    asked: ([, opcode, register = 0, , ...rest]) =>
+      opcode === BOARD.read || opcode === BOARD.write
+        ? { address: register, read: opcode === BOARD.read, data: wordOf(rest.slice(0, 4)) }
+        : null,
+    wrong: (bytes) => {
+      const wanted = sum(bytes.slice(0, -1));
+      return wanted === bytes.at(-1) ? null : `the last byte is the checksum: it would be ${hex(wanted, 8)}`;
+    },
+  };
+}
+
+/** What goes to that device when a raw frame is sent. */
+export function wireOf({ model, link }: Pick<Device, "model" | "link">): Wire {
+  const { kind, node, motor } = link as Record<string, unknown>;
+  if (kind === "landungsbruecke") return board(typeof motor === "number" ? motor : 0);
+  if (kind === "uart") return uart(model === "tmc5062" ? null : typeof node === "number" ? node : 0);
+  return familyOf(model) === "pmul" ? SPI32 : SPI40;
+}
 
 export type Frame = { ok: true; bytes: number[] } | { ok: false; why: string };
 
+/** "4 bytes", or "4 bytes, or 8 to write". */
+export function sizeText({ sizes: [read, write] }: Wire): string {
+  return read === write ? `${read} bytes` : `${read} bytes, or ${write} to write`;
+}
+
 /** Hex as people write it: `01 00 00 00`, `0x01000000`, `01:00:00:00`. */
-export function parseFrame(text: string): Frame {
+export function parseFrame(text: string, wire: Wire): Frame {
   const digits = text.replace(/0x/gi, "").replace(/[\s:,]/g, "");
   if (/[^\da-f]/i.test(digits)) return { ok: false, why: "only hex digits, spaces, colons and commas" };
-  if (digits.length !== 2 * FRAME_BYTES) {
-    return { ok: false, why: `a datagram has ${FRAME_BYTES} bytes, 8 hex digits; here are ${digits.length} digits` };
-  }
-  return {
-    ok: true,
-    bytes: Array.from({ length: FRAME_BYTES }, (_, i) => Number.parseInt(digits.slice(2 * i, 2 * i + 2), 16)),
-  };
+  if (!wire.sizes.some((size) => digits.length === 2 * size))
+    return { ok: false, why: `a datagram has ${sizeText(wire)}; here are ${digits.length} hex digits` };
+  const bytes = Array.from({ length: digits.length / 2 }, (_, at) =>
+    Number.parseInt(digits.slice(2 * at, 2 * at + 2), 16),
+  );
+  const why = wire.wrong?.(bytes) ?? null;
+  return why === null ? { ok: true, bytes } : { ok: false, why };
 }
 
 export function frameText(bytes: readonly number[]): string {
   return bytes.map((byte) => byte.toString(16).padStart(2, "0")).join(" ");
 }
 
-/** RRS and six address bits, RW (1 reads), 24 data bits: TMC428 data sheet, Table 6-3. */
-export function requestFrame(address: number, read: boolean, data = 0): number[] {
-  return [(address << 1) | (read ? 1 : 0), (data >> 16) & 0xff, (data >> 8) & 0xff, data & 0xff];
-}
-
-export interface Request {
-  address: number;
-  read: boolean;
-  data: number;
-  row: RegisterRow | null;
-}
-
-export function decodeRequest(bytes: readonly number[], rows: readonly RegisterRow[]): Request {
-  const [head = 0, high = 0, middle = 0, low = 0] = bytes;
-  const address = head >> 1;
-  return {
-    address,
-    read: (head & 1) === 1,
-    data: (high << 16) | (middle << 8) | low,
-    row: rows.find((row) => row.address === address) ?? null,
-  };
+/** The register that a frame asks for: of two at one address the one that is read, or written. */
+export function decodeRequest(bytes: readonly number[], wire: Wire, rows: readonly RegisterRow[]): Request | null {
+  const asked = wire.asked(bytes);
+  if (asked === null) return null;
+  const there = rows.filter((row) => row.address === asked.address);
+  const fits = ({ access }: RegisterRow) => (asked.read ? readable(access) : writable(access));
+  return { ...asked, row: there.find(fits) ?? there[0] ?? null };
 }
 
 /** What the request already says. */
 const ECHOED = new Set(["address", "register", "axis", "rw"]);
 
 /** What the server decoded, as lines of name and text: words in hex, set flags by their names. */
-export function decodedLines(decoded: Record<string, unknown>): [name: string, text: string][] {
+export function decodedLines(decoded: Record<string, unknown>, dataBits: number): [name: string, text: string][] {
   return Object.entries(decoded).flatMap(([name, value]): [string, string][] => {
     if (value === null || value === undefined || ECHOED.has(name)) return [];
     if (typeof value !== "object") {
-      const bits = name === "data" ? 24 : name === "status" ? 8 : null;
-      return [[name, bits !== null && typeof value === "number" ? hex(value, bits) : String(value)]];
+      const bits = name.startsWith("data") ? dataBits : name === "status" ? 8 : null;
+      const shown = bits !== null && typeof value === "number" ? hex(value, bits) : String(value);
+      return [[name.replaceAll("_", " "), shown]];
     }
     const inner = Object.entries(value);
     if (inner.length === 0) return [];
