@@ -60,13 +60,15 @@ class Held:
 class Words:
     """One turn's view of the chip: words by register, and the status bits of the latest reply."""
 
-    __slots__ = ("_access", "_turn", "arrived", "asked_s", "status")
+    __slots__ = ("_access", "_turn", "arrived", "asked_s", "first_status", "status")
 
     def __init__(self, turn: Turn, access: RegisterAccess = SPI32) -> None:
         self._turn = turn
         self._access = access
         self.status = 0
         """Of the latest reply; stays 0 over a link that brings none."""
+        self.first_status: int | None = None
+        """Of the first reply of the latest call, before anything that call has done; None over a link without."""
         self.arrived = True
         """Whether the link showed no difference between what the latest `chain` wrote and what arrived."""
         self.asked_s = 0.0
@@ -158,6 +160,7 @@ class Words:
         await self.write(register, to_raw(value, register.width))
 
     def _saw_status(self, replies: Sequence[bytes]) -> None:
+        self.first_status = self._access.status(replies[:1])
         status = self._access.status(replies)
         if status is not None:
             self.status = status

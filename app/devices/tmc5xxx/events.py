@@ -24,6 +24,9 @@ from app.links.errors import BenchError
 from app.links.port import FramePort
 from app.registers.model import Register
 
+STATUS_RESET = 1
+"""reset_flag in the SPI status byte."""
+
 
 class Events(Chip):
     """A TMC5xxx whose events are kept."""
@@ -68,23 +71,23 @@ class Events(Chip):
                 self._looked[axis] = None
         asked += [*stats, self.chip.gstat]
         held = Held(asked, await words.read_many(asked))
-        if self._tells_reset(held) and await self._still_set(words):
-            gstat = self.chip.gstat.address
-            held.words[gstat] &= ~r.part(self.chip.gstat, "reset").mask
+        asked_at_s, time_s = words.asked_s, words.time_s
+        if self._tells_reset(held) and words.first_status is not None and await self._was_noise(words):
+            held.words[self.chip.gstat.address] &= ~r.part(self.chip.gstat, "reset").mask
         self._saw(held)
-        self._saw_flags(held, words.time_s)
-        self._saw_positions(held, words.asked_s)
+        self._saw_flags(held, time_s)
+        self._saw_positions(held, asked_at_s)
         return held
 
     def _tells_reset(self, held: Held) -> bool:
         """Whether GSTAT tells of a reset of a chip that we know."""
         return self._acquainted and bool(self.chip.gstat.unpack(held.word(self.chip.gstat))["reset"])
 
-    async def _still_set(self, words: Words) -> bool:
-        """Whether the chip holds what it would not after a reset: then the flag was noise on the way, which nothing
-        on SPI shows."""
+    async def _was_noise(self, words: Words) -> bool:
+        """Whether a reset in GSTAT was a bit flipped on the way, for SPI has no CRC: the status byte at the beginning
+        of the chain knew of none, and the chip holds what it would not after one."""
         known = [row for row in self.chip.remembered if self.known(row) not in (None, row.reset)]
-        if not known:
+        if (words.first_status or 0) & STATUS_RESET or not known:
             return False
         again = await words.read_many(known)
         return any(word & row.mask == self.known(row) for row, word in zip(known, again, strict=True))

@@ -8,7 +8,7 @@ import pytest
 
 from app.devices.results import AxisMove
 from app.emulators.drive.bench import ChipFaultsChange
-from app.emulators.tmc5xxx import Tmc5xxxPatch
+from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxPatch
 from app.links.errors import BadReply, BenchError, LinkDown, LinkTimeout
 from tests.devices.tmc5xxx.bench import MODELS, Bench, bench
 
@@ -159,6 +159,27 @@ async def test_flipped_bits_never_become_a_motion() -> None:
         assert [(await b.state(axis)).position for axis in (0, 1)] == [0, 0]
 
 
+async def test_a_flipped_bit_is_no_reset() -> None:
+    async with bench("tmc5130") as b:
+        await b.clock.advance(1)
+        flipped = b.port.wire = Flipping(b.wire, b.address("GSTAT"))
+        for _ in range(3):
+            await b.device.refresh()
+        assert flipped.flips >= 3
+        assert b.event_names() == ["reset"]
+        assert b.device.ramp(0).words["VMAX"] == 52_429
+
+
+async def test_a_reset_after_which_somebody_else_set_the_chip_up_again_is_one() -> None:
+    async with bench("tmc5130") as b:
+        chopconf = (await b.device.read("CHOPCONF", 0)).raw
+        b.patch(Tmc5xxxPatch(power_cycle=True))
+        b.wire.write(b.address("CHOPCONF"), chopconf)
+        await b.device.refresh()
+        assert b.event_names() == ["reset", "reset"]
+        assert b.device.ramp(0).words["VMAX"] == 0
+
+
 async def test_another_chip_is_told_by_its_version() -> None:
     async with bench("tmc5160") as b:
         b.device.config = replace(b.device.config, model="tmc5130")
@@ -173,11 +194,31 @@ async def test_a_bus_without_a_chip_says_so() -> None:
             await b.device.probe()
 
 
+class Flipping:
+    """A chip whose answers about one register have their lowest bit set on the way."""
+
+    def __init__(self, wire: EmulatedTmc5xxx, address: int) -> None:
+        self.clock = wire.clock
+        self.model = wire.model
+        self.flips = 0
+        self._wire = wire
+        self._address = address
+        self._asked = -1
+
+    def exchange(self, frame: bytes, at_s: float | None = None) -> bytes:
+        reply = self._wire.exchange(frame, at_s)
+        if self._asked == self._address:
+            self.flips += 1
+            reply = reply[:4] + bytes((reply[4] | 1,))
+        self._asked = frame[0]
+        return reply
+
+
 class Nobody:
     """A bus on which nobody drives the line."""
 
-    def __init__(self, wire: object) -> None:
-        self.clock = wire.clock  # type: ignore[attr-defined]
+    def __init__(self, wire: EmulatedTmc5xxx) -> None:
+        self.clock = wire.clock
         self.model = "tmc5160"
 
     def exchange(self, frame: bytes, at_s: float | None = None) -> bytes:
