@@ -19,7 +19,9 @@ SEED = 428
 EXAMPLES = 4
 MODULE = "module"
 CHIP40 = "chip40"
-"""An emulated PD42-1241 and an emulated TMC4361 beside the demo's chips."""
+SIXPOINT = "sixpoint"
+"""An emulated PD42-1241, TMC4361 and TMC5072 beside the demo's chips."""
+ADDED = {MODULE: "pd42-1241", CHIP40: "tmc4361", SIXPOINT: "tmc5072"}
 RUNS = {
     "new": ("add_device", "test_link"),
     "destructive": ("edit_device", "remove_device", "disconnect_device", "change_emulator"),
@@ -37,7 +39,7 @@ positive_data_acceptance.expected-statuses = ["2xx", 404, 409, 422, 502, 504]
 def with_real_names(schema: dict[str, Any]) -> dict[str, Any]:
     """The schema with what there is on the bench: random names would be 404 before anything is reached."""
     names = {
-        "device": {"type": "string", "enum": ["bench", "slider", MODULE, CHIP40]},
+        "device": {"type": "string", "enum": ["bench", "slider", *ADDED]},
         "axis": {"type": "integer", "enum": [0, 1, 2]},
         "name": {
             "type": "string",
@@ -52,10 +54,12 @@ def with_real_names(schema: dict[str, Any]) -> dict[str, Any]:
                 "out0",
                 "RAMPMODE",
                 "EVENTS",
+                "SW_MODE",
+                "GSTAT",
                 "PID_P",
             ],
         },
-        "model": {"type": "string", "enum": ["tmc428", "tmc4210", "tmc4361", "pd42-1241"]},
+        "model": {"type": "string", "enum": ["tmc428", "tmc4210", *ADDED.values(), "tmc5160"]},
     }
     for operations in schema["paths"].values():
         for operation in operations.values():
@@ -85,7 +89,7 @@ async def _sweep(client: httpx.AsyncClient) -> None:
     while True:
         await asyncio.sleep(0.2)
         for device in (await client.get("/api/v1/devices")).json():
-            if not device["demo"] and device["id"] not in (MODULE, CHIP40):
+            if not device["demo"] and device["id"] not in ADDED:
                 await client.delete(f"/api/v1/devices/{device['id']}")
 
 
@@ -98,7 +102,7 @@ async def test_the_server_keeps_its_contract(tmp_path: Path, which: str) -> None
     config = tmp_path / "schemathesis.toml"
     config.write_text(CONFIG)
     async with live_server(tmp_path / "data") as url, httpx.AsyncClient(base_url=url) as client:
-        for name, model in ((MODULE, "pd42-1241"), (CHIP40, "tmc4361")):
+        for name, model in ADDED.items():
             device = {"name": name, "model": model, "link": {"kind": "emulator"}}
             assert (await client.post("/api/v1/devices", json=device)).status_code == 201
         schema = tmp_path / "openapi.json"
