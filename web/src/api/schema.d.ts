@@ -216,6 +216,28 @@ export interface paths {
         patch: operations["keep_rotating"];
         trace?: never;
     };
+    "/api/v1/devices/{device}/axes/{axis}/start-up": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Start Axis Up
+         * @description Set an axis of a freshly powered TMC5xxx up, so that it can move: chopper, currents, switches, ramp.
+         *
+         *     Nothing moves meanwhile: the speed limit comes last. The answer says how far it came.
+         */
+        post: operations["start_axis_up"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/devices/{device}/axes/{axis}/stops": {
         parameters: {
             query?: never;
@@ -2681,60 +2703,57 @@ export interface components {
             /** Bit Error Rate */
             bit_error_rate: number;
         };
-        /**
-         * FeedbackTruth
-         * @description How motor and shaft really are: what no register tells.
-         */
-        FeedbackTruth: {
+        /** FaultsState */
+        FaultsState: {
+            /** Silence */
+            silence: boolean;
+            /** Late Reply S */
+            late_reply_s: number;
+            /** Bit Error Rate */
+            bit_error_rate: number;
+            /** Half Frame Rate */
+            half_frame_rate: number;
+            /** Unplugged */
+            unplugged: boolean;
+            /** Undervoltage */
+            undervoltage: boolean;
+        };
+        /** FeedbackMotor */
+        FeedbackMotor: {
+            /** Connected */
+            connected: boolean;
             /**
-             * Rotor Rad
-             * @description shaft angle, not wrapped [rad]
+             * Temperature C
+             * @description of the driver's bridges [deg C]
              */
-            rotor_rad: number;
+            temperature_c: number;
+            /** Fullsteps Per Turn */
+            fullsteps_per_turn: number;
             /**
-             * Rotor Fullsteps
-             * @description the same in full steps
+             * Torque Constant Nm A
+             * @description of one phase, peak values; also back-EMF constant [V s/rad]
              */
-            rotor_fullsteps: number;
+            torque_constant_nm_a: number;
             /**
-             * Field Fullsteps
-             * @description where an ideal unloaded rotor would stand [full steps]
+             * Holding Torque Nm
+             * @description both coils at rated current [N m]
              */
-            field_fullsteps: number;
-            /** Speed Rad S */
-            speed_rad_s: number;
+            holding_torque_nm: number;
             /**
-             * Load Angle Deg
-             * @description field minus rotor [deg electrical]; more than 90 does not hold
+             * Rated Current A
+             * @description in both coils [A]
              */
-            load_angle_deg: number;
+            rated_current_a: number;
             /**
-             * Current A A
-             * @description coil A [A]
+             * Full Scale A
+             * @description peak coil current at current scale 255 [A]
              */
-            current_a_a: number;
+            full_scale_a: number;
             /**
-             * Current B A
-             * @description coil B [A]
+             * Inertia Kgm2
+             * @description rotor and load
              */
-            current_b_a: number;
-            /** Torque Nm */
-            torque_nm: number;
-            /**
-             * Lost Fullsteps
-             * @description full steps between field and rotor, in multiples of four
-             */
-            lost_fullsteps: number;
-            /**
-             * Current Scale
-             * @description current scale in use, 0..255
-             */
-            current_scale: number;
-            /**
-             * Bridges
-             * @description "regulated", "open", or "voltage" while PWM drives them
-             */
-            bridges: string;
+            inertia_kgm2: number;
         };
         /** FieldRow */
         FieldRow: {
@@ -3060,7 +3079,7 @@ export interface components {
             waiting_s: number | null;
             /**
              * Standstill S
-             * @description from the last step to standstill seen, 2^20 clocks
+             * @description from the last step to standstill seen, 2^20 clocks; 0 with two axes: TZEROWAIT
              */
             standstill_s: number;
         };
@@ -3860,6 +3879,33 @@ export interface components {
              */
             stiction_ratio?: number;
         };
+        /** MotorState */
+        MotorState: {
+            /** Connected */
+            connected: boolean;
+            /**
+             * Temperature C
+             * @description of the driver's bridges [deg C]
+             */
+            temperature_c: number;
+            /** Fullsteps Per Turn */
+            fullsteps_per_turn: number;
+            /**
+             * Torque Constant Nm A
+             * @description of one phase, peak values; also back-EMF constant [V s/rad]
+             */
+            torque_constant_nm_a: number;
+            /**
+             * Holding Torque Nm
+             * @description both coils at rated current [N m]
+             */
+            holding_torque_nm: number;
+            /**
+             * Rated Current A
+             * @description in both coils [A]
+             */
+            rated_current_a: number;
+        };
         /** Move */
         Move: {
             /** Target */
@@ -4254,7 +4300,7 @@ export interface components {
              * @description motor supply [V]; the driver needs 8
              */
             supply_v?: number | null;
-            stage?: components["schemas"]["app__emulators__pd42__options__StageChange"];
+            stage?: components["schemas"]["app__emulators__drive__bench__StageChange"];
             switches?: components["schemas"]["app__emulators__pd42__options__SwitchesChange"];
             encoder?: components["schemas"]["app__emulators__pd42__options__EncoderChange"];
             inputs?: components["schemas"]["app__emulators__pd42__options__InputsChange"];
@@ -4298,7 +4344,7 @@ export interface components {
              * @description baud rate in force: a change waits for the next power-on
              */
             baud: number;
-            motor: components["schemas"]["app__emulators__pd42__state__MotorState"];
+            motor: components["schemas"]["MotorState"];
             /** Load Torque Nm */
             load_torque_nm: number;
             /** Blocked */
@@ -4313,14 +4359,14 @@ export interface components {
              * @description motor supply [V]
              */
             supply_v: number;
-            stage: components["schemas"]["app__emulators__pd42__state__StageState"];
+            stage: components["schemas"]["app__emulators__drive__bench__StageState"];
             switches: components["schemas"]["app__emulators__pd42__state__SwitchesState"];
             encoder: components["schemas"]["app__emulators__pd42__state__EncoderState"];
             inputs: components["schemas"]["InputsState"];
-            faults: components["schemas"]["app__emulators__pd42__state__FaultsState"];
+            faults: components["schemas"]["FaultsState"];
             application: components["schemas"]["ApplicationState"];
             search: components["schemas"]["SearchState"];
-            truth: components["schemas"]["app__emulators__pd42__state__TruthState"];
+            truth: components["schemas"]["TruthState"];
             /**
              * Eeprom Path
              * @description file that keeps the EEPROM; null: forgotten with the process
@@ -5929,6 +5975,61 @@ export interface components {
             home_to_fullsteps?: number;
         };
         /**
+         * StartUp
+         * @description How an axis of a TMC5xxx shall move after power-on. What is null follows from the rest, or is the maker's.
+         */
+        StartUp: {
+            /**
+             * Velocity Pps
+             * @description VMAX: a turn a second, of 51,200 microsteps [pps]
+             * @default 51200
+             */
+            velocity_pps?: number;
+            /**
+             * Acceleration Pps2
+             * @description AMAX, A1 [pps^2]
+             * @default 204800
+             */
+            acceleration_pps2?: number;
+            /**
+             * Deceleration Pps2
+             * @description DMAX, D1; null: the same [pps^2]
+             */
+            deceleration_pps2?: number | null;
+            /**
+             * Irun
+             * @description run current [(n + 1) / 32 of full scale]
+             */
+            irun?: number | null;
+            /**
+             * Ihold
+             * @description standstill current [(n + 1) / 32 of full scale]
+             */
+            ihold?: number | null;
+            /**
+             * Counts Per Rev
+             * @description of the encoder, four a line; 0: none. That of a second axis takes the pins of both right switches
+             * @default 0
+             */
+            counts_per_rev?: number;
+            /**
+             * Invert Encoder
+             * @default false
+             */
+            invert_encoder?: boolean;
+            /**
+             * Stops
+             * @description the stop switches are in force
+             * @default true
+             */
+            stops?: boolean;
+            /**
+             * Stop Low Active
+             * @default false
+             */
+            stop_low_active?: boolean;
+        };
+        /**
          * StepDirState
          * @description The step/direction output of a TMC4210.
          */
@@ -6123,12 +6224,12 @@ export interface components {
              * @description motor supply [V]; the driver needs 8
              */
             supply_v?: number | null;
-            stage?: components["schemas"]["app__emulators__tmc4361__options__StageChange"];
+            stage?: components["schemas"]["app__emulators__drive__bench__StageChange"];
             switches?: components["schemas"]["app__emulators__tmc4361__options__SwitchesChange"];
             pins?: components["schemas"]["app__emulators__tmc4361__options__PinsChange"];
             encoder?: components["schemas"]["EncoderPatch"];
             step_dir?: components["schemas"]["app__emulators__tmc4361__options__StepDirChange"] | null;
-            faults?: components["schemas"]["app__emulators__tmc4361__options__FaultsChange"];
+            faults?: components["schemas"]["ChipFaultsChange"];
             /**
              * Power Cycle
              * @description off and on again; motor and stage stay where they are
@@ -6153,7 +6254,7 @@ export interface components {
             chip_time_s: number;
             /** Clock Hz */
             clock_hz: number;
-            motor: components["schemas"]["app__emulators__tmc4361__feedback__state__MotorState"];
+            motor: components["schemas"]["FeedbackMotor"];
             /** Load Torque Nm */
             load_torque_nm: number;
             /** Blocked */
@@ -6173,7 +6274,7 @@ export interface components {
              * @description motor supply [V]
              */
             supply_v: number;
-            stage: components["schemas"]["app__emulators__tmc4361__state__StageState"];
+            stage: components["schemas"]["app__emulators__drive__bench__StageState"];
             switches: components["schemas"]["app__emulators__tmc4361__state__SwitchesState"];
             pins: components["schemas"]["app__emulators__tmc4361__state__PinsState"];
             encoder: components["schemas"]["app__emulators__tmc4361__feedback__state__EncoderState"];
@@ -6187,8 +6288,8 @@ export interface components {
             driver_words: {
                 [key: string]: number;
             };
-            faults: components["schemas"]["app__emulators__tmc4361__state__FaultsState"];
-            truth: components["schemas"]["FeedbackTruth"];
+            faults: components["schemas"]["ChipFaultsState"];
+            truth: components["schemas"]["TruthState"];
         };
         /**
          * Tmc5xxxPatch
@@ -6312,6 +6413,61 @@ export interface components {
             text: string;
             /** Took Ms */
             took_ms: number;
+        };
+        /**
+         * TruthState
+         * @description How motor and shaft really are: what nobody tells who is asked over the wire.
+         */
+        TruthState: {
+            /**
+             * Rotor Rad
+             * @description shaft angle, not wrapped [rad]
+             */
+            rotor_rad: number;
+            /**
+             * Rotor Fullsteps
+             * @description the same in full steps
+             */
+            rotor_fullsteps: number;
+            /**
+             * Field Fullsteps
+             * @description where an ideal unloaded rotor would stand [full steps]
+             */
+            field_fullsteps: number;
+            /** Speed Rad S */
+            speed_rad_s: number;
+            /**
+             * Load Angle Deg
+             * @description field minus rotor [deg electrical]; more than 90 does not hold
+             */
+            load_angle_deg: number;
+            /**
+             * Current A A
+             * @description coil A [A]
+             */
+            current_a_a: number;
+            /**
+             * Current B A
+             * @description coil B [A]
+             */
+            current_b_a: number;
+            /** Torque Nm */
+            torque_nm: number;
+            /**
+             * Lost Fullsteps
+             * @description full steps lost since power-on: multiples of four
+             */
+            lost_fullsteps: number;
+            /**
+             * Current Scale
+             * @description current scale in use
+             */
+            current_scale: number;
+            /**
+             * Bridges
+             * @description "regulated", "open", "shorted", or "voltage" while PWM drives them
+             */
+            bridges: string;
         };
         /**
          * UartLink
@@ -6517,33 +6673,6 @@ export interface components {
             /** Bit Name */
             bit_name: string;
         };
-        /** MotorState */
-        app__emulators__drive__bench__MotorState: {
-            /** Connected */
-            connected: boolean;
-            /**
-             * Temperature C
-             * @description of the driver's bridges [deg C]
-             */
-            temperature_c: number;
-            /** Fullsteps Per Turn */
-            fullsteps_per_turn: number;
-            /**
-             * Torque Constant Nm A
-             * @description of one phase, peak values; also back-EMF constant [V s/rad]
-             */
-            torque_constant_nm_a: number;
-            /**
-             * Holding Torque Nm
-             * @description both coils at rated current [N m]
-             */
-            holding_torque_nm: number;
-            /**
-             * Rated Current A
-             * @description in both coils [A]
-             */
-            rated_current_a: number;
-        };
         /**
          * StageChange
          * @description Moves switches of the stage, or turns the shaft as by hand [full steps of the rotor].
@@ -6581,61 +6710,6 @@ export interface components {
              * @description where the carriage really is
              */
             position_fullsteps: number;
-        };
-        /**
-         * TruthState
-         * @description How motor and shaft really are: what nobody tells who is asked over the wire.
-         */
-        app__emulators__drive__bench__TruthState: {
-            /**
-             * Rotor Rad
-             * @description shaft angle, not wrapped [rad]
-             */
-            rotor_rad: number;
-            /**
-             * Rotor Fullsteps
-             * @description the same in full steps
-             */
-            rotor_fullsteps: number;
-            /**
-             * Field Fullsteps
-             * @description where an ideal unloaded rotor would stand [full steps]
-             */
-            field_fullsteps: number;
-            /** Speed Rad S */
-            speed_rad_s: number;
-            /**
-             * Load Angle Deg
-             * @description field minus rotor [deg electrical]; more than 90 does not hold
-             */
-            load_angle_deg: number;
-            /**
-             * Current A A
-             * @description coil A [A]
-             */
-            current_a_a: number;
-            /**
-             * Current B A
-             * @description coil B [A]
-             */
-            current_b_a: number;
-            /** Torque Nm */
-            torque_nm: number;
-            /**
-             * Lost Fullsteps
-             * @description full steps lost since power-on: multiples of four
-             */
-            lost_fullsteps: number;
-            /**
-             * Current Scale
-             * @description current scale in use
-             */
-            current_scale: number;
-            /**
-             * Bridges
-             * @description "regulated", "open", "shorted", or "voltage" while PWM drives them
-             */
-            bridges: string;
         };
         /**
          * FaultsChange
@@ -6760,25 +6834,6 @@ export interface components {
             analog?: number | null;
         };
         /**
-         * StageChange
-         * @description Moves switches of the stage, or turns the shaft as by hand [full steps of the rotor].
-         */
-        app__emulators__pd42__options__StageChange: {
-            /** Left At Fullsteps */
-            left_at_fullsteps?: number | null;
-            /** Right At Fullsteps */
-            right_at_fullsteps?: number | null;
-            /** Home From Fullsteps */
-            home_from_fullsteps?: number | null;
-            /** Home To Fullsteps */
-            home_to_fullsteps?: number | null;
-            /**
-             * Position Fullsteps
-             * @description turns the shaft there and stops it
-             */
-            position_fullsteps?: number | null;
-        };
-        /**
          * StepDirChange
          * @description Pulses on the step input, as from a pulse generator. They count while axis parameter 254 is 1.
          */
@@ -6837,67 +6892,6 @@ export interface components {
              */
             eccentricity_deg: number;
         };
-        /** FaultsState */
-        app__emulators__pd42__state__FaultsState: {
-            /** Silence */
-            silence: boolean;
-            /** Late Reply S */
-            late_reply_s: number;
-            /** Bit Error Rate */
-            bit_error_rate: number;
-            /** Half Frame Rate */
-            half_frame_rate: number;
-            /** Unplugged */
-            unplugged: boolean;
-            /** Undervoltage */
-            undervoltage: boolean;
-        };
-        /** MotorState */
-        app__emulators__pd42__state__MotorState: {
-            /** Connected */
-            connected: boolean;
-            /**
-             * Temperature C
-             * @description of the driver's bridges [deg C]
-             */
-            temperature_c: number;
-            /** Fullsteps Per Turn */
-            fullsteps_per_turn: number;
-            /**
-             * Torque Constant Nm A
-             * @description of one phase, peak values; also back-EMF constant [V s/rad]
-             */
-            torque_constant_nm_a: number;
-            /**
-             * Holding Torque Nm
-             * @description both coils at rated current [N m]
-             */
-            holding_torque_nm: number;
-            /**
-             * Rated Current A
-             * @description in both coils [A]
-             */
-            rated_current_a: number;
-        };
-        /**
-         * StageState
-         * @description Where switches and carriage are [full steps of the rotor].
-         */
-        app__emulators__pd42__state__StageState: {
-            /** Left At Fullsteps */
-            left_at_fullsteps: number;
-            /** Right At Fullsteps */
-            right_at_fullsteps: number;
-            /** Home From Fullsteps */
-            home_from_fullsteps: number;
-            /** Home To Fullsteps */
-            home_to_fullsteps: number;
-            /**
-             * Position Fullsteps
-             * @description where the carriage really is
-             */
-            position_fullsteps: number;
-        };
         /** SwitchState */
         app__emulators__pd42__state__SwitchState: {
             /**
@@ -6916,61 +6910,6 @@ export interface components {
             left: components["schemas"]["app__emulators__pd42__state__SwitchState"];
             right: components["schemas"]["app__emulators__pd42__state__SwitchState"];
             home: components["schemas"]["app__emulators__pd42__state__SwitchState"];
-        };
-        /**
-         * TruthState
-         * @description How motor and shaft really are: what no command of the module tells.
-         */
-        app__emulators__pd42__state__TruthState: {
-            /**
-             * Rotor Rad
-             * @description shaft angle, not wrapped [rad]
-             */
-            rotor_rad: number;
-            /**
-             * Rotor Fullsteps
-             * @description the same in full steps
-             */
-            rotor_fullsteps: number;
-            /**
-             * Field Fullsteps
-             * @description where an ideal unloaded rotor would stand [full steps]
-             */
-            field_fullsteps: number;
-            /** Speed Rad S */
-            speed_rad_s: number;
-            /**
-             * Load Angle Deg
-             * @description field minus rotor [deg electrical]; more than 90 does not hold
-             */
-            load_angle_deg: number;
-            /**
-             * Current A A
-             * @description coil A [A]
-             */
-            current_a_a: number;
-            /**
-             * Current B A
-             * @description coil B [A]
-             */
-            current_b_a: number;
-            /** Torque Nm */
-            torque_nm: number;
-            /**
-             * Lost Fullsteps
-             * @description full steps lost since power-on: multiples of four
-             */
-            lost_fullsteps: number;
-            /**
-             * Current Scale
-             * @description current scale in use, 0..31
-             */
-            current_scale: number;
-            /**
-             * Bridges
-             * @description "regulated", "open" or "shorted"
-             */
-            bridges: string;
         };
         /** AxisState */
         app__emulators__state__AxisState: {
@@ -7061,64 +7000,6 @@ export interface components {
              */
             status_bits: number;
         };
-        /** MotorState */
-        app__emulators__tmc4361__feedback__state__MotorState: {
-            /** Connected */
-            connected: boolean;
-            /**
-             * Temperature C
-             * @description of the driver's bridges [deg C]
-             */
-            temperature_c: number;
-            /** Fullsteps Per Turn */
-            fullsteps_per_turn: number;
-            /**
-             * Torque Constant Nm A
-             * @description of one phase, peak values; also back-EMF constant [V s/rad]
-             */
-            torque_constant_nm_a: number;
-            /**
-             * Holding Torque Nm
-             * @description both coils at rated current [N m]
-             */
-            holding_torque_nm: number;
-            /**
-             * Rated Current A
-             * @description in both coils [A]
-             */
-            rated_current_a: number;
-            /**
-             * Full Scale A
-             * @description peak coil current at current scale 255 [A]
-             */
-            full_scale_a: number;
-            /**
-             * Inertia Kgm2
-             * @description rotor and load
-             */
-            inertia_kgm2: number;
-        };
-        /**
-         * FaultsChange
-         * @description Faults between the chip and us.
-         */
-        app__emulators__tmc4361__options__FaultsChange: {
-            /**
-             * Silence
-             * @description datagrams are obeyed, answers are lost
-             */
-            silence?: boolean | null;
-            /**
-             * Unplugged
-             * @description the link is gone
-             */
-            unplugged?: boolean | null;
-            /**
-             * Bit Error Rate
-             * @description probability that a bit of a reply is flipped
-             */
-            bit_error_rate?: number | null;
-        };
         /**
          * PinsChange
          * @description Levels from outside: true is high. "auto" gives START its inactive level, and leaves NFREEZE high.
@@ -7134,25 +7015,6 @@ export interface components {
              * @description level at NFREEZE: false freezes
              */
             freeze?: boolean | "auto" | null;
-        };
-        /**
-         * StageChange
-         * @description Moves switches of the stage, or turns the shaft as by hand [full steps of the rotor].
-         */
-        app__emulators__tmc4361__options__StageChange: {
-            /** Left At Fullsteps */
-            left_at_fullsteps?: number | null;
-            /** Right At Fullsteps */
-            right_at_fullsteps?: number | null;
-            /** Home From Fullsteps */
-            home_from_fullsteps?: number | null;
-            /** Home To Fullsteps */
-            home_to_fullsteps?: number | null;
-            /**
-             * Position Fullsteps
-             * @description turns the shaft there and stops it
-             */
-            position_fullsteps?: number | null;
         };
         /**
          * StepDirChange
@@ -7191,15 +7053,6 @@ export interface components {
              * @description level at HOME_REF
              */
             home?: boolean | "auto" | null;
-        };
-        /** FaultsState */
-        app__emulators__tmc4361__state__FaultsState: {
-            /** Silence */
-            silence: boolean;
-            /** Unplugged */
-            unplugged: boolean;
-            /** Bit Error Rate */
-            bit_error_rate: number;
         };
         /**
          * PinsState
@@ -7240,25 +7093,6 @@ export interface components {
              * @description STDBY_CLK while it tells standby; false while it does not
              */
             standby: boolean;
-        };
-        /**
-         * StageState
-         * @description Where switches and carriage are [full steps of the rotor].
-         */
-        app__emulators__tmc4361__state__StageState: {
-            /** Left At Fullsteps */
-            left_at_fullsteps: number;
-            /** Right At Fullsteps */
-            right_at_fullsteps: number;
-            /** Home From Fullsteps */
-            home_from_fullsteps: number;
-            /** Home To Fullsteps */
-            home_to_fullsteps: number;
-            /**
-             * Position Fullsteps
-             * @description where the carriage really is
-             */
-            position_fullsteps: number;
         };
         /** SwitchesState */
         app__emulators__tmc4361__state__SwitchesState: {
@@ -7310,7 +7144,7 @@ export interface components {
         app__emulators__tmc5xxx__state__AxisState: {
             /** Axis */
             axis: number;
-            motor: components["schemas"]["app__emulators__drive__bench__MotorState"];
+            motor: components["schemas"]["MotorState"];
             /** Load Torque Nm */
             load_torque_nm: number;
             /** Blocked */
@@ -7324,7 +7158,7 @@ export interface components {
             switches: components["schemas"]["app__emulators__tmc5xxx__state__SwitchesState"];
             /** @description null: the chip has none */
             encoder: components["schemas"]["app__emulators__tmc5xxx__state__EncoderState"] | null;
-            truth: components["schemas"]["app__emulators__drive__bench__TruthState"];
+            truth: components["schemas"]["TruthState"];
         };
         /** EncoderState */
         app__emulators__tmc5xxx__state__EncoderState: {
@@ -8692,6 +8526,107 @@ export interface operations {
             };
             /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
             422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    start_axis_up: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["StartUp"] | null;
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RegisterBatchResult"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
                 headers: {
                     [name: string]: unknown;
                 };
