@@ -109,7 +109,7 @@ class EmulatedModule(FarEnd):
         """
         with self._lock:
             self._run_until(at_s)
-            world.check_stage(self._drive, change.stage)
+            world.check(self._drive, change)
             if change.factory_default:
                 self._erase()
             if change.factory_default or change.power_cycle:

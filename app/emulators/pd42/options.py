@@ -4,8 +4,21 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
+from app.emulators.drive.bench import (
+    Closed,
+    Flag,
+    Forced,
+    Friction,
+    MotorChange,
+    Rate,
+    Seed,
+    StageChange,
+    Supply,
+    TimeScale,
+    Torque,
+)
 from app.emulators.drive.options import (
     DriveOptions,
     EncoderOptions,
@@ -15,19 +28,10 @@ from app.emulators.drive.options import (
     StageSwitches,
 )
 
-Flag = Annotated[bool, Field(strict=True)]
-Forced = Flag | Literal["auto"]
 Level = Flag | Literal["open"]
-Rate = Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)]
-TimeScale = Annotated[float, Field(strict=True, ge=0, le=20, allow_inf_nan=False)]
-"""A motor that turns is worked out 50 times as fast as it turns, or more; beyond that it would never be caught up."""
 
 
-class _Closed(BaseModel):
-    model_config = ConfigDict(extra="forbid")
-
-
-class Pd42Options(_Closed):
+class Pd42Options(Closed):
     """How an emulated module, its motor and its stage are made: the `link` of an emulated device."""
 
     time_scale: TimeScale = Field(default=1.0, description="how fast the module's time passes; 0 stands still")
@@ -41,13 +45,9 @@ class Pd42Options(_Closed):
     load: LoadOptions = Field(default_factory=LoadOptions)
     stage: StageSwitches = Field(default_factory=StageSwitches)
     encoders: EncoderOptions = Field(default_factory=EncoderOptions)
-    supply_v: Annotated[float, Field(strict=True, ge=0, le=60, allow_inf_nan=False)] = Field(
-        default=24.0, description="motor supply [V]"
-    )
+    supply_v: Supply = Field(default=24.0, description="motor supply [V]")
     start_fullsteps: FullSteps = Field(default=0.0, description="where the rotor stands at first [full steps]")
-    seed: Annotated[int, Field(strict=True, ge=0, le=2**32 - 1)] = Field(
-        default=1241, description="of the noise in the load value and of faults on the wire"
-    )
+    seed: Seed = Field(default=1241, description="of the noise in the load value and of faults on the wire")
 
     def drive(self) -> DriveOptions:
         """The part that the motor and its driver chip are made with."""
@@ -62,24 +62,7 @@ class Pd42Options(_Closed):
         )
 
 
-class MotorChange(_Closed):
-    connected: Flag | None = Field(default=None, description="false pulls the motor's plug")
-    temperature_c: Annotated[float, Field(strict=True, ge=-40, le=250, allow_inf_nan=False)] | None = Field(
-        default=None, description="of the driver's bridges: warning from 120, shutdown from 150 [deg C]"
-    )
-
-
-class StageChange(_Closed):
-    """Moves switches of the stage, or turns the shaft as by hand [full steps of the rotor]."""
-
-    left_at_fullsteps: FullSteps | None = None
-    right_at_fullsteps: FullSteps | None = None
-    home_from_fullsteps: FullSteps | None = None
-    home_to_fullsteps: FullSteps | None = None
-    position_fullsteps: FullSteps | None = Field(default=None, description="turns the shaft there and stops it")
-
-
-class SwitchesChange(_Closed):
+class SwitchesChange(Closed):
     """Forces switches, or gives them back to the stage with "auto"."""
 
     left: Forced | None = None
@@ -87,7 +70,7 @@ class SwitchesChange(_Closed):
     home: Forced | None = None
 
 
-class EncoderChange(_Closed):
+class EncoderChange(Closed):
     slip_fullsteps: FullSteps | None = Field(
         default=None, description="one shot: lets the built-in encoder's magnet slip on the shaft by so much"
     )
@@ -97,7 +80,7 @@ class EncoderChange(_Closed):
     )
 
 
-class InputsChange(_Closed):
+class InputsChange(Closed):
     in1: Level | None = Field(default=None, description='level on IN1, or "open"')
     in2: Level | None = Field(default=None, description='level on IN2, or "open"')
     analog: Annotated[int, Field(strict=True, ge=0, le=4095)] | None = Field(
@@ -105,7 +88,7 @@ class InputsChange(_Closed):
     )
 
 
-class StepDirChange(_Closed):
+class StepDirChange(Closed):
     """Pulses on the step input, as from a pulse generator. They count while axis parameter 254 is 1."""
 
     pulses: Annotated[int, Field(strict=True, ge=-(2**24), le=2**24)] = Field(
@@ -116,7 +99,7 @@ class StepDirChange(_Closed):
     )
 
 
-class FaultsChange(_Closed):
+class FaultsChange(Closed):
     """Faults on the wire and of the supply."""
 
     silence: Flag | None = Field(default=None, description="commands are obeyed, answers are lost")
@@ -131,21 +114,17 @@ class FaultsChange(_Closed):
     )
 
 
-class Pd42Patch(_Closed):
+class Pd42Patch(Closed):
     """A change to a running module; what is left out stays. A power cycle or factory default comes first."""
 
     time_scale: TimeScale | None = None
     motor: MotorChange = Field(default_factory=MotorChange)
-    load_torque_nm: Annotated[float, Field(strict=True, ge=-50, le=50, allow_inf_nan=False)] | None = Field(
+    load_torque_nm: Torque | None = Field(
         default=None, description="constant, like a weight: a positive one pulls to negative positions [N m]"
     )
     blocked: Flag | None = Field(default=None, description="clamps the shaft where it is")
-    friction: Annotated[float, Field(strict=True, ge=0, le=50, allow_inf_nan=False)] | None = Field(
-        default=None, description="friction on top of the motor's own [N m]"
-    )
-    supply_v: Annotated[float, Field(strict=True, ge=0, le=60, allow_inf_nan=False)] | None = Field(
-        default=None, description="motor supply [V]; the driver needs 8"
-    )
+    friction: Friction | None = Field(default=None, description="friction on top of the motor's own [N m]")
+    supply_v: Supply | None = Field(default=None, description="motor supply [V]; the driver needs 8")
     stage: StageChange = Field(default_factory=StageChange)
     switches: SwitchesChange = Field(default_factory=SwitchesChange)
     encoder: EncoderChange = Field(default_factory=EncoderChange)

@@ -6,24 +6,7 @@ from typing import Literal
 
 from pydantic import BaseModel, Field
 
-
-class MotorState(BaseModel):
-    connected: bool
-    temperature_c: float = Field(description="of the driver's bridges [deg C]")
-    fullsteps_per_turn: int
-    torque_constant_nm_a: float = Field(description="of one phase, peak values; also back-EMF constant [V s/rad]")
-    holding_torque_nm: float = Field(description="both coils at rated current [N m]")
-    rated_current_a: float = Field(description="in both coils [A]")
-
-
-class StageState(BaseModel):
-    """Where switches and carriage are [full steps of the rotor]."""
-
-    left_at_fullsteps: float
-    right_at_fullsteps: float
-    home_from_fullsteps: float
-    home_to_fullsteps: float
-    position_fullsteps: float = Field(description="where the carriage really is")
+from app.emulators.drive.bench import MotorState, StageState, TruthState
 
 
 class SwitchState(BaseModel):
@@ -78,22 +61,6 @@ class ApplicationState(BaseModel):
 class SearchState(BaseModel):
     mode: int = Field(description="axis parameter 193")
     phase: str = Field(description="what the reference search does; empty while none runs")
-
-
-class TruthState(BaseModel):
-    """How motor and shaft really are: what no command of the module tells."""
-
-    rotor_rad: float = Field(description="shaft angle, not wrapped [rad]")
-    rotor_fullsteps: float = Field(description="the same in full steps")
-    field_fullsteps: float = Field(description="where an ideal unloaded rotor would stand [full steps]")
-    speed_rad_s: float
-    load_angle_deg: float = Field(description="field minus rotor [deg electrical]; more than 90 does not hold")
-    current_a_a: float = Field(description="coil A [A]")
-    current_b_a: float = Field(description="coil B [A]")
-    torque_nm: float
-    lost_fullsteps: int = Field(description="full steps lost since power-on: multiples of four")
-    current_scale: int = Field(description="current scale in use, 0..31")
-    bridges: str = Field(description='"regulated", "open" or "shorted"')
 
 
 class Pd42State(BaseModel):

@@ -6,11 +6,12 @@ import random
 from dataclasses import asdict
 
 from app.clock import Clock
+from app.emulators.drive.bench import ChipFaultsState
 from app.emulators.far_end import ChipFaults, FarEnd
 from app.emulators.tmc4361 import world
 from app.emulators.tmc4361.options import Tmc4361Options, Tmc4361Patch
 from app.emulators.tmc4361.registers import Chip
-from app.emulators.tmc4361.state import FaultsState, Tmc4361State
+from app.emulators.tmc4361.state import Tmc4361State
 from app.links.datagram40 import FRAME_BYTES, Reply, Request
 
 MODEL = "tmc4361"
@@ -84,7 +85,7 @@ class EmulatedTmc4361(FarEnd):
         """
         with self._lock:
             chip = self._chip
-            world.check_stage(chip, change.stage)
+            world.check(chip, change)
             self._run_until(at_s)
             chip.feedback.change(change.feedback())
             if change.power_cycle:
@@ -102,7 +103,7 @@ class EmulatedTmc4361(FarEnd):
     def _describe(self) -> Tmc4361State:
         return world.describe(
             self._chip,
-            FaultsState(**asdict(self._faults)),
+            ChipFaultsState(**asdict(self._faults)),
             time_scale=self.clock.scale,
             chip_time_s=self._latest_s,
             clock_hz=self.options.clock_hz,

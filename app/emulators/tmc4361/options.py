@@ -2,24 +2,30 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import Field, model_validator
 
+from app.emulators.drive.bench import (
+    ChipFaultsChange,
+    Closed,
+    Flag,
+    Forced,
+    Friction,
+    MotorChange,
+    Seed,
+    StageChange,
+    Supply,
+    TimeScale,
+    Torque,
+)
 from app.emulators.drive.options import FullSteps, LoadOptions, MotorOptions, StageSwitches
 from app.emulators.tmc4361.feedback import EncoderPatch, FeedbackOptions, FeedbackPatch, ShaftEncoder
 
-Flag = Annotated[bool, Field(strict=True)]
-Forced = Flag | Literal["auto"]
-TimeScale = Annotated[float, Field(strict=True, ge=0, le=20, allow_inf_nan=False)]
-"""A motor that turns is worked out 50 times as fast as it turns, or more; beyond that it would never be caught up."""
+FaultsChange = ChipFaultsChange
 
 
-class _Closed(BaseModel):
-    model_config = ConfigDict(extra="forbid")
-
-
-class Tmc4361Options(_Closed):
+class Tmc4361Options(Closed):
     """How an emulated chip, its motor, its encoder and its stage are made: the `link` of an emulated device."""
 
     time_scale: TimeScale = Field(default=1.0, description="how fast the chip's time passes; 0 stands still")
@@ -30,9 +36,7 @@ class Tmc4361Options(_Closed):
     load: LoadOptions = Field(default_factory=LoadOptions)
     encoder: ShaftEncoder = Field(default_factory=ShaftEncoder)
     stage: StageSwitches = Field(default_factory=StageSwitches)
-    supply_v: Annotated[float, Field(strict=True, ge=0, le=60, allow_inf_nan=False)] = Field(
-        default=24.0, description="motor supply [V]"
-    )
+    supply_v: Supply = Field(default=24.0, description="motor supply [V]")
     full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30, allow_inf_nan=False)] = Field(
         default=2.1, description="peak coil current at current scale 255 [A]: the default motor's holding torque"
     )
@@ -40,9 +44,7 @@ class Tmc4361Options(_Closed):
         default=0, description="SGT of the driver's StallGuard2"
     )
     start_fullsteps: FullSteps = Field(default=0.0, description="where the rotor stands at first [full steps]")
-    seed: Annotated[int, Field(strict=True, ge=0, le=2**32 - 1)] = Field(
-        default=4361, description="of the noise in the load value and of bit errors"
-    )
+    seed: Seed = Field(default=4361, description="of the noise in the load value and of bit errors")
 
     def feedback(self) -> FeedbackOptions:
         """The part that the feedback unit and the motor are made with."""
@@ -63,24 +65,7 @@ class Tmc4361Options(_Closed):
         return self
 
 
-class MotorChange(_Closed):
-    connected: Flag | None = Field(default=None, description="false pulls the motor's plug")
-    temperature_c: Annotated[float, Field(strict=True, ge=-40, le=250, allow_inf_nan=False)] | None = Field(
-        default=None, description="of the driver's bridges: warning from 120, shutdown from 150 [deg C]"
-    )
-
-
-class StageChange(_Closed):
-    """Moves switches of the stage, or turns the shaft as by hand [full steps of the rotor]."""
-
-    left_at_fullsteps: FullSteps | None = None
-    right_at_fullsteps: FullSteps | None = None
-    home_from_fullsteps: FullSteps | None = None
-    home_to_fullsteps: FullSteps | None = None
-    position_fullsteps: FullSteps | None = Field(default=None, description="turns the shaft there and stops it")
-
-
-class SwitchesChange(_Closed):
+class SwitchesChange(Closed):
     """Forces switches, or gives them back to the stage with "auto"."""
 
     left: Forced | None = Field(default=None, description="level at STOPL: true is high")
@@ -88,14 +73,14 @@ class SwitchesChange(_Closed):
     home: Forced | None = Field(default=None, description="level at HOME_REF")
 
 
-class PinsChange(_Closed):
+class PinsChange(Closed):
     """Levels from outside: true is high. "auto" gives START its inactive level, and leaves NFREEZE high."""
 
     start: Forced | None = Field(default=None, description="level at START")
     freeze: Forced | None = Field(default=None, description="level at NFREEZE: false freezes")
 
 
-class StepDirChange(_Closed):
+class StepDirChange(Closed):
     """Pulses at STPIN, as from a pulse generator. They count while sdin_mode is not 0."""
 
     pulses: Annotated[int, Field(strict=True, ge=-(2**24), le=2**24)] = Field(
@@ -106,34 +91,20 @@ class StepDirChange(_Closed):
     )
 
 
-class FaultsChange(_Closed):
-    """Faults between the chip and us."""
-
-    silence: Flag | None = Field(default=None, description="datagrams are obeyed, answers are lost")
-    unplugged: Flag | None = Field(default=None, description="the link is gone")
-    bit_error_rate: Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)] | None = Field(
-        default=None, description="probability that a bit of a reply is flipped"
-    )
-
-
-class Tmc4361Patch(_Closed):
+class Tmc4361Patch(Closed):
     """A change to a running chip; what is left out stays. A power cycle comes first."""
 
     time_scale: TimeScale | None = None
     motor: MotorChange = Field(default_factory=MotorChange)
-    load_torque_nm: Annotated[float, Field(strict=True, ge=-50, le=50, allow_inf_nan=False)] | None = Field(
+    load_torque_nm: Torque | None = Field(
         default=None, description="constant, like a weight: a positive one pulls to negative positions [N m]"
     )
     blocked: Flag | None = Field(default=None, description="clamps the shaft where it is")
-    friction: Annotated[float, Field(strict=True, ge=0, le=50, allow_inf_nan=False)] | None = Field(
-        default=None, description="friction on top of the motor's own [N m]"
-    )
+    friction: Friction | None = Field(default=None, description="friction on top of the motor's own [N m]")
     inertia: Annotated[float, Field(strict=True, ge=0, le=1, allow_inf_nan=False)] | None = Field(
         default=None, description="of the load [kg m^2]"
     )
-    supply_v: Annotated[float, Field(strict=True, ge=0, le=60, allow_inf_nan=False)] | None = Field(
-        default=None, description="motor supply [V]; the driver needs 8"
-    )
+    supply_v: Supply | None = Field(default=None, description="motor supply [V]; the driver needs 8")
     stage: StageChange = Field(default_factory=StageChange)
     switches: SwitchesChange = Field(default_factory=SwitchesChange)
     pins: PinsChange = Field(default_factory=PinsChange)

@@ -6,17 +6,8 @@ from typing import Literal
 
 from pydantic import BaseModel, Field
 
-from app.emulators.tmc4361.feedback.state import EncoderState, FeedbackTruth, MotorState, PwmState
-
-
-class StageState(BaseModel):
-    """Where switches and carriage are [full steps of the rotor]."""
-
-    left_at_fullsteps: float
-    right_at_fullsteps: float
-    home_from_fullsteps: float
-    home_to_fullsteps: float
-    position_fullsteps: float = Field(description="where the carriage really is")
+from app.emulators.drive.bench import ChipFaultsState, StageState, TruthState
+from app.emulators.tmc4361.feedback.state import EncoderState, FeedbackMotor, PwmState
 
 
 class LevelState(BaseModel):
@@ -67,12 +58,6 @@ class RampState(BaseModel):
     clocks_gated: bool
 
 
-class FaultsState(BaseModel):
-    silence: bool
-    unplugged: bool
-    bit_error_rate: float
-
-
 class Tmc4361State(BaseModel):
     """Everything that GET .../emulator answers for a TMC4361."""
 
@@ -80,7 +65,7 @@ class Tmc4361State(BaseModel):
     time_scale: float
     chip_time_s: float
     clock_hz: float
-    motor: MotorState
+    motor: FeedbackMotor
     load_torque_nm: float
     blocked: bool
     friction: float = Field(description="friction on top of the motor's own [N m]")
@@ -94,5 +79,5 @@ class Tmc4361State(BaseModel):
     ramp: RampState
     step_output: StepOutputState
     driver_words: dict[str, int] = Field(description="what cover datagrams have written into the motor driver")
-    faults: FaultsState
-    truth: FeedbackTruth
+    faults: ChipFaultsState
+    truth: TruthState

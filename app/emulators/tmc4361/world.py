@@ -4,22 +4,20 @@ from __future__ import annotations
 
 from typing import Literal
 
+from app.emulators.drive.bench import ChipFaultsState, Forced, StageState, check_stage
 from app.emulators.drive.options import StageSwitches
 from app.emulators.tmc4361 import layout as c
 from app.emulators.tmc4361.feedback.layout import SHAFT_FULLSTEPS
-from app.emulators.tmc4361.options import Forced, StageChange, Tmc4361Patch
+from app.emulators.tmc4361.options import Tmc4361Patch
 from app.emulators.tmc4361.registers import Chip
 from app.emulators.tmc4361.state import (
-    FaultsState,
     LevelState,
     PinsState,
     RampState,
-    StageState,
     StepOutputState,
     SwitchesState,
     Tmc4361State,
 )
-from app.links.errors import OutOfRange
 
 _PLACES = {
     "left_at_fullsteps": c.LEFT_AT,
@@ -43,18 +41,9 @@ def place(chip: Chip, stage: StageSwitches) -> None:
         chip.f[cell] = getattr(stage, name)
 
 
-def check_stage(chip: Chip, wanted: StageChange) -> None:
+def check(chip: Chip, wanted: Tmc4361Patch) -> None:
     """Raises OutOfRange where switches would change places."""
-    places = {
-        name: float(chip.f[cell]) if getattr(wanted, name) is None else getattr(wanted, name)
-        for name, cell in _PLACES.items()
-    }
-    for low, high, touching in (
-        ("left_at_fullsteps", "right_at_fullsteps", False),
-        ("home_from_fullsteps", "home_to_fullsteps", True),
-    ):
-        if places[low] > places[high] or (places[low] == places[high] and not touching):
-            raise OutOfRange(low, places[low], None, places[high], f"{high} lies to the right of it")
+    check_stage({name: float(chip.f[cell]) for name, cell in _PLACES.items()}, wanted.stage)
 
 
 def change(chip: Chip, wanted: Tmc4361Patch, clock_hz: float) -> None:
@@ -87,7 +76,7 @@ def _force(chip: Chip, pin: int, forced: Forced) -> None:
 
 
 def describe(
-    chip: Chip, faults: FaultsState, *, time_scale: float, chip_time_s: float, clock_hz: float
+    chip: Chip, faults: ChipFaultsState, *, time_scale: float, chip_time_s: float, clock_hz: float
 ) -> Tmc4361State:
     """The chip and its bench as the API tells them."""
     r, s, f = chip.r, chip.s, chip.f

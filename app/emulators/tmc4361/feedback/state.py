@@ -6,17 +6,12 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
+from app.emulators.drive.bench import MotorState, TruthState
 from app.emulators.drive.options import FullSteps
 from app.emulators.tmc4361.feedback.options import EncoderKind
 
 
-class MotorState(BaseModel):
-    connected: bool
-    temperature_c: float = Field(description="of the driver's bridges [deg C]")
-    fullsteps_per_turn: int
-    torque_constant_nm_a: float = Field(description="of one phase, peak values; also back-EMF constant [V s/rad]")
-    holding_torque_nm: float = Field(description="both coils at rated current [N m]")
-    rated_current_a: float = Field(description="in both coils [A]")
+class FeedbackMotor(MotorState):
     full_scale_a: float = Field(description="peak coil current at current scale 255 [A]")
     inertia_kgm2: float = Field(description="rotor and load")
 
@@ -40,24 +35,8 @@ class PwmState(BaseModel):
     duty_b: float
 
 
-class FeedbackTruth(BaseModel):
-    """How motor and shaft really are: what no register tells."""
-
-    rotor_rad: float = Field(description="shaft angle, not wrapped [rad]")
-    rotor_fullsteps: float = Field(description="the same in full steps")
-    field_fullsteps: float = Field(description="where an ideal unloaded rotor would stand [full steps]")
-    speed_rad_s: float
-    load_angle_deg: float = Field(description="field minus rotor [deg electrical]; more than 90 does not hold")
-    current_a_a: float = Field(description="coil A [A]")
-    current_b_a: float = Field(description="coil B [A]")
-    torque_nm: float
-    lost_fullsteps: int = Field(description="full steps between field and rotor, in multiples of four")
-    current_scale: int = Field(description="current scale in use, 0..255")
-    bridges: str = Field(description='"regulated", "open", or "voltage" while PWM drives them')
-
-
 class FeedbackState(BaseModel):
-    motor: MotorState
+    motor: FeedbackMotor
     load_torque_nm: float
     blocked: bool
     friction_nm: float = Field(description="Coulomb friction on top of the motor's own [N m]")
@@ -65,7 +44,7 @@ class FeedbackState(BaseModel):
     supply_v: float
     encoder: EncoderState
     pwm: PwmState | None
-    truth: FeedbackTruth
+    truth: TruthState
 
 
 class _Patch(BaseModel):

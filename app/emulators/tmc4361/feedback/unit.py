@@ -9,6 +9,7 @@ import numpy as np
 
 from app.emulators.drive import DriveOptions, World
 from app.emulators.drive import kernel as k
+from app.emulators.drive.bench import motor_state, truth_state
 from app.emulators.drive.physics import set_physics, truth_of
 from app.emulators.drive.world import OT_C, OTPW_C, UNDERVOLTAGE_V, Truth
 from app.emulators.tmc4361.feedback import layout as c
@@ -18,10 +19,9 @@ from app.emulators.tmc4361.feedback.regulation import error_of
 from app.emulators.tmc4361.feedback.state import (
     EncoderPatch,
     EncoderState,
+    FeedbackMotor,
     FeedbackPatch,
     FeedbackState,
-    FeedbackTruth,
-    MotorState,
     PwmState,
 )
 from app.emulators.tmc4361.feedback.words import (
@@ -315,13 +315,8 @@ class FeedbackUnit:
         world, motor, truth, fb = self.world, self.options.motor, self.truth, self.fb
         period = self._word(0x1F) & 0xFFFF
         return FeedbackState(
-            motor=MotorState(
-                connected=world.motor_connected,
-                temperature_c=world.temperature_c,
-                fullsteps_per_turn=4 * motor.rotor_teeth,
-                torque_constant_nm_a=motor.torque_constant,
-                holding_torque_nm=motor.holding_torque_nm,
-                rated_current_a=motor.rated_current_a,
+            motor=FeedbackMotor(
+                **motor_state(world, motor).model_dump(),
                 full_scale_a=self.options.full_scale_a,
                 inertia_kgm2=self._drive.inertia_kgm2,
             ),
@@ -347,19 +342,7 @@ class FeedbackUnit:
             )
             if self._word(0x00) >> 23 & 1 and period
             else None,
-            truth=FeedbackTruth(
-                rotor_rad=truth.rotor_rad,
-                rotor_fullsteps=truth.rotor_fullsteps,
-                field_fullsteps=truth.field_fullsteps,
-                speed_rad_s=truth.speed_rad_s,
-                load_angle_deg=truth.load_angle_deg,
-                current_a_a=truth.current_a_a,
-                current_b_a=truth.current_b_a,
-                torque_nm=truth.torque_nm,
-                lost_fullsteps=truth.lost_fullsteps,
-                current_scale=int(self._n[c.SCALE]),
-                bridges=truth.bridges,
-            ),
+            truth=truth_state(truth).model_copy(update={"current_scale": int(self._n[c.SCALE])}),
         )
 
     def _bridges_changed(self) -> None:
