@@ -114,7 +114,7 @@ def _delay(body: CoilCurrent, run: Setting, hold: Setting | None) -> HoldDelay:
         lowering_s=times.hold_delay_s(raw, steps, body.clock_hz),
         tpowerdown=power_down,
         waiting_s=None if power_down is None else times.power_down_s(power_down, body.clock_hz, first_free),
-        standstill_s=times.STANDSTILL_CLOCKS / body.clock_hz,
+        standstill_s=times.STANDSTILL_CLOCKS / body.clock_hz if body.model in ONE_AXIS else 0.0,
     )
 
 

@@ -105,7 +105,9 @@ class HoldDelay(Answer):
     lowering_s: float = Field(description="all of them")
     tpowerdown: int | None = Field(description="null for the chips with two axes, which have none")
     waiting_s: float | None = Field(description="from standstill seen to the first step")
-    standstill_s: float = Field(description="from the last step to standstill seen, 2^20 clocks")
+    standstill_s: float = Field(
+        description="from the last step to standstill seen, 2^20 clocks; 0 with two axes: TZEROWAIT"
+    )
 
 
 class FieldSetting(Answer):

@@ -7,7 +7,7 @@ from app.registers.tmc5xxx_rows import (
     CLOCKS,
     LOW_HIGH,
     MICROSTEPS,
-    MODE_5130,
+    MODE_RAMP,
     MODE_STEP_DIR,
     OPEN_PUSH,
     VENDOR,
@@ -44,9 +44,9 @@ _DIAGNOSTICS = (
     flag(5, "diag0_error", "DIAG0 shows errors of the driver"),
     flag(6, "diag0_otpw", "DIAG0 shows the warning of overtemperature"),
     flag(7, "diag0_stall", "DIAG0 shows a stall", when=MODE_STEP_DIR),
-    flag(7, "diag0_step", "DIAG0 gives steps", when=MODE_5130),
+    flag(7, "diag0_step", "DIAG0 gives steps", when=MODE_RAMP),
     flag(8, "diag1_stall", "DIAG1 shows a stall", when=MODE_STEP_DIR),
-    flag(8, "diag1_dir", "DIAG1 gives the direction", when=MODE_5130),
+    flag(8, "diag1_dir", "DIAG1 gives the direction", when=MODE_RAMP),
     flag(9, "diag1_index", "DIAG1 shows place 0 of the microstep table"),
     flag(10, "diag1_onstate", "DIAG1 shows that the chopper lets current in"),
     flag(11, "diag1_steps_skipped", "DIAG1 changes with each step that DcStep leaves out"),
@@ -101,7 +101,7 @@ def _gstat(width: int, *fields: Field, write_clears: bool = False) -> Register:
     return clearing(
         "GSTAT",
         width,
-        f"what has happened to the chip; {'writing 1' if write_clears else 'reading'} clears",
+        "what has happened to the chip",
         0x01,
         GROUP,
         write_clears,
@@ -154,9 +154,7 @@ def _ioin(enable: str, index: str) -> Register:
                 lsb=6,
                 values={0: "ramp generator", 1: "step and direction"},
             ),
-            Field(
-                "SWCOMP_IN", 1, "comparator of the UART's pins", lsb=7, values={0: "SWN above SWP", 1: "SWP above SWN"}
-            ),
+            Field("SWCOMP_IN", 1, "comparator of the UART's pins SWN and SWP", lsb=7, values=LOW_HIGH),
             Field("VERSION", 8, "version of the silicon", lsb=24),
         ),
     )
@@ -395,7 +393,7 @@ INPUT_5072 = _input(
     *_PINS,
     _pin(6, "nextaddr_in", "NEXTADDR"),
     _pin(7, "drv_enn_in", "DRV_ENN"),
-    Field("sw_comp_in", 1, "comparator of the UART's pins", lsb=8, values={0: "SWN above SWP", 1: "SWP above SWN"}),
+    Field("sw_comp_in", 1, "comparator of the UART's pins", lsb=8, values={0: "ION above IOP", 1: "IOP above ION"}),
 )
 
 

@@ -8,6 +8,7 @@ from app.registers.tmc5xxx_rows import (
     ACTIVE_LEVEL,
     CLOCKS,
     DELAY_UNIT,
+    LOW_HIGH,
     MICROSTEPS,
     NO_YES,
     SCALE_UNIT,
@@ -155,8 +156,7 @@ def ramp_stat(write_clears: bool) -> Register:
     return clearing(
         "RAMP_STAT",
         14,
-        f"where the ramp is and what has happened; {'writing 1' if write_clears else 'reading'} clears "
-        "the latches' flags, event_stop_sg, event_pos_reached and second_move",
+        "where the ramp is and what has happened",
         0x35,
         "ramp",
         write_clears,
@@ -176,6 +176,7 @@ def ramp_stat(write_clears: bool) -> Register:
             state(12, "second_move", "the motor had to come back to its target"),
             _now(13, "status_sg", "StallGuard sees a stall"),
         ),
+        what="the latches' flags, event_stop_sg, event_pos_reached and second_move",
     )
 
 
@@ -238,9 +239,16 @@ def _threshold(name: str, address: int, help_: str) -> Register:
     )
 
 
+_ALWAYS = "0 at every velocity; bits 7..0 do not count"
 VELOCITY_THRESHOLDS = (
-    _threshold("VCOOLTHRS", 0x31, "CoolStep and StallGuard from this velocity on; 0 never, bits 7..0 do not count"),
-    _threshold("VHIGH", 0x32, "vhighchm and vhighfs from this velocity on; 0 never, bits 7..0 do not count"),
+    _threshold(
+        "VCOOLTHRS",
+        0x31,
+        "StealthChop below, CoolStep and StallGuard from this velocity on; 0 always; bits 7..0 do not count",
+    ),
+    _threshold(
+        "VHIGH", 0x32, "vhighchm and vhighfs from this velocity on, no CoolStep; 0 always; bits 7..0 do not count"
+    ),
 )
 """Of the chips with two axes: thresholds in units of velocity."""
 
@@ -259,9 +267,9 @@ def _encmode(*more: Field) -> Register:
         volatile=True,
         source=f"{VENDOR}; pos_edge and neg_edge: the data sheet alone",
         fields=(
-            Field("pol_A", 1, "level of A at an event of the index channel", lsb=0, values={0: "low", 1: "high"}),
-            Field("pol_B", 1, "level of B at an event of the index channel", lsb=1, values={0: "low", 1: "high"}),
-            Field("pol_N", 1, "active level of the index channel", lsb=2, values={0: "low", 1: "high"}),
+            Field("pol_A", 1, "level of A at an event of the index channel", lsb=0, values=LOW_HIGH),
+            Field("pol_B", 1, "level of B at an event of the index channel", lsb=1, values=LOW_HIGH),
+            Field("pol_N", 1, "active level of the index channel", lsb=2, values=LOW_HIGH),
             flag(3, "ignore_AB", "A and B do not matter to an event"),
             flag(4, "clr_cont", "each event latches (and clears, with clr_enc_x)"),
             flag(
@@ -309,7 +317,7 @@ def _enc_status(write_clears: bool) -> Register:
     return clearing(
         "ENC_STATUS",
         len(events),
-        f"what the encoder saw; {'writing 1' if write_clears else 'reading'} clears",
+        "what the encoder saw",
         0x3B,
         "encoder",
         write_clears,

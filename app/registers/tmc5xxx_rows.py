@@ -29,7 +29,7 @@ OPEN_PUSH = {0: "open drain", 1: "push-pull"}
 VENDOR = "API; PY"
 VENDOR_RESET = "API (reset)"
 
-MODE_5130 = "driver by the ramp generator (SD_MODE low)"
+MODE_RAMP = "driver by the ramp generator (SD_MODE low)"
 MODE_STEP_DIR = "driver by step and direction (SD_MODE high)"
 
 
@@ -72,10 +72,18 @@ def reading(
 
 
 def clearing(
-    name: str, width: int, help_: str, address: int, group: str, write_clears: bool, fields: tuple[Field, ...]
+    name: str,
+    width: int,
+    help_: str,
+    address: int,
+    group: str,
+    write_clears: bool,
+    fields: tuple[Field, ...],
+    what: str = "it",
 ) -> Register:
-    """Flags that stay until somebody clears them, by writing 1 or else by reading."""
-    row = reading(name, width, help_, address, group, fields=fields)
+    """Flags that stay until somebody clears them (`what` of them), by writing 1 or else by reading."""
+    how = "writing 1" if write_clears else "reading"
+    row = reading(name, width, f"{help_}; {how} clears {what}", address, group, fields=fields)
     return replace(row, access=Access.R_W1C) if write_clears else replace(row, read_clears=True)
 
 

@@ -82,6 +82,9 @@ async def test_delays_of_the_current(client: httpx.AsyncClient) -> None:
     assert delay["lowering_s"] == pytest.approx(0.983, abs=1e-3)
     assert delay["waiting_s"] == pytest.approx(0.164, abs=1e-3)
     assert delay["standstill_s"] == pytest.approx(0.0655, abs=1e-4)
+    two_axes = {**sense("tmc5072"), "irun": 31, "ihold": 16, "ihold_delay": 4}
+    dual = (await client.post("calc/coil-current", json=two_axes)).json()["delay"]
+    assert (dual["tpowerdown"], dual["waiting_s"], dual["standstill_s"]) == (None, None, 0), "after TZEROWAIT at once"
     short = (await client.post("calc/coil-current", json={**body, "tpowerdown": 1})).json()
     assert any("TPOWERDOWN" in said for said in short["warnings"])
 
