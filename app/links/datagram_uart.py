@@ -51,6 +51,14 @@ def crc8(data: bytes) -> int:
     return _REVERSED[state]
 
 
+def is_sound(datagram: bytes) -> bool:
+    """Whether the last byte of `datagram` is the CRC of those before it."""
+    state = 0
+    for byte in datagram[:-1]:
+        state = _NEXT[state ^ byte]
+    return _REVERSED[state] == datagram[-1]
+
+
 @dataclass(frozen=True, slots=True)
 class UartForm:
     """How the datagrams of a chip look. `node` is its address 0..254, None for a TMC5062, which has none.

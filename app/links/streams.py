@@ -219,6 +219,7 @@ def open_stream(name: str, url: str, baud: int) -> Stream:
     try:
         if is_device and os.name == "posix":
             _keep_others_out(port.fileno(), url)
+            _pass_on_at_once(port)
         elif url.startswith("socket://"):
             _send_at_once(port.fileno())
         return FdStream(port) if by_fd else ApiStream(port)
@@ -247,6 +248,12 @@ def _keep_others_out(fd: int, url: str) -> None:
     if sys.platform != "win32" and not os.path.realpath(url).startswith("/dev/pts/"):
         with contextlib.suppress(OSError):
             fcntl.ioctl(fd, termios.TIOCEXCL)
+
+
+def _pass_on_at_once(port: Any) -> None:
+    """Ask the driver of an adapter not to collect bytes: those of FTDI keep an answer for 16 ms, and so for 1 ms."""
+    with contextlib.suppress(AttributeError, NotImplementedError, OSError, ValueError):  # not every port has that
+        port.set_low_latency_mode(True)
 
 
 def _send_at_once(fd: int) -> None:

@@ -22,7 +22,7 @@ from collections.abc import Callable, Sequence
 from typing import Literal
 
 from app.links.conversation import FOREIGN, Conversation
-from app.links.datagram_uart import IFCNT, WRITE_BIT, UartForm, crc8
+from app.links.datagram_uart import IFCNT, WRITE_BIT, UartForm, is_sound
 from app.links.errors import BadReply, LinkTimeout
 from app.links.incidents import IncidentKind, Incidents
 from app.links.port import Answer
@@ -51,6 +51,8 @@ class UartDialogue(Conversation):
         self._place = form.read_bytes - 2
         """Where a datagram to the chip has its register."""
         self._head = form.reply(0, 0)[:-6]
+        self._heads = [self._head + bytes((register,)) for register in range(WRITE_BIT)]
+        """What answers begin with, by register."""
         self._echo: bool | None = {"auto": None, "on": True, "off": False}[echo]
         self._echo_given = echo != "auto"
         self._trusted = False
@@ -71,27 +73,30 @@ class UartDialogue(Conversation):
         answered_s: list[float],
     ) -> None:
         del answer  # a chip always answers, or is made to
-        read, now, place, head = self._stream.read, time.monotonic, self._place, self._head
-        clear, send = self._stream.clear, self._stream.send
-        size, start = self.frame_bytes, slice(0, len(head))
+        read, now, place = self._stream.read, time.monotonic, self._place
+        clear, send, is_answer = self._stream.clear, self._stream.send, self._is_answer
+        is_clear = False
         if self._heard:
             self._judge(self._listen(b""))
         for frame in frames:
             if replies and preempted():
                 break
-            # The common case, as short as it can be: in step, a reading without echo, in one piece, and right.
-            if self._trusted and self._echo is False and frame[place] < WRITE_BIT and clear():
+            # The common case, as short as it can be: in step, and a reading. Right behind a good answer the line is as
+            # clear as it was: whatever came since would spoil the next answer, and is found there.
+            if self._trusted and frame[place] < WRITE_BIT and (is_clear or clear()):
                 send(frame)
-                reply = read(timeout_s)
-                if (
-                    len(reply) != size
-                    or reply[-6] != frame[place]
-                    or reply[start] != head
-                    or crc8(reply[:-1]) != reply[-1]
-                ):
+                latest = came = reply = read(timeout_s)
+                if self._echo:
+                    if came == frame:
+                        latest = read(timeout_s)
+                        came += latest
+                    reply = came[len(frame) :] if came.startswith(frame) else b""
+                if not is_answer(frame, reply):
                     # Nothing at all: then the time is up already.
-                    reply = self._sort_out(frame, reply, timeout_s if reply else 0.0, timeout_s)
+                    reply = self._sort_out(frame, came, timeout_s if latest else 0.0, timeout_s)
+                is_clear = True
             else:
+                is_clear = False
                 stopping = self._stops(frame)
                 if self._foreign and not stopping:
                     raise self._not_sent()
@@ -189,7 +194,8 @@ class UartDialogue(Conversation):
         raise BadReply(self._name, text, data)
 
     def _is_answer(self, frame: bytes, data: bytes) -> bool:
-        return self._sound(data) and data[-6] == frame[self._place]
+        """Whether `data` is the whole answer to `frame` and nothing else, undamaged."""
+        return data.startswith(self._heads[frame[self._place]]) and len(data) == self.frame_bytes and is_sound(data)
 
     def _what_is_wrong(self, frame: bytes, data: bytes) -> tuple[IncidentKind, str]:
         if data.startswith(frame):
@@ -207,7 +213,7 @@ class UartDialogue(Conversation):
 
     def _sound(self, data: bytes) -> bool:
         """Whether `data` is one answer of a chip to the host, undamaged."""
-        return len(data) == self.frame_bytes and data.startswith(self._head) and crc8(data[:-1]) == data[-1]
+        return len(data) == self.frame_bytes and data.startswith(self._head) and is_sound(data)
 
     def _question(self, frame: bytes, register: int) -> bytes:
         """A reading of `register` of the chip that `frame` is for."""

@@ -19,6 +19,7 @@ from tests.bench import (
     planner,
     serving,
     tmcl_link,
+    uart_link,
 )
 from tests.bench.table import Row, render
 
@@ -32,6 +33,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "plots": lambda quick: [browser.measure(quick=quick)],
     "motor": lambda quick: [motor.measure(quick=quick)],
     "tmcl": tmcl_link.measure,
+    "uart": uart_link.measure,
     "planner": planner.measure,
     "pmul": lambda quick: [calculators.measure(quick=quick)],
     "mslut": lambda quick: [mslut.measure(quick=quick)],

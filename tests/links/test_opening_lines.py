@@ -335,3 +335,19 @@ async def test_plugged_in_again_under_load_leaves_nothing_behind() -> None:
             assert Reply.decode(await queue.exchange(gap(number))).value == value_of(number)
             assert (descriptors(), threading.active_count()) == before
         await port.aclose()
+
+
+@pytest.mark.parametrize("error", [None, AttributeError(), NotImplementedError(), OSError(25, "no"), ValueError("no")])
+def test_adapters_are_asked_not_to_collect_bytes(error: Exception | None, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those of FTDI keep an answer for 16 ms otherwise; a port that cannot is as good as ever."""
+    asked: list[bool] = []
+
+    def low_latency(self: object, wanted: bool) -> None:
+        asked.append(wanted)
+        if error is not None:
+            raise error
+
+    monkeypatch.setattr(serial.Serial, "set_low_latency_mode", low_latency, raising=False)
+    with pty_module() as module:
+        open_stream("line", module.path, 9600).close()
+    assert asked == [True]

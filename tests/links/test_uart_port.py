@@ -8,6 +8,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import random
+import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import cast
@@ -173,6 +174,23 @@ async def test_an_echo_that_differs_is_not_taken_off(frame: bytes) -> None:
             await port.exchange(frame)
         assert kinds(port)[-1] == "mismatch"
         assert await word(port, XACTUAL) == word_of(XACTUAL, 0)
+
+
+async def test_an_echo_and_an_answer_may_come_in_any_pieces() -> None:
+    """As adapters pass them on: byte by byte, or part of one with part of the other."""
+    async with line(echo=True) as (chip, port):
+        for cut in range(1, 12):
+
+            def in_pieces(module: PtyModule, frame: bytes, cut: int = cut) -> bytes:
+                said = right(module, frame)
+                module.say(said[:cut])
+                threading.Event().wait(0.002)
+                return said[cut:]
+
+            chip.behave = in_pieces
+            assert await word(port, XACTUAL) == word_of(XACTUAL, 0)
+            await write(port, (VMAX, cut))
+        assert kinds(port) == ["opened"]
 
 
 async def test_a_chip_without_power_on_a_wire_with_an_echo_is_told() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from app.links.datagram_uart import SYNC, WRITE_BIT, UartForm, crc8
+from app.links.datagram_uart import SYNC, WRITE_BIT, UartForm, is_sound
 from app.links.tmcl import FRAME_BYTES
 
 GAP_S = 0.010
@@ -37,10 +37,10 @@ class Framing(Protocol):
         """Whether questions and answers share one wire: who speaks into an answer spoils both."""
         ...
 
-    def missing(self, held: bytes) -> int:
-        """How many bytes are still needed before more can be said of the frame that begins with `held`; 0: it is whole.
+    def length(self, begun: bytes) -> int:
+        """How long the frame is that begins with `begun`, which is not empty; what is behind it does not matter.
 
-        -1 where no frame begins so.
+        Where that is not yet known, how much of it tells more; -1 where no frame begins so.
         """
         ...
 
@@ -66,8 +66,9 @@ class Fixed:
     events: bool = False
     half_duplex: bool = False
 
-    def missing(self, held: bytes) -> int:
-        return self.frame_bytes - len(held)
+    def length(self, begun: bytes) -> int:
+        del begun
+        return self.frame_bytes
 
     def is_sound(self, frame: bytes) -> bool:
         del frame
@@ -85,24 +86,27 @@ class Fixed:
 TMCL = Fixed(FRAME_BYTES, events=True)
 
 
-@dataclass(frozen=True)
 class UartDatagrams:
     """Datagrams of chips on a single wire, of `form` whatever the node."""
 
-    form: UartForm
-    events: bool = False
-    half_duplex: bool = True
+    events = False
+    half_duplex = True
 
-    def missing(self, held: bytes) -> int:
-        place = self.form.read_bytes - 2
-        if held and held[0] & _SYNC_MASK != SYNC:
+    def __init__(self, form: UartForm) -> None:
+        self._place = form.read_bytes - 2
+        """Of the register, whose upper bit writes."""
+        self._read_bytes = form.read_bytes
+        self._write_bytes = form.write_bytes
+
+    def length(self, begun: bytes) -> int:
+        if begun[0] & _SYNC_MASK != SYNC:
             return -1
-        if len(held) <= place:
-            return place + 1 - len(held)
-        return (self.form.write_bytes if held[place] & WRITE_BIT else self.form.read_bytes) - len(held)
+        if len(begun) <= self._place:
+            return self._place + 1
+        return self._write_bytes if begun[self._place] & WRITE_BIT else self._read_bytes
 
     def is_sound(self, frame: bytes) -> bool:
-        return crc8(frame[:-1]) == frame[-1]
+        return is_sound(frame)
 
     def gap_s(self, baud: int | None) -> float:
         return PAUSE_BITS / (baud or BAUD_UNSAID)

@@ -111,24 +111,26 @@ class Line:
                 assembly.held, assembly.deaf = b"", False
             elif assembly.deaf and start_s - assembly.heard_s >= framing.idle_s(baud):
                 assembly.deaf = False
-            missing = len(data) if assembly.deaf else framing.missing(assembly.held)
-            piece = data[position : position + missing]
+            held = len(assembly.held)
+            begun = assembly.held + data[position:] if held or position else data
+            length = -1 if assembly.deaf else framing.length(begun)
+            piece = begun[held:length] if length >= 0 else begun[held:]
             position += len(piece)
-            assembly.heard_s = self._said_s = start_s + len(piece) * byte_s
-            self._wire_free_s = max(self._wire_free_s, assembly.heard_s)
+            heard_s = assembly.heard_s = self._said_s = start_s + len(piece) * byte_s
+            if heard_s > self._wire_free_s:
+                self._wire_free_s = heard_s
             if self._shared_bus or self._echo:
-                self._tell(client, piece, assembly.heard_s)
-            if assembly.deaf:
-                continue
-            assembly.held += piece
-            missing = framing.missing(assembly.held)
-            if missing > 0:
-                continue
-            frame, assembly.held = assembly.held, b""
-            if missing < 0 or not framing.is_sound(frame):
-                assembly.deaf = True
+                self._tell(client, piece, heard_s)
+            if length < 0:
+                assembly.held, assembly.deaf = b"", True
+            elif len(begun) < length:
+                assembly.held = begun
             else:
-                self._transact(client, frame, assembly.heard_s, byte_s)
+                frame, assembly.held = begun[:length], b""
+                if framing.is_sound(frame):
+                    self._transact(client, frame, heard_s, byte_s)
+                else:
+                    assembly.deaf = True
 
     def collect(self, at_s: float) -> list[Delivery]:
         """Everything that has arrived by `at_s` [s], in order of time."""

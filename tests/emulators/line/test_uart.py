@@ -151,7 +151,7 @@ def test_an_echo_is_heard_as_it_is_said_and_before_the_answer() -> None:
     wire.say(NODE.read(XACTUAL))
     heard = wire.hear()
     assert b"".join(delivery.data for delivery in heard) == NODE.read(XACTUAL) + NODE.reply(XACTUAL, 0)
-    assert heard[0].due_s == pytest.approx(3 * BYTE_S), "as soon as it is seen what it is"
+    assert heard[0].due_s == pytest.approx(4 * BYTE_S)
     assert wire.ask(NODE.write(XTARGET, 1)) == NODE.write(XTARGET, 1)
 
 
