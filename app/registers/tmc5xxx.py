@@ -14,6 +14,7 @@ from app.registers import tmc5xxx_driver as driver
 from app.registers import tmc5xxx_general as general
 from app.registers import tmc5xxx_motion as motion
 from app.registers.model import GLOBAL_AXIS, Register, RegisterTable
+from app.registers.tmc5xxx_behaviour import with_behaviour
 from app.registers.tmc5xxx_rows import sheet
 
 AXES = {"tmc5031": 2, "tmc5062": 2, "tmc5072": 2, "tmc5130": 1, "tmc5160": 1}
@@ -40,7 +41,7 @@ def _rows(model: str, globals_: _Rows, first: _Rows, blocks: tuple[_Block, ...])
             placed += [(replace(row, address=row.address + motor * step), motor) for row in rows]
     for row, axis in sorted(placed, key=lambda place: place[0].address):
         source = f"{sheet(model, row.name, row.group)}; {row.source}"
-        yield replace(row, source=source).completed(axis)
+        yield with_behaviour(model, replace(row, source=source)).completed(axis)
 
 
 _MOTION = (motion.XLATCH, motion.ihold_irun(0x30), *motion.VELOCITY_THRESHOLDS)

@@ -27,6 +27,13 @@ class Axis:
         """Dual chips: PWM_AMPL is not 0."""
         self.drive = Drive(options.drive(kind.full_scale_a, has_encoder))
 
+    def reset(self) -> None:
+        """As after power-on, but for the registers, which the chip writes."""
+        self._cool = self._high = 0
+        self.drive.power_cycle()
+        if not self._kind.single:  # the dual chips have no delay between standstill and the way to the hold current
+            self.drive.write("TPOWERDOWN", 0)
+
     def reader(self, row: Register) -> Callable[[], int]:
         """What reads a live register, as an unsigned word."""
         read, name, mask = self.drive.read, _NAMES.get(row.name, row.name), row.mask
@@ -53,6 +60,8 @@ class Axis:
             case "PWMCONF":
                 self.has_stealth_chop = self._kind.single or bits(word, 0, 8) > 0
                 drive.write("PWMCONF", word)
+            case "TPOWERDOWN":
+                self.drive.write("TPOWERDOWN", max(word - self._kind.power_down_less, 0))
             case "ENCMODE":
                 drive.write("ENCMODE", word)
                 if bits(word, _LATCH_NOW, 1):

@@ -20,11 +20,13 @@ class Kind:
     """Its UART: none, without or with a node address."""
     full_scale_a: float
     """Peak coil current at current scale 31 [A], vsense 0 or GLOBALSCALER 0: 5160 as the PD42-1241 has it, 5130 with
-    110 mOhm (0.32 V over them and 20 mOhm of the chip), the dual ones the 1.5 A that their data sheets allow."""
+    110 mOhm (0.325 V over them and 20 mOhm of the chip), the dual ones the 1.5 A that their data sheets allow."""
     vsense: float = 1.0
     """Share of that with CHOPCONF.vsense set; 1: the chip has none."""
     delay_bit: int = 8
     """Lowest bit of SENDDELAY in register 0x03."""
+    power_down_less: int = 0
+    """Delays of 2^18 clocks that TPOWERDOWN counts too many: a TMC5130 waits one less."""
     interpolates: tuple[int, ...] = tuple(range(9))
     """MRES settings that intpol acts on."""
 
@@ -38,6 +40,6 @@ CHIPS: dict[Tmc5xxxModel, Kind] = {
     "tmc5031": Kind(2, 0x01, "", full_scale_a=1.5, vsense=0.5625, interpolates=()),
     "tmc5062": Kind(2, 0x01, "plain", full_scale_a=1.5, vsense=0.5625, delay_bit=4, interpolates=(4,)),
     "tmc5072": Kind(2, 0x10, "node", full_scale_a=1.5, vsense=0.5625, interpolates=(4,)),
-    "tmc5130": Kind(1, 0x11, "node", full_scale_a=2.46, vsense=0.5625),
+    "tmc5130": Kind(1, 0x11, "node", full_scale_a=2.5, vsense=0.18 / 0.325, power_down_less=1),
     "tmc5160": Kind(1, 0x30, "node", full_scale_a=4.2),
 }

@@ -45,7 +45,7 @@ class Chip:
         self._words = {}
         self.ifcnt = 0
         for axis in self.axes:
-            axis.drive.power_cycle()
+            axis.reset()
         for row in self.table:
             if row.access.writable and row.access is not Access.R_W1C and not row.when:
                 self._take(row, row.reset or 0)

@@ -147,9 +147,10 @@ def test_stealthchop_of_a_tmc5072(axis: int) -> None:
 def test_vsense_takes_the_current_down(model: Tmc5xxxModel, axis: int) -> None:
     bench = moving(model, axis, rigid=False)
     full = bench.state().axes[axis].truth.current_b_a
+    share = 0.18 / 0.325 if model == "tmc5130" else 0.18 / 0.32
     bench.put(axis, CHOPCONF=CHOPPER_ON | 1 << 17)
     bench.wait(0.1)
-    assert bench.state().axes[axis].truth.current_b_a == pytest.approx(full * 0.18 / 0.32, rel=1e-3)
+    assert bench.state().axes[axis].truth.current_b_a == pytest.approx(full * share, rel=1e-3)
 
 
 def test_the_global_scaler_takes_that_of_a_tmc5160_down() -> None:
@@ -192,6 +193,27 @@ def test_standstill_takes_2_to_the_20_clocks(model: Tmc5xxxModel, axis: int) -> 
     assert bench.field("DRV_STATUS", "stst", axis) == 0
     bench.wait(0.001)
     assert bench.field("DRV_STATUS", "stst", axis) == 1
+
+
+@pytest.mark.parametrize(
+    ("model", "delay", "delays"),
+    [("tmc5160", 10, 10), ("tmc5130", 10, 9), ("tmc5130", 1, 0), ("tmc5072", None, 0), ("tmc5031", None, 0)],
+)
+def test_how_long_the_run_current_stays_at_standstill(model: Tmc5xxxModel, delay: int | None, delays: int) -> None:
+    """TPOWERDOWN counts 2^18 clocks (16.4 ms) from standstill on; the dual chips have no such delay."""
+    bench = moving(model)
+    bench.put(IHOLD_IRUN=4 | 16 << 8)
+    if delay is not None:
+        bench.put(TPOWERDOWN=delay)
+    bench.put(XTARGET=100)
+    bench.wait(0.01)
+    while not bench.field("DRV_STATUS", "stst"):
+        bench.wait(1e-4)
+    bench.wait(delays * 2**18 / 16e6 - 0.001 if delays else 0.0)
+    if delays:
+        assert bench.field("DRV_STATUS", "CS_ACTUAL") == 16
+    bench.wait(0.002)
+    assert bench.field("DRV_STATUS", "CS_ACTUAL") == 4
 
 
 def test_faststandstill_of_a_tmc5160_takes_2_to_the_18() -> None:
