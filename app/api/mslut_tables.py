@@ -73,11 +73,11 @@ def registers_to_write(body: MslutWrite) -> MslutRegisters:
             raise UnencodableWave(error.refusal, closest.distance_max) from error
 
 
-def held(state: HeldMslut, table: RegisterTable) -> MslutHeld:
+def held(state: HeldMslut, table: RegisterTable, axis: int = 0) -> MslutHeld:
     wave = mslut.decode(state.registers)
     expected_a, expected_b = wave.currents(state.position)
     return MslutHeld(
-        **_table(state.registers, table).model_dump(),
+        **_table(state.registers, table, axis).model_dump(),
         written=state.written,
         position=state.position,
         current_a=state.current_a,
@@ -135,9 +135,9 @@ def _registers(words: MslutWords) -> MslutRegisters:
     return MslutRegisters(tuple(words.mslut), words.mslutsel, words.mslutstart)
 
 
-def _table(registers: MslutRegisters, table: RegisterTable) -> MslutTable:
+def _table(registers: MslutRegisters, table: RegisterTable, axis: int = 0) -> MslutTable:
     wave = mslut.decode(registers)
-    rows = [*zip(_rows(table), (*registers.words, registers.select, registers.start), strict=True)]
+    rows = [*zip(_rows(table, axis), (*registers.words, registers.select, registers.start), strict=True)]
     return MslutTable(
         values=list(wave.values),
         mirror=wave.mirror,
@@ -148,8 +148,8 @@ def _table(registers: MslutRegisters, table: RegisterTable) -> MslutTable:
     )
 
 
-def _rows(table: RegisterTable) -> list[Register]:
+def _rows(table: RegisterTable, axis: int) -> list[Register]:
     """MSLUT[0..7], MSLUTSEL and the register of START_SIN: names are the same in the family, addresses are not."""
     names = (*(f"MSLUT[{index}]" for index in range(8)), "MSLUTSEL", "START_SIN")
-    found = [table.find(name, 0) for name in names]
+    found = [table.find(name, axis) for name in names]
     return [entry[0] for entry in found if entry is not None]

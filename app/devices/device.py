@@ -425,12 +425,15 @@ class Device(ABC):
         """Write 64 values of 0..63 and return the read-back. Raises WrongState, UsageError, WriteRefused."""
         raise WrongState(f"a {self.family.title} has no microstep table", "its step/direction driver makes microsteps")
 
-    async def read_mslut(self) -> HeldMslut:
-        """The registers of a table of one-bit differences (MSLUT). Raises WrongState where the chip has none."""
+    async def read_mslut(self, axis: int = 0) -> HeldMslut:
+        """The registers of an axis's table of one-bit differences (MSLUT). Raises WrongState where the chip has none."""
         raise WrongState(f"a {self.family.title} has no table of differences (MSLUT)", "")
 
-    async def write_mslut(self, registers: MslutRegisters) -> HeldMslut:
-        """Write MSLUT, MSLUTSEL and MSLUTSTART; what else shares a register (DAC_OFFSET) stays. Raises WrongState."""
+    async def write_mslut(self, registers: MslutRegisters, axis: int | None = None) -> HeldMslut:
+        """Write MSLUT, MSLUTSEL and MSLUTSTART, of all axes or of one; what else shares a register (DAC_OFFSET) stays.
+
+        Raises WrongState.
+        """
         raise WrongState(f"a {self.family.title} has no table of differences (MSLUT)", "")
 
     async def read_driver_chain(self) -> ChainContents:

@@ -146,6 +146,18 @@ async def test_a_microstep_table_goes_in_and_out(client: httpx.AsyncClient, mode
     assert [row["address"] for row in written.json()["registers"]] == list(range(0x60, 0x6A))
 
 
+async def test_two_axes_may_have_tables_of_their_own(client: httpx.AsyncClient) -> None:
+    await connected(client, "tmc5062")
+    before = (await client.get(f"{CHIP}/microstep-table")).json()["values"]
+    designed = (await client.post("calc/microstep-table", json={"chip": "tmc5062", "exponent": 1.2})).json()
+    table = {"values": designed["table"]["values"], "mirror": 0}
+    written = (await client.put(f"{CHIP}/microstep-table?axis=1", json=table)).json()
+    assert [row["address"] for row in written["registers"]] == list(range(0x70, 0x7A))
+    assert (await client.get(f"{CHIP}/microstep-table?axis=1")).json()["values"] == table["values"] != before
+    assert (await client.get(f"{CHIP}/microstep-table")).json()["values"] == before
+    assert (await client.get(f"{CHIP}/microstep-table?axis=2")).status_code == 404
+
+
 async def test_a_power_cycle_is_seen(client: httpx.AsyncClient, clock: VirtualClock) -> None:
     await connected(client, "tmc5160")
     await client.get(AXIS)

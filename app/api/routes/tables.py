@@ -5,7 +5,7 @@ from __future__ import annotations
 from fastapi import APIRouter
 
 from app.api.convert import axis_config, built_chain, chain_table, profile_register
-from app.api.deps import CurrentDevice
+from app.api.deps import AxisQuery, CurrentDevice
 from app.api.mslut_tables import has_mslut, held, registers_to_write
 from app.api.problems import DEVICE_PROBLEMS, problems
 from app.api.schemas_mslut import MslutWrite
@@ -16,23 +16,28 @@ router = APIRouter(prefix="/devices/{device}", tags=["tables"])
 
 
 @router.get("/microstep-table", responses=problems(*DEVICE_PROBLEMS))
-async def read_microstep_table(device: CurrentDevice) -> AnyTable:
-    """The quarter wave that the chip holds: 64 values of a TMC428; of a chip with an MSLUT 256, and its registers."""
+async def read_microstep_table(device: CurrentDevice, axis: AxisQuery = None) -> AnyTable:
+    """The quarter wave that the chip holds: 64 values of a TMC428; of a chip with an MSLUT 256, and its registers.
+
+    Of a TMC5031 or TMC5062, which have two tables, that of axis 0 unless `axis` says otherwise.
+    """
     if has_mslut(device.family.table):
-        return held(await device.read_mslut(), device.family.table)
+        return held(await device.read_mslut(axis or 0), device.family.table, axis or 0)
     return MicrostepTable(values=await device.read_microstep_table())
 
 
 @router.put("/microstep-table", responses=problems(*DEVICE_PROBLEMS, WriteRefused))
-async def write_microstep_table(device: CurrentDevice, body: AnyTableIn) -> AnyTable:
+async def write_microstep_table(device: CurrentDevice, body: AnyTableIn, axis: AxisQuery = None) -> AnyTable:
     """Write a whole table, also while the motor runs; answers with what the chip then holds.
+
+    Where a chip has a table for each axis, all of them get it unless `axis` names one.
 
     A wave that an MSLUT cannot hold is refused, naming the entry and the reason.
     """
     if has_mslut(device.family.table):
         if isinstance(body, MicrostepTable):
             raise UsageError(f"a {device.family.title} holds 256 values of 0..255, or the registers themselves")
-        return held(await device.write_mslut(registers_to_write(body)), device.family.table)
+        return held(await device.write_mslut(registers_to_write(body), axis), device.family.table, axis or 0)
     if isinstance(body, MslutWrite):
         raise UsageError(f"a {device.family.title} holds 64 values of 0..63")
     return MicrostepTable(values=await device.write_microstep_table(body.values))

@@ -25,7 +25,8 @@ class Tables(Raw, KeptProfile):
     )
     ONCE = frozenset(("COVER_LOW", "COVER_HIGH", "ADDR_TO_ENC", "DATA_TO_ENC"))
 
-    async def read_mslut(self) -> HeldMslut:
+    async def read_mslut(self, axis: int = rows.AXIS) -> HeldMslut:
+        self.axis(axis)
         self.require_connected()
         async with self.queue.turn() as turn:
             mscnt, currents = await self.words(turn).read_many((rows.MSCNT, rows.CURRENTS))
@@ -42,8 +43,9 @@ class Tables(Raw, KeptProfile):
         *words, select, start = (self._blind.get(register.address, register.reset or 0) for register in TABLE)
         return MslutRegisters(tuple(words), select, start)
 
-    async def write_mslut(self, registers: MslutRegisters) -> HeldMslut:
+    async def write_mslut(self, registers: MslutRegisters, axis: int | None = None) -> HeldMslut:
         """Raises BadReply where the link shows that a word may have arrived otherwise; then write it again."""
+        self.axis(axis or rows.AXIS)
         self.require_connected()
         with_offset = registers.with_dac_offset(rows.DAC_OFFSET.unpack(self._table().start))
         written = tuple(zip(TABLE, (*with_offset.words, with_offset.select, with_offset.start), strict=True))

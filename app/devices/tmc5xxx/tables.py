@@ -2,7 +2,7 @@
 
 Most of it lies in registers that cannot be read. What they hold is what was written through this connection since the
 chip's reset, else what the chip has after a reset. The two axes of a TMC5031 and a TMC5062 have a table each, those of
-a TMC5072 share one; `read_mslut` and `write_mslut` are of all: where there are two tables both get what is written.
+a TMC5072 share one.
 """
 
 from __future__ import annotations
@@ -39,20 +39,19 @@ class Tables(Raw, KeptProfile):
             shown["CUR_A"],
         )
 
-    async def write_mslut(self, registers: MslutRegisters) -> HeldMslut:
+    async def write_mslut(self, registers: MslutRegisters, axis: int | None = None) -> HeldMslut:
         """Raises BadReply where the link shows that a word may have arrived otherwise; then write it again."""
+        axes = self.chip.axes if axis is None else (self.rows(self.axis(axis).index),)
         self.require_connected()
         words = (*registers.words, registers.select, registers.start)
-        written = {
-            row.address: (row, word) for rows in self.chip.axes for row, word in zip(rows.mslut, words, strict=True)
-        }
+        written = {row.address: (row, word) for rows in axes for row, word in zip(rows.mslut, words, strict=True)}
         async with self.queue.turn(Priority.COMMAND) as turn:
             arrived = await self.words(turn).write_many(list(written.values()))
             for register, word in written.values():
                 self._sent(register, word)
         if not arrived:
             raise BadReply(self.port.name, "a word of the microstep table may have arrived otherwise", b"")
-        return await self.read_mslut()
+        return await self.read_mslut(axis or 0)
 
     async def profile(self) -> ProfileDocument:
         return ProfileDocument(await self.kept_profile(), None, None)

@@ -730,11 +730,15 @@ export interface paths {
         /**
          * Read Microstep Table
          * @description The quarter wave that the chip holds: 64 values of a TMC428; of a chip with an MSLUT 256, and its registers.
+         *
+         *     Of a TMC5031 or TMC5062, which have two tables, that of axis 0 unless `axis` says otherwise.
          */
         get: operations["read_microstep_table"];
         /**
          * Write Microstep Table
          * @description Write a whole table, also while the motor runs; answers with what the chip then holds.
+         *
+         *     Where a chip has a table for each axis, all of them get it unless `axis` names one.
          *
          *     A wave that an MSLUT cannot hold is refused, naming the entry and the reason.
          */
@@ -10911,7 +10915,10 @@ export interface operations {
     };
     read_microstep_table: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description the axis, from 0; none for registers of the whole chip */
+                axis?: number | null;
+            };
             header?: never;
             path: {
                 /** @description the device's id: a slug of its name */
@@ -10988,7 +10995,10 @@ export interface operations {
     };
     write_microstep_table: {
         parameters: {
-            query?: never;
+            query?: {
+                /** @description the axis, from 0; none for registers of the whole chip */
+                axis?: number | null;
+            };
             header?: never;
             path: {
                 /** @description the device's id: a slug of its name */
