@@ -138,6 +138,17 @@ def blank_setting(clock_hz: float) -> int:
 
 
 def _limits(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes) -> None:
+    least = "of many motors the back-EMF is too small below a turn a second: where TCOOLTHRS or VCOOLTHRS may begin"
+    _speeds(
+        found,
+        "stallguard_least",
+        "speed from which StallGuard and CoolStep work",
+        2 * math.pi,
+        winding,
+        wishes,
+        least,
+        "DS5160, 13.5",
+    )
     if winding.back_emf is None:
         return
     say = found.figures.append

@@ -190,6 +190,18 @@ def test_a_common_motor_at_every_chip() -> None:
     assert [hints("tmc5072", MOTOR, fixed).value(name) for name in ("PWM_AMPL", "PWM_GRAD")] == [38, 1]
 
 
+def test_speeds_in_every_unit_that_is_of_use() -> None:
+    """DS5160, 13.5: a turn a second is where StallGuard begins to work for many motors."""
+    figures = {figure.name: figure.value for figure in hints("tmc5160", MOTOR).figures}
+    assert figures["stallguard_least"] == pytest.approx(51_200)
+    assert figures["stallguard_least_rpm"] == pytest.approx(60)
+    assert figures["stallguard_least_tstep"] == 312
+    assert figures["stallguard_least"] < figures["current_limit"] < figures["stealthchop_limit"]
+    sixteenth = {f.name: f.value for f in hints("tmc5160", MOTOR, Wishes(microsteps=16)).figures}
+    assert sixteenth["current_limit"] == pytest.approx(figures["current_limit"] / 16)
+    assert sixteenth["current_limit_tstep"] == figures["current_limit_tstep"]
+
+
 @pytest.mark.parametrize(
     ("winding", "text"),
     [
