@@ -62,11 +62,13 @@ class Counter:
 
     def shows(self, position: int) -> int:
         """What the counter shows at `position`, signed [microsteps]."""
-        return (position + self.half) % self.modulus - self.half
+        half = 1 << (self.bits - 1)  # not by the properties: this is done at every look of everybody
+        return (position + half) % (half << 1) - half
 
     def way(self, count: int, since: int) -> int:
         """The shorter way from count `since` to `count`, -half..half-1 [microsteps]."""
-        return (count - since + self.half) % self.modulus - self.half
+        half = 1 << (self.bits - 1)
+        return (count - since + half) % (half << 1) - half
 
     def allowed_s(self, speed_pps: float) -> float:
         """How long it may go unlooked at while the motor turns no faster than `speed_pps` [s]; inf at rest."""

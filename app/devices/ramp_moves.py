@@ -80,6 +80,29 @@ class RampMoves(RampChip):
             self._tell(MotionStarted(one.axis, one.started_at_s))
         return started
 
+    async def retarget(self, axis: int, count_target: int) -> MoveStarted:
+        """On the way to a target only the target is written: half the datagrams, and no ramp is worked out ahead."""
+        self.axis(axis)
+        self.require_connected()
+        rows, setting, not_stopped = self.rows[axis], self.setting(axis), self.stop_guard([axis])
+        async with self.queue.turn(Priority.COMMAND, not_stopped) as turn:
+            words = Words(turn)
+            reference = await words.read(rows.reference)
+            v_actual = await words.value(rows.v_actual)
+            x_actual = await words.value(rows.x_actual)
+            positioning = rows.mode.unpack(reference) in POSITIONING_MODES
+            under_way = setting is not None and positioning and v_actual and setting.reference == reference
+            if under_way:
+                assert setting is not None
+                one = _Prepared(axis, rows, setting, x_actual, v_actual, count_target)
+                await self._start(words, one)
+                await self._check_target(words, one)
+                self._predict(one)
+                self._tell(MotionStarted(axis, one.started_at_s))
+                return MoveStarted(axis, x_actual, count_target, one.started_at_s, None, [])
+        not_stopped()  # from here on a move looks out for itself
+        return await super().retarget(axis, count_target)
+
     async def _prepare(self, words: Words, move: AxisMove) -> _Prepared:
         """Read what decides, and refuse what cannot go well. Nothing is written."""
         rows = self.rows[move.axis]

@@ -88,7 +88,7 @@ class WatchedAxis(Mover):
             bits=track.counter.bits,
             count=track.count,
             position=track.position,
-            seen_unix_s=self._seen_unix_s,
+            seen_unix_s=self.seen_unix_s,
             doubt="" if track.doubt is None else track.doubt.reason,
             microsteps_per_turn=None if turn is None else turn.microsteps_per_turn,
             gear=None if turn is None else turn.gear,

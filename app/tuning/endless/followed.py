@@ -56,7 +56,6 @@ class Followed:
         """Why the latest look failed though the link works."""
         self._pps = 0.0
         """How fast it went between the latest two looks of the service [pps]."""
-        self._seen_unix_s = unix_s()
         self._unix_s = unix_s
         self._wake = wake
         self._changed = changed
@@ -76,7 +75,6 @@ class Followed:
         elif saved.link != link_text(self.device):
             track.distrust("the connection's link was changed: it may lead to another chip")
         track.lost_sight("not looked at since the server started", CONNECT)
-        self._seen_unix_s = saved.seen_unix_s
 
     def close(self) -> None:
         """Follow no more."""
@@ -127,10 +125,14 @@ class Followed:
         track = self.track
         if encoder is not None:
             self.encoder = encoder
-        self._seen_unix_s = self._unix_s() - max(0.0, self.device.device_time_s() - track.asked_s)
         if track.trusted:
             self.history.add(track.asked_s, track.position, encoder)
         self._changed()
+
+    @property
+    def seen_unix_s(self) -> float:
+        """When the counter was read, at the earliest, Unix time [s]."""
+        return self._unix_s() - (self.device.device_time_s() - self.track.asked_s)
 
     def _commanded(self, event: MotionCommanded) -> None:
         """Somebody commanded the axis."""

@@ -35,6 +35,8 @@ class Journey:
         self.warnings: list[str] = []
         self.written: int | None = None
         """What the chip's target register was told last."""
+        self._piece_ends_at: int | None = None
+        """Where that is; None where it is the target itself, and before anything was told."""
         self._rested = 0
         self._rested_at: int | None = None
 
@@ -54,15 +56,16 @@ class Journey:
         wanted = next_target(self.counter, self.target, at)
         return None if wanted == self.written else wanted
 
+    def wrote(self, written: int, at: int) -> None:
+        """The chip's target register was told `written` while the axis was at `at`."""
+        self.written = written
+        end = at + self.counter.way(written, self.counter.shows(at))
+        self._piece_ends_at = None if end == self.target else end
+
     def hurries(self, at: int) -> bool:
         """Whether the service had better look soon: arrived, or less than half a piece left of a longer way."""
-        if self.target is None:
-            return False
-        if at == self.target:
-            return True
-        if self.written is None or self.counter.shows(self.target) == self.written:
-            return False
-        return abs(self.counter.way(self.written, self.counter.shows(at))) < self.counter.piece // 2
+        end = self._piece_ends_at
+        return at == self.target or (end is not None and abs(end - at) < self.counter.piece // 2)
 
     def rests(self, at: int) -> bool:
         """The motor stands at `at`, which is not the target: whether it did for long enough."""

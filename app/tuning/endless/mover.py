@@ -104,11 +104,12 @@ class Mover(Followed):
             journey.stands(self.track.followed)  # and this is where
         if not journey.going:
             return
-        wanted = journey.wants(self.track.followed)
+        at = self.track.followed
+        wanted = journey.wants(at)
         if wanted is not None:
             with self._commanding(journey):
                 started = await self.device.retarget(self.axis, wanted)
-            journey.written = wanted
+            journey.wrote(wanted, at)
             journey.warnings = list(started.warnings)
             return
         if self._pps and self.track.followed != journey.target:
