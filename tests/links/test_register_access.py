@@ -1,4 +1,4 @@
-"""What drivers of register chips say and what they believe, over SPI datagrams and over an evaluation board."""
+"""What drivers of register chips say and what they believe: over SPI datagrams, an evaluation board and a UART."""
 
 from __future__ import annotations
 
@@ -8,23 +8,34 @@ from hypothesis import strategies as st
 
 from app.clock import VirtualClock
 from app.emulators.board.board import EmulatedBoard
+from app.emulators.tmc5xxx import EmulatedTmc5xxx
 from app.emulators.tmc4361 import EmulatedTmc4361
-from app.links import datagram40, tmcl
+from app.links import datagram40, datagram_uart, tmcl
+from app.links.datagram_uart import IFCNT, UartForm
 from app.links.errors import BadReply
-from app.links.register_access import LandungsbrueckeAccess, RegisterAccess, Spi40Access, access_of, cut
+from app.links.register_access import (
+    LandungsbrueckeAccess,
+    RegisterAccess,
+    Spi40Access,
+    UartAccess,
+    access_of,
+    cut,
+)
+from app.registers.catalog import MODELS
 
 X_COMPARE, X_TARGET, VIRTUAL_LEFT, VERSION = 0x32, 0x37, 0x33, 0x7F
 WORDS = st.integers(0, 0xFFFF_FFFF)
 
 
 class Far:
-    """An emulated chip behind one kind of access."""
+    """An emulated TMC4361 behind one kind of access."""
 
     def __init__(self, kind: str) -> None:
         clock = VirtualClock()
         self.chip = EmulatedTmc4361(clock)
         self.access: RegisterAccess = Spi40Access() if kind == "spi" else LandungsbrueckeAccess()
         self._board = EmulatedBoard(self.chip) if kind == "board" else None
+        self.registers = (X_COMPARE, VIRTUAL_LEFT, X_TARGET)
 
     def say(self, frames: tuple[bytes, ...]) -> list[bytes]:
         if self._board is None:
@@ -33,17 +44,34 @@ class Far:
         return [reply for reply in replies if reply is not None]
 
 
-@pytest.fixture(params=["spi", "board"])
+class FarSixPoint(Far):
+    """An emulated TMC5160 over SPI or its UART; over the latter what the port does is done here."""
+
+    def __init__(self, kind: str) -> None:
+        self.sixpoint = EmulatedTmc5xxx("tmc5160", VirtualClock())
+        self.access = access_of({"kind": "uart" if kind == "uart" else "tcp"}, "tmc5160")
+        self._uart = kind == "uart"
+        self.registers = (0x39, 0x21, 0x2D)  # X_ENC, XACTUAL, XTARGET
+
+    def say(self, frames: tuple[bytes, ...]) -> list[bytes]:
+        if not self._uart:
+            return [self.sixpoint.exchange(frame) for frame in frames]
+        return [self.sixpoint.uart(frame) or self.sixpoint.uart(UartForm().read(IFCNT)) for frame in frames]
+
+
+@pytest.fixture(params=["spi", "board", "spi of a TMC5160", "uart"])
 def far(request: pytest.FixtureRequest) -> Far:
-    return Far(str(request.param))
+    kind = str(request.param)
+    return FarSixPoint(kind) if "TMC5160" in kind or kind == "uart" else Far(kind)
 
 
 def test_what_is_written_is_read_in_one_chain(far: Far) -> None:
     access = far.access
-    writes = [(X_COMPARE, 0xFFFF_FFFE), (VIRTUAL_LEFT, 0x8000_0000), (X_TARGET, 0)]
+    one, two, three = far.registers
+    writes = [(one, 0xFFFF_FFFE), (two, 0x8000_0000), (three, 0)]
     frames = access.write_frames(writes)
     access.check_all(frames, far.say(frames))
-    asked = [X_TARGET, X_COMPARE, VIRTUAL_LEFT, X_COMPARE]
+    asked = [three, one, two, one]
     frames = access.read_frames(asked)
     replies = far.say(frames)
     access.check_all(frames, replies)
@@ -54,10 +82,10 @@ def test_what_is_written_is_read_in_one_chain(far: Far) -> None:
 
 
 def test_a_single_write(far: Far) -> None:
-    frame = far.access.write_frame(X_COMPARE, 77)
+    frame = far.access.write_frame(far.registers[0], 77)
     (reply,) = far.say((frame,))
     far.access.check(frame, reply)
-    assert far.access.words(far.say(far.access.read_frames([X_COMPARE]))) == [77]
+    assert far.access.words(far.say(far.access.read_frames([far.registers[0]]))) == [77]
 
 
 def test_nothing_costs_nothing(far: Far) -> None:
@@ -99,7 +127,7 @@ def test_spi_replies_of_another_length(reply: bytes) -> None:
 
 
 def test_replies_that_are_too_few(far: Far) -> None:
-    frames = far.access.read_frames([VERSION, VERSION])
+    frames = far.access.read_frames([far.registers[0], far.registers[1]])
     with pytest.raises(BadReply, match="replies to"):
         far.access.check_all(frames, far.say(frames)[:-1])
     with pytest.raises(BadReply, match="no whole number"):
@@ -141,3 +169,62 @@ def test_the_kind_of_a_link_says_how() -> None:
     board = access_of({"kind": "landungsbruecke", "port": "/dev/ttyACM0", "motor": 2}, "tmc4361")
     assert isinstance(board, LandungsbrueckeAccess)
     assert (board.motor, board.name) == (2, "landungsbruecke /dev/ttyACM0")
+    uart = access_of({"kind": "uart", "port": "/dev/ttyUSB0", "node": 3}, "tmc5072")
+    assert isinstance(uart, UartAccess)
+    assert (uart.form, uart.name) == (UartForm(3), "uart /dev/ttyUSB0")
+    assert access_of({"kind": "uart"}, "tmc5062").frame_bytes == 3
+
+
+def test_a_chain_ends_with_a_register_that_reading_leaves_alone() -> None:
+    """VERSION_NO of the TMC4361 is at 0x7F, where a TMC5xxx has nothing, or the driver status of its second axis."""
+    for model, row in MODELS.items():
+        if row.datagram_bits == 40:
+            address = access_of({"kind": "tcp"}, model).read_frames([1])[-1][0]
+            register = row.table.at(address)
+            assert register is not None, model
+            assert register.access.readable, model
+            assert not register.read_clears, model
+
+
+def test_models_that_links_know_are_those_of_the_catalog() -> None:
+    """Links know names only: they need no tables."""
+    assert {name for name, model in MODELS.items() if model.datagram_bits == 40} == datagram40.MODELS
+    assert {name for name, model in MODELS.items() if model.uart == "node"} == datagram_uart.NODE_MODELS
+    assert {name for name, model in MODELS.items() if model.uart == "plain"} == datagram_uart.PLAIN_MODELS
+
+
+def test_a_uart_is_believed_only_with_the_right_register_and_crc() -> None:
+    access, form = UartAccess(), UartForm()
+    read, write = form.read(0x21), form.write(0x21, 5)
+    access.check(read, form.reply(0x21, 7))
+    access.check(write, form.reply(IFCNT, 7))
+    for frame, reply, why in (
+        (read, form.reply(0x22, 7), "register 0x22"),
+        (write, form.reply(0x21, 7), "register 0x21"),
+        (read, form.reply(0x21, 7)[:-1] + b"\0", "CRC"),
+        (read, b"", "0 bytes"),
+    ):
+        with pytest.raises(BadReply, match=why):
+            access.check(frame, reply)
+    with pytest.raises(BadReply, match="7 bytes"):
+        access.words([form.reply(0x21, 7)[:-1]])
+
+
+def test_a_count_of_writes_that_stands_still_is_told() -> None:
+    access, form = UartAccess(), UartForm()
+    frames = access.write_frames([(0x21, 1), (0x26, 2), (0x27, 3)])
+    access.check_all(frames, [form.reply(IFCNT, count) for count in (254, 255, 0)])
+    access.check_all(frames, [form.reply(IFCNT, count) for count in (1, 5, 6)])  # a stop came between
+    with pytest.raises(BadReply, match="has not counted the write of 0x26"):
+        access.check_all(frames, [form.reply(IFCNT, count) for count in (1, 1, 2)])
+
+
+def test_what_cannot_be_said_over_a_uart() -> None:
+    access = UartAccess()
+    for wrong in (
+        lambda: access.read_frames([0x80]),
+        lambda: access.write_frame(0, 1 << 32),
+        lambda: access.read_frames([-1]),
+    ):
+        with pytest.raises(ValueError, match="is"):
+            wrong()

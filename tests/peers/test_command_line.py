@@ -111,6 +111,13 @@ def test_on_a_shared_bus_everybody_hears_everybody(tmp_path: Path) -> None:
         (["emulate", "pd42-1241", "--tcp", "127.0.0.1:0", "--wiring", "left-only"], "--wiring is not for a pd42-1241"),
         (["emulate", "tmc428", "--tcp", "127.0.0.1:0", "--shared-bus"], "--shared-bus is not for a tmc428"),
         (["emulate", "pd42-1241", "--tcp", "127.0.0.1:0", "--control", "9000"], "--control is HOST:PORT"),
+        (["emulate", "pd42-1241", "--tcp", "127.0.0.1:0", "--node", "1"], "--node is not for a pd42-1241"),
+        (["emulate", "tmc4361", "--tcp", "127.0.0.1:0", "--uart"], "--uart is not for a tmc4361"),
+        (["emulate", "tmc5160", "--tcp", "127.0.0.1:0", "--echo"], "--echo is not for a tmc5160 here"),
+        (["emulate", "tmc5031", "--pty", "/nowhere/x", "--node", "1"], "--node is not for a tmc5031"),
+        (["emulate", "tmc5062", "--pty", "/nowhere/x", "--node", "1"], "has no node address"),
+        (["emulate", "tmc5160", "--pty", "/nowhere/x", "--node", "1", "--node", "1"], "address of its own"),
+        (["emulate", "tmc5160", "--pty", "/nowhere/x", "--node", "255"], "node"),
     ],
 )
 def test_what_cannot_be_served_is_told(arguments: list[str], words: str) -> None:
