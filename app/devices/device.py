@@ -426,7 +426,7 @@ class Device(ABC):
         raise WrongState(f"a {self.family.title} has no microstep table", "its step/direction driver makes microsteps")
 
     async def read_mslut(self, axis: int = 0) -> HeldMslut:
-        """The registers of an axis's table of one-bit differences (MSLUT). Raises WrongState where the chip has none."""
+        """The registers of an axis's table of one-bit differences (MSLUT). Raises WrongState where there is none."""
         raise WrongState(f"a {self.family.title} has no table of differences (MSLUT)", "")
 
     async def write_mslut(self, registers: MslutRegisters, axis: int | None = None) -> HeldMslut:

@@ -19,12 +19,14 @@ from app.devices.results import AxisMove
 from app.devices.tmc5xxx.driver import Tmc5xxx
 from app.devices.tmc5xxx.start_up import Start, start_up
 from app.emulators.board.build import build_board
+from app.emulators.drive.bench import ChipFaultsChange
 from app.emulators.line.line import Line
 from app.emulators.line.server import serve_pty
 from app.emulators.line.uart import uart_line
 from app.emulators.server import serve_tcp
-from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxModel, Tmc5xxxOptions
+from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxModel, Tmc5xxxOptions, Tmc5xxxPatch
 from app.links.emulator import EmulatorPort
+from app.links.errors import LinkError
 from app.links.port import FramePort
 from app.links.registry import (
     Link,
@@ -39,6 +41,7 @@ from app.telemetry.sampling import Sampling
 from tests.links.test_chains import SpiThatIsAChip
 
 WITHIN_S = 30.0
+VACTUAL = 0x22
 START = Start(vmax=50_000, amax=400_000)
 
 
@@ -173,3 +176,26 @@ async def test_samples_come_with_numbers(device: Tmc5xxx) -> None:
     finally:
         sampling.end()
     assert block.samples[-1][:2].tolist() == [1_234, 0]
+
+
+async def test_a_stop_goes_out_over_a_uart_that_answers_nothing(tmp_path: Path) -> None:
+    clock = WallClock()
+    far = chip("tmc5130", clock)
+    with served(uart_line([far], clock, echo=True), tmp_path / "tty") as port:
+        manager = DeviceManager(KINDS, clock)
+        link = {"kind": "uart", "port": port, "timeout_s": 1.0}
+        device = cast("Tmc5xxx", await manager.add(DeviceConfig("far", "tmc5130", link)))
+        try:
+            await start_up(device, [START])
+            rotating = await device.rotate(0, 20_000)
+            await reached(device, "VACTUAL", 0, rotating.velocity_chip)
+            far.patch(Tmc5xxxPatch(faults=ChipFaultsChange(silence=True)))
+            outcome = (await device.stop_axes([0]))[0]
+            assert isinstance(outcome.problem, LinkError)
+            until_s = time.monotonic() + WITHIN_S
+            while far.read(VACTUAL):  # past the wire
+                assert time.monotonic() < until_s, "the motor still turns"
+                await asyncio.sleep(0.01)
+        finally:
+            far.patch(Tmc5xxxPatch(faults=ChipFaultsChange(silence=False)))
+            await manager.close()
