@@ -102,4 +102,6 @@ def warm_up() -> None:
         build_emulator(chip, VirtualClock()).exchange(bytes(4))
     warm_up_drive()
     build_emulator("tmc4361", VirtualClock()).exchange(bytes(5), 1e-3)
-    build_emulator("tmc5160", VirtualClock()).exchange(bytes(5), 1e-3)
+    tmc5160 = build_emulator("tmc5160", VirtualClock())
+    tmc5160.exchange(bytes(5), 1e-3)
+    tmc5160.state(1e-3)

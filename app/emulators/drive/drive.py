@@ -460,4 +460,5 @@ def warm_up() -> None:
     """Compile the kernel or load it from numba's cache, so that the first `advance` need not."""
     drive = Drive()
     drive.advance(k.TICK_CLOCKS)
-    drive.read("RAMP_STAT")
+    for register in ("RAMP_STAT", "DRV_STATUS", "X_ENC"):
+        drive.read(register)
