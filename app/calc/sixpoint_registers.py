@@ -5,6 +5,7 @@ Sources: DS5160 (TMC5160 data sheet), 6.3.1 and 12; the sheets of the others say
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
@@ -89,10 +90,14 @@ def registers_of(ramp: SixPoint, clock_hz: float = CLOCK_HZ) -> dict[str, int]:
     return {name: to_raw(name, value, clock_hz) for name, value in wanted.items()}
 
 
+def ramp_of(raw: Mapping[str, int], clock_hz: float = CLOCK_HZ) -> SixPoint:
+    """The ramp of these registers, all of them. Raises ValueError for numbers and ramps that cannot be."""
+    return SixPoint(**{held.parameter: from_raw(name, raw[name], clock_hz) for name, held in REGISTERS.items()})
+
+
 def held(ramp: SixPoint, clock_hz: float = CLOCK_HZ) -> SixPoint:
     """The ramp that the chip makes of wanted parameters. Raises ValueError as `registers_of`."""
-    raw = registers_of(ramp, clock_hz)
-    return SixPoint(**{REGISTERS[name].parameter: from_raw(name, number, clock_hz) for name, number in raw.items()})
+    return ramp_of(registers_of(ramp, clock_hz), clock_hz)
 
 
 @dataclass(frozen=True)
@@ -104,36 +109,45 @@ class Finding:
     text: str
 
 
-def findings(raw: dict[str, int], positioning: bool = True) -> list[Finding]:
-    """What is to be said of a ramp's registers (as from `registers_of`), for positioning or for a velocity mode."""
-    found = []
+def findings(raw: Mapping[str, int], positioning: bool = True) -> list[Finding]:
+    """What is to be said of a ramp's registers (all of them, by name), for positioning or for a velocity mode."""
+    found = list[Finding]()
 
     def say(code: str, register: str, text: str) -> None:
         found.append(Finding(code, register, text))
 
-    if positioning and not raw["VSTOP"]:
-        say("vstop_zero", "VSTOP", "VSTOP 0 is not allowed while positioning: the motor may never arrive; 10 or more")
-    elif positioning and raw["VSTOP"] < CRAWL:
-        say("vstop_low", "VSTOP", f"VSTOP {raw['VSTOP']} is below {CRAWL}: the last microsteps may take their time")
-    if positioning and raw["VSTART"] > raw["VSTOP"]:
-        say("vstart_above_vstop", "VSTART", "VSTART is above VSTOP: a short move runs beyond its target and comes back")
-    if positioning and raw["VSTART"] > raw["VMAX"]:
-        say("vstart_above_vmax", "VSTART", "VSTART is above VMAX, which positioning must not have")
-    if positioning and not raw["D1"]:
-        say("d1_zero", "D1", "D1 0 is not allowed while positioning, not even with V1 = 0")
-    if positioning and not raw["DMAX"]:
-        say("dmax_zero", "DMAX", "with DMAX 0 the motor never brakes for its target")
-    if positioning and raw["V1"] and not raw["A1"]:
-        say("a1_zero", "A1", "with A1 0 the motor never gets from VSTART to V1")
-    if positioning and not raw["V1"] and (raw["A1"] not in (0, raw["AMAX"]) or raw["D1"] not in (0, raw["DMAX"])):
-        say("v1_zero", "V1", "V1 0 leaves A1 and D1 out: AMAX and DMAX all the way")
-    if raw["V1"] >= raw["VMAX"] > 0 and positioning:
-        say("v1_above_vmax", "V1", "V1 is not below VMAX: AMAX and DMAX have no part in the ramp")
-    if raw["VMAX"] == VELOCITY_MAX:
+    vstart, vstop, vmax, v1 = (raw[name] for name in ("VSTART", "VSTOP", "VMAX", "V1"))
+    if positioning:
+        _of_positioning(raw, say)
+        if vstart > vmax:
+            say("vstart_above_vmax", "VSTART", f"VMAX, {vmax}, is below VSTART, {vstart}")
+        if v1 >= vmax > 0:
+            say("v1_above_vmax", "V1", f"V1, {v1}, is not below VMAX, {vmax}: AMAX and DMAX have no part in the ramp")
+    if vmax > VELOCITY_MAX:
+        say("vmax_beyond", "VMAX", f"VMAX, {vmax}, is above the limit of {VELOCITY_MAX}")
+    elif vmax == VELOCITY_MAX:
         say("vmax_limit", "VMAX", "VMAX is the most that the ramp generator can do")
-    if not raw["TZEROWAIT"] and max(raw["VSTOP"], raw["VSTART"]) > _JUMP:
+    if not raw["TZEROWAIT"] and max(vstop, vstart) > _JUMP:
         say("no_zero_wait", "TZEROWAIT", "without TZEROWAIT a reversal jumps from VSTOP to VSTART at once")
     return found
+
+
+def _of_positioning(raw: Mapping[str, int], say: Callable[[str, str, str], None]) -> None:
+    vstart, vstop, v1 = raw["VSTART"], raw["VSTOP"], raw["V1"]
+    if not vstop:
+        say("vstop_zero", "VSTOP", "VSTOP is 0, which positioning must not have: the target may never be reached")
+    elif vstop < CRAWL:
+        say("vstop_low", "VSTOP", f"VSTOP is {vstop}: below {CRAWL} the last microsteps may take long")
+    if vstart > vstop:
+        say("vstart_above_vstop", "VSTART", f"VSTOP, {vstop}, is below VSTART, {vstart}: a short move may not end")
+    if not raw["D1"]:
+        say("d1_zero", "D1", "D1 is 0, which positioning must not have, even with V1 0")
+    if not raw["DMAX"]:
+        say("dmax_zero", "DMAX", "DMAX is 0: the motor never brakes for its target")
+    if v1 and not raw["A1"]:
+        say("a1_zero", "A1", "A1 is 0: the motor never gets from VSTART to V1")
+    if not v1 and (raw["A1"] not in (0, raw["AMAX"]) or raw["D1"] not in (0, raw["DMAX"])):
+        say("v1_zero", "V1", "V1 is 0, which leaves A1 and D1 out: AMAX and DMAX all the way")
 
 
 _JUMP = 1000

@@ -123,6 +123,7 @@ def test_a_common_ramp_in_registers() -> None:
         ({"V1": 0}, "v1_zero"),
         ({"V1": 200_000}, "v1_above_vmax"),
         ({"VMAX": VELOCITY_MAX}, "vmax_limit"),
+        ({"VMAX": VELOCITY_MAX + 1}, "vmax_beyond"),
         ({"VSTOP": 1001}, "no_zero_wait"),
     ],
 )

@@ -10,16 +10,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from app.calc.sixpoint import SixPoint
-from app.calc.tmc5xxx_units import VELOCITY_MAX, acceleration_unit_pps2, velocity_unit_pps
+from app.calc.sixpoint_registers import findings, ramp_of
+from app.calc.tmc5xxx_times import zero_wait_s
+from app.calc.tmc5xxx_units import VELOCITY_MAX, velocity_unit_pps
 from app.devices.tmc5xxx.rows import RAMP
 from app.links.errors import WrongState
 
-WAIT_CLOCKS = 512
-"""Unit of TZEROWAIT [clocks]."""
 LONG_WAIT_S = 0.5
 """From this TZEROWAIT on a move tells of it [s]."""
-CRAWL = 10
-"""VSTOP below this may take its time on the last microsteps (data sheets, VSTOP)."""
+TOLD = {"vstop_zero", "vstop_low", "vstart_above_vstop", "vstart_above_vmax", "d1_zero", "vmax_beyond"}
+"""What a move tells of its ramp; nothing that a user may well have meant."""
 
 
 @dataclass(frozen=True)
@@ -55,20 +55,8 @@ class Ramp:
             words["AMAX"] = amax
         if None in words.values():
             return None
-        v, a = self.velocity_unit_pps, acceleration_unit_pps2(self.clock_hz)
-        scaled = {name: (word or 0) * (v if name.startswith("V") else a) for name, word in words.items()}
         try:
-            return SixPoint(
-                v_max=scaled["VMAX"],
-                a_max=scaled["AMAX"],
-                d_max=scaled["DMAX"],
-                v_start=scaled["VSTART"],
-                a1=scaled["A1"],
-                v1=scaled["V1"],
-                d1=scaled["D1"],
-                v_stop=scaled["VSTOP"],
-                t_zero_wait_s=(words["TZEROWAIT"] or 0) * WAIT_CLOCKS / self.clock_hz,
-            )
+            return ramp_of({name: word or 0 for name, word in words.items()}, self.clock_hz)
         except ValueError:
             return None
 
@@ -95,20 +83,8 @@ class Ramp:
             names, were = ", ".join(unknown), "was" if len(unknown) == 1 else "were"
             return [f"{names} cannot be read and {were} set before this connection: nothing is predicted"]
         number = {name: word or 0 for name, word in self.words.items()}
-        told = []
-        if number["VSTOP"] < number["VSTART"]:
-            told.append(f"VSTOP, {number['VSTOP']}, is below VSTART, {number['VSTART']}: a short move may not end")
-        if number["VSTOP"] == 0:
-            told.append("VSTOP is 0, which positioning must not have: the target may never be reached")
-        elif number["VSTOP"] < CRAWL:
-            told.append(f"VSTOP is {number['VSTOP']}: below {CRAWL} the last microsteps may take long")
-        if number["D1"] == 0:
-            told.append("D1 is 0, which positioning must not have, even with V1 0")
-        if number["VMAX"] > VELOCITY_MAX:
-            told.append(f"VMAX, {number['VMAX']}, is above the limit of {VELOCITY_MAX}")
-        if number["VMAX"] < number["VSTART"]:
-            told.append(f"VMAX, {number['VMAX']}, is below VSTART, {number['VSTART']}")
-        wait_s = number["TZEROWAIT"] * WAIT_CLOCKS / self.clock_hz
+        told = [finding.text for finding in findings(number) if finding.code in TOLD]
+        wait_s = zero_wait_s(number["TZEROWAIT"], self.clock_hz)
         if wait_s >= LONG_WAIT_S:
             told.append(f"TZEROWAIT keeps the motor for {wait_s:.2g} s before it turns round")
         return told
