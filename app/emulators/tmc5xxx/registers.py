@@ -14,7 +14,7 @@ from app.emulators.tmc5xxx.options import Tmc5xxxModel, Tmc5xxxOptions
 from app.registers.model import Access, Register
 from app.registers.tmc5xxx import TABLES
 
-GCONF, OUTPUT, X_COMPARE = 0x00, 0x04, 0x05
+GCONF, OUTPUT = 0x00, 0x04
 _RESET, _DRV_ERR, _UV_CP = 1, 2, 4
 """GSTAT of a TMC5160, which is what a drive has."""
 _EVENTS = 0xF0
