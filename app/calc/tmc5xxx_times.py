@@ -115,11 +115,6 @@ def zero_wait_s(raw: int, clock_hz: float = CLOCK_HZ) -> float:
     return _within("TZEROWAIT", raw, WAIT_MAX) * WAIT_CLOCKS / clock_of(clock_hz)
 
 
-def zero_wait(seconds: float, clock_hz: float = CLOCK_HZ) -> int:
-    """The nearest TZEROWAIT of a time [s]. Raises ValueError for one that it cannot hold."""
-    return _units("TZEROWAIT", seconds, WAIT_CLOCKS, WAIT_MAX, clock_hz)
-
-
 def power_down_s(raw: int, clock_hz: float = CLOCK_HZ, first_free: bool = False) -> float:
     """TPOWERDOWN as a time [s], from standstill seen to the first step down.
 

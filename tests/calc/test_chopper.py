@@ -8,11 +8,12 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.chopper import PWM_DIVIDERS, Winding
+from app.calc.chopper import BLANK_CLOCKS, PWM_DIVIDERS, Winding
 from app.calc.chopper_hints import blank_setting, hints, split
 from app.calc.chopper_notes import SHEETS, Wishes
 from app.calc.chopper_stealth import pwm_setting
 from app.calc.motor_torque import StepperMotor
+from app.registers import tmc5xxx_driver
 
 MOTOR = Winding(2.3, 4.4e-3, 1.06, 24, 16e6, holding_torque_nm=0.45, rated_current_a=1.5)
 """A common motor of 40 mm."""
@@ -44,6 +45,11 @@ def test_the_sheets_hysteresis() -> None:
     assert split(16) == (7, 11)
     with pytest.raises(ValueError, match="-2 to 16"):
         split(17)
+
+
+def test_the_register_tables_know_the_same_blank_times() -> None:
+    """Neither may import the other."""
+    assert tuple(tmc5xxx_driver.BLANK_CLOCKS.values()) == BLANK_CLOCKS
 
 
 @given(hysteresis=st.integers(-2, 16))
