@@ -1,11 +1,12 @@
 import { Text } from "@mantine/core";
-import { fixed, hex } from "../../lib/format";
+import { fixed } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { ChipField } from "../../lib/rows/ChipField";
 import type { ChipRows } from "../../lib/rows/useChipRows";
 import { Section } from "../../lib/Section";
+import { ConstFacts } from "./ConstFacts";
 import classes from "./closedloop.module.css";
-import { countsOf, encConst, encConstValue, type Form, fractionText } from "./encConst";
+import { countsOf, encConst } from "./encConst";
 
 const DEFAULT_LINES = 1000;
 
@@ -71,22 +72,14 @@ export function EncoderSetup({ chip, microstepsPerTurn, disabled }: Props) {
           disabled={disabled}
         />
       </div>
-      <dl className={classes.facts} data-testid="enc-const">
-        <dt>ENC_CONST in the chip</dt>
-        <dd className="num" data-testid="enc-const-chip">
-          {inChip === null ? "–" : `${hex(inChip, 32)} = ${Number(encConstValue(inChip, heldDecimal).toPrecision(9))}`}
-        </dd>
-        {found && (
-          <>
-            <dt>exactly, for {fixed(shown)} counts</dt>
-            <dd className="num" data-testid="enc-const-exact">
-              {fixed(microstepsPerTurn)}/{fixed(shown)} = {fractionText(found.exact)}
-            </dd>
-            <FormRow name="binary" form={found.binary} chosen={!decimal} better={found.better === "binary"} />
-            <FormRow name="decimal" form={found.decimal} chosen={decimal} better={found.better === "decimal"} />
-          </>
-        )}
-      </dl>
+      <ConstFacts
+        inChip={inChip}
+        heldDecimal={heldDecimal}
+        decimal={decimal}
+        counts={shown}
+        microstepsPerTurn={microstepsPerTurn}
+        found={found}
+      />
       {manual && (
         <Text size="xs" c="dimmed">
           MANUAL_ENC_CONST: the word written is the constant itself.
@@ -105,21 +98,5 @@ export function EncoderSetup({ chip, microstepsPerTurn, disabled }: Props) {
         </Text>
       )}
     </Section>
-  );
-}
-
-function FormRow({ name, form, chosen, better }: { name: string; form: Form; chosen: boolean; better: boolean }) {
-  const drift = form.driftPerTurn;
-  return (
-    <>
-      <dt data-chosen={chosen}>
-        {name}
-        {chosen && ", in use"}
-        {better && !chosen && ", drifts less"}
-      </dt>
-      <dd className="num" data-testid={`enc-const-${name}`}>
-        {hex(form.raw, 32)}, {drift === 0 ? "no drift" : `${fixed(drift, 4)} µsteps a turn`}
-      </dd>
-    </>
   );
 }

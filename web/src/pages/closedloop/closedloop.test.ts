@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { degrees, onCircle, sector, zoneOf } from "./angle";
-import { countsOf, encConst, encConstValue, fractionText } from "./encConst";
+import { countsOf, encConst, encConstValue, fractionText, negativeWord } from "./encConst";
 import { bestOf, columnOf, KEPT, type Recording, type Run, type Score, wayOf, withRun } from "./runs";
 
 /** counts a turn, constant, binary word, drift of it [microsteps a turn], decimal word, drift of it. */
@@ -39,6 +39,20 @@ describe("ENC_CONST", () => {
       expect(countsOf(decimal, true, 51_200)).toBe(counts);
     }
     expect(countsOf(0, false, 51_200)).toBeNull();
+  });
+
+  it("counts the other way with a sign, in either form", () => {
+    // the words of the TMC5160's data sheet and the facts: -1.28 is -2 + 0.72
+    expect(negativeWord(0x1_47ae, false)).toBe(-0x1_47ae);
+    expect(negativeWord(65_536 + 2800, true)).toBe(-2 * 65_536 + 7200);
+    expect(negativeWord(3 * 65_536, true)).toBe(-3 * 65_536);
+    for (const counts of [400, 2000, 8192, 40_000, 7])
+      for (const form of ["binary", "decimal"] as const) {
+        const found = encConst(counts, 51_200)?.[form];
+        const word = negativeWord(found?.raw ?? 0, form === "decimal");
+        expect(encConstValue(word, form === "decimal")).toBeCloseTo(-(found?.value ?? 0), 9);
+        expect(countsOf(word, form === "decimal", 51_200)).toBe(counts);
+      }
   });
 
   it("has none for what cannot be", () => {

@@ -56,15 +56,26 @@ export function encConst(counts: number, microstepsPerTurn: number): EncConst | 
   };
 }
 
-/** What a word of ENC_CONST stands for, read with a fraction of that kind. */
+/** What a word of ENC_CONST stands for, read with a fraction of that kind; below 0 it counts the other way. */
 export function encConstValue(raw: number, decimal: boolean): number {
-  return Math.floor(raw / 65_536) + (raw % 65_536) / (decimal ? PARTS.decimal : PARTS.binary);
+  const whole = Math.floor(raw / 65_536);
+  return whole + (raw - whole * 65_536) / (decimal ? PARTS.decimal : PARTS.binary);
 }
 
-/** How many counts a turn has by the constant in the chip, to the nearest whole one; null where it holds none. */
+/**
+ * The word for a constant that counts the other way, as a number with sign: binary as a two's complement, decimal with
+ * a negative whole part and what is added to it to come to the fraction (facts on the TMC5xxx, section 8).
+ */
+export function negativeWord(raw: number, decimal: boolean): number {
+  if (!decimal) return -raw;
+  const [whole, fraction] = [Math.floor(raw / 65_536), raw % 65_536];
+  return fraction === 0 ? -whole * 65_536 : -(whole + 1) * 65_536 + (PARTS.decimal - fraction);
+}
+
+/** How many counts a turn has by the constant in the chip, to the nearest whole one, whichever way; null where it holds none. */
 export function countsOf(raw: number, decimal: boolean, microstepsPerTurn: number): number | null {
   const value = encConstValue(raw, decimal);
-  const counts = value > 0 ? Math.round(microstepsPerTurn / value) : 0;
+  const counts = value === 0 ? 0 : Math.round(microstepsPerTurn / Math.abs(value));
   return counts > 0 ? counts : null;
 }
 

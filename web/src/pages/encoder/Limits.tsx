@@ -9,16 +9,10 @@ import { useAction } from "../bench/motion/useAction";
 import { StagedBar } from "../module/StagedBar";
 import type { Parameters } from "../module/useParameters";
 import classes from "./encoder.module.css";
+import { LIMIT, RESOLUTION } from "./settings";
 import { ENCODERS, type Which } from "./useEncoder";
 
-export const LIMIT: Record<Which, string> = {
-  internal: "maximum_encoder_deviation",
-  external: "external_encoder_maximum_deviation",
-};
 const ALIAS: Record<Which, string> = { internal: "AP 212", external: "AP 218" };
-export const RESOLUTION = "external_encoder_resolution";
-export const ACCELERATION = "maximum_acceleration";
-export const LIMIT_NAMES = [LIMIT.internal, LIMIT.external, RESOLUTION, ACCELERATION] as const;
 const MOST = 2 ** 31 - 1;
 
 interface Props {
@@ -80,8 +74,10 @@ export function Limits({ parameters, shown, microstepsPerTurn, disabled }: Props
 }
 
 interface CounterProps {
-  parameters: Parameters;
-  which: Which;
+  /** the counter's name at the device */
+  alias: string;
+  /** what sets it */
+  write: (value: number) => Promise<unknown>;
   /** live: the counter of the motor, and whether it moves; NaN while unknown */
   actual: () => number;
   moving: () => boolean;
@@ -90,10 +86,9 @@ interface CounterProps {
 }
 
 /** The encoder's counter set anew: to the motor's, or to a number. */
-export function Counter({ parameters, which, actual, moving, onSet, disabled }: CounterProps) {
+export function Counter({ alias, write, actual, moving, onSet, disabled }: CounterProps) {
   const [value, setValue] = useState(0);
   const action = useAction();
-  const name = ENCODERS[which].position;
   const set = (to: () => number) =>
     void action
       .run("Setting the encoder", async () => {
@@ -108,11 +103,11 @@ export function Counter({ parameters, which, actual, moving, onSet, disabled }: 
             facts: {},
             instance: null,
           });
-        await parameters.writeNow(new Map([[name, Math.round(target)]]));
+        await write(Math.round(target));
       })
       .then((done) => done && onSet());
   return (
-    <Section title="Set encoder" note={which === "internal" ? "AP 209" : "AP 216"}>
+    <Section title="Set encoder" note={alias}>
       <div className={classes.line}>
         <NumberField
           aria-label="Encoder position to set"
@@ -141,11 +136,9 @@ export function Counter({ parameters, which, actual, moving, onSet, disabled }: 
           To the actual position
         </Button>
       </Group>
-      {which === "internal" && (
-        <Text size="xs" c="dimmed" mt={4}>
-          The motor does not move. What was gathered over the turn is cleared.
-        </Text>
-      )}
+      <Text size="xs" c="dimmed" mt={4}>
+        The motor does not move. What was gathered over the turn is cleared.
+      </Text>
       {action.failure && (
         <ProblemAlert error={action.failure.error} doing={action.failure.doing} onClose={action.dismiss} />
       )}

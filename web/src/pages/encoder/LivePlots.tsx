@@ -2,18 +2,18 @@ import { ActionIcon, Group, SegmentedControl, Select, Switch, Tooltip } from "@m
 import { IconPlayerPause, IconPlayerPlay } from "@tabler/icons-react";
 import { useState } from "react";
 import { colorOf } from "../../lib/palette";
+import type { Settings } from "../../lib/rows/settings";
 import { Section } from "../../lib/Section";
 import { useScheme } from "../../lib/useScheme";
 import type { LinkState, TelemetrySource } from "../../live/TelemetrySource";
 import { Plot } from "../../plots/Plot";
 import type { Level, Mark, PlotSeries } from "../../plots/types";
 import { LinkReadout } from "../bench/scope/LinkReadout";
-import type { Parameters } from "../module/useParameters";
 import { useRolling } from "../module/useRolling";
 import { type MotionEnd, REASONS } from "../module/useStops";
 import classes from "./encoder.module.css";
-import { LIMIT } from "./Limits";
-import { ENCODERS, type Which } from "./useEncoder";
+import { LIMIT } from "./settings";
+import { ENCODERS, encoderName, type Which } from "./useEncoder";
 
 const SPANS_S = [2, 5, 10, 20, 60] as const;
 const FAULT = { light: "#d02828", dark: "#ff6b6b" };
@@ -25,7 +25,7 @@ interface Props {
   name: string;
   axis: number;
   shown: readonly Which[];
-  parameters: Parameters;
+  settings: Settings;
   stops: readonly MotionEnd[];
   choices: readonly Which[];
   onShown: (shown: readonly Which[]) => void;
@@ -33,7 +33,7 @@ interface Props {
 
 /** Position of motor and encoders over time, and how far they are apart. */
 export function LivePlots(props: Props) {
-  const { source, link, name, axis, shown, parameters, stops, choices, onShown } = props;
+  const { source, link, name, axis, shown, settings, stops, choices, onShown } = props;
   const scheme = useScheme();
   const [spanS, setSpanS] = useState(10);
   const [toLimit, setToLimit] = useState(false);
@@ -47,19 +47,19 @@ export function LivePlots(props: Props) {
   const positionSeries: PlotSeries[] = [
     { label: "actual", color: colorOf("position", scheme), unit: "microsteps" },
     ...shown.map((which) => ({
-      label: `${ENCODERS[which].label.toLowerCase()} encoder`,
+      label: encoderName(which, choices).toLowerCase(),
       color: colorOf(ENCODERS[which].position, scheme),
       unit: "microsteps",
     })),
   ];
   const deviationSeries = shown.map((which) => ({
-    label: `${ENCODERS[which].label.toLowerCase()} deviation`,
+    label: choices.length > 1 ? `${ENCODERS[which].label.toLowerCase()} deviation` : "deviation",
     color: colorOf(ENCODERS[which].deviation, scheme),
     unit: "microsteps",
   }));
   const limits = shown.flatMap((which) => {
-    const limit = parameters.planned(LIMIT[which]);
-    return limit === null || limit === 0 ? [] : [{ which, limit, staged: parameters.staged.has(LIMIT[which]) }];
+    const limit = settings.planned(LIMIT[which]);
+    return limit === null || limit === 0 ? [] : [{ which, limit, staged: settings.staged.has(LIMIT[which]) }];
   });
   const levels = limits.flatMap(({ which, limit, staged }): Level[] =>
     [limit, -limit].map((y) => ({
@@ -156,7 +156,7 @@ export function LivePlots(props: Props) {
           scales={{ y: { unit: "microsteps", include: toLimit ? [-widest * 1.08, 0, widest * 1.08] : [0] } }}
           handle={rolling.plot("deviation", deviationTraces)}
           levels={levels}
-          onLevel={(id, y) => parameters.stage(LIMIT[id.slice(0, -1) as Which], Math.max(1, Math.round(Math.abs(y))))}
+          onLevel={(id, y) => settings.stage(LIMIT[id.slice(0, -1) as Which], Math.max(1, Math.round(Math.abs(y))))}
         />
       </div>
     </Section>

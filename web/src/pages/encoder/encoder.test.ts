@@ -1,10 +1,13 @@
 import { describe, expect, it } from "vitest";
+import type { Rows } from "../../lib/rows/settings";
 import { TraceBuffer } from "../../live/TraceBuffer";
 import { AngleMap } from "./angleMap";
 import { BinStats, binOf, joined } from "./bins";
 import { fitHarmonics, fitTurn, widestHole } from "./harmonics";
 import { Histogram } from "./histogram";
+import { ACCELERATION, encoderSettings, INDEX_USES, indexUse, LIMIT } from "./settings";
 import { spreadingSpeed, turnLegs } from "./turns";
+import { encoderName } from "./useEncoder";
 
 function randoms(seed: number): () => number {
   let state = seed;
@@ -211,5 +214,43 @@ describe("the histogram", () => {
       { from: 0, to: 1, count: 1 },
       { from: 1, to: 2, count: 1 },
     ]);
+  });
+});
+
+describe("a chip's settings", () => {
+  it("are in its registers, an acceleration in pps²", () => {
+    const values: Record<string, number> = { AMAX: 1000 };
+    const staged: Record<string, number> = {};
+    const rows: Rows = {
+      spot: (register) => (register in values ? ({} as ReturnType<Rows["spot"]>) : null),
+      held: (register) => values[register] ?? null,
+      planned: (register) => staged[register] ?? values[register] ?? null,
+      isStaged: (register) => register in staged,
+      put: (register, _, value) => {
+        staged[register] = value;
+      },
+    };
+    const settings = encoderSettings(rows, 16e6);
+    expect(settings.held(ACCELERATION)).toBeCloseTo(116_415, 0);
+    expect(settings.held(LIMIT.internal)).toBeNull();
+    settings.stage(LIMIT.internal, 5);
+    expect(staged).toEqual({});
+    values.ENC_DEVIATION = 0;
+    settings.stage(LIMIT.internal, 5);
+    settings.stage(ACCELERATION, 232_830);
+    expect(staged).toEqual({ ENC_DEVIATION: 5, AMAX: 2000 });
+    expect(settings.planned(LIMIT.internal)).toBe(5);
+  });
+
+  it("tell the uses of the index channel by their bits, and no mixture", () => {
+    for (const use of INDEX_USES)
+      expect(indexUse((field) => use.fields[field as keyof typeof use.fields])?.name).toBe(use.name);
+    expect(indexUse(() => 1)).toBeNull();
+    expect(indexUse(() => null)).toBeNull();
+  });
+
+  it("call the only encoder by no other name", () => {
+    expect(encoderName("internal", ["internal"])).toBe("Encoder");
+    expect(encoderName("external", ["internal", "external"])).toBe("External encoder");
   });
 });

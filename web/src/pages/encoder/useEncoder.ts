@@ -17,6 +17,11 @@ export const ENCODERS: Record<Which, EncoderChannels & { label: string }> = {
   external: { position: "external_encoder_position", deviation: "external_deviation", label: "External" },
 };
 
+/** What an encoder is called among those that there are: the only one has no other name. */
+export function encoderName(which: Which, among: readonly Which[]): string {
+  return among.length > 1 ? `${ENCODERS[which].label} encoder` : "Encoder";
+}
+
 /** Which encoders a device tells of, on that axis. */
 export function encodersOf(device: Device, axis: number): Which[] {
   return (["internal", "external"] as const).filter((which) =>

@@ -1,9 +1,10 @@
 import { Text } from "@mantine/core";
 import { fixed } from "../../lib/format";
+import type { Settings } from "../../lib/rows/settings";
 import type { ChipRows } from "../../lib/rows/useChipRows";
 import { Section } from "../../lib/Section";
 import { placeOf } from "./chip";
-import type { CurrentScale, LoadSettings } from "./load";
+import type { CurrentScale } from "./load";
 import { AP } from "./names";
 import { ChoiceRow, DOWNS, FILTERS, MINIMA, NumberRow, UPS } from "./Rows";
 import classes from "./stallguard.module.css";
@@ -11,7 +12,7 @@ import { lowerLoad, upperLoad } from "./thresholds";
 
 interface Props {
   chip: ChipRows;
-  settings: LoadSettings;
+  settings: Settings;
   current: CurrentScale;
   disabled: boolean;
 }

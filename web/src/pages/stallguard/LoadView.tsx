@@ -3,6 +3,7 @@ import type { Device } from "../../api/queries";
 import { fixed } from "../../lib/format";
 import { colorOf, type Quantity } from "../../lib/palette";
 import { DeviceNotice } from "../../lib/rows/DeviceNotice";
+import type { Settings } from "../../lib/rows/settings";
 import { Page, Section } from "../../lib/Section";
 import { useScheme } from "../../lib/useScheme";
 import { useFrame } from "../../live/useFrame";
@@ -11,7 +12,7 @@ import { LiveNumber } from "../module/LiveNumber";
 import { StopsList } from "../module/StopsList";
 import { useHeldRun } from "../module/useHeldRun";
 import { useStops } from "../module/useStops";
-import { type CurrentScale, currentOf, type LoadSettings } from "./load";
+import { type CurrentScale, currentOf } from "./load";
 import { type Line, SpeedPlot } from "./SpeedPlot";
 import { SweepSection } from "./SweepSection";
 import { SpeedMap } from "./speedMap";
@@ -26,7 +27,7 @@ const QUANTITIES: readonly Quantity[] = ["velocity", "measured_speed", "load_val
 interface Props {
   device: Device;
   axis: Device["axes"][number];
-  settings: LoadSettings;
+  settings: Settings;
   current: CurrentScale;
   /** limits between the driver's modes; null while speeds are not in pps */
   limits: SpeedLimits | null;

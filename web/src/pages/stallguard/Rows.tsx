@@ -1,11 +1,11 @@
 import { Select } from "@mantine/core";
 import type { ReactNode } from "react";
 import { NumberField } from "../../lib/NumberField";
-import type { LoadSettings } from "./load";
+import type { Settings } from "../../lib/rows/settings";
 import classes from "./stallguard.module.css";
 
 export interface Common {
-  settings: LoadSettings;
+  settings: Settings;
   disabled: boolean;
 }
 

@@ -2,13 +2,14 @@ import { Button, Text } from "@mantine/core";
 import { useRef } from "react";
 import { fixed } from "../../lib/format";
 import { colorOf } from "../../lib/palette";
+import type { Settings } from "../../lib/rows/settings";
 import { Section } from "../../lib/Section";
 import { useScheme } from "../../lib/useScheme";
 import { LiveText } from "../../live/LiveText";
 import { useFrame } from "../../live/useFrame";
 import { Plot } from "../../plots/Plot";
 import type { Level, Mark, Overlay, PlotHandle, PlotSeries } from "../../plots/types";
-import { type CurrentScale, currentOf, type LoadSettings, topOf } from "./load";
+import { type CurrentScale, currentOf, topOf } from "./load";
 import { AP } from "./names";
 import { SPEED_BINS, type SpeedMap } from "./speedMap";
 import classes from "./stallguard.module.css";
@@ -16,7 +17,7 @@ import { hysteresisFor, LOAD_MAX, lowerLoad, startFor, upperLoad } from "./thres
 
 interface Props {
   map: SpeedMap;
-  settings: LoadSettings;
+  settings: Settings;
   current: CurrentScale;
   /** the thresholds of speed that are drawn, and what each is called; null while speeds are not in pps */
   lines: Partial<Record<Line, string>> | null;

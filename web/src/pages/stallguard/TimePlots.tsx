@@ -3,6 +3,7 @@ import { IconPlayerPause, IconPlayerPlay } from "@tabler/icons-react";
 import { useState } from "react";
 import { fixed } from "../../lib/format";
 import { colorOf } from "../../lib/palette";
+import type { Settings } from "../../lib/rows/settings";
 import { Section } from "../../lib/Section";
 import { useScheme } from "../../lib/useScheme";
 import type { LinkState, TelemetrySource } from "../../live/TelemetrySource";
@@ -11,7 +12,7 @@ import type { Level, Mark } from "../../plots/types";
 import { LinkReadout } from "../bench/scope/LinkReadout";
 import { useRolling } from "../module/useRolling";
 import { type MotionEnd, REASONS } from "../module/useStops";
-import { type CurrentScale, type LoadSettings, topOf } from "./load";
+import { type CurrentScale, topOf } from "./load";
 import { AP } from "./names";
 import classes from "./stallguard.module.css";
 import { LOAD_MAX, lowerLoad, upperLoad } from "./thresholds";
@@ -26,7 +27,7 @@ interface Props {
   link: LinkState;
   name: string;
   axis: number;
-  settings: LoadSettings;
+  settings: Settings;
   current: CurrentScale;
   /** the driver measures a speed of its own */
   measured: boolean;

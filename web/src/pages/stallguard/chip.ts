@@ -1,5 +1,5 @@
-import type { ChipRows } from "../../lib/rows/useChipRows";
-import type { CurrentScale, LoadSettings } from "./load";
+import { type Place, type Places, placeIn, type Rows, type Settings, settingsIn } from "../../lib/rows/settings";
+import type { CurrentScale } from "./load";
 import { AP } from "./names";
 
 /** How a register counts speeds: in clocks between two of 256 microsteps a full step, or as the ramp generator does. */
@@ -32,14 +32,12 @@ export function thresholdFor(pps: number, counting: Counting, units: SpeedUnits)
   return Math.min(VELOCITY_MAX, Math.max(COARSE, raw));
 }
 
-interface Where {
-  register: string;
-  field?: string;
+interface Where extends Place {
   counting?: Counting;
 }
 
 /** Where a chip keeps what the page sets: of several places the first that it has. */
-const PLACES: Readonly<Record<string, readonly Where[]>> = {
+const PLACES: Places<Where> = {
   [AP.stallThreshold]: [{ register: "COOLCONF", field: "sgt" }],
   [AP.stallFilter]: [{ register: "COOLCONF", field: "sfilt" }],
   [AP.stopOnStall]: [{ register: "SW_MODE", field: "sg_stop" }],
@@ -62,50 +60,32 @@ const PLACES: Readonly<Record<string, readonly Where[]>> = {
   [AP.scaler]: [{ register: "GLOBAL_SCALER" }],
 };
 
-type Rows = Pick<ChipRows, "spot" | "held" | "planned" | "isStaged" | "put">;
-
 /** Where the chip keeps `name`; null where it has no such thing. */
 export function placeOf(chip: Pick<Rows, "spot">, name: string): Where | null {
-  return PLACES[name]?.find(({ register, field }) => chip.spot(register, field) !== null) ?? null;
+  return placeIn(chip, PLACES, name);
 }
 
 /**
  * The speed from which on a threshold is passed: 0 clocks never are (data sheets of the TMC5130 and TMC5160, TCOOLTHRS
  * and THIGH), while a velocity of 0 always is (TMC5072, VCOOLTHRS and VHIGH).
  */
-export function passedFrom(chip: Pick<Rows, "spot">, settings: LoadSettings, name: string): number | null {
+export function passedFrom(chip: Pick<Rows, "spot">, settings: Settings, name: string): number | null {
   const speed = settings.held(name);
   return speed === 0 && placeOf(chip, name)?.counting === "tstep" ? Number.POSITIVE_INFINITY : speed;
 }
 
-/** The registers of a chip as the settings of the page. */
-export function chipSettings(chip: Rows, units: SpeedUnits): LoadSettings {
-  const read = (name: string, from: Rows["held"]): number | null => {
-    const place = placeOf(chip, name);
-    if (place === null) return null;
-    const raw = from(place.register, place.field);
-    return raw === null || place.counting === undefined ? raw : speedOf(raw, place.counting, units);
-  };
-  return {
-    held: (name) => read(name, chip.held),
-    planned: (name) => read(name, chip.planned),
-    staged: {
-      has: (name) => {
-        const place = placeOf(chip, name);
-        return place !== null && chip.isStaged(place.register, place.field);
-      },
-    },
-    stage: (name, value) => {
-      const place = placeOf(chip, name);
-      if (place === null) return;
-      const raw = place.counting === undefined ? value : thresholdFor(value, place.counting, units);
-      chip.put(place.register, place.field, raw);
-    },
-  };
+/** The registers of a chip as the settings of the page: speeds in pps. */
+export function chipSettings(chip: Rows, units: SpeedUnits): Settings {
+  return settingsIn(
+    chip,
+    PLACES,
+    (raw, { counting }) => (counting === undefined ? raw : speedOf(raw, counting, units)),
+    (value, { counting }) => (counting === undefined ? value : thresholdFor(value, counting, units)),
+  );
 }
 
 /** IRUN counts 32nds of what sense resistor and reference allow, which the chip does not know: shares, no amperes. */
-export function chipCurrent(settings: LoadSettings): CurrentScale {
+export function chipCurrent(settings: Settings): CurrentScale {
   const scaler = settings.planned(AP.scaler);
   const step = (100 / 32) * (scaler === null || scaler === 0 ? 1 : scaler / 256);
   const run = settings.planned(AP.runCurrent);

@@ -1,16 +1,3 @@
-/**
- * What the page shows and sets, wherever it is kept: axis parameters of a module, or registers of a chip. By the names
- * in `names.ts`; speeds in pps.
- */
-export interface LoadSettings {
-  /** what the device holds; null while unknown */
-  held: (name: string) => number | null;
-  /** the same, with what is staged in its place */
-  planned: (name: string) => number | null;
-  staged: { has: (name: string) => boolean };
-  stage: (name: string, value: number) => void;
-}
-
 /** What a count of the current scale (0..31, of the driver) is worth: a count of n stands for (n + 1) of it. */
 export interface CurrentScale {
   /** in a legend */

@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import type { Rows } from "../../lib/rows/settings";
 import { TraceBuffer } from "../../live/TraceBuffer";
 import { chipCurrent, chipSettings, passedFrom, placeOf, speedOf, thresholdFor } from "./chip";
 import { currentOf, topOf } from "./load";
@@ -120,7 +121,6 @@ describe("the map over speed", () => {
 function chipOf(values: Record<string, number>) {
   const staged = new Map<string, number>();
   const key = (register: string, field?: string) => (field === undefined ? register : `${register}.${field}`);
-  type Rows = Parameters<typeof chipSettings>[0];
   const rows: Rows = {
     spot: (register, field) => (key(register, field) in values ? ({} as ReturnType<Rows["spot"]>) : null),
     held: (register, field) => values[key(register, field)] ?? null,
