@@ -13,7 +13,7 @@ from app.devices.config import DeviceConfig
 from app.devices.counter import CounterLook
 from app.devices.looking import Looking
 from app.devices.motion_watch import Look, UnderWay
-from app.devices.results import AxisState, DeviceState, StopReason, Switches
+from app.devices.results import AxisState, DeviceState, MotionEnd, StopReason, Switches
 from app.devices.tmc5xxx import rows as r
 from app.devices.tmc5xxx.writes import Writes
 from app.devices.words import Held
@@ -41,6 +41,8 @@ class Looks(Writes):
         self._looking = Looking(self, self.tasks, self._look_once, self._any_moves)
         self._seen_at_reset = [0] * len(self.axes)
         """How many resets had been seen at the latest `look` at each axis."""
+        self._ended = False
+        """A motion has ended since the latest look of our own."""
 
     async def refresh(self) -> None:
         async with self.queue.turn() as turn:
@@ -158,9 +160,14 @@ class Looks(Writes):
         self._looking.begin()
 
     def _any_moves(self) -> bool:
-        return any(watch.under_way is not None for watch in self._watches)
+        return self._ended or any(watch.under_way is not None for watch in self._watches)
+
+    def _tell_end(self, end: MotionEnd) -> None:
+        super()._tell_end(end)
+        self._ended = True  # the flags that came with it shall not wait for a look in a while
 
     async def _look_once(self) -> None:
+        self._ended = False
         axes = [axis.index for axis in self.axes]
         asked = [
             row

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from app.devices.results import ChipEvents
@@ -43,6 +44,31 @@ async def test_an_arrival_is_told_each_time_and_stays_for_its_user(model: str) -
         if model == "tmc5160":
             await b.device.write("RAMP_STAT", 0, fields={"event_pos_reached": 1})
         assert (await b.device.read("RAMP_STAT", 0)).fields["event_pos_reached"] == 0
+
+
+async def test_what_telemetry_has_seen_to_end_is_looked_at_soon() -> None:
+    async with bench("tmc5130") as b:
+        plan = b.device.sample_plan(["position.0", "target_position.0", "velocity.0"])
+        times: list[float] = []
+        rows: list[bytes] = []
+
+        def sink(time_s: float, replies: bytes) -> None:
+            times.append(time_s)
+            rows.append(replies)
+
+        b.port.start_sampling(plan.frames, 0.01, sink)
+        await b.device.move(0, 2_000)
+        await b.clock.advance(0.001)
+        for _ in range(60):
+            await b.clock.advance(0.01)
+            b.port.run_due_samples()
+            plan.decode(np.array(times), b"".join(rows))
+            times.clear()
+            rows.clear()
+            if b.device.motion_ends(0):
+                break
+        await b.clock.advance(0.11)
+        assert "event_pos_reached" in b.event_names()
 
 
 @pytest.mark.parametrize("model", MODELS)
