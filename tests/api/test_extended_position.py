@@ -51,7 +51,8 @@ async def test_a_target_begins_to_watch_and_is_reached(client: httpx.AsyncClient
 async def test_positions_of_64_bits_come_in_and_out_as_text(client: httpx.AsyncClient) -> None:
     found = await put(client, actual="9007199254740993")
     assert found["actual_text"] == "9007199254740993"
-    found = await put(client, zero="9007199254740992") if found["rotary"] else found
+    await put(client, microsteps_per_turn=200)
+    assert (await put(client, zero="9007199254740992"))["position_in_turn_text"] == "1"
     assert (await client.put(WHERE, json={"actual": "9223372036854775808"})).status_code == 422
     assert (await client.put(WHERE, json={"actual": 1 << 63})).status_code == 422
 
@@ -65,13 +66,18 @@ async def test_a_rotary_axis(client: httpx.AsyncClient, clock: VirtualClock) -> 
     found = await get(client)
     assert found["actual"] == 22_400
     assert (found["turns"], found["position_in_turn_text"], found["angle_deg"]) == (0, "22400", 270)
-    await put(client, turns=-3)
+    await put(client, turns=-3)  # as far as the demo's stage goes
     await clock.advance(20)
-    assert (await get(client))["actual"] == 22_400 - 89_600
+    found = await get(client)
+    assert (found["state"], found["target"]) == ("idle", 22_400 - 89_600)
+    assert "the left switch is active; nothing is sent again" in found["message"]
+    await put(client, turns=1)
+    await clock.advance(20)
+    assert (await get(client))["actual"] == found["actual"] + 29_867
     await put(client, place="29866/3", way="shortest")
-    await clock.advance(5)
-    assert (await get(client))["actual"] == -89_600 + 9955
-    assert (await put(client, zero=-79_645))["angle_deg"] == 0
+    await clock.advance(8)
+    assert (await get(client))["actual"] == -49_778
+    assert (await put(client, zero=-49_778))["angle_deg"] == 0
     assert (await put(client, microsteps_per_turn=None))["rotary"] is None
     assert (await put(client, microsteps_per_turn="200/7"))["rotary"]["microsteps_per_turn_value"] == pytest.approx(
         200 / 7

@@ -14,6 +14,7 @@ from tests.bench import (
     emulation,
     emulation5xxx,
     emulation4361,
+    endless,
     motor,
     mslut,
     planner,
@@ -37,6 +38,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "planner": planner.measure,
     "pmul": lambda quick: [calculators.measure(quick=quick)],
     "mslut": lambda quick: [mslut.measure(quick=quick)],
+    "endless": endless.measure,
 }
 
 

@@ -159,7 +159,6 @@ def _stands_short(state: AxisState) -> str:
         for name, active in (
             ("left", state.switches.left),
             ("right", state.switches.right),
-            ("home", state.switches.home),
         )
         if active
     ]
