@@ -45,6 +45,8 @@ from app.devices.config import AxisSettings, slug, unique_slug
 from app.devices.device import Axis, Device
 from app.devices.results import StopOutcome
 from app.devices.tmc5xxx.start_up import Start
+from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxPatch
+from app.emulators.tmc5xxx.options import AxisChange
 from app.emulators.tmc4361 import EmulatedTmc4361
 from app.emulators.tmc4361.options import Tmc4361Patch
 from app.links import datagram40
@@ -230,18 +232,25 @@ def _recording(recording: closed_loop_state.Recording) -> Recording:
     return Recording.model_validate(columns)
 
 
-def load_of(device: Device, torque_nm: float) -> Load:
-    """How the emulated axis behind `device` is loaded with `torque_nm` [Nm]. Raises WrongState for hardware."""
+def load_of(device: Device, axis: int, torque_nm: float) -> Load:
+    """How an emulated axis of `device` is loaded with `torque_nm` [Nm]. Raises WrongState for hardware."""
     if not isinstance(device.port, EmulatorPort):
         raise WrongState(f"{device.name} is not emulated here", "leave load_torque_nm out, and load it by hand")
     port = device.port
     wire = port.wire
-    if not isinstance(wire, EmulatedTmc4361):
+    if isinstance(wire, EmulatedTmc4361):
+        before_nm = wire.state(port.take_turn()).load_torque_nm
+    elif isinstance(wire, EmulatedTmc5xxx):
+        before_nm = wire.state(port.take_turn()).axes[axis].load_torque_nm
+    else:
         raise WrongState(f"{device.name} has no motor that a load could be put on")
-    before_nm = wire.state(port.take_turn()).load_torque_nm
 
     def put(load_nm: float) -> None:
-        wire.patch(Tmc4361Patch(load_torque_nm=load_nm), port.take_turn())
+        if isinstance(wire, EmulatedTmc4361):
+            wire.patch(Tmc4361Patch(load_torque_nm=load_nm), port.take_turn())
+        else:
+            change = AxisChange(axis=axis, load_torque_nm=load_nm)
+            wire.patch(Tmc5xxxPatch(axes=[change]), port.take_turn())
 
     return Load(torque_nm, lambda: put(before_nm + torque_nm), lambda: put(before_nm))
 

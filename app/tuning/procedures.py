@@ -24,7 +24,7 @@ from app.tuning.latch_search import LatchSearch
 from app.tuning.module_search import ModuleSearch
 from app.tuning.procedure import Procedure
 from app.tuning.reference_search import ReferenceSearch
-from app.tuning.response import Disturbance, Response, Shape, StepResponse
+from app.tuning.response import Disturbance, RecordedChip, Response, Shape, StepResponse
 from app.tuning.search import ReferenceSearchState, Search
 from app.tuning.shuttle import Shuttle, ShuttleState
 from app.tuning.switch_search import SwitchSearch
@@ -180,7 +180,7 @@ class Procedures:
     ) -> ResponseState:
         """Raises WrongState where there is no encoder channel or another procedure runs, OutOfRange."""
         step = StepResponse(
-            _closed_loop_chip(device),
+            _recorded_chip(device, axis),
             axis,
             self._clock,
             distance,
@@ -214,7 +214,7 @@ class Procedures:
     ) -> ResponseState:
         """Raises WrongState where there is no encoder channel or another procedure runs, OutOfRange."""
         disturbance = Disturbance(
-            _closed_loop_chip(device),
+            _recorded_chip(device, axis),
             axis,
             self._clock,
             load,
@@ -271,3 +271,17 @@ def _closed_loop_chip(device: Device) -> Tmc4361:
     if not isinstance(device, Tmc4361):
         raise WrongState(f"a {device.family.title} has no closed loop", "a TMC4361 has one")
     return device
+
+
+def _recorded_chip(device: Device, axis: int) -> RecordedChip:
+    """A chip whose encoder can be recorded. Raises WrongState."""
+    index = device.axis(axis).index
+    if isinstance(device, Tmc4361):
+        return device
+    if isinstance(device, Tmc5xxx) and device.rows(index).x_enc is not None:
+        if device.counts_encoder(index):
+            return device
+        raise WrongState(
+            "nobody has set what a count of the encoder is", "write ENC_CONST, or start the axis up with it"
+        )
+    raise WrongState(f"a {device.family.title} has no encoder to record", "a TMC4361 and most TMC5xxx have one")

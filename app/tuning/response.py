@@ -10,6 +10,7 @@ import numpy as np
 from app.calc.response import Score, score
 from app.clock import Clock
 from app.devices.device import Device
+from app.devices.tmc5xxx.driver import Tmc5xxx
 from app.devices.tmc4361.driver import Tmc4361
 from app.links.errors import BenchError, OutOfRange, WrongState
 from app.telemetry.sampling import Sampling
@@ -25,7 +26,8 @@ COLUMNS = (
     "encoder_velocity",
     "load_angle",
 )
-"""Channels, in the order of `Recording`'s columns after `time_s`."""
+"""Channels, in the order of `Recording`'s columns after `time_s`; what a chip does not have of the last two is NaN."""
+RecordedChip = Tmc4361 | Tmc5xxx
 Shape = Literal["ramp", "step"]
 
 
@@ -73,7 +75,8 @@ class Response(Procedure):
         axis = await self.device.axis_state(self.axis)
         if axis.moving:
             raise WrongState(f"axis {self.axis} moves", "stop it first")
-        names = [f"{quantity}.{self.axis}" for quantity in COLUMNS]
+        there = {channel.quantity for channel in self.device.channels() if channel.axis == self.axis}
+        names = [f"{quantity}.{self.axis}" for quantity in COLUMNS if quantity in there]
         self._sampling = Sampling(self.device, names, self._rate_hz, self.clock, self._failed)
         await self._record(self._before_s, 0.0)
         self._started_at_s = await self._act()
@@ -117,6 +120,7 @@ class Response(Procedure):
             raise Failed("not one sample came")
         columns = np.concatenate(self._samples).T
         time_s = np.concatenate(self._times_s) - started_at_s
+        columns = np.concatenate((columns, np.full((len(COLUMNS) - len(columns), len(time_s)), np.nan)))
         target, commanded, encoder, deviation, velocity, encoder_velocity, load_angle = columns
         self._recording = Recording(
             time_s,
@@ -174,7 +178,7 @@ class StepResponse(Response):
 
     def __init__(
         self,
-        device: Tmc4361,
+        device: RecordedChip,
         axis: int,
         clock: Clock,
         distance: int,
@@ -188,6 +192,8 @@ class StepResponse(Response):
         super().__init__(device, axis, clock, seconds, before_s, rate_hz, band)
         if distance == 0:
             raise OutOfRange("distance", distance, None, None, "a step of 0 is none")
+        if shape == "step" and not isinstance(device, Tmc4361):
+            raise WrongState(f"the velocity of a {device.family.title} does not jump", "let it go on its ramp")
         self._chip = device
         self._by = distance
         self._shape: Shape = shape
@@ -197,13 +203,13 @@ class StepResponse(Response):
 
     async def _act(self) -> float:
         self._phase = "step"
-        if self._shape == "step":
+        if self._shape == "step" and isinstance(self._chip, Tmc4361):
             return (await self._chip.move_in_steps(self.axis, self._by, relative=True)).started_at_s
         return (await self._chip.move(self.axis, self._by, relative=True)).started_at_s
 
     async def _give_back(self) -> None:
         await super()._give_back()
-        if self._shape == "step" and self._how == "done":
+        if self._shape == "step" and self._how == "done" and isinstance(self._chip, Tmc4361):
             await self._chip.stand_ready(self.axis)
 
 

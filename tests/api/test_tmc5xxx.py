@@ -158,6 +158,34 @@ async def test_two_axes_may_have_tables_of_their_own(client: httpx.AsyncClient) 
     assert (await client.get(f"{CHIP}/microstep-table?axis=2")).status_code == 404
 
 
+async def test_a_step_and_a_load_are_recorded_with_the_encoder(client: httpx.AsyncClient, clock: VirtualClock) -> None:
+    async def finished(what: str) -> dict[str, Any]:
+        for _ in range(200):
+            await clock.advance(0.05)
+            state: dict[str, Any] = (await client.get(f"{CHIP}/axes/1/{what}")).json()
+            if state["state"] != "running":
+                return state
+        raise AssertionError(f"{what} does not end")
+
+    await client.post("devices", json={"name": "Slide", "model": "tmc5072", "link": {"kind": "emulator"}})
+    step = {"distance": 2_000, "seconds": 0.5}
+    assert (await client.post(f"{CHIP}/axes/1/step-response", json=step)).status_code == 409  # no encoder is set
+    started = await client.post(f"{CHIP}/axes/1/start-up", json={"counts_per_rev": 40_000, "ihold": 20, "irun": 20})
+    assert started.json()["failed"] is None
+    assert (await client.post(f"{CHIP}/axes/1/step-response", json={**step, "shape": "step"})).status_code == 409
+    assert (await client.post(f"{CHIP}/axes/1/step-response", json=step)).status_code == 200
+    recorded = await finished("step-response")
+    assert recorded["state"] == "done", recorded["message"]
+    assert recorded["recording"]["encoder"][-1] == pytest.approx(2_000, abs=40)
+    assert set(recorded["recording"]["load_angle_deg"]) == {None}
+    load = {"load_torque_nm": 0.1, "seconds": 0.4, "load_s": 0.2}
+    assert (await client.post(f"{CHIP}/axes/1/disturbance", json=load)).status_code == 200
+    loaded = await finished("disturbance")
+    assert loaded["state"] == "done", loaded["message"]
+    assert max(abs(number) for number in loaded["recording"]["deviation"]) > 10
+    assert (await client.get(f"{CHIP}/emulator")).json()["axes"][1]["load_torque_nm"] == 0
+
+
 async def test_a_power_cycle_is_seen(client: httpx.AsyncClient, clock: VirtualClock) -> None:
     await connected(client, "tmc5160")
     await client.get(AXIS)

@@ -90,7 +90,7 @@ async def start_disturbance(
     state = bench.procedures.start_disturbance(
         device,
         axis.index,
-        None if body.load_torque_nm is None else load_of(device, body.load_torque_nm),
+        None if body.load_torque_nm is None else load_of(device, axis.index, body.load_torque_nm),
         load_s=body.load_s,
         seconds=body.seconds,
         before_s=body.before_s,
