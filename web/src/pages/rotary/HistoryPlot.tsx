@@ -50,7 +50,7 @@ export function HistoryPlot({ at, source, seen, connected }: Props) {
   const live = seconds <= LIVE_S;
   const watching = seen?.answer.watching ?? false;
   const history = useHistory(at, seconds, connected && watching && !live);
-  const hasEncoder = source.request.channels.includes(`encoder_position.${at.axis}`);
+  const hasEncoder = seen !== null && seen.encoder !== null;
   const latest = useRef({ seen, span, what, data: history.data });
   latest.current = { seen, span, what, data: history.data };
 

@@ -180,13 +180,15 @@ export function RotaryAxis({ device, axis, extended, seen, connected }: Props) {
       >
         <Exact label="Actual" read={actualNow} color={colorOf("position", scheme)} testId="actual" />
         <Exact label="Target" read={() => seen.target} color={colorOf("target_position", scheme)} testId="target" />
-        <LiveNumber
-          label="Encoder"
-          unit="°"
-          read={() => fixed(now().encoder, 2)}
-          color={colorOf("encoder_position", scheme)}
-          testId="encoder-angle"
-        />
+        {seen.encoder !== null && (
+          <LiveNumber
+            label="Encoder"
+            unit="°"
+            read={() => fixed(now().encoder, 2)}
+            color={colorOf("encoder_position", scheme)}
+            testId="encoder-angle"
+          />
+        )}
         <LiveNumber
           label="Speed"
           unit="rpm"

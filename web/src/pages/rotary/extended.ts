@@ -61,7 +61,8 @@ export function liveActual(seen: Extended | null, count: number): bigint | null 
  */
 export function liveEncoder(seen: Extended | null, count: number, encoderCount: number): bigint | null {
   const actual = liveActual(seen, count);
-  if (seen === null || actual === null) return null;
+  // an encoder that the server does not take for one of this scale has counts, too
+  if (seen === null || actual === null || seen.encoder === null) return null;
   const { counter_bits: bits } = seen.answer;
   if (Number.isNaN(count) || Number.isNaN(encoderCount) || bits === null) return seen.encoder;
   return follow(actual, count, encoderCount, bits);

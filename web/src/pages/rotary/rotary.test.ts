@@ -277,6 +277,7 @@ describe("an answer of the server", () => {
     expect(liveActual(null, 5)).toBeNull();
     // the encoder's counter is 12 beyond the chip's, across the end of both
     expect(liveEncoder(seen, 2 ** 23 - 2, -(2 ** 23) + 10)).toBe((liveActual(seen, 2 ** 23 - 2) as bigint) + 12n);
+    expect(liveEncoder({ ...seen, encoder: null }, 1, 13)).toBeNull();
     expect(liveEncoder(seen, 1, Number.NaN)).toBe(9_007_199_254_740_990n);
   });
 
