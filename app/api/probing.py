@@ -4,18 +4,24 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Sequence
-from typing import cast
+from collections.abc import Callable, Coroutine, Sequence
+from typing import Any, cast
 
 from app.api.schemas import ModelName
 from app.api.schemas_links import ProbeFound, ProbeState
 from app.links import landungsbruecke
-from app.links.discovery import FoundModule, ProbeProgress, probe
-from app.links.errors import BenchError, WrongState
+from app.links.datagram_uart import NODE_MAX
+from app.links.discovery import FoundModule, ProbeProgress, probe, probe_chips
+from app.links.errors import BenchError, OutOfRange, WrongState
 from app.links.registry import port_url
 from app.registers import pd42
 
 log = logging.getLogger("stepscope.api")
+
+_Look = Callable[
+    [str, Sequence[int] | None, Sequence[int] | None, Callable[[ProbeProgress], None]],
+    Coroutine[Any, Any, list[FoundModule]],
+]
 
 MODELS = {pd42.MODULE: "pd42-1241"}
 """What modules call themselves, and the catalog."""
@@ -48,13 +54,22 @@ class Probing:
             message=f"asks {progress.asking or self._port}" if self.running else self._ending,
         )
 
-    def start(self, port: str, bauds: Sequence[int] | None, addresses: Sequence[int] | None) -> ProbeState:
-        """Begin. Raises WrongState while one runs, UsageError for what can be no port."""
+    def start(
+        self, port: str, bauds: Sequence[int] | None, addresses: Sequence[int] | None, *, chips: bool = False
+    ) -> ProbeState:
+        """Begin: for modules, or for `chips` on a UART. Raises WrongState while one runs, UsageError for what can be
+        no port, OutOfRange for an address that nobody can have."""
         port_url(port)
+        low, high = (0, NODE_MAX) if chips else (1, 255)
+        for address in addresses or ():
+            if not low <= address <= high:
+                raise OutOfRange("addresses", address, low, high)
         if self.running:
             raise WrongState(f"a search on {self._port} runs", "wait for it, or end it: DELETE .../ports/probe")
         self._port, self._progress = port, ProbeProgress(0, 0, (), "")
-        self._task = asyncio.create_task(self._run(port, bauds, addresses), name="probe")
+        self._task = asyncio.create_task(
+            self._run(probe_chips if chips else probe, port, bauds, addresses), name="probe"
+        )
         return self.state()
 
     async def abort(self) -> ProbeState:
@@ -65,9 +80,9 @@ class Probing:
             await asyncio.wait({self._task})
         return self.state()
 
-    async def _run(self, port: str, bauds: Sequence[int] | None, addresses: Sequence[int] | None) -> None:
+    async def _run(self, look: _Look, port: str, bauds: Sequence[int] | None, addresses: Sequence[int] | None) -> None:
         try:
-            found = await probe(port, bauds, addresses, self._see)
+            found = await look(port, bauds, addresses, self._see)
         except BenchError as error:
             self._ending = str(error)
         except Exception as error:  # a mistake of ours must be seen by whoever waits for the search
@@ -81,8 +96,9 @@ class Probing:
 
 
 def _found(module: FoundModule) -> ProbeFound:
-    model = CHIPS.get(module.chip) if module.board else MODELS.get(module.number)
+    model = CHIPS.get(module.chip) if module.board or module.uart else MODELS.get(module.number)
     return ProbeFound(
+        kind="chip" if module.uart else "board" if module.board else "module",
         port=module.port,
         baud=module.baud,
         address=module.address,

@@ -70,8 +70,11 @@ Baud = Annotated[int, Field(strict=True, ge=300, le=4_000_000)]
 Address = Annotated[int, Field(strict=True, ge=1, le=255)]
 
 
+AddressOrNode = Annotated[int, Field(strict=True, ge=0, le=255)]
+
+
 class ProbeStart(Body):
-    """Where to look for modules. Each baud rate and each address costs a question, and the wait for its answer."""
+    """Where to look, and for whom. Each baud rate and each address costs a question, and the wait for its answer."""
 
     port: Annotated[str, StringConstraints(strict=True, min_length=1, max_length=200)] = Field(
         description="device name, or an address of pyserial: socket://, rfc2217://, spy://"
@@ -79,17 +82,23 @@ class ProbeStart(Body):
     bauds: Annotated[list[Baud], Field(min_length=1, max_length=16)] | None = Field(
         default=None, description="null: the rates that modules use"
     )
-    addresses: Annotated[list[Address], Field(min_length=1, max_length=255)] | None = Field(
-        default=None, description="null: the first ones"
+    addresses: Annotated[list[AddressOrNode], Field(min_length=1, max_length=255)] | None = Field(
+        default=None, description="null: the first ones; modules have 1..255, nodes of chips are 0..254"
+    )
+    kind: Literal["modules", "chips"] = Field(
+        default="modules", description="modules and evaluation boards, which speak TMCL; or TMC5xxx on a UART"
     )
 
 
 class ProbeFound(Answer):
-    """A module, or an evaluation board, that answered."""
+    """A module, an evaluation board, or a chip on a UART, that answered."""
 
+    kind: Literal["module", "board", "chip"] = Field(
+        description="how it is reached: by a link of kind serial (or tcp), landungsbruecke, or uart"
+    )
     port: str
     baud: int | None = Field(description="null where the line has no baud rate")
-    address: int
+    address: int = Field(description="of a chip its node; 0 where it has none")
     model: ModelName | None = Field(
         description="the module's, or that of the chip on the board; null where stepscope has no driver for it"
     )
@@ -97,8 +106,8 @@ class ProbeFound(Answer):
         description='null for a module; else "Landungsbrücke with TMC4361A and TMC2660": reached by a link of kind '
         "landungsbruecke"
     )
-    module: int = Field(description="the number that the module calls itself by, e.g. 1241")
-    version: str = Field(description='as the module tells it, e.g. "1241V144"')
+    module: int = Field(description="the number that the module calls itself by, e.g. 1241; of a chip its version")
+    version: str = Field(description='as the module tells it, e.g. "1241V144"; of a chip "version 0x30"')
 
 
 class ProbeState(Answer):

@@ -1,6 +1,7 @@
-"""Which modules are on a line: every address is asked for its version, at every baud rate.
+"""Who is on a line: every address is asked for its version, at every baud rate.
 
-Nothing else is sent; an evaluation board is also asked what is in its slots.
+Nothing else is sent; an evaluation board is also asked what is in its slots, and chips on a UART what keeps the line
+in step.
 """
 
 from __future__ import annotations
@@ -10,18 +11,29 @@ from collections.abc import Callable, Sequence
 from contextlib import AsyncExitStack
 from dataclasses import dataclass
 
+from app.links.datagram_uart import UartForm
 from app.links.errors import BadReply, LinkTimeout, WrongState
 from app.links.landungsbruecke import Board, board_name, identify
 from app.links.queue import LinkQueue, Priority
 from app.links.registry import port_url
 from app.links.serial_line import BAUDS, SOCKET, LinePort, line_of, serial_port
 from app.links.tmcl import Reply, Request, module_version, version_string
+from app.links.uart_line import BAUD as UART_BAUD
+from app.links.uart_line import UartPort, uart_line_of, uart_port
 from app.registers.landungsbruecke import ADDRESS as BOARD_ADDRESS
 from app.registers.tmcl import Opcode
 
 USUAL_BAUDS = (9600, 115200, *(baud for baud in BAUDS if baud not in (9600, 115200)))
 """Factory setting first, then the rate that most people change to."""
 USUAL_ADDRESSES = tuple(range(1, 9))
+USUAL_NODES = tuple(range(4))
+USUAL_UART_BAUDS = (UART_BAUD, 57_600, 9600)
+"""Chips measure the rate, so one would do; a long wire may be too slow for the first."""
+INPUTS = 0x04
+"""IOIN, INPUT: bits 31..24 are the version of the chip."""
+CHIP_OF_VERSION = {0x10: "TMC5072", 0x11: "TMC5130", 0x30: "TMC5160"}
+PLAIN_CHIP_OF_VERSION = {0x01: "TMC5062"}
+"""Of chips without a node address."""
 WAIT_S = 0.06
 """For an answer, beyond its time on the wire [s]: adapters collect bytes for up to 16 ms, modules take 5."""
 SOCKET_WAIT_S = 0.3
@@ -29,7 +41,7 @@ SOCKET_WAIT_S = 0.3
 
 @dataclass(frozen=True, slots=True)
 class FoundModule:
-    """One that answered. `number` is what it calls itself (1241), `version` its string ("1241V144")."""
+    """One that answered. `number` is what it calls itself (1241; of a chip its version), `version` that in words."""
 
     port: str
     baud: int | None
@@ -40,7 +52,12 @@ class FoundModule:
     board: str = ""
     """What it is where it is an evaluation board: "Landungsbrücke with TMC4361A and TMC2660"."""
     chip: str = ""
-    """The motion controller on that board: "TMC4361A"."""
+    """The motion controller on that board, "TMC4361A"; or the chip that answered on a UART, "" where none is known by
+    that version."""
+    node: int | None = None
+    """The node of a chip on a UART; None also of one that has none."""
+    uart: bool = False
+    """Whether it is a chip on a UART."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +121,71 @@ async def probe(
                 done += 1
     tell(done, "")
     return found
+
+
+async def probe_chips(
+    port: str,
+    bauds: Sequence[int] | None = None,
+    nodes: Sequence[int] | None = None,
+    progress: Callable[[ProbeProgress], None] | None = None,
+) -> list[FoundModule]:
+    """Ask every node for its chip's version, and then whether a chip without a node is there, at every baud rate.
+
+    Ends with the first rate at which somebody answers: chips answer at any. Otherwise as `probe`.
+    """
+    url = port_url(port.strip())
+    line = uart_line_of(url)
+    rates: Sequence[int | None] = list(dict.fromkeys(bauds or USUAL_UART_BAUDS))
+    if url.startswith(SOCKET):
+        rates = [None]
+    elif line.is_open:
+        if bauds and line.baud not in bauds:
+            raise WrongState(f"{port} is open at {line.baud} baud for a device", "disconnect that, or ask at its rate")
+        rates = [line.baud]
+    asked: list[int | None] = list(dict.fromkeys(nodes or USUAL_NODES))
+    if not line.is_open:  # one without a node would be alone on it
+        asked.append(None)
+    found: list[FoundModule] = []
+    done, total = 0, len(rates) * len(asked)
+
+    def tell(asking: str) -> None:
+        if progress is not None:
+            progress(ProbeProgress(done, total, tuple(found), asking))
+
+    for baud in rates:
+        for node in asked:
+            who = "a chip without a node" if node is None else f"node {node}"
+            tell(who if baud is None else f"{who} at {baud} baud")
+            chip = uart_port(
+                url,
+                UartForm(node),
+                baud=baud or UART_BAUD,
+                echo=line.echo or "auto",
+                timeout_s=SOCKET_WAIT_S if baud is None else WAIT_S,
+            )
+            version = await _ask_chip(chip)
+            await chip.aclose()
+            done += 1
+            if version is not None:
+                names = PLAIN_CHIP_OF_VERSION if node is None else CHIP_OF_VERSION
+                text = f"version {version:#04x}"
+                found.append(
+                    FoundModule(port, baud, node or 0, version, text, "", names.get(version, ""), node, uart=True)
+                )
+        if found:
+            break
+    done = total
+    tell("")
+    return found
+
+
+async def _ask_chip(chip: UartPort) -> int | None:
+    """The version of the chip; None where nobody answers."""
+    try:
+        reply = await LinkQueue(chip).exchange(chip.form.read(INPUTS), Priority.SAMPLE)
+        return chip.form.data_of(INPUTS, reply) >> 24
+    except (LinkTimeout, BadReply):
+        return None
 
 
 async def _ask(module: LinePort) -> tuple[int, str, Board | None] | None:

@@ -27,6 +27,11 @@ DELAY_BYTES = 1
 class UartLine(Line):
     """A line of chips. What its ports say of echo and datagrams holds for all who have it open."""
 
+    @property
+    def echo(self) -> Echo | None:
+        """What the ports that have it open say of an echo; None where it is closed."""
+        return next((port.echo for port in self.users if isinstance(port, UartPort)), None)
+
     def put(self, port: LinePort, job: Job) -> None:
         """Raises LinkDown where others have the line open otherwise."""
         for other in self.users:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,8 +14,14 @@ from app.clock import WallClock
 from app.emulators.line.server import serve_pty
 from app.emulators.line.uart import uart_line
 from app.emulators.tmc5xxx import EmulatedTmc5xxx
+from app.links import discovery
 
 NODECONF = 0x03
+
+
+@pytest.fixture(autouse=True)
+def _patience(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(discovery, "WAIT_S", 0.5)  # for chips that are a thread on a busy machine
 
 
 @pytest.fixture
@@ -96,3 +103,15 @@ async def test_a_link_is_tried(wire: str, client: httpx.AsyncClient) -> None:
         assert trial["ok"] is ok, trial
     assert "node 9" in trial["problem"]["detail"]
     assert "only its echo came" in trial["problem"]["detail"]
+
+
+async def test_chips_are_found_on_a_port(wire: str, client: httpx.AsyncClient) -> None:
+    body = {"port": wire, "kind": "chips", "bauds": [115_200], "addresses": [0, 1, 2]}
+    assert (await client.post("ports/probe", json=body)).status_code == 202
+    while (state := (await client.get("ports/probe")).json())["running"]:
+        await asyncio.sleep(0.01)
+    found = [(chip["kind"], chip["address"], chip["model"], chip["version"]) for chip in state["found"]]
+    assert found == [("chip", 1, "tmc5160", "version 0x30"), ("chip", 2, "tmc5130", "version 0x11")]
+    for kind, address in (("chips", 255), ("modules", 0)):
+        refused = await client.post("ports/probe", json={"port": wire, "kind": kind, "addresses": [address]})
+        assert refused.status_code == 422

@@ -51,11 +51,13 @@ async def get_probe(bench: CurrentBench) -> ProbeState:
 
 @router.post("/ports/probe", status_code=202, responses=problems(UsageError, WrongState))
 async def start_probe(bench: CurrentBench, body: ProbeStart) -> ProbeState:
-    """Look for modules on a port, rate by rate and address by address. One search at a time; answers at its start.
+    """Look for modules, or chips, on a port, rate by rate and address by address. One search at a time.
+
+    Answers at its start.
 
     A line that devices use is asked at their baud rate, and their commands go first.
     """
-    return bench.probing.start(body.port, body.bauds, body.addresses)
+    return bench.probing.start(body.port, body.bauds, body.addresses, chips=body.kind == "chips")
 
 
 @router.delete("/ports/probe")

@@ -1079,7 +1079,9 @@ export interface paths {
         put?: never;
         /**
          * Start Probe
-         * @description Look for modules on a port, rate by rate and address by address. One search at a time; answers at its start.
+         * @description Look for modules, or chips, on a port, rate by rate and address by address. One search at a time.
+         *
+         *     Answers at its start.
          *
          *     A line that devices use is asked at their baud rate, and their commands go first.
          */
@@ -4566,9 +4568,15 @@ export interface components {
         };
         /**
          * ProbeFound
-         * @description A module, or an evaluation board, that answered.
+         * @description A module, an evaluation board, or a chip on a UART, that answered.
          */
         ProbeFound: {
+            /**
+             * Kind
+             * @description how it is reached: by a link of kind serial (or tcp), landungsbruecke, or uart
+             * @enum {string}
+             */
+            kind: "module" | "board" | "chip";
             /** Port */
             port: string;
             /**
@@ -4576,7 +4584,10 @@ export interface components {
              * @description null where the line has no baud rate
              */
             baud: number | null;
-            /** Address */
+            /**
+             * Address
+             * @description of a chip its node; 0 where it has none
+             */
             address: number;
             /**
              * Model
@@ -4590,18 +4601,18 @@ export interface components {
             board: string | null;
             /**
              * Module
-             * @description the number that the module calls itself by, e.g. 1241
+             * @description the number that the module calls itself by, e.g. 1241; of a chip its version
              */
             module: number;
             /**
              * Version
-             * @description as the module tells it, e.g. "1241V144"
+             * @description as the module tells it, e.g. "1241V144"; of a chip "version 0x30"
              */
             version: string;
         };
         /**
          * ProbeStart
-         * @description Where to look for modules. Each baud rate and each address costs a question, and the wait for its answer.
+         * @description Where to look, and for whom. Each baud rate and each address costs a question, and the wait for its answer.
          */
         ProbeStart: {
             /**
@@ -4616,9 +4627,16 @@ export interface components {
             bauds?: number[] | null;
             /**
              * Addresses
-             * @description null: the first ones
+             * @description null: the first ones; modules have 1..255, nodes of chips are 0..254
              */
             addresses?: number[] | null;
+            /**
+             * Kind
+             * @description modules and evaluation boards, which speak TMCL; or TMC5xxx on a UART
+             * @default modules
+             * @enum {string}
+             */
+            kind?: "modules" | "chips";
         };
         /**
          * ProbeState
