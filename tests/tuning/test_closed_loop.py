@@ -45,7 +45,7 @@ class Tuned:
 
     async def disturb(self, torque_nm: float) -> ResponseState:
         device = self.b.device
-        self.procedures.start_disturbance(device, 0, load_of(device, torque_nm), seconds=1.0)
+        self.procedures.start_disturbance(device, 0, load_of(device, 0, torque_nm), seconds=1.0)
         await self.finish(lambda: self.procedures.disturbance_state(device, 0))
         return self.procedures.disturbance_state(device, 0)
 
@@ -214,7 +214,7 @@ async def test_closed_loop_brings_back_what_an_open_loop_loses() -> None:
 
 async def test_an_aborted_disturbance_takes_its_load_away() -> None:
     async with tuned() as t:
-        t.procedures.start_disturbance(t.b.device, 0, load_of(t.b.device, 0.1), seconds=5.0)
+        t.procedures.start_disturbance(t.b.device, 0, load_of(t.b.device, 0, 0.1), seconds=5.0)
         await t.b.clock.advance(0.5)
         assert t.b.wire.state().load_torque_nm == pytest.approx(0.1)
         stops = len(t.b.port.written(0x20))
