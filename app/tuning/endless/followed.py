@@ -19,6 +19,8 @@ from app.tuning.endless.track import CLOCK_TOLERANCE, Track
 
 RESET_NAMES = frozenset({"RST_EV", "reset"})
 """Names of events by which chips tell that they were reset."""
+HEARD_EVERY_S = 0.05
+"""Looks of others closer together than this are left out [s]."""
 CONNECT = "connect the device: it is trusted again where a look can show that nothing was missed"
 
 
@@ -107,6 +109,8 @@ class Followed:
 
     def _saw(self, event: PositionSeen) -> None:
         track = self.track
+        if 0 <= event.asked_at_s - track.asked_s < HEARD_EVERY_S and not self.lock.locked():
+            return  # telemetry shows more than anybody needs here, and each look costs
         trusted = track.trusted
         track.seen(event.count, event.asked_at_s, self.device.device_time_s(), self.speed_limit_pps)
         if track.asked_s == event.asked_at_s and track.count == event.count:
