@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import threading
 from collections.abc import Iterator
 from pathlib import Path
@@ -15,6 +14,7 @@ from app.emulators.line.server import serve_pty
 from app.emulators.line.uart import uart_line
 from app.emulators.tmc5xxx import EmulatedTmc5xxx
 from app.links import discovery
+from tests.api.test_links import probed
 
 NODECONF = 0x03
 
@@ -108,8 +108,7 @@ async def test_a_link_is_tried(wire: str, client: httpx.AsyncClient) -> None:
 async def test_chips_are_found_on_a_port(wire: str, client: httpx.AsyncClient) -> None:
     body = {"port": wire, "kind": "chips", "bauds": [115_200], "addresses": [0, 1, 2]}
     assert (await client.post("ports/probe", json=body)).status_code == 202
-    while (state := (await client.get("ports/probe")).json())["running"]:
-        await asyncio.sleep(0.01)
+    state = await probed(client)
     found = [(chip["kind"], chip["address"], chip["model"], chip["version"]) for chip in state["found"]]
     assert found == [("chip", 1, "tmc5160", "version 0x30"), ("chip", 2, "tmc5130", "version 0x11")]
     for kind, address in (("chips", 255), ("modules", 0)):
