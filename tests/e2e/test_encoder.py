@@ -10,6 +10,7 @@ import httpx
 import pytest
 from playwright.sync_api import Page, expect
 
+from tests.e2e import chips
 from tests.e2e.conftest import DESKTOP, PHONE, Errors
 from tests.e2e.motor import TURN, Motor, a_motor, select, wait_for
 
@@ -162,3 +163,47 @@ def test_the_page_is_open_to_everybody(encoder: Page, check_axe: Callable[[Page]
             check_axe(encoder)
         sideways = encoder.evaluate("document.scrollingElement.scrollWidth - document.documentElement.clientWidth")
         assert sideways <= 0, f"{size} can be scrolled sideways by {sideways} px"
+
+
+def test_a_chips_encoder_is_set_up_from_its_counts(
+    page: Page, api: httpx.Client, check_axe: Callable[[Page], None]
+) -> None:
+    """The constant, its drift and its sign are what the registers get, and the encoder then follows the motor."""
+    with chips.a_chip(api, "encoder chip") as chip:
+        chips.set_up(chip)
+        chips.select(page, chip)
+        page.goto("/encoder")
+        expect(page.get_by_text("The encoder is not told of until its resolution is set here.")).to_be_visible()
+        counts = page.get_by_test_id("encoder-counts")
+        counts.fill("40000")  # what the emulated one has
+        counts.press("Enter")
+        expect(page.get_by_test_id("encoder-lines")).to_have_value("10000")
+        expect(page.get_by_test_id("enc-const-exact")).to_contain_text("32/25")
+        expect(page.get_by_test_id("enc-const-decimal")).to_contain_text("no drift")
+        page.get_by_test_id("use-decimal").click()
+        page.get_by_test_id("index-use").click()
+        page.get_by_role("option", name="latch each time").click()
+        check_axe(page)
+        assert chip.register("ENCMODE")["fields"]["enc_sel_decimal"] == 0, "nothing goes out before Apply"
+        page.get_by_role("button", name="Apply", exact=True).click()
+        wait_for(lambda: chip.register("ENC_CONST")["value"] == 65_536 + 2800, "applied")
+        expect(page.get_by_text("last apply: 2 verified")).to_be_visible()
+        fields = chip.register("ENCMODE")["fields"]
+        assert (fields["enc_sel_decimal"], fields["clr_cont"], fields["latch_x_act"]) == (1, 1, 1)
+        page.get_by_test_id("encoder-to-actual").click()
+        wait_for(lambda: abs(number(page, "deviation-internal")) < 10, "the counter is that of the motor")
+        chip.call("move", target=20_000, relative=True, unit="microsteps")
+        wait_for(lambda: abs(number(page, "encoder-internal") - 20_000) < 20, "the encoder follows")
+        page.get_by_label("counts the other way").check(force=True)
+        page.get_by_test_id("use-decimal").click()
+        page.get_by_role("button", name="Apply", exact=True).click()
+        wait_for(lambda: chip.register("ENC_CONST")["value"] == -2 * 65_536 + 7200, "applied with its sign")
+        page.goto("/connections")  # before the chip is gone
+
+
+def test_a_chip_without_an_encoder_says_so(page: Page, api: httpx.Client) -> None:
+    with chips.a_chip(api, "no encoder", "tmc5031") as chip:
+        chips.select(page, chip)
+        page.goto("/encoder")
+        expect(page.get_by_text("A TMC5031 has no encoder")).to_be_visible()
+        page.goto("/connections")  # before the chip is gone

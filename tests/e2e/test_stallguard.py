@@ -9,6 +9,7 @@ import httpx
 import pytest
 from playwright.sync_api import Locator, Page, expect
 
+from tests.e2e import chips
 from tests.e2e.conftest import DESKTOP, PHONE
 from tests.e2e.motor import Motor, a_motor, select, wait_for
 
@@ -138,3 +139,41 @@ def test_the_page_is_open_to_everybody(load: Page, check_axe: Callable[[Page], N
             check_axe(load)
         sideways = load.evaluate("document.scrollingElement.scrollWidth - document.documentElement.clientWidth")
         assert sideways <= 0, f"{size} can be scrolled sideways by {sideways} px"
+
+
+@pytest.fixture
+def chip(api: httpx.Client) -> Iterator[chips.Chip]:
+    """An emulated TMC5160 that turns at 60 000 pps."""
+    with chips.a_chip(api, "loaded chip") as running:
+        chips.set_up(running)
+        running.call("rotate", velocity=60_000)
+        yield running
+
+
+def test_a_chips_load_and_thresholds_are_in_its_registers(
+    page: Page, chip: chips.Chip, check_axe: Callable[[Page], None]
+) -> None:
+    chips.select(page, chip)
+    page.goto("/stallguard")
+    wait_for(lambda: shown(page, "load") > 150, "a load value at speed")
+    wait_for(lambda: samples(page) > 20, "it is gathered over speed")
+    assert shown(page, "current") == 100
+    for name, text in (("smartenergy_threshold_speed", "50000"), ("smartenergy_hysteresis_start", "4")):
+        page.get_by_test_id(name).fill(text)
+        page.get_by_test_id(name).press("Enter")
+    expect(page.get_by_text("more current below 128")).to_be_visible()
+    expect(page.get_by_text("register 320")).to_be_visible()
+    assert chip.register("TCOOLTHRS")["value"] == 0, "nothing goes out before Apply"
+    check_axe(page)
+    page.get_by_role("button", name="Apply", exact=True).click()
+    expect(page.get_by_text("last apply: 2 verified")).to_be_visible()
+    assert chip.register("TCOOLTHRS")["value"] == 320
+    assert chip.register("COOLCONF")["fields"]["semin"] == 4
+    wait_for(lambda: shown(page, "current") <= 60, "CoolStep takes current back")
+    expect(page.get_by_text("register 320, as last written")).to_be_visible()
+    chip.write("COOLCONF", semin=0)
+    chip.write("SW_MODE", sg_stop=1)
+    chip.world(axes=[{"axis": 0, "load_torque_nm": 3.0}])
+    expect(page.get_by_test_id("stops")).to_contain_text("Stall")
+    wait_for(lambda: not chip.axis()["moving"], "a stall stops the motor")
+    page.goto("/connections")  # before the chip is gone
