@@ -228,8 +228,9 @@ def test_an_edit_keeps_the_motor_that_the_form_does_not_show(page: Page, api: ht
         page.goto("/connections")
         page.get_by_role("region", name="strong").get_by_role("button", name="Edit").click()
         form = page.get_by_role("form", name="Edit strong")
-        form.get_by_role("button", name="Emulator: time, seed").click()
-        form.get_by_label("Chip time runs at").fill("2")
+        form.get_by_role("button", name="Emulator: motor, load, stage").click()
+        expect(form.get_by_label("Holding torque")).to_have_value("0.9")
+        form.get_by_label("Time runs at").fill("2")
         form.get_by_role("button", name="Save").click()
         expect(form).to_have_count(0)
         link = api.get(f"/devices/{chip.device}").raise_for_status().json()["link"]

@@ -3,11 +3,13 @@ import { IconChevronRight } from "@tabler/icons-react";
 import type { ChipModel } from "../../lib/family";
 import { fixed } from "../../lib/format";
 import { StageFields } from "./AxisFields";
-import { CHIP_LIMITS, ECHOES, seedLimits, WIRINGS } from "./chip";
+import { CHIP_LIMITS, ECHOES, WIRINGS } from "./chip";
 import css from "./connections.module.css";
 import type { Draft } from "./draft";
+import { EmulatorOptions } from "./EmulatorOptions";
 import { OptionalNumber } from "./fields";
 import { factsOf } from "./models";
+import { optionsOf } from "./options";
 import { PortField } from "./PortField";
 
 const SPI = [
@@ -189,12 +191,22 @@ function SpiBus({ draft, problem, onChange }: Props) {
 }
 
 function EmulatorFields({ draft, model, problems, problem, onChange, more, onMore }: Props) {
+  if (optionsOf(model).length > 0)
+    return (
+      <EmulatorOptions
+        model={model}
+        options={draft.options}
+        problem={problem}
+        onChange={(options) => onChange({ options })}
+        open={more}
+        onOpen={onMore}
+      />
+    );
   return (
     <>
       <button type="button" className={css.more} aria-expanded={more} onClick={() => onMore(!more)}>
         <IconChevronRight size={13} className={css.chevron} data-open={more} aria-hidden />
-        Emulator: time, seed{model === "tmc428" && ", wiring"}
-        {draft.stages.length > 0 && ", stages"}
+        Emulator: time, seed{model === "tmc428" && ", wiring"}, stages
       </button>
       {more && (
         <>
@@ -203,14 +215,14 @@ function EmulatorFields({ draft, model, problems, problem, onChange, more, onMor
               label="Chip time runs at"
               unit="× real time"
               value={draft.timeScale}
-              limits={factsOf(model).timeScale}
+              limits={CHIP_LIMITS.timeScale}
               problem={problem("timeScale", draft.timeScale)}
               onChange={(timeScale) => onChange({ timeScale })}
             />
             <OptionalNumber
-              label={draft.stages.length > 0 ? "Seed of RAM noise and bit errors" : "Seed of noise and bit errors"}
+              label="Seed of RAM noise and bit errors"
               value={draft.seed}
-              limits={seedLimits(model)}
+              limits={CHIP_LIMITS.seed}
               problem={problem("seed", draft.seed)}
               onChange={(seed) => onChange({ seed })}
             />
@@ -226,9 +238,7 @@ function EmulatorFields({ draft, model, problems, problem, onChange, more, onMor
               onChange={(wiring) => onChange({ wiring: wiring ?? "" })}
             />
           )}
-          {draft.stages.length > 0 && (
-            <StageFields draft={draft} problems={problems} onChange={(stages) => onChange({ stages })} />
-          )}
+          <StageFields draft={draft} problems={problems} onChange={(stages) => onChange({ stages })} />
         </>
       )}
     </>

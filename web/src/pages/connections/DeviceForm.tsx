@@ -7,6 +7,7 @@ import { AxesFields } from "./AxisFields";
 import { ChipLinkFields } from "./ChipLinkFields";
 import css from "./connections.module.css";
 import { type Draft, linkOf, moduleKind, problemsOf, withModel } from "./draft";
+import { EmulatorOptions } from "./EmulatorOptions";
 import { ModuleLinkFields } from "./ModuleLinkFields";
 import { axesOf, isModule, type Kind, kindsOf, type Model } from "./models";
 import { TestResult } from "./TestResult";
@@ -35,6 +36,7 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
   // An empty field is no mistake before one has tried to save; a wrong one is at once.
   const problem = (path: string, text: string) => (tried || text.trim() !== "" ? all[path] : undefined);
   const model = draft.model;
+  const kind = moduleKind(draft);
   const link = JSON.stringify([draft.model, linkOf(draft)]);
   const [testedLink, setTestedLink] = useState("");
   const interrupts = device?.state === "connected" && JSON.stringify([initial.model, linkOf(initial)]) !== link;
@@ -110,14 +112,23 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
           }
         />
         {isModule(model) ? (
-          <ModuleLinkFields
-            kind={moduleKind(draft)}
-            draft={draft.module}
-            problem={problem}
-            onChange={(change) => setDraft((now) => ({ ...now, module: { ...now.module, ...change } }))}
-            more={more}
-            onMore={setMore}
-          />
+          kind === "emulator" ? (
+            <EmulatorOptions
+              model={model}
+              options={draft.options}
+              problem={problem}
+              onChange={(options) => set({ options })}
+              open={more}
+              onOpen={setMore}
+            />
+          ) : (
+            <ModuleLinkFields
+              kind={kind}
+              draft={draft.module}
+              problem={problem}
+              onChange={(change) => setDraft((now) => ({ ...now, module: { ...now.module, ...change } }))}
+            />
+          )
         ) : (
           <ChipLinkFields
             draft={draft}

@@ -1,34 +1,22 @@
 import { Autocomplete, TextInput } from "@mantine/core";
-import { IconChevronRight } from "@tabler/icons-react";
 import { fixed } from "../../lib/format";
 import css from "./connections.module.css";
 import { OptionalNumber } from "./fields";
-import {
-  BAUDS,
-  CAN_BITRATES,
-  CAN_INTERFACES,
-  MODULE_LIMITS,
-  type ModuleDraft,
-  type ModuleKind,
-  OPTIONS,
-} from "./module";
+import { BAUDS, CAN_BITRATES, CAN_INTERFACES, MODULE_LIMITS, type ModuleDraft, type ModuleKind } from "./module";
 import { PortField } from "./PortField";
 
 interface Props {
-  kind: ModuleKind;
+  kind: Exclude<ModuleKind, "emulator">;
   draft: ModuleDraft;
   /** the problem of a field, where it is to be told now */
   problem: (path: string, text: string) => string | undefined;
   onChange: (change: Partial<ModuleDraft>) => void;
-  /** the emulator's options are open */
-  more: boolean;
-  onMore: (open: boolean) => void;
 }
 
 type NumberPart = keyof typeof MODULE_LIMITS;
 
-/** The way to a module: here, on a serial line, behind a socket, or on CAN. */
-export function ModuleLinkFields({ kind, draft, problem, onChange, more, onMore }: Props) {
+/** The way to a module: on a serial line, behind a socket, or on CAN. */
+export function ModuleLinkFields({ kind, draft, problem, onChange }: Props) {
   const numeric = (part: NumberPart, label: string, unit?: string, placeholder?: string) => (
     <OptionalNumber
       label={label}
@@ -94,65 +82,37 @@ export function ModuleLinkFields({ kind, draft, problem, onChange, more, onMore 
         </div>
       </>
     );
-  if (kind === "can")
-    return (
-      <>
-        <div className={css.two}>
-          <Autocomplete
-            size="xs"
-            label="Interface of python-can"
-            classNames={{ input: "num", label: css.label }}
-            data={CAN_INTERFACES}
-            filter={({ options }) => options}
-            value={draft.canInterface}
-            error={problem("module.canInterface", draft.canInterface)}
-            onChange={(canInterface) => onChange({ canInterface })}
-          />
-          <TextInput
-            size="xs"
-            label="Channel"
-            placeholder="can0"
-            classNames={{ input: "num", label: css.label }}
-            value={draft.canChannel}
-            error={problem("module.canChannel", draft.canChannel)}
-            autoComplete="off"
-            spellCheck={false}
-            onChange={(event) => onChange({ canChannel: event.currentTarget.value })}
-          />
-        </div>
-        <div className={css.two}>
-          {typed("bitrate", "Bit rate [bit/s]", CAN_BITRATES)}
-          {numeric("timeoutS", "Answer within", "s")}
-          {numeric("sendId", "The module listens to id")}
-          {numeric("receiveId", "It answers under id")}
-        </div>
-      </>
-    );
   return (
     <>
-      <button type="button" className={css.more} aria-expanded={more} onClick={() => onMore(!more)}>
-        <IconChevronRight size={13} className={css.chevron} data-open={more} aria-hidden />
-        Emulator: motor, load, stage, encoders
-      </button>
-      {more &&
-        OPTIONS.map(([title, rows]) => (
-          <div key={title}>
-            <div className={css.caption}>{title}</div>
-            <div className={css.two}>
-              {rows.map((row) => (
-                <OptionalNumber
-                  key={row.key}
-                  label={row.label}
-                  {...(row.unit === "" ? {} : { unit: row.unit })}
-                  value={draft.options[row.key] ?? ""}
-                  limits={row.limits}
-                  problem={problem(`options.${row.key}`, draft.options[row.key] ?? "")}
-                  onChange={(text) => onChange({ options: { ...draft.options, [row.key]: text } })}
-                />
-              ))}
-            </div>
-          </div>
-        ))}
+      <div className={css.two}>
+        <Autocomplete
+          size="xs"
+          label="Interface of python-can"
+          classNames={{ input: "num", label: css.label }}
+          data={CAN_INTERFACES}
+          filter={({ options }) => options}
+          value={draft.canInterface}
+          error={problem("module.canInterface", draft.canInterface)}
+          onChange={(canInterface) => onChange({ canInterface })}
+        />
+        <TextInput
+          size="xs"
+          label="Channel"
+          placeholder="can0"
+          classNames={{ input: "num", label: css.label }}
+          value={draft.canChannel}
+          error={problem("module.canChannel", draft.canChannel)}
+          autoComplete="off"
+          spellCheck={false}
+          onChange={(event) => onChange({ canChannel: event.currentTarget.value })}
+        />
+      </div>
+      <div className={css.two}>
+        {typed("bitrate", "Bit rate [bit/s]", CAN_BITRATES)}
+        {numeric("timeoutS", "Answer within", "s")}
+        {numeric("sendId", "The module listens to id")}
+        {numeric("receiveId", "It answers under id")}
+      </div>
     </>
   );
 }

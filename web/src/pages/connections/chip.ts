@@ -3,6 +3,7 @@ import { parseNumber } from "../../lib/format";
 import type { Draft, StageDraft } from "./draft";
 import { type Json, type Limits, numberOf, numberProblem, over, said } from "./limits";
 import { factsOf } from "./models";
+import { emulatorLink, optionProblems, optionsOf } from "./options";
 
 export interface SpiDraft {
   bus: string;
@@ -24,6 +25,8 @@ export const CHIP_LIMITS = {
   port: { minimum: 1, maximum: 65_535, integer: true, fallback: null },
   timeoutS: { minimum: 0.001, maximum: 60, fallback: 1 },
   lineTimeoutS: { minimum: 0.001, maximum: 60, fallback: 0.25 },
+  seed: { minimum: 0, maximum: 2 ** 32 - 1, integer: true, fallback: 428 },
+  timeScale: { minimum: 0, maximum: 1000, fallback: 1 },
   left: { minimum: -1e6, maximum: 1e6, fallback: 0 },
   right: { minimum: -1e6, maximum: 1e6, fallback: 7500 },
   refFrom: { minimum: -1e6, maximum: 1e6, fallback: 250 },
@@ -41,10 +44,6 @@ export const WIRINGS = [
   { value: "two-one-null", label: "two-one-null: both of motor 1, left of motor 2" },
   { value: "left-only", label: "left only: one switch an axis" },
 ];
-
-export function seedLimits(model: ChipModel): Limits {
-  return { minimum: 0, maximum: 2 ** 32 - 1, integer: true, fallback: factsOf(model).seed };
-}
 
 /** A link's wire as a draft, for editing. */
 export function uartOf(link: Json): UartDraft {
@@ -107,14 +106,14 @@ export function chipLink(draft: Draft, model: ChipModel): Json {
         speed_hz: numberOf(draft.spi.speedHz),
       });
     default:
-      return kept({ seed: numberOf(draft.seed), time_scale: numberOf(draft.timeScale), ...worldOf(draft, model) });
+      return optionsOf(model).length > 0
+        ? emulatorLink(draft.options, model, draft.before, { clock_hz: clockOf(draft) })
+        : kept(pulsesOf(draft, model));
   }
 }
 
-/** The part of an emulator's options that not every chip has. */
-function worldOf(draft: Draft, model: ChipModel): Json {
-  const clock_hz = clockOf(draft);
-  if (draft.stages.length === 0) return { clock_hz };
+/** The emulator's options of a chip that only gives pulses. */
+function pulsesOf(draft: Draft, model: ChipModel): Json {
   const stages = draft.stages.map((stage) =>
     over({}, undefined, {
       left_at_fullsteps: numberOf(stage.left),
@@ -125,7 +124,9 @@ function worldOf(draft: Draft, model: ChipModel): Json {
     }),
   );
   return {
-    clock_hz,
+    seed: numberOf(draft.seed),
+    time_scale: numberOf(draft.timeScale),
+    clock_hz: clockOf(draft),
     wiring: model === "tmc428" && draft.wiring !== "" ? draft.wiring : undefined,
     stages: stages.some((stage) => Object.keys(stage).length > 0) ? stages : undefined,
     // One motor, one driver: what the emulated driver does is what the axis is reckoned with.
@@ -161,8 +162,9 @@ export function chipProblems(draft: Draft, model: ChipModel): [path: string, pro
         note(`spi.${part}`, numberProblem(draft.spi[part], CHIP_LIMITS[part]));
       break;
     default:
-      note("seed", numberProblem(draft.seed, seedLimits(model)));
-      note("timeScale", numberProblem(draft.timeScale, facts.timeScale));
+      found.push(...optionProblems(draft.options, model));
+      note("seed", numberProblem(draft.seed, CHIP_LIMITS.seed));
+      note("timeScale", numberProblem(draft.timeScale, CHIP_LIMITS.timeScale));
       draft.stages.forEach((stage, index) => {
         for (const part of ["left", "right", "refFrom", "refTo", "start"] as const)
           note(`stages.${index}.${part}`, numberProblem(stage[part], CHIP_LIMITS[part]));

@@ -3,6 +3,7 @@ import type { Device } from "../../api/queries";
 import { parseAddresses } from "./addresses";
 import { changeBody, createBody, draftOf, linkOf, newDraft, problemsOf, withModel } from "./draft";
 import { kindsOf, type Model } from "./models";
+import { optionsOf } from "./options";
 import { freeName, linkText } from "./words";
 
 const DEVICE = {
@@ -147,6 +148,7 @@ describe("a link to a module", () => {
   ] as const)("over %s refuses %s of %j", (kind, path, change) => {
     const draft = { ...newDraft("pd42-1241", kind), name: "drive" };
     draft.module = { ...draft.module, serialPort: "/dev/ttyACM0", tcpPort: "4242", ...change };
+    draft.options = { ...("options" in change ? change.options : {}) };
     expect(Object.keys(problemsOf(draft))).toEqual([path]);
   });
 
@@ -159,11 +161,8 @@ describe("a link to a module", () => {
     const link = { kind: "emulator", seed: 3, motor: { rotor_teeth: 100, holding_torque_nm: 1 }, stage: {} };
     const device = { ...DEVICE, model: "pd42-1241", link, axes: [DEVICE.axes[0]] } as unknown as Device;
     const draft = draftOf(device);
-    expect(draft.module.options["motor.holding_torque_nm"]).toBe("1");
-    draft.module = {
-      ...draft.module,
-      options: { ...draft.module.options, "motor.holding_torque_nm": "", "load.torque_nm": "0.1" },
-    };
+    expect(draft.options["motor.holding_torque_nm"]).toBe("1");
+    draft.options = { ...draft.options, "motor.holding_torque_nm": "", "load.torque_nm": "0.1" };
     expect(linkOf(draft)).toEqual({
       kind: "emulator",
       seed: 3,
@@ -209,8 +208,9 @@ describe("a TMC4361", () => {
   it("keeps of its link what the form does not show", () => {
     const of = (link: object) =>
       draftOf({ ...DEVICE, model: "tmc4361", link, axes: DEVICE.axes.slice(0, 1) } as unknown as Device);
-    const emulated = { kind: "emulator", seed: 3, motor: { holding_torque_nm: 1 }, stage: { left_at_fullsteps: -9 } };
-    expect(changeBody(of(emulated), { ...of(emulated), timeScale: "2" }).link).toEqual({
+    const emulated = { kind: "emulator", seed: 3, motor: { resistance_ohm: 1 }, encoder: { kind: "ssi" } };
+    const faster = { ...of(emulated), options: { ...of(emulated).options, time_scale: "2" } };
+    expect(changeBody(of(emulated), faster).link).toEqual({
       ...emulated,
       time_scale: 2,
       clock_hz: 8e6,
@@ -225,8 +225,8 @@ describe("a TMC4361", () => {
   });
 
   it("takes no more of the emulator's time than that can be worked out in", () => {
-    expect(problemsOf({ ...named, timeScale: "20" })).toEqual({});
-    expect(problemsOf({ ...named, timeScale: "21" })).toHaveProperty("timeScale");
+    expect(problemsOf({ ...named, options: { time_scale: "20" } })).toEqual({});
+    expect(problemsOf({ ...named, options: { time_scale: "21" } })).toHaveProperty(["options.time_scale"]);
   });
 
   it("is reached on the first bus where nothing is said", () => {
@@ -273,6 +273,25 @@ describe("a TMC5xxx", () => {
     const device = { ...DEVICE, model: "tmc5160", link, axes: DEVICE.axes.slice(0, 1) } as unknown as Device;
     expect(linkOf(draftOf(device))).toEqual(link);
     expect(changeBody(draftOf(device), draftOf(device))).toEqual({});
+  });
+
+  it("has a motor and a stage to set, and no home switch", () => {
+    const draft = { ...named("tmc5072"), options: { "motor.holding_torque_nm": "1", "encoder.lines": "500" } };
+    expect(problemsOf(draft)).toEqual({});
+    expect(linkOf(draft)).toEqual({ kind: "emulator", motor: { holding_torque_nm: 1 }, encoder: { lines: 500 } });
+    const keys = (model: Model) => optionsOf(model).flatMap(([, rows]) => rows.map(({ key }) => key));
+    expect(keys("tmc5072").some((key) => key.includes("home"))).toBe(false);
+    expect(keys("tmc5031").some((key) => key.includes("encoder"))).toBe(false);
+    expect(keys("tmc428")).toEqual([]);
+  });
+
+  it("stays rigid until something is said of its motor", () => {
+    const link = { kind: "emulator", motor: "rigid" };
+    const device = { ...DEVICE, model: "tmc5130", link, axes: DEVICE.axes.slice(0, 1) } as unknown as Device;
+    const draft = draftOf(device);
+    expect(linkOf({ ...draft, options: { ...draft.options, seed: "7" } })).toMatchObject({ motor: "rigid", seed: 7 });
+    const soft = { ...draft, options: { ...draft.options, "motor.rated_current_a": "2" } };
+    expect(linkOf(soft)).toMatchObject({ motor: { rated_current_a: 2 } });
   });
 
   it("has no node to say where its datagrams bear none", () => {

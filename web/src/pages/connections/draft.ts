@@ -16,6 +16,7 @@ import {
 import { type Json, type Limits, numberOf, numberProblem, said } from "./limits";
 import { axesOf, isModule, type Kind, kindsOf, type Model } from "./models";
 import { type ModuleDraft, type ModuleKind, moduleLink, moduleOf, moduleProblems, newModule } from "./module";
+import { emulatorLink, optionProblems, optionsIn } from "./options";
 
 export type Link = Schemas["DeviceCreate"]["link"];
 export type AxisConfig = Schemas["AxisConfig"];
@@ -49,6 +50,8 @@ export interface Draft {
   timeScale: string;
   wiring: string;
   stages: StageDraft[];
+  /** of an emulated motor and what is around it, by the keys of `optionsOf` */
+  options: Record<string, string>;
   axes: AxisDraft[];
   /** the link of a module; a UART and an evaluation board have their port from here */
   module: ModuleDraft;
@@ -89,6 +92,7 @@ export function newDraft(model: Model = "tmc428", kind: Kind = "emulator"): Draf
       timeScale: "",
       wiring: "",
       stages: [],
+      options: {},
       axes: [],
       module: newModule(),
       uart: newUart(),
@@ -107,7 +111,7 @@ export function withModel(draft: Draft, model: Model): Draft {
     model,
     kind: kindsOf(model).some((kind) => kind.value === draft.kind) ? draft.kind : "emulator",
     axes: indices.map((index) => draft.axes[index] ?? emptyAxis(AXIS_NAMES[index] ?? `axis ${index}`)),
-    // A motor's stage is changed in the emulator panel, or among a module's options.
+    // A motor's stage is among the options.
     stages: pulsesOnly(model) ? indices.map((index) => draft.stages[index] ?? EMPTY_STAGE) : [],
   };
 }
@@ -133,6 +137,7 @@ export function draftOf(device: Device): Draft {
       timeScale: said(link.time_scale),
       wiring: typeof link.wiring === "string" ? link.wiring : "",
       stages: stagesOf(link),
+      options: optionsIn(link, device.model),
       axes: device.axes.map((axis) => ({
         name: axis.name,
         fullSteps: String(axis.full_steps_per_rev),
@@ -161,7 +166,12 @@ export function problemsOf(draft: Draft, others: readonly string[] = []): Record
   else if (others.some((other) => other.toLowerCase() === name.toLowerCase()))
     note("name", "Another device has that name");
   const { model } = draft;
-  const problems = isModule(model) ? moduleProblems(moduleKind(draft), draft.module) : chipProblems(draft, model);
+  const kind = moduleKind(draft);
+  const problems = !isModule(model)
+    ? chipProblems(draft, model)
+    : kind === "emulator"
+      ? optionProblems(draft.options, model)
+      : moduleProblems(kind, draft.module);
   for (const [path, problem] of problems) note(path, problem);
   draft.axes.forEach((axis, index) => {
     if (axis.name.trim() === "") note(`axes.${index}.name`, "A name is needed");
@@ -180,7 +190,12 @@ export function moduleKind(draft: Draft): ModuleKind {
 
 export function linkOf(draft: Draft): Link {
   const { model, before } = draft;
-  const link = isModule(model) ? moduleLink(moduleKind(draft), draft.module, before) : chipLink(draft, model);
+  const kind = moduleKind(draft);
+  const link = !isModule(model)
+    ? chipLink(draft, model)
+    : kind === "emulator"
+      ? emulatorLink(draft.options, model, before)
+      : moduleLink(kind, draft.module, before);
   return link as unknown as Link;
 }
 

@@ -14,30 +14,22 @@ interface ChipFacts {
   /** whether its datagrams on a UART bear a node address */
   nodes: boolean;
   clockMhz: Limits;
-  /** of the emulator; where a motor turns it has to be worked out */
-  timeScale: Limits;
-  seed: number;
 }
 
-const PULSES = { wires: [], nodes: false, timeScale: { minimum: 0, maximum: 1000, fallback: 1 }, seed: 428 } as const;
-const MOTOR = {
-  wires: ["landungsbruecke", "spidev"],
-  nodes: false,
-  timeScale: { minimum: 0, maximum: 20, fallback: 1 },
-} as const;
+const PULSES = { wires: [], nodes: false } as const;
+const MOTOR = { wires: ["landungsbruecke", "spidev"], nodes: false } as const;
 const SIXPOINT = {
   ...MOTOR,
   axes: 1,
   wires: ["uart", "landungsbruecke", "spidev"],
   nodes: true,
   clockMhz: { minimum: 4, maximum: 18, fallback: 16 },
-  seed: 5160,
 } as const;
 
 const CHIPS: Record<ChipModel, ChipFacts> = {
   tmc428: { ...PULSES, axes: 3, clockMhz: { minimum: 0, above: true, maximum: 16, fallback: 16 } },
   tmc4210: { ...PULSES, axes: 1, clockMhz: { minimum: 0, above: true, maximum: 32, fallback: 16 } },
-  tmc4361: { ...MOTOR, axes: 1, clockMhz: { minimum: 4.194304, maximum: 32, fallback: 16 }, seed: 4361 },
+  tmc4361: { ...MOTOR, axes: 1, clockMhz: { minimum: 4.194304, maximum: 32, fallback: 16 } },
   tmc5031: { ...SIXPOINT, axes: 2, wires: MOTOR.wires, nodes: false },
   tmc5062: { ...SIXPOINT, axes: 2, nodes: false },
   tmc5072: { ...SIXPOINT, axes: 2 },

@@ -1,22 +1,14 @@
 import type { Schemas } from "../../api/client";
 import { fixed } from "../../lib/format";
-import classes from "./Microsteps.module.css";
+import { type FigureRow, FiguresTable } from "./FiguresTable";
 
 type Figures = Schemas["MicrostepMetrics"];
-
-interface Row {
-  name: string;
-  title: string;
-  of: (metrics: Figures) => string;
-  /** smaller is better: what to compare; null where it is no figure of merit */
-  worth: ((metrics: Figures) => number | null) | null;
-}
 
 const percent = (share: number | null) => (share === null ? "–" : `${fixed(share * 100, 2)} %`);
 const degrees = (angle: number | null) => (angle === null ? "–" : `${fixed(angle, 2)}°`);
 const ratio = (value: number | null) => (value === null ? "–" : `${fixed(value, 2)} ×`);
 
-const ROWS: readonly Row[] = [
+const ROWS: readonly FigureRow<Figures>[] = [
   {
     name: "angle error, worst",
     title: "electrical degrees from the ideal angle",
@@ -56,40 +48,9 @@ const ROWS: readonly Row[] = [
   },
 ];
 
-function verdict(row: Row, before: Figures | null, after: Figures): string {
-  if (!before || !row.worth) return "";
-  const [old, now] = [row.worth(before), row.worth(after)];
-  if (old === null || now === null || Math.abs(old - now) < 1e-9) return "";
-  return now < old ? "better" : "worse";
-}
-
 /** The figures of the design beside those of the chip's present table. */
 export function Metrics({ before, after }: { before: Figures | null; after: Figures }) {
   return (
-    <table className={classes.metrics}>
-      <thead>
-        <tr>
-          <th scope="col">figure</th>
-          <th scope="col">chip</th>
-          <th scope="col">design</th>
-          <td />
-        </tr>
-      </thead>
-      <tbody>
-        {ROWS.map((row) => {
-          const word = verdict(row, before, after);
-          return (
-            <tr key={row.name}>
-              <th scope="row" title={row.title}>
-                {row.name}
-              </th>
-              <td className="num">{before ? row.of(before) : "–"}</td>
-              <td className="num">{row.of(after)}</td>
-              <td className={word === "worse" ? classes.caution : classes.good}>{word}</td>
-            </tr>
-          );
-        })}
-      </tbody>
-    </table>
+    <FiguresTable rows={ROWS} before={before} beforeName="chip" after={after} words={["better", "worse"]} judged />
   );
 }

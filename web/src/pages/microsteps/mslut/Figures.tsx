@@ -1,16 +1,8 @@
 import type { Schemas } from "../../../api/client";
 import { fixed } from "../../../lib/format";
-import classes from "./Mslut.module.css";
+import { type FigureRow, FiguresTable } from "../FiguresTable";
 
 export type Figures = Schemas["MslutFigures"];
-
-interface Row {
-  name: string;
-  title: string;
-  of: (figures: Figures) => string;
-  /** what to compare; null where the text says it */
-  worth: ((figures: Figures) => number | null) | null;
-}
 
 const percent = (share: number | null) => (share === null ? "–" : `${fixed(share * 100, 2)} %`);
 const degrees = (angle: number | null, microsteps: number | null) =>
@@ -21,7 +13,7 @@ const size = (which: number) => (figures: Figures) => {
   return part === undefined ? null : Math.abs(part.amplitude_deg);
 };
 
-const ROWS: readonly Row[] = [
+const ROWS: readonly FigureRow<Figures>[] = [
   {
     name: "angle error, worst",
     title: "electrical degrees, and microsteps of 1/1024 period, from the ideal angle",
@@ -84,45 +76,13 @@ const ROWS: readonly Row[] = [
   },
 ];
 
-function verdict(row: Row, before: Figures | null, after: Figures): string {
-  if (!before || !row.worth) return "";
-  const [old, now] = [row.worth(before), row.worth(after)];
-  if (old === null || now === null || Math.abs(old - now) < 1e-9) return "";
-  return now < old ? "smaller" : "larger";
-}
-
-/** The figures of the design beside those of the wave in the chip, or of the power-on wave. */
-export function FigureTable({
-  before,
-  beforeName,
-  after,
-}: {
+interface Props {
   before: Figures | null;
   beforeName: string;
   after: Figures;
-}) {
-  return (
-    <table className={classes.metrics}>
-      <thead>
-        <tr>
-          <th scope="col">figure</th>
-          <th scope="col">{beforeName}</th>
-          <th scope="col">design</th>
-          <td />
-        </tr>
-      </thead>
-      <tbody>
-        {ROWS.map((row) => (
-          <tr key={row.name}>
-            <th scope="row" title={row.title}>
-              {row.name}
-            </th>
-            <td className="num">{before ? row.of(before) : "–"}</td>
-            <td className="num">{row.of(after)}</td>
-            <td className={classes.dim}>{verdict(row, before, after)}</td>
-          </tr>
-        ))}
-      </tbody>
-    </table>
-  );
+}
+
+/** The figures of the design beside those of the wave in the chip, or of the power-on wave. */
+export function FigureTable(props: Props) {
+  return <FiguresTable rows={ROWS} words={["smaller", "larger"]} judged={false} {...props} />;
 }
