@@ -74,8 +74,8 @@ class Events(Chip):
         asked_at_s, time_s = words.asked_s, words.time_s
         if self._tells_reset(held) and words.first_status is not None and await self._was_noise(words):
             held.words[self.chip.gstat.address] &= ~r.part(self.chip.gstat, "reset").mask
+        self._saw_flags(held, time_s)  # first: a reset makes forget what was seen before
         self._saw(held)
-        self._saw_flags(held, time_s)
         self._saw_positions(held, asked_at_s)
         return held
 
@@ -122,7 +122,9 @@ class Events(Chip):
             return True
         rows = self.rows(axis)
         sw_mode = self.known(rows.sw_mode)
-        return sw_mode is None or not r.part(rows.sw_mode, "sg_stop").unpack(sw_mode) or self._goes_nowhere(axis)
+        if sw_mode is None:
+            return False
+        return not r.part(rows.sw_mode, "sg_stop").unpack(sw_mode) or self._goes_nowhere(axis)
 
     def _goes_nowhere(self, axis: int) -> bool:
         """Whether the axis would stay where it is if nothing held it."""

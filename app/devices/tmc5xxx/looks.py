@@ -48,7 +48,7 @@ class Looks(Writes):
         async with self.queue.turn() as turn:
             words = self.words(turn)
             await self._remember(words, self.chip.remembered)
-            await self._look_at_events(words, [axis.index for axis in self.axes])
+            await self._look_at_events(words, [axis.index for axis in self.axes], self.chip.remembered)
 
     # --- state ----------------------------------------------------------------------------------
 
@@ -191,7 +191,7 @@ class Looks(Writes):
             return held
         async with self.queue.turn() as turn:
             words = self.words(turn)
-            await words.write_many(self._standing_still(axis))
+            await self._stand_still(words, axis)
             return await self._peek(words, [axis], asked)
 
     def _look(self, axis: int, time_s: float, held: Held) -> None:

@@ -293,16 +293,22 @@ class Moves(Events):
         unread = rows.ramp_stat.address not in held.words
         if held.word(rows.vactual) or not (unread or self._stat[axis] & self.flags[axis].stall):
             return False
-        await words.write_many(self._standing_still(axis))
+        await self._stand_still(words, axis)
         if not self.chip.clears_on_read:
             await self._clear(words, [axis], stall=True)
         return True
+
+    async def _stand_still(self, words: Words, axis: int) -> None:
+        """Take every reason to move from an axis that stands. Raises BadReply where that may not have arrived."""
+        if not await words.write_many(self._standing_still(axis)):
+            raise BadReply(self.port.name, "what was to keep the axis where it is may have arrived otherwise", b"")
+        self._known[self.rows(axis).rampmode.address] = r.FORWARD
 
     def _standing_still(self, axis: int) -> list[tuple[Register, int]]:
         """Velocity mode with VMAX 0, in the order in which nothing moves in between."""
         rows = self.rows(axis)
         self._overwrite(rows.vmax, 0)
-        self._known[rows.rampmode.address] = r.FORWARD
+        self._known.pop(rows.rampmode.address, None)
         return [(rows.vmax, 0), (rows.rampmode, r.FORWARD)]
 
     def _goes_nowhere(self, axis: int) -> bool:
