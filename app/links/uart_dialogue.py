@@ -32,8 +32,8 @@ Echo = Literal["auto", "on", "off"]
 FENCES = (IFCNT, 0x00, 0x04, 0x20, 0x22, 0x2D, 0x6A, 0x6C)
 """Registers that every chip answers and that reading does not change: IFCNT, GCONF, the inputs, RAMPMODE, VACTUAL,
 XTARGET, MSCNT, CHOPCONF."""
-STOPPING = {0x20: None, 0x40: None, 0x27: 0, 0x47: 0}
-"""Writes that end a motion: to RAMPMODE, and zero to VMAX; of either axis."""
+STOPPING = (0x27 | WRITE_BIT, 0x47 | WRITE_BIT)
+"""VMAX of either axis: zero in it ends a motion."""
 NOBODY = -1
 """Stands for the node of a chip that has none."""
 
@@ -221,11 +221,7 @@ class UartDialogue(Conversation):
 
     def _stops(self, frame: bytes) -> bool:
         """Whether `frame` ends a motion."""
-        register = frame[self._place]
-        if not register & WRITE_BIT or register & ~WRITE_BIT not in STOPPING:
-            return False
-        word = STOPPING[register & ~WRITE_BIT]
-        return word is None or int.from_bytes(frame[-5:-1], "big") == word
+        return frame[self._place] in STOPPING and not any(frame[-5:-1])
 
     # --- listening ------------------------------------------------------------------------------
 

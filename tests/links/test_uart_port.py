@@ -288,7 +288,7 @@ async def test_bytes_that_nobody_asked_for_mean_another_master() -> None:
         assert await word(port, XACTUAL) == word_of(XACTUAL, 0)
 
 
-@pytest.mark.parametrize("stop", [(VMAX, 0), (0x47, 0), (0x20, 1)])
+@pytest.mark.parametrize("stop", [(VMAX, 0), (0x47, 0)])
 async def test_a_stop_goes_out_at_once_also_when_out_of_step(stop: tuple[int, int]) -> None:
     async with line() as (chip, port):
         chip.behave = silent
