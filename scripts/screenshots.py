@@ -74,6 +74,8 @@ SIXPOINT_RAMP = {
     "D1": 1400,
     "VSTOP": 10,
 }
+SIXPOINT_ENCODER = {"ENCMODE": 1 << 10, "ENC_CONST": 1 << 16 | 2800}
+"""Decimal, 1.28 microsteps a count: 40 000 counts of the emulated encoder are a turn of 51 200."""
 SIZES: dict[str, ViewportSize] = {
     "desktop": {"width": 1440, "height": 900},
     "phone": {"width": 390, "height": 844},
@@ -97,7 +99,7 @@ def add_devices(url: str) -> None:
         (MODULE, "pd42-1241", 1, {}),
         (SERVO, "tmc4361", 1, SERVO_RAMP),
         (TWO_AXES, "tmc5072", 2, SIXPOINT_RAMP),
-        (ONE_AXIS, "tmc5160", 1, SIXPOINT_RAMP),
+        (ONE_AXIS, "tmc5160", 1, SIXPOINT_RAMP | SIXPOINT_ENCODER),
     )
     for name, model, axes, ramp in ramps:
         _call(f"{url}/api/v1/devices", {"name": name, "model": model, "link": {"kind": "emulator"}})
