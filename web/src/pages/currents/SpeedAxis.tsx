@@ -77,7 +77,7 @@ export function SpeedAxis({ axis, scale, modes, thresholds, limits, now, disable
     const factor = sizes[event.key];
     if (factor === undefined || disabled || threshold.pps === null) return;
     const by = event.shiftKey ? factor ** 10 : factor;
-    onMove(threshold.register, Math.min(axis.most, Math.max(axis.least, threshold.pps * by)));
+    onMove(threshold.register, Math.min(axis.most, Math.max(axis.least, Math.max(axis.least, threshold.pps) * by)));
     event.preventDefault();
   }
 

@@ -36,7 +36,7 @@ export function Thresholds({ chip, scale, limits, now, disabled }: Props) {
   const ppsAt = (register: string | null) => (register === null ? null : ppsOf(kind, chip.planned(register), scale));
   const flag = (register: string, field: string) => chip.planned(register, field) === 1;
   const modes = {
-    stealth: flag("GCONF", "en_pwm_mode"),
+    stealth: kind === "tstep" ? flag("GCONF", "en_pwm_mode") : (chip.planned("PWMCONF", "PWM_AMPL") ?? 0) > 0,
     stealthBelow: ppsAt(names.stealth),
     coolAbove: ppsAt(names.cool),
     highAbove: ppsAt(names.high),
@@ -81,11 +81,11 @@ export function Thresholds({ chip, scale, limits, now, disabled }: Props) {
                 aria-label={`${register} in rpm`}
                 value={pps === null ? null : Number(rpmOf(pps, scale).toPrecision(5))}
                 placeholder="off"
-                min={1e-3}
+                min={0}
                 max={1e6}
                 step={10}
                 disabled={disabled}
-                description={pps === null ? "0 turns it off" : `${compact(Math.round(pps))} pps`}
+                description={pps === null ? "0: never" : pps === 0 ? "0: always" : `${compact(Math.round(pps))} pps`}
                 inputWrapperOrder={["label", "input", "description", "error"]}
                 onChange={(rpm) => move(register, (rpm * scale.microsteps * scale.fullStepsPerTurn) / 60)}
                 data-testid={`rpm-${register}`}
@@ -95,6 +95,16 @@ export function Thresholds({ chip, scale, limits, now, disabled }: Props) {
         })}
       </div>
       <div className={classes.checks}>
+        {kind === "velocity" && (
+          <ChipField
+            chip={chip}
+            register="PWMCONF"
+            field="PWM_AMPL"
+            label="StealthChop"
+            disabled={disabled}
+            physical={(value) => (value === 0 ? "0: off" : "on below VCOOLTHRS")}
+          />
+        )}
         <ChipField chip={chip} register="GCONF" field="en_pwm_mode" label="StealthChop" disabled={disabled} />
         <ChipField chip={chip} register="CHOPCONF" field="vhighchm" label="constant off time" disabled={disabled} />
         <ChipField chip={chip} register="CHOPCONF" field="vhighfs" label="full steps" disabled={disabled} />

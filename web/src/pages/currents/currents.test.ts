@@ -127,6 +127,7 @@ describe("thresholds as speeds", () => {
     expect(ppsOf("velocity", 2 ** 20, SCALE)).toBe(1e6);
     expect(velocityOfPps(0.1, SCALE)).toBe(256);
     expect(velocityOfPps(0, SCALE)).toBe(0);
+    expect(ppsOf("velocity", 0, SCALE)).toBe(0);
   });
 
   it("stand on a logarithmic axis with round ticks", () => {
@@ -156,9 +157,19 @@ describe("what the driver does at a speed", () => {
   });
 
   it("is StealthChop at all speeds without a threshold, up to the fast chopper", () => {
-    const always = { ...MODES, stealthBelow: null };
+    const always = { ...MODES, stealthBelow: null, coolAbove: null };
     expect(names(chopperZones(always, AXIS)).map(([name]) => name)).toEqual(["StealthChop", "constant off time"]);
     expect(names(chopperZones({ ...always, highAbove: null }, AXIS))).toHaveLength(1);
+  });
+
+  it("is StealthChop no longer where CoolStep begins, or the high threshold is passed", () => {
+    const cool = { ...MODES, stealthBelow: null, highChopper: false };
+    expect(names(chopperZones(cool, AXIS))[0]).toEqual(["StealthChop", 853, 20_000]);
+    expect(names(chopperZones({ ...cool, coolAbove: null }, AXIS))[0]).toEqual(["StealthChop", 853, 200_000]);
+    // a velocity of 0 is always passed
+    expect(names(chopperZones({ ...cool, coolAbove: 0 }, AXIS))[0]?.[0]).toBe("SpreadCycle");
+    expect(coolZones({ ...cool, coolAbove: 0, highAbove: 0 }, AXIS)).toHaveLength(1);
+    expect(coolZones({ ...cool, coolAbove: 0 }, AXIS)[0]).toMatchObject({ kind: "cool", from: AXIS.least });
   });
 
   it("regulates the current between two thresholds", () => {

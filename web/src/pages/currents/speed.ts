@@ -35,10 +35,14 @@ export function velocityOfPps(pps: number, { clockHz }: SpeedScale): number {
   return Math.min(V_MOST - (V_GRAIN - 1), Math.max(V_GRAIN, units));
 }
 
-/** What a threshold register's value is as a speed [pps]; null where it is 0, which turns it off. */
+/**
+ * What a threshold register's value is as a speed [pps]; null where it is not known, and for a TSTEP of 0, which no
+ * motor gets to. A velocity of 0 is passed always.
+ */
 export function ppsOf(kind: ThresholdKind, value: number | null, scale: SpeedScale): number | null {
-  if (value === null || value === 0) return null;
-  return kind === "tstep" ? ppsOfTstep(value, scale) : ppsOfVelocity(value, scale);
+  if (value === null) return null;
+  if (kind === "velocity") return ppsOfVelocity(value, scale);
+  return value === 0 ? null : ppsOfTstep(value, scale);
 }
 
 export function registerOf(kind: ThresholdKind, pps: number, scale: SpeedScale): number {
@@ -85,8 +89,9 @@ export function ticksOf(axis: LogAxis, scale: SpeedScale): { pps: number; rpm: n
 
 /** What the driver does at a speed, by its settings. */
 export interface Modes {
-  /** en_pwm_mode; false where the chip has no StealthChop */
+  /** it is switched on: en_pwm_mode, or a PWM_AMPL of a TMC5072 */
   stealth: boolean;
+  /** TPWMTHRS; null: none, or there is no such register */
   stealthBelow: number | null;
   coolAbove: number | null;
   highAbove: number | null;
@@ -102,10 +107,14 @@ export interface Zone {
   kind: "stealth" | "spread" | "high" | "cool" | "off";
 }
 
-/** The chopper over the axis, slow to fast. Above the high threshold StealthChop is off, whatever else is set. */
+/**
+ * The chopper over the axis, slow to fast. StealthChop ends at the first of the three thresholds: with CoolStep, and
+ * above the high one, it is off (TMC5160 data sheet, 6.2, TCOOLTHRS and THIGH).
+ */
 export function chopperZones(modes: Modes, axis: LogAxis): Zone[] {
   const high = modes.highChopper || modes.highFullstep ? (modes.highAbove ?? axis.most) : axis.most;
-  const stealth = modes.stealth ? Math.min(modes.stealthBelow ?? axis.most, high) : axis.least;
+  const ends = [modes.stealthBelow, modes.coolAbove, modes.highAbove].map((end) => end ?? axis.most);
+  const stealth = modes.stealth ? Math.min(...ends) : axis.least;
   const name = [modes.highFullstep && "full steps", modes.highChopper && "constant off time"]
     .filter(Boolean)
     .join(", ");

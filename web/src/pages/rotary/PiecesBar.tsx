@@ -45,10 +45,11 @@ export function PiecesBar({
         <Button
           size="xs"
           color="red"
+          variant={moving ? "filled" : "light"}
           leftSection={<IconPlayerStop size={16} aria-hidden />}
           onClick={onStop}
           loading={stopping}
-          disabled={disabled || !moving}
+          disabled={disabled}
           data-testid="stop-move"
         >
           Stop
