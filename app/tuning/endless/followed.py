@@ -59,6 +59,8 @@ class Followed:
         self._pps = 0.0
         """How fast it went between the latest two looks of the service [pps]."""
         self._unix_s = unix_s
+        self._times: tuple[float, float] | None = None
+        """When the service looked last: Unix time, and device time [s]."""
         self._wake = wake
         self._changed = changed
         self._unlisten = device.listen(self._heard)
@@ -177,11 +179,29 @@ class Followed:
             return False
         self.trouble = ""
         track.returned(look, device.device_time_s(), self.speed_limit_pps)
+        self._check_counter()
+        self._check_sleep()
         elapsed_s = track.asked_s - before_s
         if elapsed_s > 0:
             self._pps = abs(track.followed - before) / elapsed_s
         self._note(None)
         return True
+
+    def _check_counter(self) -> None:
+        if self.device.counter_bits(self.axis) != self.track.counter.bits:
+            self.track.distrust("the counter does not wrap any more where it did: its range was changed")
+
+    def _check_sleep(self) -> None:
+        """A computer that sleeps has clocks that stand; the time of day does not, and neither does a motor."""
+        before, self._times = self._times, (self._unix_s(), self.device.device_time_s())
+        if before is None or self.device.emulated:
+            return
+        unix_s, device_s = self._times[0] - before[0], self._times[1] - before[1]
+        if unix_s > max(self.allowed_s, 2 * device_s):
+            self.track.distrust(
+                f"by the time of day {unix_s:.4g} s have gone by, and only {device_s:.4g} s were counted:"
+                " this computer slept, or its clock was set forward"
+            )
 
     async def _with_run_time(self, look: CounterLook) -> CounterLook:
         """`look`, judged by how long the chip says that it runs, where it does say."""

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from app.devices.counter import PositionSeen
 from app.devices.device import MotionCommanded, motion_owner
 from app.devices.results import AxisState
-from app.links.errors import BenchError
+from app.links.errors import BenchError, LinkError, WriteRefused
 from app.tuning.endless.followed import Followed
 from app.tuning.endless.journey import How, Journey
 
@@ -55,7 +55,7 @@ class Mover(Followed):
     # --- one move -------------------------------------------------------------------------------
 
     async def set_off(self, target: int) -> None:
-        """Go to `target`, as the track counts. Raises BenchError; then the motor stands, or nothing was sent."""
+        """Go to `target`, as the track counts. Raises BenchError; what may have set off then was stopped again."""
         await self._begin(Journey(self.track.counter, self.track.followed, target, None))
 
     async def set_off_from_rest(self, find: Callable[[int], int]) -> None:
@@ -63,8 +63,12 @@ class Mover(Followed):
         journey = Journey(self.track.counter, self.track.followed, None, find)
         if (await self.device.axis_state(self.axis)).moving:
             self._replace(journey)
-            with self._commanding(journey):
-                await self.device.stop(self.axis)
+            try:
+                with self._commanding(journey):
+                    await self.device.stop(self.axis)
+            except BenchError as error:
+                self._end("failed", str(error))
+                raise
             self._wake(self)
             return
         journey.stands(self.track.followed)
@@ -74,8 +78,11 @@ class Mover(Followed):
         self._replace(journey)
         try:
             await self._step(journey)
-        except BenchError as error:
+        except (LinkError, WriteRefused) as error:
             await self.give_up(str(error))
+            raise
+        except BenchError as error:
+            self._end("failed", str(error))  # refused before anything was sent: whatever moves is not ours
             raise
         self._wake(self, AGAIN_S)
 

@@ -67,8 +67,11 @@ class Hardware:
             self.wires[name] = cast("Wire", build_emulator(model, clock, options_of(model).model_validate(options)))
         return EmulatorPort(self.wires[name])
 
+    slept_s: float = 0.0
+    """How much longer the day is than the clock says."""
+
     def unix_s(self) -> float:
-        return DAY_S + self.clock.now()
+        return DAY_S + self.clock.now() + self.slept_s
 
 
 class Patched(Protocol):
@@ -208,13 +211,17 @@ class Bench:
 
 
 @asynccontextmanager
-async def server(hardware: Hardware, model: str, *, set_up: bool = True) -> AsyncIterator[Bench]:
+async def server(
+    hardware: Hardware, model: str, *, set_up: bool = True, kind: str = "emulator"
+) -> AsyncIterator[Bench]:
     """A server with one device; with `set_up` its chip is made ready to move."""
     changes: list[int] = []
     service = EndlessService(hardware.clock, partial(changes.append, 1), hardware.unix_s)
-    manager = DeviceManager({"emulator": hardware.port}, hardware.clock, lambda: service.sync(manager.devices))
+    manager = DeviceManager(
+        {"emulator": hardware.port, "tcp": hardware.port}, hardware.clock, lambda: service.sync(manager.devices)
+    )
     made = Bench(hardware, manager, service, changes)
-    link: dict[str, object] = {"kind": "emulator", "chip": model}
+    link: dict[str, object] = {"kind": kind, "chip": model}
     if model.startswith("tmc5"):
         link["motor"] = "rigid"  # no physics: counters alone are looked at here
     device = await manager.add(DeviceConfig("Bench", model, link))

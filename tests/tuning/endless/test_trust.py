@@ -176,6 +176,37 @@ async def test_circular_movement_cannot_be_followed() -> None:
         assert (await b.state()).counter_bits is None
 
 
+async def test_circular_movement_that_comes_later_is_told() -> None:
+    async with bench("tmc4361") as b:
+        await b.service.watch(b.device, 0)
+        await b.device.write("REFERENCE_CONF", 0, fields={"circular_movement_en": 1})
+        assert "its range was changed" in (await b.state()).reason
+
+
+@pytest.mark.parametrize(("kind", "trusted"), [("tcp", False), ("emulator", True)])
+async def test_a_computer_that_slept_says_so_where_the_motor_did_not(kind: str, trusted: bool) -> None:
+    async with server(Hardware(), "tmc428", kind=kind) as b:
+        await b.service.watch(b.device, 0)
+        await b.clock.advance(5)
+        assert b.seen().trusted
+        b.hardware.slept_s = 20
+        await b.clock.advance(5)
+        assert b.seen().trusted == trusted
+        assert trusted or "this computer slept" in b.seen().reason
+
+
+async def test_a_refused_target_leaves_the_motor_to_whom_it_turns_for() -> None:
+    async with bench("tmc4361") as b:
+        await b.device.rotate(0, 5000)
+        await b.clock.advance(2)
+        await b.device.write("START_CONF", 0, fields={"start_en[0]": 1})
+        with pytest.raises(WrongState, match="waits for a start signal"):
+            await b.service.go_to(b.device, 0, 1 << 40)
+        await b.clock.advance(2)
+        assert (await b.device.axis_state(0)).moving
+        assert "waits for a start signal" in b.seen().message
+
+
 async def test_a_position_is_set_at_rest_only() -> None:
     async with bench("tmc428") as b:
         await b.service.watch(b.device, 0)
