@@ -16,7 +16,7 @@ from app.links.errors import BadReply, LinkTimeout, WrongState
 from app.links.landungsbruecke import Board, board_name, identify
 from app.links.queue import LinkQueue, Priority
 from app.links.registry import port_url
-from app.links.serial_line import BAUDS, SOCKET, LinePort, line_of, serial_port
+from app.links.serial_line import BAUDS, SOCKET, Line, LinePort, line_of, serial_port
 from app.links.tmcl import Reply, Request, module_version, version_string
 from app.links.uart_line import BAUD as UART_BAUD
 from app.links.uart_line import UartPort, uart_line_of, uart_port
@@ -85,14 +85,7 @@ async def probe(
     LinkDown where it cannot be opened.
     """
     url = port_url(port.strip())
-    line = line_of(url)
-    rates: Sequence[int | None] = list(dict.fromkeys(bauds or USUAL_BAUDS))
-    if url.startswith(SOCKET):
-        rates = [None]
-    elif line.is_open:
-        if bauds and line.baud not in bauds:
-            raise WrongState(f"{port} is open at {line.baud} baud for a device", "disconnect that, or ask at its rate")
-        rates = [line.baud]
+    rates = _rates(url, line_of(url), bauds, USUAL_BAUDS)
     asked = list(dict.fromkeys(addresses or USUAL_ADDRESSES))
     found: list[FoundModule] = []
     total = len(rates) * len(asked)
@@ -135,13 +128,7 @@ async def probe_chips(
     """
     url = port_url(port.strip())
     line = uart_line_of(url)
-    rates: Sequence[int | None] = list(dict.fromkeys(bauds or USUAL_UART_BAUDS))
-    if url.startswith(SOCKET):
-        rates = [None]
-    elif line.is_open:
-        if bauds and line.baud not in bauds:
-            raise WrongState(f"{port} is open at {line.baud} baud for a device", "disconnect that, or ask at its rate")
-        rates = [line.baud]
+    rates = _rates(url, line, bauds, USUAL_UART_BAUDS)
     asked: list[int | None] = list(dict.fromkeys(nodes or USUAL_NODES))
     if not line.is_open:  # one without a node would be alone on it
         asked.append(None)
@@ -177,6 +164,17 @@ async def probe_chips(
     done = total
     tell("")
     return found
+
+
+def _rates(url: str, line: Line, bauds: Sequence[int] | None, usual: Sequence[int]) -> Sequence[int | None]:
+    """At which rates to ask; None where there is none. Raises WrongState where a device has the line at another."""
+    if url.startswith(SOCKET):
+        return [None]
+    if not line.is_open:
+        return list(dict.fromkeys(bauds or usual))
+    if bauds and line.baud not in bauds:
+        raise WrongState(f"{url} is open at {line.baud} baud for a device", "disconnect that, or ask at its rate")
+    return [line.baud]
 
 
 async def _ask_chip(chip: UartPort) -> int | None:

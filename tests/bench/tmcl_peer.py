@@ -7,7 +7,7 @@ import os
 import sys
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from tests.peers.emulator_process import EmulatorProcess, emulator
@@ -36,7 +36,7 @@ def pytrinamic_gaps_per_s(path: str | os.PathLike[str], seconds: float) -> float
         def ask() -> None:
             connection.get_axis_parameter(1, 0, signed=True)
 
-        return _rate(ask, seconds)
+        return rate(ask, seconds)
 
 
 def raw_gaps_per_s(path: str | os.PathLike[str], seconds: float) -> float:
@@ -51,13 +51,13 @@ def raw_gaps_per_s(path: str | os.PathLike[str], seconds: float) -> float:
             got += len(read(descriptor, 9 - got))
 
     try:
-        return _rate(ask, seconds)
+        return rate(ask, seconds)
     finally:
         os.close(descriptor)
 
 
-def _rate(ask: object, seconds: float) -> float:
-    assert callable(ask)
+def rate(ask: Callable[[], object], seconds: float) -> float:
+    """How often a second `ask` can be called, over `seconds` [s]."""
     ask()
     count, start_s = 0, time.perf_counter()
     while (took_s := time.perf_counter() - start_s) < seconds:

@@ -14,7 +14,7 @@ import os
 import statistics
 import tempfile
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from app.links.datagram_uart import UartForm
@@ -22,6 +22,7 @@ from app.links.queue import LinkQueue
 from app.links.register_access import UartAccess
 from app.links.uart_line import uart_port
 from tests.bench.table import Row
+from tests.bench.tmcl_peer import rate
 from tests.peers.emulator_process import emulator
 
 PYTRINAMIC_RATIO = 2.0
@@ -110,7 +111,7 @@ def pytrinamic_reads_per_s(path: Path, seconds: float, *, echo: bool) -> float:
 
     due = FORM.reply_bytes + (len(READ) if echo else 0)
     with UartIcInterface(str(path), BAUD, PATIENCE_S) as interface:
-        return _rate(lambda: interface.send_datagram(READ, due), seconds)
+        return rate(lambda: interface.send_datagram(READ, due), seconds)
 
 
 def raw_reads_per_s(path: Path, seconds: float, *, echo: bool) -> float:
@@ -126,19 +127,9 @@ def raw_reads_per_s(path: Path, seconds: float, *, echo: bool) -> float:
             got += len(read(descriptor, due - got))
 
     try:
-        return _rate(ask, seconds)
+        return rate(ask, seconds)
     finally:
         os.close(descriptor)
-
-
-def _rate(ask: Callable[[], object], seconds: float) -> float:
-    ask()
-    count, start_s = 0, time.perf_counter()
-    while (took_s := time.perf_counter() - start_s) < seconds:
-        for _ in range(50):  # a look at the clock costs as much as a hundredth of a question
-            ask()
-        count += 50
-    return count / took_s
 
 
 def main() -> None:

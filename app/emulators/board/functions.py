@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Protocol
+
+from app.emulators.board.refusal import wrong_type
 
 
 class AxisFunctions(Protocol):
@@ -28,6 +30,30 @@ class AxisFunctions(Protocol):
     def set(self, number: int, value: int) -> None:
         """Set it."""
         ...
+
+
+Read = Callable[[], int]
+Write = Callable[[int], None]
+
+
+class Parameters:
+    """Axis parameters by number: how each is read, and written where it can be."""
+
+    def __init__(self, known: dict[int, tuple[Read, Write | None]]) -> None:
+        self._parameters = known
+
+    def get(self, number: int) -> int:
+        """Raises Refusal for a parameter that there is not."""
+        if number not in self._parameters:
+            raise wrong_type()
+        return self._parameters[number][0]()
+
+    def set(self, number: int, value: int) -> None:
+        """Raises Refusal for a parameter that there is not or can only be read, and for a value that it cannot have."""
+        _, write = self._parameters.get(number, (None, None))
+        if write is None:
+            raise wrong_type()
+        write(value)
 
 
 class BoardFunctions(Protocol):

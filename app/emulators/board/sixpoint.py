@@ -13,12 +13,11 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from types import MappingProxyType
 
+from app.emulators.board.functions import Parameters, Read, Write
 from app.emulators.board.refusal import invalid_value, wrong_type
 from app.emulators.board.registers import ChipRegisters
 from app.registers.model import Field, Register, RegisterTable, to_signed
 
-Read = Callable[[], int]
-Write = Callable[[int], None]
 POSITION, RIGHT, LEFT = 0, 1, 2
 """RAMPMODE."""
 TSTEP_MAX = 0xF_FFFF
@@ -131,7 +130,7 @@ class SixPointBoard:
         raise wrong_type()
 
 
-class SixPointAxis:
+class SixPointAxis(Parameters):
     """`AxisFunctions` of motor `axis`."""
 
     def __init__(self, model: str, table: RegisterTable, axis: int, registers: ChipRegisters) -> None:
@@ -139,11 +138,12 @@ class SixPointAxis:
         self._table = table
         self._registers = registers
         self._positioning = 0
-        self._parameters: dict[int, tuple[Read, Write | None]] = {
+        known: dict[int, tuple[Read, Write | None]] = {
             2: (self._reader("VMAX"), lambda value: self._write("VMAX", abs(value))),
             3: (lambda: to_signed(self._read("VACTUAL") & (1 << VELOCITY_BITS) - 1, VELOCITY_BITS), None),
             4: (lambda: self._positioning, self._set_positioning),
         }
+        super().__init__(known)
         for number, name in REGISTERS.items():
             self._add_register(number, name)
         single = self._row("THIGH") is not None
@@ -182,19 +182,6 @@ class SixPointAxis:
         return target
 
     # --- axis parameters -------------------------------------------------------------------------
-
-    def get(self, number: int) -> int:
-        """Raises Refusal for a parameter that there is not."""
-        if number not in self._parameters:
-            raise wrong_type()
-        return self._parameters[number][0]()
-
-    def set(self, number: int, value: int) -> None:
-        """Raises Refusal for a parameter that there is not or can only be read, and for a value that it cannot have."""
-        _, write = self._parameters.get(number, (None, None))
-        if write is None:
-            raise wrong_type()
-        write(value)
 
     def _add_register(self, number: int, name: str) -> None:
         if self._row(name) is not None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
+from app.emulators.board.functions import Parameters, Read, Write
 from app.emulators.board.refusal import Refusal, invalid_value, wrong_type
 from app.emulators.board.registers import ChipRegisters
 from app.registers.landungsbruecke import BoardStatus
@@ -35,11 +36,9 @@ PRESETS = {
 """What the firmware writes after a reset; every other register that comes up as zero is written with zero."""
 OUTPUT_TO_TMC2660 = 0x4440_004B
 """SPI_OUT_CONF with the driver board that goes with the emulated motor: TMC26x, step and direction."""
-Read = Callable[[], int]
-Write = Callable[[int], None]
 
 
-class Tmc4361Board:
+class Tmc4361Board(Parameters):
     """`BoardFunctions` and those of its one motor. Addresses of `app.registers.tmc4361`.
 
     `reset_chip` pulses the chip's reset pin.
@@ -56,7 +55,7 @@ class Tmc4361Board:
         self._reset_chip = reset_chip
         self._positioning_pps = POSITIONING_PPS
         same = partial(self._register, shift=0)
-        self._parameters: dict[int, tuple[Read, Write | None]] = {
+        known: dict[int, tuple[Read, Write | None]] = {
             0: same(XTARGET),
             1: same(XACTUAL),
             2: (lambda: registers.signed(VMAX) >> 8, self._set_velocity),
@@ -80,6 +79,7 @@ class Tmc4361Board:
             27: same(0x34),
             214: (lambda: registers.signed(0x15), lambda value: registers.write(0x15, value * 160_000)),
         }
+        super().__init__(known)
 
     def power_on(self) -> None:
         """The firmware resets the chip, and sets it up."""
@@ -117,19 +117,6 @@ class Tmc4361Board:
         return target
 
     # --- axis parameters -------------------------------------------------------------------------
-
-    def get(self, number: int) -> int:
-        """Raises Refusal for a parameter that there is not."""
-        if number not in self._parameters:
-            raise wrong_type()
-        return self._parameters[number][0]()
-
-    def set(self, number: int, value: int) -> None:
-        """Raises Refusal for a parameter that there is not or can only be read, and for a value that it cannot have."""
-        _, write = self._parameters.get(number, (None, None))
-        if write is None:
-            raise wrong_type()
-        write(value)
 
     def _register(self, address: int, shift: int) -> tuple[Read, Write]:
         registers = self._registers
