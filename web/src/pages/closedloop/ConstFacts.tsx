@@ -18,13 +18,13 @@ interface Props {
 export function ConstFacts({ inChip, heldDecimal, decimal, counts, microstepsPerTurn, found }: Props) {
   return (
     <dl className={classes.facts} data-testid="enc-const">
-      <dt>ENC_CONST in the chip</dt>
+      <dt title="ENC_CONST">in the chip</dt>
       <dd className="num" data-testid="enc-const-chip">
         {inChip === null ? "–" : `${hex(inChip, 32)} = ${Number(encConstValue(inChip, heldDecimal).toPrecision(9))}`}
       </dd>
       {found && (
         <>
-          <dt>exactly, for {fixed(counts)} counts</dt>
+          <dt title={`for ${fixed(counts)} counts a turn`}>exactly</dt>
           <dd className="num" data-testid="enc-const-exact">
             {fixed(microstepsPerTurn)}/{fixed(counts)} = {fractionText(found.exact)}
           </dd>

@@ -151,7 +151,11 @@ function Designer({ device, axis }: Props) {
     samples,
   });
   const positioning = mode === "position";
-  const own = useRamp({ ...asking(held(design), SAMPLES), motor: motorBody(motor, scale) });
+  const own = useRamp({
+    ...asking(held(design), SAMPLES),
+    parameters: rampParameters(held(design), mode, way, clockHz),
+    motor: motorBody(motor, scale),
+  });
   const asTrapezoid = positioning && design.v1 > 0 ? asking(held(trapezoidOf(design)), RIVAL_SAMPLES) : null;
   const trapezoid = useRamp(asTrapezoid);
   const asEarlier = positioning && earlier !== null ? asking(held(earlier), RIVAL_SAMPLES) : null;

@@ -171,12 +171,18 @@ export function trapezoidOf(design: Design): Design {
   return { ...design, v1: 0 };
 }
 
-/** The parameters of POST /calc/ramp, model "sixpoint". */
-export function rampParameters(design: Design, mode: Mode, way: number): Record<string, number | string> {
+/** The parameters of POST /calc/ramp, model "sixpoint"; with a clock the answer tells what the chip makes of them. */
+export function rampParameters(
+  design: Design,
+  mode: Mode,
+  way: number,
+  clockHz?: number,
+): Record<string, number | string> {
   const { tzerowait, ...values } = design;
   return {
     ...values,
     t_zero_wait_s: tzerowait,
+    ...(clockHz === undefined ? {} : { clock_hz: clockHz }),
     ...(mode === "velocity" ? { ramp_mode: "velocity", v_target: way < 0 ? -design.vmax : design.vmax } : {}),
   };
 }

@@ -23,9 +23,13 @@ export function unitOf(parameter: Parameter, clockHz: number): number {
   return parameter.startsWith("v") ? clockHz / 2 ** 24 : clockHz ** 2 / 2 ** 41;
 }
 
-/** The nearest number that the register can hold. */
+/**
+ * The nearest number that the register can hold; an acceleration or VMAX that is wished for stays above 0, as the
+ * calculator has it.
+ */
 export function rawOf(parameter: Parameter, value: number, clockHz: number): number {
-  return Math.min(REGISTERS[parameter].most, Math.max(0, Math.round(value / unitOf(parameter, clockHz))));
+  const least = value > 0 && (parameter === "vmax" || /^[ad]/.test(parameter)) ? 1 : 0;
+  return Math.min(REGISTERS[parameter].most, Math.max(least, Math.round(value / unitOf(parameter, clockHz))));
 }
 
 export type Raw = Record<Parameter, number>;
