@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from typing import Literal
 
 import httpx
 import pytest
@@ -17,6 +18,7 @@ from tests.e2e.motor import Motor, select, wait_for
 SENSE_OHM = 0.075
 FULL_SCALE_V = 0.325
 CLOCK_HZ = 16e6
+SCHEMES: tuple[Literal["light", "dark"], ...] = ("light", "dark")
 
 
 @contextmanager
@@ -195,18 +197,8 @@ def test_it_reckons_without_a_chip(
     assert not errors.unexpected()
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_it_is_open_to_everybody(
-    new_context: Callable[..., BrowserContext],
-    chip: Motor,
-    errors: Errors,
-    check_axe: Callable[[Page], None],
-    scheme: str,
-) -> None:
-    context = new_context(color_scheme=scheme)
-    select(context, chip)
-    page = context.new_page()
-    page.goto("/currents")
-    expect(page.get_by_test_id("hint-toff")).to_be_visible()
-    check_axe(page)
-    assert not errors.unexpected()
+def test_it_is_open_to_everybody(currents: Page, check_axe: Callable[[Page], None]) -> None:
+    expect(currents.get_by_test_id("hint-toff")).to_be_visible()
+    for scheme in SCHEMES:
+        currents.emulate_media(color_scheme=scheme)
+        check_axe(currents)

@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Callable, Iterator
 from fractions import Fraction
-from typing import Any
+from typing import Any, Literal
 
 import httpx
 import pytest
@@ -19,6 +19,7 @@ GEAR_TURN = Fraction(TURN * 7, 3)
 PIECE_428 = 1 << 22
 """A move of a TMC428, whose counter has 24 bits, is made in pieces of so many microsteps."""
 LONG_MS = 60_000
+SCHEMES: tuple[Literal["light", "dark"], ...] = ("light", "dark")
 MINUS = "\N{MINUS SIGN}"
 
 
@@ -236,7 +237,10 @@ def test_a_turn_that_cannot_be_is_refused(rotary: Page) -> None:
 
 @pytest.fixture(scope="module")
 def winch(api: httpx.Client) -> Iterator[Motor]:
-    """A TMC428 at its greatest speed, that lives ten times as fast as we do."""
+    """A TMC428 at its greatest speed, that lives four times as fast as we do.
+
+    Faster, a busy machine would look at its counter of 24 bits too late, and lose it: as it should.
+    """
     body = {"name": "winch", "model": "tmc428", "link": {"kind": "emulator"}}
     device = api.post("/devices", json=body).raise_for_status().json()["id"]
     motor = Motor(api, device)
@@ -246,7 +250,7 @@ def winch(api: httpx.Client) -> Iterator[Motor]:
         pair = api.post("/calc/pmul-pdiv", json=ramp).raise_for_status().json()
         for name, value in {**ramp, "pmul": pair["pmul"], "pdiv": pair["pdiv"], "v_min": 1, "v_max": 2047}.items():
             motor.write(name, value)
-        motor.world(time_scale=10)
+        motor.world(time_scale=4)
         yield motor
     finally:
         api.post("/stop")
@@ -259,15 +263,15 @@ def test_a_long_move_goes_piece_by_piece(page: Page, winch: Motor) -> None:
     page.get_by_test_id("watch").click()
     expect(page.get_by_test_id("state")).to_have_text("stands")
     here = extended(winch)["actual"]
-    target = here + 5 * PIECE_428 + 77
+    target = here + 2 * PIECE_428 + 77
     fill(page, "long-target", target)
-    expect(page.get_by_test_id("long-preview")).to_contain_text(re.compile("pieces\\s*6"))
+    expect(page.get_by_test_id("long-preview")).to_contain_text(re.compile("pieces\\s*3"))
     page.get_by_test_id("go-long").click()
     expect(page.get_by_test_id("state")).to_have_text("on its way")
     pieces = page.get_by_test_id("pieces").get_by_role("listitem")
-    expect(pieces).to_have_count(6)
-    expect(page.get_by_test_id("pieces-done")).to_contain_text(re.compile("[1-9] of 6"), timeout=LONG_MS)
-    assert shown(page, "distance-left") <= 5 * PIECE_428
+    expect(pieces).to_have_count(3)
+    expect(page.get_by_test_id("pieces-done")).to_contain_text(re.compile("[1-9] of 3"), timeout=LONG_MS)
+    assert shown(page, "distance-left") <= 2 * PIECE_428
     expect(page.get_by_test_id("target")).to_have_text(re.compile(rf"^{''.join(f'{d}.?' for d in str(target))}$"))
     expect(page.get_by_test_id("state")).to_have_text("stands", timeout=LONG_MS)
     assert extended(winch)["actual"] == target
@@ -337,24 +341,13 @@ def test_a_finger_turns_the_hand_on_the_rim_and_scrolls_on_the_face(
     assert not errors.unexpected()
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_it_is_open_to_everybody(
-    new_context: Callable[..., BrowserContext],
-    fresh: Motor,
-    errors: Errors,
-    check_axe: Callable[[Page], None],
-    scheme: str,
-) -> None:
-    context = new_context(color_scheme=scheme)
-    select(context, fresh)
-    page = context.new_page()
-    page.goto("/rotary")
-    expect(page.get_by_test_id("state")).to_have_text("not watched")
-    check_axe(page)
-    watch(page)
-    fill(page, "target-angle", 77.5)
-    check_axe(page)
-    assert not errors.unexpected()
+def test_it_is_open_to_everybody(rotary: Page, check_axe: Callable[[Page], None]) -> None:
+    check_axe(rotary)
+    watch(rotary)
+    fill(rotary, "target-angle", 77.5)
+    for scheme in SCHEMES:
+        rotary.emulate_media(color_scheme=scheme)
+        check_axe(rotary)
 
 
 def test_a_device_that_is_away_says_so(page: Page, fresh: Motor) -> None:
