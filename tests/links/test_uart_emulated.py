@@ -103,16 +103,18 @@ async def test_bad_answers_are_never_believed(faults: dict[str, float], echo: bo
                 await far.write((XTARGET, 0))
                 break
         far.fault(**faults)
-        good = bad = written = 0
-        for number in range(1, 31):
+        bad, possible = 0, {0}
+        for number in range(1, 21):
             try:
-                assert await far.read(XTARGET) == [written]
-                good += 1
+                (word,) = await far.read(XTARGET)
+                assert word in possible
+                possible = {word}
             except LinkError:
                 bad += 1
+            possible.add(number)  # a write that failed may have arrived all the same, even later than it failed
             with contextlib.suppress(LinkError):
                 await far.write((XTARGET, number))
-            written = far.chip.read(XTARGET)  # whatever was believed: this is what the next answer has to be
+                possible = {number}
         assert bad
         far.fault(bit_error_rate=0.0, half_frame_rate=0.0, late_reply_s=0.0)
         far.port.timeout_s = PATIENCE_S

@@ -316,7 +316,7 @@ async def test_another_write_waits_until_the_chip_answers() -> None:
         await port.aclose()
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(seed=st.integers(0, 2**32))
 def test_whatever_happens_on_the_wire_no_wrong_word_is_believed(seed: int) -> None:
     """Silence, pieces, flipped bits, answers twice and to something else, in any order; and in the end all is well."""
