@@ -110,6 +110,7 @@ export function SpeedAxis({ axis, scale, modes, thresholds, limits, now, disable
               className={classes.threshold}
               data-lane={threshold.lane}
               data-staged={threshold.staged}
+              data-edge={edgeOf(shareOf(threshold.pps, axis))}
               style={{ left: percent(shareOf(threshold.pps, axis)) }}
               aria-label={`${threshold.register} as a speed`}
               aria-valuemin={Math.round(axis.least)}
@@ -163,6 +164,12 @@ function Lane({ label, zones, axis, scale }: { label: string; zones: Zone[]; axi
       ))}
     </ul>
   );
+}
+
+/** Near an end of the axis a name stands beside its line, not across the end. */
+function edgeOf(share: number): "left" | "right" | undefined {
+  if (share < 0.05) return "left";
+  return share > 0.95 ? "right" : undefined;
 }
 
 const percent = (share: number) => `${(100 * share).toFixed(3)}%`;
