@@ -229,7 +229,12 @@ export function MslutEditor({
                 </div>
                 <div className={`${classes.xyBox} ${stale}`}>
                   {wave && (
-                    <VectorFigure design={wave} before={beforeWave} worst={result?.metrics.worst_position ?? null} />
+                    <VectorFigure
+                      design={wave}
+                      before={beforeWave}
+                      worst={result?.metrics.worst_position ?? null}
+                      phases={phases}
+                    />
                   )}
                   <p className={classes.hint}>
                     current vector, its length’s deviation × {MAGNIFIED}; orange: worst angle

@@ -31,15 +31,23 @@ function path(wave: Wave): string {
   return `${points.map(([x, y], at) => `${at === 0 ? "M" : "L"}${x.toFixed(1)},${y.toFixed(1)}`).join("")}Z`;
 }
 
-/** The current vector over a period, phase B across and phase A up; what its length is off by is magnified. */
-export function VectorFigure({ design, before, worst }: { design: Wave; before: Wave | null; worst: number | null }) {
+interface Props {
+  design: Wave;
+  before: Wave | null;
+  worst: number | null;
+  /** what the phases are called */
+  phases: { sine: string; cosine: string };
+}
+
+/** The current vector over a period, the cosine's phase across and the sine's up; what its length is off by is magnified. */
+export function VectorFigure({ design, before, worst, phases }: Props) {
   const angle = worst === null ? null : vector(design, worst)[1];
   return (
     <svg
       className={classes.xy}
       viewBox={`${-REACH} ${-REACH} ${2 * REACH} ${2 * REACH}`}
       role="img"
-      aria-label={`Current vector over a period, phase B across and phase A up; deviations of its length ${MAGNIFIED} times larger`}
+      aria-label={`Current vector over a period, ${phases.cosine} across and ${phases.sine} up; deviations of its length ${MAGNIFIED} times larger`}
     >
       <line className={classes.xyAxis} x1={-REACH} x2={REACH} y1={0} y2={0} />
       <line className={classes.xyAxis} y1={-REACH} y2={REACH} x1={0} x2={0} />
@@ -50,10 +58,10 @@ export function VectorFigure({ design, before, worst }: { design: Wave; before: 
         <line className={classes.xyWorst} x1={0} y1={0} x2={RADIUS * Math.cos(angle)} y2={-RADIUS * Math.sin(angle)} />
       )}
       <text className={classes.xyText} x={REACH} y={-4} textAnchor="end">
-        B
+        {phases.cosine.slice(-1)}
       </text>
       <text className={classes.xyText} x={5} y={-REACH + 9}>
-        A
+        {phases.sine.slice(-1)}
       </text>
     </svg>
   );

@@ -17,7 +17,7 @@ interface Props {
 /** A prime, so that no round velocity is in step with it and shows the same positions again and again. */
 const RATE_HZ = 397;
 const KEEP_S = 10;
-/** Samples on their way while a wave is written belong to the one before [s]. */
+/** Samples on their way while a wave is written belong to the one before: that long, and twice what the wire is late [s]. */
 const SETTLE_S = 0.3;
 /** Positions that may pass between the readings of one sample, where they follow one another on a wire. */
 const APART = 8;
@@ -27,15 +27,17 @@ const TOLD_EVERY_MS = 300;
 export function Watch({ device, axis, held, seen, onCount }: Props) {
   const sine = phasesOf(device.model).sine === "CUR_B" ? "b" : "a";
   const channels = ["mscnt", `current_${sine}`, `current_${sine === "a" ? "b" : "a"}`].map((each) => `${each}.${axis}`);
-  const { buffer } = useTelemetry(device.id, channels, Math.min(RATE_HZ, device.rate_max_hz), KEEP_S);
+  const { buffer, link } = useTelemetry(device.id, channels, Math.min(RATE_HZ, device.rate_max_hz), KEEP_S);
   const from = useRef(Number.NaN);
+  const lateS = useRef(0);
+  lateS.current = (link.latencyMs ?? 0) / 1000;
   const told = useRef({ atMs: 0, revision: 0 });
   const words = held.registers.map((row) => row.hex).join();
 
   // biome-ignore lint/correctness/useExhaustiveDependencies: another wave begins anew, however it came about
   useEffect(() => {
     seen.clear();
-    from.current = buffer.lastTime + SETTLE_S;
+    from.current = buffer.lastTime + SETTLE_S + 2 * lateS.current;
     onCount(0, 0);
   }, [words, buffer, seen, onCount]);
 
