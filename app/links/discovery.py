@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import contextlib
 from collections.abc import Callable, Sequence
-from contextlib import AsyncExitStack
+from contextlib import AsyncExitStack, aclosing
 from dataclasses import dataclass
 
 from app.links.datagram_uart import UartForm
@@ -150,8 +150,8 @@ async def probe_chips(
                 echo=line.echo or "auto",
                 timeout_s=SOCKET_WAIT_S if baud is None else WAIT_S,
             )
-            version = await _ask_chip(chip)
-            await chip.aclose()
+            async with aclosing(chip):
+                version = await _ask_chip(chip)
             done += 1
             if version is not None:
                 names = PLAIN_CHIP_OF_VERSION if node is None else CHIP_OF_VERSION

@@ -71,7 +71,9 @@ async def test_a_line_that_a_device_has_open_is_asked_as_it_is() -> None:
 async def test_nobody_and_nothing_there() -> None:
     with pty_chip(behave=silent) as chip:
         assert await probe_chips(chip.path, [115_200], [0]) == []
+    threads = threading.active_count()
     with pytest.raises(LinkDown, match="not there"):
         await probe_chips(chip.path, [115_200], [0])
+    assert threading.active_count() == threads, "the line is given back"
     with pytest.raises(UsageError):
         await probe_chips("http://x")
