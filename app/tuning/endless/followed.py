@@ -19,7 +19,7 @@ from app.tuning.endless.track import CLOCK_TOLERANCE, Track
 
 RESET_NAMES = frozenset({"RST_EV", "reset"})
 """Names of events by which chips tell that they were reset."""
-HEARD_EVERY_S = 0.05
+HEARD_EVERY_S = 0.25
 """Looks of others closer together than this are left out [s]."""
 CONNECT = "connect the device: it is trusted again where a look can show that nothing was missed"
 
