@@ -212,7 +212,7 @@ def openapi() -> None:
 
 
 for _command in COMMANDS:
-    cli.command(no_args_is_help=_command.__name__ not in ("devices", "stop"))(_command)
+    cli.command(no_args_is_help=_command.__name__ not in ("devices", "recordings", "stop"))(_command)
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Commands that ask a running stepscope: `devices | axis | read | write | move | rotate | stop | watch | calc | api`.
+"""Commands that ask a running stepscope: `devices | axis | read | write | move | ... | api`.
 
 Each is one call of `app.client` and a way to print its answer: a table for people, `--json` for programs. What went
 wrong is one line on the terminal; exit codes are 1 refused, 2 wrong usage, 3 no server, 4 no answer, 5 not arrived.
@@ -10,6 +10,7 @@ import contextlib
 import csv
 import json
 import sys
+import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
     from rich.progress import Progress
 
     from app.client import AxisState, Bench
+
+LOOK_EVERY_S = 0.2
+"""How often a progress bar asks [s]."""
 
 # The client (httpx, numpy) is brought in by those commands that run, not by `--help`.
 
@@ -270,6 +274,66 @@ def watch(
             typer.secho(f"stepscope: {samples.dropped} rows were dropped", fg="yellow", err=True)
 
 
+def record(
+    device: DeviceName,
+    channels: Annotated[list[str], typer.Argument(help="position.0 velocity.0 residual.0 ...")],
+    seconds: Annotated[float | None, typer.Option(help="How long. [default: until Ctrl-C]", min=0.001)] = None,
+    rate_hz: Annotated[float, typer.Option("--rate", help="Samples a second.", min=1, max=1000)] = 200.0,
+    on_move: Annotated[int | None, typer.Option(metavar="AXIS", help="Wait until this axis is sent somewhere.")] = None,
+    pre_s: Annotated[float, typer.Option(help="With --on-move: seconds kept of before.", min=0, max=60)] = 0.5,
+    name: Annotated[str, typer.Option(help="What to call it.")] = "",
+    out: Annotated[
+        Path | None, typer.Option(help="Also as a file: .csv or .parquet. [default: it stays in the server]")
+    ] = None,
+    url: Url = None,
+    token: Token = None,
+    as_json: AsJson = False,
+) -> None:
+    """Record in the server; Ctrl-C ends it and keeps what is there."""
+    with _bench(url, token) as bench:
+        kind = "csv" if out is None else out.suffix.removeprefix(".")
+        if kind not in ("csv", "parquet"):
+            raise ValueError(f"a file ends in .csv or .parquet, not {out}")
+        trigger = None if on_move is None else {"kind": "move", "axis": on_move, "pre_s": pre_s}
+        done = bench.record(device, channels, rate_hz, seconds=seconds, trigger=trigger, name=name)
+        try:
+            with _progress() as progress:
+                task = progress.add_task(done.id, total=None if seconds is None else seconds)
+                while done.state in ("waiting", "recording"):
+                    time.sleep(LOOK_EVERY_S)
+                    done = next(each for each in bench.recordings() if each.id == done.id)
+                    said = "waits for its trigger" if done.state == "waiting" else f"{done.rows} rows"
+                    shown_s = (done.rows or 0) / (done.rate_hz or rate_hz)
+                    progress.update(task, completed=shown_s, description=said)
+        except KeyboardInterrupt:
+            done = bench.stop_recording(done.id)
+        if out is not None:
+            out.write_bytes(bench.recording_file(done.id, kind))
+        if as_json:
+            _print_json(asdict(done))
+        else:
+            typer.echo(f"{done.id}: {done.rows} rows{f', {done.message}' if done.message else ''}")
+
+
+def recordings(
+    search: Annotated[str, typer.Argument(help="Words of name, note, device or model.")] = "",
+    url: Url = None,
+    token: Token = None,
+    as_json: AsJson = False,
+) -> None:
+    """List what was recorded, the latest first."""
+    with _bench(url, token) as bench:
+        found = bench.recordings(search)
+        if as_json:
+            _print_json([asdict(each) for each in found])
+            return
+        heads = ("id", "name", "device", "state", "size")
+        rows = [
+            (each.id, each.name, each.device or "", each.state, f"{each.size_bytes / 1e6:.2f} MB") for each in found
+        ]
+        _print_table(heads, rows)
+
+
 def calc(
     subject: Annotated[str, typer.Argument(help="pmul-pdiv, units, ramp, microstep-table, driver-chain, ...")],
     values: Annotated[list[str] | None, typer.Argument(metavar="NAME=VALUE...", help="JSON values, or words.")] = None,
@@ -293,7 +357,20 @@ def api(
         _print_json(bench.call(method, path, _object(values) if values else None))
 
 
-COMMANDS: Sequence[Callable[..., None]] = (devices, axis, read, write, move, rotate, stop, watch, calc, api)
+COMMANDS: Sequence[Callable[..., None]] = (
+    devices,
+    axis,
+    read,
+    write,
+    move,
+    rotate,
+    stop,
+    watch,
+    record,
+    recordings,
+    calc,
+    api,
+)
 
 
 def _assignment(text: str) -> tuple[str, int | str]:

@@ -17,6 +17,7 @@ from app import demo
 from app.api.app import make_app
 from app.api.bench import Bench
 from app.api.problems import findings
+from app.api.recording_desk import RecordingDesk
 from app.api.routes.ports import serial_ports
 from app.api.schemas import Port
 from app.calc import sramp
@@ -42,6 +43,7 @@ from app.links.registry import (
 from app.settings import Settings
 from app.store.connections import ConnectionStore
 from app.store.positions import PositionStore
+from app.store.recordings.library import Library
 from app.store.saver import Saver
 from app.telemetry.hub import TelemetryHub
 from app.tuning.endless import EndlessService
@@ -92,7 +94,8 @@ def create_app(
     positions = PositionStore(settings.data_dir)
     endless = EndlessService(clock, changed=lambda: position_saver.request())
     position_saver = Saver(positions, endless.saved, clock, SAVE_EVERY_S)
-    bench = Bench(settings, clock, manager, hub, Procedures(clock), endless, list_serial_ports)
+    desk = RecordingDesk(Library(settings.data_dir), hub, clock)
+    bench = Bench(settings, clock, manager, hub, Procedures(clock), endless, desk, list_serial_ports)
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
@@ -121,6 +124,7 @@ def create_app(
             opened.clear()
             await bench.probing.abort()
             await stop_motors(bench)
+            await desk.close()  # behind the stops, which belong to what is recorded
             await endless.close()
             if endless.saved():
                 position_saver.request()

@@ -24,6 +24,7 @@ from app.api.routes import (
     links,
     ports,
     procedures,
+    recordings,
     registers,
     stop,
     tables,
@@ -52,6 +53,7 @@ SUBJECTS = (
     calc,
     catalog,
     ports,
+    recordings,
     telemetry,
 )
 

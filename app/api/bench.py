@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from app.api.probing import Probing
+from app.api.recording_desk import RecordingDesk
 from app.api.schemas import Port
 from app.clock import Clock
 from app.devices.manager import DeviceManager
@@ -25,6 +26,7 @@ class Bench:
     hub: TelemetryHub
     procedures: Procedures
     endless: EndlessService
+    desk: RecordingDesk
     list_serial_ports: Callable[[], list[Port]]
     probing: Probing = field(default_factory=Probing)
 

@@ -24,7 +24,14 @@ SIXPOINT = "sixpoint"
 ADDED = {MODULE: "pd42-1241", CHIP40: "tmc4361", SIXPOINT: "tmc5072"}
 RUNS = {
     "new": ("add_device", "test_link"),
-    "destructive": ("edit_device", "remove_device", "disconnect_device", "change_emulator"),
+    "destructive": (
+        "edit_device",
+        "remove_device",
+        "disconnect_device",
+        "change_emulator",
+        "start_recording",
+        "delete_recording",
+    ),
 }
 """Calls that get a server of their own: they add devices of any name, or leave the others nothing to talk to."""
 ALL_RUNS = tuple(name for names in RUNS.values() for name in names)
@@ -36,7 +43,7 @@ positive_data_acceptance.expected-statuses = ["2xx", 404, 409, 422, 502, 504]
 """
 
 
-def with_real_names(schema: dict[str, Any]) -> dict[str, Any]:
+def with_real_names(schema: dict[str, Any], recording: str) -> dict[str, Any]:
     """The schema with what there is on the bench: random names would be 404 before anything is reached."""
     names = {
         "device": {"type": "string", "enum": ["bench", "slider", *ADDED]},
@@ -59,6 +66,7 @@ def with_real_names(schema: dict[str, Any]) -> dict[str, Any]:
                 "PID_P",
             ],
         },
+        "recording": {"type": "string", "enum": [recording]},
         "model": {"type": "string", "enum": ["tmc428", "tmc4210", *ADDED.values(), "tmc5160"]},
     }
     for operations in schema["paths"].values():
@@ -106,7 +114,9 @@ async def test_the_server_keeps_its_contract(tmp_path: Path, which: str) -> None
             device = {"name": name, "model": model, "link": {"kind": "emulator"}}
             assert (await client.post("/api/v1/devices", json=device)).status_code == 201
         schema = tmp_path / "openapi.json"
-        schema.write_text(json.dumps(with_real_names((await client.get("/openapi.json")).json())))
+        kept = {"device": CHIP40, "channels": ["position.0"]}
+        recording = (await client.post("/api/v1/recordings", json=kept)).json()["id"]
+        schema.write_text(json.dumps(with_real_names((await client.get("/openapi.json")).json(), recording)))
         command = [sys.executable, "-m", "schemathesis.cli", "--config-file", str(config), "run", str(schema)]
         command += ["--url", url, "--phases", "examples,coverage,fuzzing", "--max-examples", str(EXAMPLES)]
         command += ["--seed", str(SEED), "--generation-database", "none", "--checks", "all", "--continue-on-failure"]

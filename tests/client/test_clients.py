@@ -67,6 +67,26 @@ async def test_a_session_in_a_plain_script(server: str) -> None:
     await asyncio.to_thread(script)
 
 
+async def test_a_recording_as_arrays(server: str) -> None:
+    async with AsyncBench(server) as bench:
+        trigger = {"kind": "move", "axis": 0, "pre_s": 0.1}
+        begun = await bench.record("bench", ["position.0", "velocity.0"], 200, trigger=trigger, name="a move")
+        assert begun.state == "waiting"
+        await bench.move("bench", 0, 3000)
+        done = await bench.stop_recording(begun.id)
+        assert (done.state, done.name) == ("done", "a move")
+        run = await bench.recorded(begun.id)
+        assert run.channels == ("position.0", "velocity.0")
+        assert run.units == ("microsteps", "pps")
+        assert run["position.0"][0] == 0
+        assert run["position.0"].max() > 0
+        assert run.values.shape == (2, len(run.time_s))
+        assert b"position.0" in (await bench.recording_file(begun.id)).splitlines()[0]
+        assert [each.id for each in await bench.recordings("move")] == [begun.id]
+        with pytest.raises(Refused, match="no recording"):
+            await bench.recording_file("20200101-000000-0000")
+
+
 async def test_a_move_that_is_stopped_ends(server: str) -> None:
     async with AsyncBench(server) as bench:
         stopped = False

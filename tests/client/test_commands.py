@@ -102,3 +102,17 @@ def test_every_command_explains_itself() -> None:
         result = CliRunner().invoke(cli, [command.__name__, "--help"])
         assert result.exit_code == 0
         assert "Usage" in result.output
+
+
+async def test_recording_and_what_was_recorded(server: str, tmp_path: Path) -> None:
+    file = tmp_path / "run.parquet"
+    done = await run(
+        server, "record", "bench", "position.0", "--seconds", "0.3", "--name", "still", "--out", str(file), "--json"
+    )
+    recorded = json.loads(said(done))
+    assert (recorded["state"], recorded["name"]) == ("done", "still")
+    assert file.stat().st_size > 0
+    assert recorded["id"] in said(await run(server, "recordings", "still"))
+    assert recorded["id"] not in said(await run(server, "recordings", "moving"))
+    refused = await run(server, "record", "bench", "position.0", "--seconds", "1", "--out", str(tmp_path / "x.txt"))
+    assert (refused.exit_code, ".parquet" in refused.output) == (2, True)

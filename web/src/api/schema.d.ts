@@ -1096,6 +1096,118 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/recordings": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Recordings
+         * @description All recordings, the latest first.
+         */
+        get: operations["list_recordings"];
+        put?: never;
+        /**
+         * Start Recording
+         * @description Record channels of a device from now on, or from a trigger on with what was before it.
+         */
+        post: operations["start_recording"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/recordings/{recording}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Recording
+         * @description What a recording is of, its marks and figures; or with `format` all of its rows as a file.
+         */
+        get: operations["get_recording"];
+        put?: never;
+        post?: never;
+        /**
+         * Delete Recording
+         * @description Gone for good.
+         */
+        delete: operations["delete_recording"];
+        options?: never;
+        head?: never;
+        /**
+         * Label Recording
+         * @description Another name or note.
+         */
+        patch: operations["label_recording"];
+        trace?: never;
+    };
+    "/api/v1/recordings/{recording}/plot": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Plot Recording
+         * @description What a plot of so many points shows, in full or of a stretch of it.
+         */
+        get: operations["plot_recording"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/recordings/{recording}/stop": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Stop Recording
+         * @description End it with what is there; one that is over stays as it is.
+         */
+        post: operations["stop_recording"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/recordings/{recording}/marks": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Mark Recording
+         * @description Mark this moment of a recording that runs.
+         */
+        post: operations["mark_recording"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
 }
 export type webhooks = Record<string, never>;
 export interface components {
@@ -2131,6 +2243,23 @@ export interface components {
              */
             error: number | null;
         };
+        /** Curve */
+        Curve: {
+            /** Channel */
+            channel: string;
+            /** Unit */
+            unit: string;
+            /**
+             * Time S
+             * @description since `zero_s` [s]
+             */
+            time_s: number[];
+            /**
+             * Values
+             * @description null: missing
+             */
+            values: (number | null)[];
+        };
         /**
          * DeviceChange
          * @description What to change; what is left out stays. The link has to suit the model, which stays too.
@@ -2821,6 +2950,38 @@ export interface components {
             /** Value */
             value: number;
         };
+        /** FiguresOut */
+        FiguresOut: {
+            /** Samples */
+            samples: number;
+            /**
+             * Missing
+             * @description samples that should be there and are not
+             */
+            missing: number;
+            /** Minimum */
+            minimum: number | null;
+            /** Maximum */
+            maximum: number | null;
+            /** Mean */
+            mean: number | null;
+            /** Rms */
+            rms: number | null;
+            /** First */
+            first: number | null;
+            /** Last */
+            last: number | null;
+            /**
+             * Overshoot
+             * @description beyond the last value, of what ends elsewhere than it began
+             */
+            overshoot: number | null;
+            /**
+             * Settling S
+             * @description until it stays within 2 % of the way of its last value [s]
+             */
+            settling_s: number | null;
+        };
         /**
          * FilterBounds
          * @description What the filter does to any edge and pulse, wherever its samples fall.
@@ -3262,6 +3423,32 @@ export interface components {
             forced: boolean | null;
         };
         /**
+         * LevelTrigger
+         * @description When a recorded channel crosses a level.
+         */
+        LevelTrigger: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "level";
+            /** Channel */
+            channel: string;
+            /** Level */
+            level: number;
+            /**
+             * Rising
+             * @default true
+             */
+            rising?: boolean;
+            /**
+             * Pre S
+             * @description kept of before [s]
+             * @default 0.5
+             */
+            pre_s?: number;
+        };
+        /**
          * LineEncoder
          * @description An encoder with A, B and N lines on the shaft of each motor. N is high for one line a turn, from its count 0.
          */
@@ -3418,6 +3605,20 @@ export interface components {
              * @default 0
              */
             friction_nm?: number;
+        };
+        /** MarkOut */
+        MarkOut: {
+            /**
+             * Time S
+             * @description device time [s]
+             */
+            time_s: number;
+            /** Kind */
+            kind: string;
+            /** Text */
+            text: string;
+            /** Axis */
+            axis: number | null;
         };
         /** Mechanics */
         Mechanics: {
@@ -3944,6 +4145,28 @@ export interface components {
             warnings: string[];
         };
         /**
+         * MoveTrigger
+         * @description When an axis is sent somewhere, by whomever.
+         */
+        MoveTrigger: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "move";
+            /**
+             * Axis
+             * @default 0
+             */
+            axis?: number;
+            /**
+             * Pre S
+             * @description kept of before [s]
+             * @default 0.5
+             */
+            pre_s?: number;
+        };
+        /**
          * Moves
          * @description Moves of several axes that start together (001, 9.10): all targets in successive datagrams.
          */
@@ -4277,6 +4500,17 @@ export interface components {
              */
             mirror?: number;
             registers?: components["schemas"]["MslutWords"] | null;
+        };
+        /**
+         * NowTrigger
+         * @description At once.
+         */
+        NowTrigger: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "now";
         };
         /**
          * Pd42Patch
@@ -5238,6 +5472,198 @@ export interface components {
              * @description as it was applied; null where nobody knows it
              */
             load_torque_nm: (number | null)[];
+        };
+        /** RecordingDetail */
+        RecordingDetail: {
+            /** Id */
+            id: string;
+            /** Name */
+            name: string;
+            /** Note */
+            note: string;
+            /**
+             * Device
+             * @description null where the file cannot be read: see `message`
+             */
+            device: string | null;
+            /** Model */
+            model: string | null;
+            /** Channels */
+            channels: components["schemas"]["ChannelInfo"][];
+            /**
+             * Rate Hz
+             * @description granted; less than asked for where the link carries no more
+             */
+            rate_hz: number | null;
+            /** Started Unix S */
+            started_unix_s: number | null;
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "waiting" | "recording" | "done" | "failed";
+            /**
+             * Message
+             * @description why it ended, where nobody asked for that; or why it cannot be read
+             */
+            message: string;
+            /**
+             * Rows
+             * @description written so far, of those that were recorded since the server started
+             */
+            rows: number | null;
+            /** Size Bytes */
+            size_bytes: number;
+            /** Time Origin Unix S */
+            time_origin_unix_s: number;
+            /**
+             * Zero S
+             * @description device time of the trigger, or of the first row [s]
+             */
+            zero_s: number | null;
+            /**
+             * Duration S
+             * @description from the first row to the last [s]
+             */
+            duration_s: number;
+            /** Marks */
+            marks: components["schemas"]["MarkOut"][];
+            /** Figures */
+            figures: {
+                [key: string]: components["schemas"]["FiguresOut"];
+            };
+            /**
+             * Configuration
+             * @description the device's profile at the start
+             */
+            configuration: {
+                [key: string]: unknown;
+            } | null;
+        };
+        /** RecordingInfo */
+        RecordingInfo: {
+            /** Id */
+            id: string;
+            /** Name */
+            name: string;
+            /** Note */
+            note: string;
+            /**
+             * Device
+             * @description null where the file cannot be read: see `message`
+             */
+            device: string | null;
+            /** Model */
+            model: string | null;
+            /** Channels */
+            channels: components["schemas"]["ChannelInfo"][];
+            /**
+             * Rate Hz
+             * @description granted; less than asked for where the link carries no more
+             */
+            rate_hz: number | null;
+            /** Started Unix S */
+            started_unix_s: number | null;
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "waiting" | "recording" | "done" | "failed";
+            /**
+             * Message
+             * @description why it ended, where nobody asked for that; or why it cannot be read
+             */
+            message: string;
+            /**
+             * Rows
+             * @description written so far, of those that were recorded since the server started
+             */
+            rows: number | null;
+            /** Size Bytes */
+            size_bytes: number;
+        };
+        /**
+         * RecordingLabel
+         * @description What is left out stays.
+         */
+        RecordingLabel: {
+            /** Name */
+            name?: string | null;
+            /** Note */
+            note?: string | null;
+        };
+        /** RecordingList */
+        RecordingList: {
+            /** Recordings */
+            recordings: components["schemas"]["RecordingInfo"][];
+            /**
+             * Size Bytes
+             * @description of all recordings, found or not [bytes]
+             */
+            size_bytes: number;
+        };
+        /** RecordingMark */
+        RecordingMark: {
+            /** Text */
+            text: string;
+        };
+        /**
+         * RecordingPlot
+         * @description Of each stretch the lowest and the highest sample, at their own times: no peak is hidden.
+         */
+        RecordingPlot: {
+            /** Zero S */
+            zero_s: number;
+            /** From S */
+            from_s: number;
+            /** To S */
+            to_s: number;
+            /**
+             * Rows
+             * @description rows that lie between
+             */
+            rows: number;
+            /**
+             * Thinned
+             * @description fewer points than rows are here
+             */
+            thinned: boolean;
+            /** Curves */
+            curves: components["schemas"]["Curve"][];
+        };
+        /** RecordingStart */
+        RecordingStart: {
+            /** Device */
+            device: string;
+            /** Channels */
+            channels: string[];
+            /**
+             * Rate Hz
+             * @default 200
+             */
+            rate_hz?: number;
+            /**
+             * Duration S
+             * @description counted from the trigger; null: until it is stopped
+             */
+            duration_s?: number | null;
+            /**
+             * Trigger
+             * @default {
+             *       "kind": "now"
+             *     }
+             */
+            trigger?: components["schemas"]["NowTrigger"] | components["schemas"]["MoveTrigger"] | components["schemas"]["LevelTrigger"];
+            /**
+             * Name
+             * @default
+             */
+            name?: string;
+            /**
+             * Note
+             * @default
+             */
+            note?: string;
         };
         /**
          * ReferenceSearchStart
@@ -12309,6 +12735,519 @@ export interface operations {
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_recordings: {
+        parameters: {
+            query?: {
+                /** @description words of name, note, device or model */
+                search?: string;
+                /** @description only those of this device */
+                device?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RecordingList"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    start_recording: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["RecordingStart"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RecordingInfo"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_recording: {
+        parameters: {
+            query?: {
+                /** @description json: what it is; else its rows */
+                format?: "json" | "csv" | "parquet";
+            };
+            header?: never;
+            path: {
+                /** @description as in the list */
+                recording: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RecordingDetail"];
+                    "text/csv": string;
+                    "application/vnd.apache.parquet": string;
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    delete_recording: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description as in the list */
+                recording: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    label_recording: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description as in the list */
+                recording: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["RecordingLabel"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RecordingInfo"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    plot_recording: {
+        parameters: {
+            query?: {
+                /** @description only these */
+                channel?: string[] | null;
+                /** @description since the trigger [s] */
+                from_s?: number | null;
+                /** @description since the trigger [s] */
+                to_s?: number | null;
+                /** @description of each channel, about */
+                points?: number;
+            };
+            header?: never;
+            path: {
+                /** @description as in the list */
+                recording: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RecordingPlot"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    stop_recording: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description as in the list */
+                recording: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RecordingInfo"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    mark_recording: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description as in the list */
+                recording: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["RecordingMark"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RecordingInfo"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
                 headers: {
                     [name: string]: unknown;
                 };

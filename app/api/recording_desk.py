@@ -1,0 +1,140 @@
+"""Where recordings are started and looked after: readers of telemetry on one side, files on the other."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import time
+from collections.abc import Callable, Mapping
+from typing import Any
+
+from app.clock import Clock
+from app.devices.device import Device
+from app.links.errors import BenchError, UsageError, WrongState
+from app.store.recordings.file import FloatArray, RecordingWriter, Rows
+from app.store.recordings.head import Column, Head
+from app.store.recordings.library import Label, Library
+from app.store.recordings.marks import Mark
+from app.telemetry.hub import TelemetryHub
+from app.telemetry.recorder import MarkKind, Recorder, Trigger
+
+log = logging.getLogger("stepscope.recordings")
+
+RUNNING_MAX = 16
+KEPT = 100
+"""How many that are over are remembered with why they ended."""
+
+
+class _FileSink:
+    """A recorder's rows into a file of the library."""
+
+    def __init__(self, library: Library, recording: str, writer: RecordingWriter) -> None:
+        self._library, self._id, self._writer = library, recording, writer
+
+    def append(self, time_s: FloatArray, columns: FloatArray) -> None:
+        self._writer.append(Rows(time_s, columns))
+
+    def mark(self, time_s: float, kind: MarkKind, text: str, axis: int | None) -> None:
+        self._library.mark(self._id, Mark(time_s, kind, text, axis))
+
+    def close(self) -> None:
+        self._writer.close()
+
+
+class RecordingDesk:
+    """All recordings of this server."""
+
+    def __init__(
+        self, library: Library, hub: TelemetryHub, clock: Clock, unix_s: Callable[[], float] = time.time
+    ) -> None:
+        self.library = library
+        self._hub, self._clock, self._unix_s = hub, clock, unix_s
+        self._recorders: dict[str, Recorder] = {}
+
+    async def start(
+        self,
+        device: Device,
+        channels: tuple[str, ...],
+        rate_hz: float,
+        trigger: Trigger,
+        duration_s: float | None,
+        label: Label,
+        configuration: Mapping[str, Any] | None,
+    ) -> str:
+        """Begin, and answer with the id.
+
+        Raises UnknownThing, OutOfRange for what cannot be recorded; WrongState for too many at once, or a disk that
+        takes nothing.
+        """
+        if not channels:
+            raise UsageError("a recording of no channel")
+        if len(self.library.running) >= RUNNING_MAX:
+            raise WrongState(f"{RUNNING_MAX} recordings are running", "stop one of them")
+        recorder = Recorder(self._hub, device, channels, rate_hz, trigger, duration_s, self._clock)
+        joined = recorder.joined
+        now_s = self._unix_s()
+        head = Head(
+            id=self.library.new_id(now_s),
+            device=device.id,
+            model=device.model,
+            columns=tuple(Column(name, unit) for name, unit in zip(channels, joined.units, strict=True)),
+            rate_hz=joined.rate_hz,
+            started_unix_s=now_s,
+            time_origin_unix_s=joined.time_origin_unix_s,
+            chip_timed=joined.chip_timed,
+            clock_hz=device.clock_hz,
+            trigger={name: getattr(trigger, name) for name in trigger.__slots__},
+            configuration=configuration,
+        )
+        try:
+            writer = self.library.begin(head, label)
+        except OSError as error:
+            self._hub.leave(joined.reader)
+            raise WrongState(f"nothing can be recorded: {error}", "make room, or choose another --data-dir") from error
+        self._recorders[head.id] = recorder
+        while len(self._recorders) > KEPT:  # dicts keep their order: the oldest of those that are over
+            over = next((each for each in self._recorders if each not in self.library.running), None)
+            if over is None:
+                break
+            del self._recorders[over]
+        recorder.start(_FileSink(self.library, head.id, writer), lambda: self.library.ended(head.id))
+        return head.id
+
+    def recorder(self, recording: str) -> Recorder | None:
+        """Its recorder, where it ran lately."""
+        return self._recorders.get(recording)
+
+    async def stop(self, recording: str) -> None:
+        """End it with what is there; one that is over stays so. Raises UnknownThing."""
+        self.library.entry(recording)
+        recorder = self._recorders.get(recording)
+        if recorder is not None:
+            await recorder.stop()
+
+    def note(self, recording: str, text: str) -> None:
+        """Mark this moment. Raises UnknownThing, WrongState for one that is over."""
+        recorder = self._recorders.get(self.library.entry(recording).id)
+        if recorder is None or recording not in self.library.running:
+            raise WrongState(f"recording {recording} is over", "change its note instead")
+        recorder.mark(text)
+
+    async def close(self) -> None:
+        """End all of them: the server goes."""
+        await asyncio.gather(*(recorder.stop() for recorder in self._recorders.values()))
+
+
+async def configuration_of(device: Device) -> dict[str, Any] | None:
+    """The device's profile for the head of a recording; None where it cannot be read now."""
+    try:
+        document = await device.profile()
+    except BenchError as error:
+        log.warning("the configuration of %s is not in the recording: %s", device.id, error)
+        return None
+    return {
+        "registers": [
+            {"name": entry.name, "axis": entry.axis, "raw": entry.raw, "value": entry.value}
+            for entry in document.registers
+        ],
+        "microstep_table": document.microstep_table,
+        "driver_chain": document.driver_chain,
+    }

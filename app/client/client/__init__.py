@@ -1,0 +1,36 @@
+"""The same bench from a script: typed calls of the REST API, for plain code (`Bench`) and for asyncio (`AsyncBench`).
+
+    from app.client import Bench
+
+    with Bench("http://127.0.0.1:8000") as bench:
+        bench.write("bench", "V_MAX", 1200, axis=0)
+        run = bench.record("bench", ["position.0", "residual.0"], rate_hz=500)
+        bench.move("bench", 0, 40_000)  # answers when it has arrived
+        bench.stop_recording(run.id)
+        residual = bench.recorded(run.id)["residual.0"]  # numpy
+
+`records` is what comes back, `errors` what may be raised. Nothing here is sent twice: a call whose answer got lost
+may have moved a motor.
+"""
+
+from app.client.asynchronous import AsyncBench
+from app.client.blocking import Bench
+from app.client.errors import ClientError, MoveEnded, NoAnswer, NoServer, Refused
+from app.client.records import AxisState, Device, MoveStarted, Reading, Recording, Samples, Written
+
+__all__ = [
+    "AsyncBench",
+    "AxisState",
+    "Bench",
+    "ClientError",
+    "Device",
+    "MoveEnded",
+    "MoveStarted",
+    "NoAnswer",
+    "NoServer",
+    "Reading",
+    "Recording",
+    "Refused",
+    "Samples",
+    "Written",
+]

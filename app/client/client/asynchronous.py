@@ -1,0 +1,255 @@
+"""The client for asyncio: the methods of `blocking.Bench`, awaited."""
+
+from __future__ import annotations
+
+import asyncio
+import io
+from collections.abc import Callable, Mapping, Sequence
+from types import TracebackType
+from typing import Any, Self, TypeVar
+
+import httpx
+import pyarrow.parquet as pq
+from websockets.asyncio.client import connect
+from websockets.exceptions import ConnectionClosed
+from websockets.typing import Subprotocol
+
+from app.client import calls
+from app.client.arrival import LOOK_EVERY_S, Arrival
+from app.client.calls import Call
+from app.client.errors import ClientError, NoServer
+from app.client.http import (
+    TIMEOUT_S,
+    answer_of,
+    content_of,
+    headers,
+    options,
+    server_url,
+    socket_url,
+    timeout,
+    token_of,
+    told,
+)
+from app.client.records import AxisState, Device, Json, MoveStarted, Reading, Recording, Samples, Written
+from app.client.stream import SUBPROTOCOL, Collector, samples_of
+
+T = TypeVar("T")
+
+
+class AsyncBench:
+    """A running stepscope. `url` is http://HOST:PORT, by default STEPSCOPE_URL or this machine's port 8000.
+
+    Names of devices are their ids (`Device.id`). Every method raises NoServer, NoAnswer or Refused. Cancelling a call
+    stops nothing that has begun.
+    """
+
+    def __init__(
+        self,
+        url: str | None = None,
+        *,
+        token: str | None = None,
+        timeout_s: float = TIMEOUT_S,
+        transport: httpx.AsyncBaseTransport | None = None,
+    ) -> None:
+        """`token` is what a server asks for that listens to a network, by default STEPSCOPE_TOKEN."""
+        self.url = server_url(url)
+        self._headers = headers(token_of(token))
+        self._http = httpx.AsyncClient(
+            base_url=self.url, headers=self._headers, timeout=timeout(timeout_s), transport=transport
+        )
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None
+    ) -> None:
+        await self.aclose()
+
+    async def aclose(self) -> None:
+        """Let go of the server. Motors are left alone."""
+        await self._http.aclose()
+
+    # --- the bench ------------------------------------------------------------------------------
+
+    async def health(self) -> Json:
+        """Whether the server is there, and its version."""
+        return await self._send(calls.health())
+
+    async def devices(self) -> list[Device]:
+        """All connections."""
+        return await self._send(calls.devices())
+
+    async def device(self, name: str) -> Device:
+        """One connection."""
+        return await self._send(calls.device(name))
+
+    async def add(self, name: str, model: str, link: Json | None = None, **more: Any) -> Device:
+        """Connect something: `link` is `{"kind": ...}` with its options, an emulator by default."""
+        return await self._send(calls.add(name, model, link or {"kind": "emulator"}, more))
+
+    async def remove(self, name: str) -> None:
+        """Disconnect and forget."""
+        await self._send(calls.remove(name))
+
+    async def catalog(self) -> list[Json]:
+        """Every model that can be connected."""
+        return await self._send(calls.catalog())
+
+    async def calc(self, subject: str, **body: Any) -> Json:
+        """A calculator: `calc("pmul-pdiv", chip="tmc428", a_max=..., ramp_div=..., pulse_div=...)`."""
+        return await self._send(calls.calc(subject, body))
+
+    async def call(self, method: str, path: str, body: Json | None = None) -> Any:
+        """Any other call of the API, its JSON as it comes."""
+        return await self._send(calls.anything(method, path, body))
+
+    # --- registers ------------------------------------------------------------------------------
+
+    async def read(self, device: str, register: str, axis: int | None = None) -> Reading:
+        """A register, parameter or field, from the device itself."""
+        return await self._send(calls.read(device, register, axis))
+
+    async def read_all(self, device: str, axis: int | None = None, groups: Sequence[str] = ()) -> list[Reading]:
+        """Everything that reading does not change."""
+        return await self._send(calls.read_all(device, axis, groups))
+
+    async def write(
+        self, device: str, register: str, value: int | Mapping[str, int | str], axis: int | None = None
+    ) -> Written:
+        """Write the whole value, or some fields by name, and answer with the read-back."""
+        return await self._send(calls.write(device, register, value, axis))
+
+    # --- motion ---------------------------------------------------------------------------------
+
+    async def axis(self, device: str, axis: int = 0) -> AxisState:
+        """Where it is and what it does."""
+        return await self._send(calls.axis_state(device, axis))
+
+    async def move(
+        self,
+        device: str,
+        axis: int,
+        target: float,
+        *,
+        relative: bool = False,
+        unit: str = "microsteps",
+        wait: bool = True,
+        on_look: Callable[[float, AxisState], None] | None = None,
+    ) -> MoveStarted:
+        """Go to `target`, or by it. With `wait` it returns at the target.
+
+        `on_look` is told at each look how much of the way is done (0..1), and the state. Raises MoveEnded where the
+        axis comes to rest elsewhere. An exception or Ctrl-C while waiting stops nothing: `stop` does.
+        """
+        started = await self._send(calls.move(device, axis, target, relative=relative, unit=unit))
+        if wait:
+            await self.wait(device, started, on_look)
+        return started
+
+    async def wait(
+        self, device: str, started: MoveStarted, on_look: Callable[[float, AxisState], None] | None = None
+    ) -> AxisState:
+        """Until that move has arrived. Raises MoveEnded."""
+        arrival = Arrival(started)
+        while True:
+            state = await self.axis(device, started.axis)
+            arrived = arrival.look(state)
+            if on_look is not None:
+                on_look(arrival.share(state), state)
+            if arrived:
+                return state
+            await asyncio.sleep(LOOK_EVERY_S)
+
+    async def rotate(
+        self, device: str, axis: int, velocity: float, *, unit: str = "pps", hold_s: float | None = None
+    ) -> Json:
+        """Turn on and on; with `hold_s` it stops by itself after that."""
+        return await self._send(calls.rotate(device, axis, velocity, unit, hold_s))
+
+    async def stop(self, device: str, axis: int = 0, mode: str = "ramp") -> Json:
+        """Stop one axis, ahead of everything that waits for its link."""
+        return await self._send(calls.stop(device, axis, mode))
+
+    async def stop_all(self, mode: str = "ramp") -> list[Json]:
+        """Stop every axis of every device."""
+        return await self._send(calls.stop_all(mode))
+
+    # --- measuring ------------------------------------------------------------------------------
+
+    async def watch(
+        self,
+        device: str,
+        channels: Sequence[str],
+        seconds: float,
+        rate_hz: float = 100.0,
+        on_rows: Callable[[float], None] | None = None,
+    ) -> Samples:
+        """So many seconds of telemetry as arrays. `on_rows` is told how much there is [s]."""
+        collector = Collector(seconds)
+        address = socket_url(self.url, calls.telemetry_path(device, channels, rate_hz, 0.0))
+        try:
+            async with connect(
+                address, subprotocols=[Subprotocol(SUBPROTOCOL)], additional_headers=self._headers, max_size=None
+            ) as socket:
+                async for message in socket:
+                    if collector.feed(message):
+                        break
+                    if on_rows is not None:
+                        on_rows(collector.done_s)
+        except ConnectionClosed as error:
+            raise ClientError(f"the stream of {device} ended: {error}") from error
+        except OSError as error:
+            raise NoServer(f"no stepscope answers at {self.url}: {error}") from error
+        return collector.samples()
+
+    async def record(
+        self,
+        device: str,
+        channels: Sequence[str],
+        rate_hz: float = 200.0,
+        *,
+        seconds: float | None = None,
+        trigger: Json | None = None,
+        name: str = "",
+        note: str = "",
+    ) -> Recording:
+        """Begin to record in the server, whoever listens: until `stop_recording`, or for `seconds` from the trigger.
+
+        `trigger` is {"kind": "now"}, {"kind": "move", "axis": 0, "pre_s": 0.5} or {"kind": "level", "channel": ...}.
+        """
+        more = {"duration_s": seconds, "trigger": trigger or {"kind": "now"}, "name": name, "note": note}
+        return await self._send(calls.record_start(device, channels, rate_hz, more))
+
+    async def stop_recording(self, recording: str) -> Recording:
+        """End it; one that is over stays as it is."""
+        return await self._send(calls.record_stop(recording))
+
+    async def recordings(self, search: str = "") -> list[Recording]:
+        """All of them, the latest first; with `search` those with these words in name, note, device or model."""
+        return await self._send(calls.recordings(search))
+
+    async def recording(self, recording: str) -> Json:
+        """Marks, figures and the configuration at the start."""
+        return await self._send(calls.recording(recording))
+
+    async def recorded(self, recording: str) -> Samples:
+        """The rows of a recording as arrays."""
+        head = await self._send(calls.recording(recording))
+        table = pq.read_table(io.BytesIO(await self.recording_file(recording, "parquet")))
+        return samples_of(table, head["rate_hz"])
+
+    async def recording_file(self, recording: str, kind: str = "csv") -> bytes:
+        """All rows as a file: "csv" or "parquet"."""
+        try:
+            response = await self._http.get(calls.recording_file(recording, kind))
+        except httpx.TransportError as error:
+            raise told(error, self.url) from error
+        return content_of(response)
+
+    async def _send(self, call: Call[T]) -> T:
+        try:
+            response = await self._http.request(**options(call))
+        except httpx.TransportError as error:
+            raise told(error, self.url) from error
+        return answer_of(call, response)

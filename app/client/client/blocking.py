@@ -1,0 +1,253 @@
+"""The client for plain scripts. Each call waits for its answer."""
+
+from __future__ import annotations
+
+import io
+import time
+from collections.abc import Callable, Mapping, Sequence
+from types import TracebackType
+from typing import Any, Self, TypeVar
+
+import httpx
+import pyarrow.parquet as pq
+from websockets.exceptions import ConnectionClosed
+from websockets.sync.client import connect
+from websockets.typing import Subprotocol
+
+from app.client import calls
+from app.client.arrival import LOOK_EVERY_S, Arrival
+from app.client.calls import Call
+from app.client.errors import ClientError, NoServer
+from app.client.http import (
+    TIMEOUT_S,
+    answer_of,
+    content_of,
+    headers,
+    options,
+    server_url,
+    socket_url,
+    timeout,
+    token_of,
+    told,
+)
+from app.client.records import AxisState, Device, Json, MoveStarted, Reading, Recording, Samples, Written
+from app.client.stream import SUBPROTOCOL, Collector, samples_of
+
+T = TypeVar("T")
+
+
+class Bench:
+    """A running stepscope. `url` is http://HOST:PORT, by default STEPSCOPE_URL or this machine's port 8000.
+
+    Names of devices are their ids (`Device.id`). Every method raises NoServer, NoAnswer or Refused. May be used from
+    several threads, and as a context manager.
+    """
+
+    def __init__(
+        self,
+        url: str | None = None,
+        *,
+        token: str | None = None,
+        timeout_s: float = TIMEOUT_S,
+        transport: httpx.BaseTransport | None = None,
+    ) -> None:
+        """`token` is what a server asks for that listens to a network, by default STEPSCOPE_TOKEN."""
+        self.url = server_url(url)
+        self._headers = headers(token_of(token))
+        self._http = httpx.Client(
+            base_url=self.url, headers=self._headers, timeout=timeout(timeout_s), transport=transport
+        )
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Let go of the server. Motors are left alone."""
+        self._http.close()
+
+    # --- the bench ------------------------------------------------------------------------------
+
+    def health(self) -> Json:
+        """Whether the server is there, and its version."""
+        return self._send(calls.health())
+
+    def devices(self) -> list[Device]:
+        """All connections."""
+        return self._send(calls.devices())
+
+    def device(self, name: str) -> Device:
+        """One connection."""
+        return self._send(calls.device(name))
+
+    def add(self, name: str, model: str, link: Json | None = None, **more: Any) -> Device:
+        """Connect something: `link` is `{"kind": ...}` with its options, an emulator by default."""
+        return self._send(calls.add(name, model, link or {"kind": "emulator"}, more))
+
+    def remove(self, name: str) -> None:
+        """Disconnect and forget."""
+        self._send(calls.remove(name))
+
+    def catalog(self) -> list[Json]:
+        """Every model that can be connected."""
+        return self._send(calls.catalog())
+
+    def calc(self, subject: str, **body: Any) -> Json:
+        """A calculator: `calc("pmul-pdiv", chip="tmc428", a_max=..., ramp_div=..., pulse_div=...)`."""
+        return self._send(calls.calc(subject, body))
+
+    def call(self, method: str, path: str, body: Json | None = None) -> Any:
+        """Any other call of the API, its JSON as it comes."""
+        return self._send(calls.anything(method, path, body))
+
+    # --- registers ------------------------------------------------------------------------------
+
+    def read(self, device: str, register: str, axis: int | None = None) -> Reading:
+        """A register, parameter or field, from the device itself."""
+        return self._send(calls.read(device, register, axis))
+
+    def read_all(self, device: str, axis: int | None = None, groups: Sequence[str] = ()) -> list[Reading]:
+        """Everything that reading does not change."""
+        return self._send(calls.read_all(device, axis, groups))
+
+    def write(
+        self, device: str, register: str, value: int | Mapping[str, int | str], axis: int | None = None
+    ) -> Written:
+        """Write the whole value, or some fields by name, and answer with the read-back."""
+        return self._send(calls.write(device, register, value, axis))
+
+    # --- motion ---------------------------------------------------------------------------------
+
+    def axis(self, device: str, axis: int = 0) -> AxisState:
+        """Where it is and what it does."""
+        return self._send(calls.axis_state(device, axis))
+
+    def move(
+        self,
+        device: str,
+        axis: int,
+        target: float,
+        *,
+        relative: bool = False,
+        unit: str = "microsteps",
+        wait: bool = True,
+        on_look: Callable[[float, AxisState], None] | None = None,
+    ) -> MoveStarted:
+        """Go to `target`, or by it. With `wait` it returns at the target.
+
+        `on_look` is told at each look how much of the way is done (0..1), and the state. Raises MoveEnded where the
+        axis comes to rest elsewhere. An exception or Ctrl-C while waiting stops nothing: `stop` does.
+        """
+        started = self._send(calls.move(device, axis, target, relative=relative, unit=unit))
+        if wait:
+            self.wait(device, started, on_look)
+        return started
+
+    def wait(
+        self, device: str, started: MoveStarted, on_look: Callable[[float, AxisState], None] | None = None
+    ) -> AxisState:
+        """Until that move has arrived. Raises MoveEnded."""
+        arrival = Arrival(started)
+        while True:
+            state = self.axis(device, started.axis)
+            arrived = arrival.look(state)
+            if on_look is not None:
+                on_look(arrival.share(state), state)
+            if arrived:
+                return state
+            time.sleep(LOOK_EVERY_S)
+
+    def rotate(
+        self, device: str, axis: int, velocity: float, *, unit: str = "pps", hold_s: float | None = None
+    ) -> Json:
+        """Turn on and on; with `hold_s` it stops by itself after that."""
+        return self._send(calls.rotate(device, axis, velocity, unit, hold_s))
+
+    def stop(self, device: str, axis: int = 0, mode: str = "ramp") -> Json:
+        """Stop one axis, ahead of everything that waits for its link."""
+        return self._send(calls.stop(device, axis, mode))
+
+    def stop_all(self, mode: str = "ramp") -> list[Json]:
+        """Stop every axis of every device."""
+        return self._send(calls.stop_all(mode))
+
+    # --- measuring ------------------------------------------------------------------------------
+
+    def watch(
+        self,
+        device: str,
+        channels: Sequence[str],
+        seconds: float,
+        rate_hz: float = 100.0,
+        on_rows: Callable[[float], None] | None = None,
+    ) -> Samples:
+        """So many seconds of telemetry as arrays. `on_rows` is told how much there is [s]."""
+        collector = Collector(seconds)
+        address = socket_url(self.url, calls.telemetry_path(device, channels, rate_hz, 0.0))
+        try:
+            with connect(
+                address, subprotocols=[Subprotocol(SUBPROTOCOL)], additional_headers=self._headers, max_size=None
+            ) as socket:
+                for message in socket:
+                    if collector.feed(message):
+                        break
+                    if on_rows is not None:
+                        on_rows(collector.done_s)
+        except ConnectionClosed as error:
+            raise ClientError(f"the stream of {device} ended: {error}") from error
+        except OSError as error:
+            raise NoServer(f"no stepscope answers at {self.url}: {error}") from error
+        return collector.samples()
+
+    def record(
+        self,
+        device: str,
+        channels: Sequence[str],
+        rate_hz: float = 200.0,
+        *,
+        seconds: float | None = None,
+        trigger: Json | None = None,
+        name: str = "",
+        note: str = "",
+    ) -> Recording:
+        """Begin to record in the server, whoever listens: until `stop_recording`, or for `seconds` from the trigger.
+
+        `trigger` is {"kind": "now"}, {"kind": "move", "axis": 0, "pre_s": 0.5} or {"kind": "level", "channel": ...}.
+        """
+        more = {"duration_s": seconds, "trigger": trigger or {"kind": "now"}, "name": name, "note": note}
+        return self._send(calls.record_start(device, channels, rate_hz, more))
+
+    def stop_recording(self, recording: str) -> Recording:
+        """End it; one that is over stays as it is."""
+        return self._send(calls.record_stop(recording))
+
+    def recordings(self, search: str = "") -> list[Recording]:
+        """All of them, the latest first; with `search` those with these words in name, note, device or model."""
+        return self._send(calls.recordings(search))
+
+    def recording(self, recording: str) -> Json:
+        """Marks, figures and the configuration at the start."""
+        return self._send(calls.recording(recording))
+
+    def recorded(self, recording: str) -> Samples:
+        """The rows of a recording as arrays."""
+        head = self._send(calls.recording(recording))
+        table = pq.read_table(io.BytesIO(self.recording_file(recording, "parquet")))
+        return samples_of(table, head["rate_hz"])
+
+    def recording_file(self, recording: str, kind: str = "csv") -> bytes:
+        """All rows as a file: "csv" or "parquet"."""
+        try:
+            response = self._http.get(calls.recording_file(recording, kind))
+        except httpx.TransportError as error:
+            raise told(error, self.url) from error
+        return content_of(response)
+
+    def _send(self, call: Call[T]) -> T:
+        try:
+            response = self._http.request(**options(call))
+        except httpx.TransportError as error:
+            raise told(error, self.url) from error
+        return answer_of(call, response)

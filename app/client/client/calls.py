@@ -1,0 +1,166 @@
+"""Every call of the API as a value: what to send, and what the answer means. No sockets: both clients send these."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Generic, TypeVar
+from urllib.parse import quote
+
+from app.client.records import AxisState, Device, Json, MoveStarted, Reading, Recording, Written, record
+
+T = TypeVar("T")
+BASE = "/api/v1"
+
+
+@dataclass(frozen=True, slots=True)
+class Call(Generic[T]):
+    """A request, and how its JSON answer becomes a T."""
+
+    method: str
+    path: str
+    parse: Callable[[Any], T]
+    body: Json | None = None
+    query: Mapping[str, str | int | list[str]] = field(default_factory=dict)
+
+
+def anything(method: str, path: str, body: Json | None = None) -> Call[Any]:
+    """A call that has no name here: its JSON as it comes. `path` with or without `/api/v1`."""
+    whole = path if path.startswith(BASE) else f"{BASE}/{path.lstrip('/')}"
+    return Call(method.upper(), whole, _as_it_is, body)
+
+
+def devices() -> Call[list[Device]]:
+    return Call("GET", f"{BASE}/devices", lambda answer: [_device(each) for each in answer])
+
+
+def device(name: str) -> Call[Device]:
+    return Call("GET", _of(name), _device)
+
+
+def add(name: str, model: str, link: Json, more: Json) -> Call[Device]:
+    return Call("POST", f"{BASE}/devices", _device, {"name": name, "model": model, "link": link, **more})
+
+
+def remove(name: str) -> Call[None]:
+    return Call("DELETE", _of(name), _nothing)
+
+
+def read(name: str, register: str, axis: int | None) -> Call[Reading]:
+    return Call("GET", f"{_of(name)}/registers/{quote(register, safe='')}", _reading, query=_axis(axis))
+
+
+def read_all(name: str, axis: int | None, groups: Sequence[str]) -> Call[list[Reading]]:
+    query: dict[str, str | int | list[str]] = {**_axis(axis), **({"group": list(groups)} if groups else {})}
+    return Call("GET", f"{_of(name)}/registers", lambda answer: [_reading(each) for each in answer], query=query)
+
+
+def write(name: str, register: str, value: int | Mapping[str, int | str], axis: int | None) -> Call[Written]:
+    body = {"fields": dict(value)} if isinstance(value, Mapping) else {"value": value}
+    path = f"{_of(name)}/registers/{quote(register, safe='')}"
+    return Call("PUT", path, lambda answer: record(Written, answer), body, _axis(axis))
+
+
+def axis_state(name: str, axis: int) -> Call[AxisState]:
+    return Call("GET", _of_axis(name, axis), lambda answer: record(AxisState, answer))
+
+
+def move(name: str, axis: int, target: float, *, relative: bool, unit: str) -> Call[MoveStarted]:
+    body = {"target": target, "relative": relative, "unit": unit}
+    return Call("POST", f"{_of_axis(name, axis)}/move", _move_started, body)
+
+
+def rotate(name: str, axis: int, velocity: float, unit: str, hold_s: float | None) -> Call[Json]:
+    body = {"velocity": velocity, "unit": unit, "hold_s": hold_s}
+    return Call("POST", f"{_of_axis(name, axis)}/rotate", _as_it_is, body)
+
+
+def stop(name: str, axis: int, mode: str) -> Call[Json]:
+    return Call("POST", f"{_of_axis(name, axis)}/stop", _as_it_is, {"mode": mode})
+
+
+def stop_all(mode: str) -> Call[list[Json]]:
+    return Call("POST", f"{BASE}/stop", lambda answer: list(answer["results"]), {"mode": mode})
+
+
+def calc(subject: str, body: Json) -> Call[Json]:
+    return Call("POST", f"{BASE}/calc/{quote(subject, safe='')}", _as_it_is, body)
+
+
+def record_start(device: str, channels: Sequence[str], rate_hz: float, more: Json) -> Call[Recording]:
+    body = {"device": device, "channels": list(channels), "rate_hz": rate_hz, **more}
+    return Call("POST", f"{BASE}/recordings", _recording, body)
+
+
+def record_stop(recording: str) -> Call[Recording]:
+    return Call("POST", f"{_recorded(recording)}/stop", _recording, {})
+
+
+def recordings(search: str) -> Call[list[Recording]]:
+    def parse(answer: Any) -> list[Recording]:
+        return [_recording(each) for each in answer["recordings"]]
+
+    return Call("GET", f"{BASE}/recordings", parse, query={"search": search} if search else {})
+
+
+def recording(recording: str) -> Call[Json]:
+    return Call("GET", _recorded(recording), _as_it_is)
+
+
+def recording_file(recording: str, kind: str) -> str:
+    """Path and query of all rows as a file."""
+    return f"{_recorded(recording)}?format={quote(kind, safe='')}"
+
+
+def catalog() -> Call[list[Json]]:
+    return Call("GET", f"{BASE}/catalog", _as_it_is)
+
+
+def health() -> Call[Json]:
+    return Call("GET", f"{BASE}/health", _as_it_is)
+
+
+def telemetry_path(name: str, channels: Sequence[str], rate_hz: float, history_s: float) -> str:
+    """Path and query of the telemetry socket."""
+    asked = quote(",".join(channels), safe=",.")
+    return f"{_of(name)}/telemetry?channels={asked}&rate_hz={rate_hz:g}&history_s={history_s:g}"
+
+
+def _of(name: str) -> str:
+    return f"{BASE}/devices/{quote(name, safe='')}"
+
+
+def _of_axis(name: str, axis: int) -> str:
+    return f"{_of(name)}/axes/{axis}"
+
+
+def _recorded(recording: str) -> str:
+    return f"{BASE}/recordings/{quote(recording, safe='')}"
+
+
+def _recording(answer: Json) -> Recording:
+    return record(Recording, answer)
+
+
+def _axis(axis: int | None) -> dict[str, str | int | list[str]]:
+    return {} if axis is None else {"axis": axis}
+
+
+def _device(answer: Json) -> Device:
+    return record(Device, {**answer, "axes": tuple(answer["axes"]), "channels": tuple(answer["channels"])})
+
+
+def _reading(answer: Json) -> Reading:
+    return record(Reading, answer)
+
+
+def _move_started(answer: Json) -> MoveStarted:
+    return record(MoveStarted, {**answer, "warnings": tuple(answer["warnings"])})
+
+
+def _as_it_is(answer: Any) -> Any:
+    return answer
+
+
+def _nothing(answer: Any) -> None:
+    del answer

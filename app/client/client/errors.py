@@ -1,0 +1,52 @@
+"""What a call may raise. `exit_code` is what the command line ends with."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+
+class ClientError(Exception):
+    """Anything that went wrong between a script and the bench."""
+
+    exit_code = 1
+
+
+class Refused(ClientError):
+    """The server said no, and why: the problem of RFC 9457 that it answered with."""
+
+    def __init__(self, status: int, problem: Mapping[str, object]) -> None:
+        self.status = status
+        self.type = str(problem.get("type", "about:blank"))
+        """Stable, made for code: `/problems/out-of-range`."""
+        self.detail = str(problem.get("detail") or problem.get("title") or f"status {status}")
+        way_out = problem.get("way_out")
+        self.way_out = str(way_out) if way_out else ""
+        """What to do about it; "" where there is nothing to say."""
+        facts = problem.get("facts")
+        self.facts: Mapping[str, object] = facts if isinstance(facts, Mapping) else {}
+        """The numbers behind: minimum, maximum, known..."""
+        super().__init__(f"{self.detail} ({self.way_out})" if self.way_out else self.detail)
+
+
+class NoServer(ClientError):
+    """Nobody listens there: nothing was sent."""
+
+    exit_code = 3
+
+
+class NoAnswer(ClientError):
+    """The call went out and no answer came back: what it asked for may have happened, or may yet."""
+
+    exit_code = 4
+
+
+class MoveEnded(ClientError):
+    """The axis came to rest elsewhere, or was sent elsewhere, before it arrived."""
+
+    exit_code = 5
+
+    def __init__(self, message: str, position: int, target: int) -> None:
+        super().__init__(message)
+        self.position = position
+        """Where it was seen last [microsteps]."""
+        self.target = target

@@ -1,0 +1,282 @@
+"""Recordings over REST: started, triggered, listed, plotted, handed on; real chip, the test's time."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+
+import httpx
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet
+import pytest
+from fastapi import FastAPI
+
+from app.clock import VirtualClock
+from app.settings import Settings
+
+CHANNELS = ["position.0", "velocity.0"]
+MISSING = "20200101-000000-0000"
+
+
+async def start(client: httpx.AsyncClient, **more: object) -> str:
+    body = {"device": "bench", "channels": CHANNELS, "rate_hz": 100.0, **more}
+    answer = await client.post("recordings", json=body)
+    assert answer.status_code == 201, answer.text
+    recording: str = answer.json()["id"]
+    return recording
+
+
+async def run(clock: VirtualClock, seconds: float) -> None:
+    """Time goes on in beats, as the pump's does."""
+    for _ in range(round(seconds / 0.05)):
+        await clock.advance(0.05)
+
+
+async def detail(client: httpx.AsyncClient, recording: str) -> dict[str, object]:
+    answer = await client.get(f"recordings/{recording}")
+    assert answer.status_code == 200, answer.text
+    found: dict[str, object] = answer.json()
+    return found
+
+
+async def test_a_move_is_recorded_with_everything_around_it(client: httpx.AsyncClient, clock: VirtualClock) -> None:
+    recording = await start(client, name="first run", note="warm motor")
+    await client.post("devices/bench/axes/0/move", json={"target": 2000})
+    await run(clock, 2.0)
+    await client.post(f"recordings/{recording}/marks", json={"text": "here it sang"})
+    stopped = (await client.post(f"recordings/{recording}/stop")).json()
+    assert (stopped["state"], stopped["message"]) == ("done", "")
+
+    found = await detail(client, recording)
+    assert (found["name"], found["note"], found["device"], found["model"]) == (
+        "first run",
+        "warm motor",
+        "bench",
+        "tmc428",
+    )
+    assert found["rows"] == pytest.approx(200, abs=15)
+    assert found["duration_s"] == pytest.approx(2.0, abs=0.15)
+    kinds = [mark["kind"] for mark in found["marks"]]  # type: ignore[attr-defined]
+    assert "move" in kinds
+    assert "note" in kinds
+    assert [mark["text"] for mark in found["marks"] if mark["kind"] == "note"] == ["here it sang"]  # type: ignore[attr-defined]
+    position = found["figures"]["position.0"]  # type: ignore[index]
+    assert (position["first"], position["last"], position["overshoot"]) == (0, 2000, 0)
+    assert 0 < position["settling_s"] < 2
+    registers = {(entry["name"], entry["axis"]): entry["value"] for entry in found["configuration"]["registers"]}  # type: ignore[index]
+    assert registers["v_max", 0] > 0
+
+
+@pytest.mark.parametrize(("level", "rising"), [(500.0, True), (1500.0, False)])
+async def test_a_level_triggers_and_what_was_before_is_kept(
+    client: httpx.AsyncClient, clock: VirtualClock, level: float, rising: bool
+) -> None:
+    if not rising:
+        await client.post("devices/bench/axes/0/move", json={"target": 2000})
+        await run(clock, 2.0)
+    trigger = {"kind": "level", "channel": "position.0", "level": level, "rising": rising, "pre_s": 0.2}
+    recording = await start(client, trigger=trigger, duration_s=0.5)
+    await run(clock, 1.0)
+    assert (await client.get("recordings")).json()["recordings"][0]["state"] == "waiting"
+    await client.post("devices/bench/axes/0/move", json={"target": 2000 if rising else 0})
+    await run(clock, 2.0)
+    found = await detail(client, recording)
+    assert found["state"] == "done"
+    assert found["duration_s"] == pytest.approx(0.7, abs=0.03)
+
+    plot = (await client.get(f"recordings/{recording}/plot")).json()
+    assert plot["from_s"] == pytest.approx(-0.2, abs=0.011)
+    assert plot["to_s"] == pytest.approx(0.5, abs=0.011)
+    curve = plot["curves"][0]
+    at_zero = curve["time_s"].index(min(curve["time_s"], key=abs))
+    before, at = curve["values"][at_zero - 1], curve["values"][at_zero]
+    assert (before < level <= at) if rising else (before > level >= at)
+
+
+async def test_a_move_triggers(client: httpx.AsyncClient, clock: VirtualClock) -> None:
+    recording = await start(client, trigger={"kind": "move", "axis": 1, "pre_s": 0.1}, duration_s=0.3)
+    await client.post("devices/bench/axes/0/move", json={"target": 2000})
+    await run(clock, 0.5)
+    assert (await detail(client, recording))["rows"] == 0
+    await client.post("devices/bench/axes/1/move", json={"target": 2000})
+    await run(clock, 1.0)
+    found = await detail(client, recording)
+    assert (found["state"], found["duration_s"]) == ("done", pytest.approx(0.4, abs=0.03))
+
+
+async def test_files_for_other_programs(client: httpx.AsyncClient, clock: VirtualClock) -> None:
+    recording = await start(client)
+    await client.post("devices/bench/axes/0/move", json={"target": 1000})
+    await run(clock, 1.0)
+    await client.post(f"recordings/{recording}/stop")
+
+    answer = await client.get(f"recordings/{recording}?format=csv")
+    assert answer.headers["content-type"].startswith("text/csv")
+    assert f'filename="{recording}.csv"' in answer.headers["content-disposition"]
+    lines = list(csv.reader(io.StringIO(answer.text)))
+    assert lines[0] == ["time_s", *CHANNELS]
+    assert float(lines[-1][1]) == 1000
+
+    table = pyarrow.parquet.read_table(io.BytesIO((await client.get(f"recordings/{recording}?format=parquet")).content))
+    assert table.column_names == ["time_s", *CHANNELS]
+    assert table.field("velocity.0").metadata == {b"unit": b"pps"}
+    assert table["position.0"].to_pylist() == [float(line[1]) for line in lines[1:]]
+    assert json.loads(table.schema.metadata[b"stepscope"])["device"] == "bench"
+
+
+async def test_the_list_is_searched_renamed_and_cleared(client: httpx.AsyncClient, clock: VirtualClock) -> None:
+    ids = []
+    for name in ("Slow run", "fast run", "third"):
+        ids.append(await start(client, name=name))
+        await run(clock, 0.2)
+        await client.post(f"recordings/{ids[-1]}/stop")
+
+    async def names(**query: str) -> set[str]:
+        found = (await client.get("recordings", params=query)).json()
+        assert (
+            found["size_bytes"] >= sum(each["size_bytes"] for each in found["recordings"]) > 0
+            or not found["recordings"]
+        )
+        return {each["name"] for each in found["recordings"]}
+
+    assert await names() == {"Slow run", "fast run", "third"}
+    assert await names(search="RUN slow") == {"Slow run"}
+    assert await names(search="tmc428 bench") == {"Slow run", "fast run", "third"}
+    assert await names(device="slider") == set()
+    await client.patch(f"recordings/{ids[2]}", json={"note": "the slow one"})
+    assert await names(search="slow") == {"Slow run", "third"}
+    assert (await client.delete(f"recordings/{ids[0]}")).status_code == 204
+    assert await names() == {"fast run", "third"}
+    assert (await client.get(f"recordings/{ids[0]}")).status_code == 404
+
+
+async def test_a_long_one_is_thinned_and_no_peak_hidden(client: httpx.AsyncClient, clock: VirtualClock) -> None:
+    recording = await start(client, rate_hz=1000.0)
+    await client.post("devices/bench/axes/0/move", json={"target": 3000})
+    await run(clock, 3.0)
+    await client.post(f"recordings/{recording}/stop")
+    whole = (await client.get(f"recordings/{recording}/plot", params={"points": 100_000})).json()
+    thin = (await client.get(f"recordings/{recording}/plot", params={"points": 60})).json()
+    assert (whole["thinned"], thin["thinned"]) == (False, True)
+    for full, few in zip(whole["curves"], thin["curves"], strict=True):
+        assert len(few["values"]) <= 60 < len(full["values"])
+        assert (max(few["values"]), min(few["values"])) == (max(full["values"]), min(full["values"]))
+    part: dict[str, str | float] = {"from_s": 0.5, "to_s": 0.6, "channel": "position.0"}
+    zoomed = (await client.get(f"recordings/{recording}/plot", params=part)).json()
+    assert [curve["channel"] for curve in zoomed["curves"]] == ["position.0"]
+    assert zoomed["rows"] == pytest.approx(100, abs=2)
+    assert 0.5 <= zoomed["from_s"] <= zoomed["to_s"] <= 0.6
+
+
+async def test_a_device_that_fails_leaves_a_gap(client: httpx.AsyncClient, clock: VirtualClock) -> None:
+    recording = await start(client)
+    await run(clock, 0.5)
+    await client.patch("devices/bench/emulator", json={"faults": {"unplugged": True}})
+    await run(clock, 1.0)
+    await client.patch("devices/bench/emulator", json={"faults": {"unplugged": False}})
+    await client.post("devices/bench/connect")
+    await run(clock, 0.5)
+    await client.post(f"recordings/{recording}/stop")
+    found = await detail(client, recording)
+    assert "gap" in [mark["kind"] for mark in found["marks"]]  # type: ignore[attr-defined]
+    assert found["figures"]["position.0"]["missing"] >= 1  # type: ignore[index]
+    values = (await client.get(f"recordings/{recording}/plot")).json()["curves"][0]["values"]
+    assert None in values
+
+
+async def test_a_removed_device_ends_it(client: httpx.AsyncClient, clock: VirtualClock) -> None:
+    recording = await start(client)
+    await run(clock, 0.5)
+    await client.delete("devices/bench")
+    await run(clock, 0.2)
+    found = await detail(client, recording)
+    assert found["state"] == "done"
+    assert "removed" in str(found["message"])
+    assert found["rows"] == pytest.approx(50, abs=10)
+
+
+async def test_the_end_of_the_server_ends_it_properly(
+    app: FastAPI, client: httpx.AsyncClient, clock: VirtualClock, settings: Settings
+) -> None:
+    recording = await start(client)
+    await run(clock, 0.5)
+    await app.state.bench.desk.close()
+    path = settings.data_dir / "recordings" / f"{recording}.arrows"
+    table = pa.ipc.open_stream(path.read_bytes()).read_all()
+    assert table.num_rows == pytest.approx(50, abs=10)
+
+
+@pytest.mark.parametrize(
+    ("body", "status", "words"),
+    [
+        ({"device": "nobody", "channels": CHANNELS}, 404, "known: bench"),
+        ({"device": "bench", "channels": ["colour.0"]}, 404, "colour.0"),
+        ({"device": "bench", "channels": []}, 422, "channels"),
+        ({"device": "bench", "channels": CHANNELS, "rate_hz": 5000.0}, 422, "1000"),
+        (
+            {
+                "device": "bench",
+                "channels": CHANNELS,
+                "trigger": {"kind": "level", "channel": "deviation.0", "level": 1.0},
+            },
+            404,
+            "deviation.0",
+        ),
+        ({"device": "bench", "channels": CHANNELS, "trigger": {"kind": "move", "axis": 9}}, 404, "axis"),
+        ({"device": "bench", "channels": CHANNELS, "duration_s": -1.0}, 422, "duration_s"),
+    ],
+)
+async def test_what_cannot_be_recorded_leaves_nothing(
+    client: httpx.AsyncClient, body: dict[str, object], status: int, words: str
+) -> None:
+    answer = await client.post("recordings", json=body)
+    assert answer.status_code == status, answer.text
+    assert words in answer.text
+    assert (await client.get("recordings")).json() == {"recordings": [], "size_bytes": 0}
+
+
+async def test_one_that_runs_is_not_deleted_and_one_that_is_over_not_marked(
+    client: httpx.AsyncClient, clock: VirtualClock
+) -> None:
+    recording = await start(client)
+    await run(clock, 0.2)
+    assert (await client.delete(f"recordings/{recording}")).status_code == 409
+    await client.post(f"recordings/{recording}/stop")
+    assert (await client.post(f"recordings/{recording}/marks", json={"text": "late"})).status_code == 409
+    assert (await client.post(f"recordings/{recording}/stop")).status_code == 200
+    assert (await client.delete(f"recordings/{recording}")).status_code == 204
+
+
+@pytest.mark.parametrize("name", [MISSING, "..", "x", "%2e%2e%2fconnections", "20200101-000000-0000.json"])
+@pytest.mark.parametrize("method", ["GET", "DELETE", "PATCH"])
+async def test_an_id_never_leads_elsewhere(client: httpx.AsyncClient, name: str, method: str) -> None:
+    answer = await client.request(method, f"recordings/{name}", json={} if method == "PATCH" else None)
+    assert answer.status_code in (404, 405)
+
+
+async def test_a_file_that_is_none_is_told(client: httpx.AsyncClient, settings: Settings) -> None:
+    folder = Path(settings.data_dir) / "recordings"
+    folder.mkdir(parents=True)
+    (folder / f"{MISSING}.arrows").write_bytes(b"nonsense")
+    listed = (await client.get("recordings")).json()["recordings"][0]
+    assert (listed["state"], listed["device"]) == ("failed", None)
+    assert "Arrow" in listed["message"]
+    answer = await client.get(f"recordings/{MISSING}")
+    assert answer.status_code == 409
+    assert (await client.delete(f"recordings/{MISSING}")).status_code == 204
+
+
+async def test_rows_are_in_the_order_of_time(
+    client: httpx.AsyncClient, clock: VirtualClock, settings: Settings
+) -> None:
+    recording = await start(client)
+    await run(clock, 1.0)
+    path = settings.data_dir / "recordings" / f"{recording}.arrows"
+    while_it_runs = pa.ipc.open_stream(path.read_bytes())
+    rows = [batch for batch in while_it_runs if batch.num_rows]
+    time_s = np.concatenate([batch.column("time_s").to_numpy() for batch in rows])
+    assert len(time_s) >= 80, "what was sampled is in the file, but for the last beat"
+    assert np.all(np.diff(time_s) > 0)
