@@ -4,8 +4,10 @@
 
     with Bench("http://127.0.0.1:8000") as bench:
         bench.write("bench", "V_MAX", 1200, axis=0)
+        run = bench.record("bench", ["position.0", "residual.0"], rate_hz=500)
         bench.move("bench", 0, 40_000)  # answers when it has arrived
-        run = bench.watch("bench", ["position.0", "residual.0"], seconds=2, rate_hz=500)
+        bench.stop_recording(run.id)
+        residual = bench.recorded(run.id)["residual.0"]  # numpy
 
 `records` is what comes back, `errors` what may be raised. Nothing here is sent twice: a call whose answer got lost
 may have moved a motor.
@@ -14,7 +16,7 @@ may have moved a motor.
 from app.client.asynchronous import AsyncBench
 from app.client.blocking import Bench
 from app.client.errors import ClientError, MoveEnded, NoAnswer, NoServer, Refused
-from app.client.records import AxisState, Device, MoveStarted, Reading, Samples, Written
+from app.client.records import AxisState, Device, MoveStarted, Reading, Recording, Samples, Written
 
 __all__ = [
     "AsyncBench",
@@ -27,6 +29,7 @@ __all__ = [
     "NoAnswer",
     "NoServer",
     "Reading",
+    "Recording",
     "Refused",
     "Samples",
     "Written",

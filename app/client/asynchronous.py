@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import asyncio
+import io
 from collections.abc import Callable, Mapping, Sequence
 from types import TracebackType
 from typing import Any, Self, TypeVar
 
 import httpx
+import pyarrow.parquet as pq
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
 from websockets.typing import Subprotocol
@@ -16,9 +18,20 @@ from app.client import calls
 from app.client.arrival import LOOK_EVERY_S, Arrival
 from app.client.calls import Call
 from app.client.errors import ClientError, NoServer
-from app.client.http import TIMEOUT_S, answer_of, headers, options, server_url, socket_url, timeout, token_of, told
-from app.client.records import AxisState, Device, Json, MoveStarted, Reading, Samples, Written
-from app.client.stream import SUBPROTOCOL, Collector
+from app.client.http import (
+    TIMEOUT_S,
+    answer_of,
+    content_of,
+    headers,
+    options,
+    server_url,
+    socket_url,
+    timeout,
+    token_of,
+    told,
+)
+from app.client.records import AxisState, Device, Json, MoveStarted, Reading, Recording, Samples, Written
+from app.client.stream import SUBPROTOCOL, Collector, samples_of
 
 T = TypeVar("T")
 
@@ -189,6 +202,50 @@ class AsyncBench:
         except OSError as error:
             raise NoServer(f"no stepscope answers at {self.url}: {error}") from error
         return collector.samples()
+
+    async def record(
+        self,
+        device: str,
+        channels: Sequence[str],
+        rate_hz: float = 200.0,
+        *,
+        seconds: float | None = None,
+        trigger: Json | None = None,
+        name: str = "",
+        note: str = "",
+    ) -> Recording:
+        """Begin to record in the server, whoever listens: until `stop_recording`, or for `seconds` from the trigger.
+
+        `trigger` is {"kind": "now"}, {"kind": "move", "axis": 0, "pre_s": 0.5} or {"kind": "level", "channel": ...}.
+        """
+        more = {"duration_s": seconds, "trigger": trigger or {"kind": "now"}, "name": name, "note": note}
+        return await self._send(calls.record_start(device, channels, rate_hz, more))
+
+    async def stop_recording(self, recording: str) -> Recording:
+        """End it; one that is over stays as it is."""
+        return await self._send(calls.record_stop(recording))
+
+    async def recordings(self, search: str = "") -> list[Recording]:
+        """All of them, the latest first; with `search` those with these words in name, note, device or model."""
+        return await self._send(calls.recordings(search))
+
+    async def recording(self, recording: str) -> Json:
+        """Marks, figures and the configuration at the start."""
+        return await self._send(calls.recording(recording))
+
+    async def recorded(self, recording: str) -> Samples:
+        """The rows of a recording as arrays."""
+        head = await self._send(calls.recording(recording))
+        table = pq.read_table(io.BytesIO(await self.recording_file(recording, "parquet")))
+        return samples_of(table, head["rate_hz"])
+
+    async def recording_file(self, recording: str, kind: str = "csv") -> bytes:
+        """All rows as a file: "csv" or "parquet"."""
+        try:
+            response = await self._http.get(calls.recording_file(recording, kind))
+        except httpx.TransportError as error:
+            raise told(error, self.url) from error
+        return content_of(response)
 
     async def _send(self, call: Call[T]) -> T:
         try:

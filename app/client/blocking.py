@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import io
 import time
 from collections.abc import Callable, Mapping, Sequence
 from types import TracebackType
 from typing import Any, Self, TypeVar
 
 import httpx
+import pyarrow.parquet as pq
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 from websockets.typing import Subprotocol
@@ -16,9 +18,20 @@ from app.client import calls
 from app.client.arrival import LOOK_EVERY_S, Arrival
 from app.client.calls import Call
 from app.client.errors import ClientError, NoServer
-from app.client.http import TIMEOUT_S, answer_of, headers, options, server_url, socket_url, timeout, token_of, told
-from app.client.records import AxisState, Device, Json, MoveStarted, Reading, Samples, Written
-from app.client.stream import SUBPROTOCOL, Collector
+from app.client.http import (
+    TIMEOUT_S,
+    answer_of,
+    content_of,
+    headers,
+    options,
+    server_url,
+    socket_url,
+    timeout,
+    token_of,
+    told,
+)
+from app.client.records import AxisState, Device, Json, MoveStarted, Reading, Recording, Samples, Written
+from app.client.stream import SUBPROTOCOL, Collector, samples_of
 
 T = TypeVar("T")
 
@@ -187,6 +200,50 @@ class Bench:
         except OSError as error:
             raise NoServer(f"no stepscope answers at {self.url}: {error}") from error
         return collector.samples()
+
+    def record(
+        self,
+        device: str,
+        channels: Sequence[str],
+        rate_hz: float = 200.0,
+        *,
+        seconds: float | None = None,
+        trigger: Json | None = None,
+        name: str = "",
+        note: str = "",
+    ) -> Recording:
+        """Begin to record in the server, whoever listens: until `stop_recording`, or for `seconds` from the trigger.
+
+        `trigger` is {"kind": "now"}, {"kind": "move", "axis": 0, "pre_s": 0.5} or {"kind": "level", "channel": ...}.
+        """
+        more = {"duration_s": seconds, "trigger": trigger or {"kind": "now"}, "name": name, "note": note}
+        return self._send(calls.record_start(device, channels, rate_hz, more))
+
+    def stop_recording(self, recording: str) -> Recording:
+        """End it; one that is over stays as it is."""
+        return self._send(calls.record_stop(recording))
+
+    def recordings(self, search: str = "") -> list[Recording]:
+        """All of them, the latest first; with `search` those with these words in name, note, device or model."""
+        return self._send(calls.recordings(search))
+
+    def recording(self, recording: str) -> Json:
+        """Marks, figures and the configuration at the start."""
+        return self._send(calls.recording(recording))
+
+    def recorded(self, recording: str) -> Samples:
+        """The rows of a recording as arrays."""
+        head = self._send(calls.recording(recording))
+        table = pq.read_table(io.BytesIO(self.recording_file(recording, "parquet")))
+        return samples_of(table, head["rate_hz"])
+
+    def recording_file(self, recording: str, kind: str = "csv") -> bytes:
+        """All rows as a file: "csv" or "parquet"."""
+        try:
+            response = self._http.get(calls.recording_file(recording, kind))
+        except httpx.TransportError as error:
+            raise told(error, self.url) from error
+        return content_of(response)
 
     def _send(self, call: Call[T]) -> T:
         try:

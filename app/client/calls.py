@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 from urllib.parse import quote
 
-from app.client.records import AxisState, Device, Json, MoveStarted, Reading, Written, record
+from app.client.records import AxisState, Device, Json, MoveStarted, Reading, Recording, Written, record
 
 T = TypeVar("T")
 BASE = "/api/v1"
@@ -87,6 +87,31 @@ def calc(subject: str, body: Json) -> Call[Json]:
     return Call("POST", f"{BASE}/calc/{quote(subject, safe='')}", _as_it_is, body)
 
 
+def record_start(device: str, channels: Sequence[str], rate_hz: float, more: Json) -> Call[Recording]:
+    body = {"device": device, "channels": list(channels), "rate_hz": rate_hz, **more}
+    return Call("POST", f"{BASE}/recordings", _recording, body)
+
+
+def record_stop(recording: str) -> Call[Recording]:
+    return Call("POST", f"{_recorded(recording)}/stop", _recording, {})
+
+
+def recordings(search: str) -> Call[list[Recording]]:
+    def parse(answer: Any) -> list[Recording]:
+        return [_recording(each) for each in answer["recordings"]]
+
+    return Call("GET", f"{BASE}/recordings", parse, query={"search": search} if search else {})
+
+
+def recording(recording: str) -> Call[Json]:
+    return Call("GET", _recorded(recording), _as_it_is)
+
+
+def recording_file(recording: str, kind: str) -> str:
+    """Path and query of all rows as a file."""
+    return f"{_recorded(recording)}?format={quote(kind, safe='')}"
+
+
 def catalog() -> Call[list[Json]]:
     return Call("GET", f"{BASE}/catalog", _as_it_is)
 
@@ -107,6 +132,14 @@ def _of(name: str) -> str:
 
 def _of_axis(name: str, axis: int) -> str:
     return f"{_of(name)}/axes/{axis}"
+
+
+def _recorded(recording: str) -> str:
+    return f"{BASE}/recordings/{quote(recording, safe='')}"
+
+
+def _recording(answer: Json) -> Recording:
+    return record(Recording, answer)
 
 
 def _axis(axis: int | None) -> dict[str, str | int | list[str]]:

@@ -70,6 +70,17 @@ def answer_of(call: Call[T], response: httpx.Response) -> T:
         raise ClientError(f"{response.url} answers in another shape than expected: {error!r} is missing") from error
 
 
+def content_of(response: httpx.Response) -> bytes:
+    """The answer's bytes, of calls that answer with a file. Raises Refused."""
+    if response.is_error:
+        try:
+            problem = response.json()
+        except ValueError:
+            problem = None
+        raise Refused(response.status_code, problem if isinstance(problem, dict) else {})
+    return response.content
+
+
 def told(error: httpx.TransportError, url: str) -> ClientError:
     """What a broken connection means: whether the call can have arrived."""
     if isinstance(error, httpx.ConnectError | httpx.ConnectTimeout):

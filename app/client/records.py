@@ -97,6 +97,23 @@ class MoveStarted:
 
 
 @dataclass(frozen=True, slots=True)
+class Recording:
+    """A recording in the server's data directory."""
+
+    id: str
+    name: str
+    note: str
+    device: str | None
+    model: str | None
+    rate_hz: float | None
+    state: str
+    """"waiting" for its trigger, "recording", "done" or "failed"."""
+    message: str
+    rows: int | None
+    size_bytes: int
+
+
+@dataclass(frozen=True, slots=True)
 class Samples:
     """A stretch of telemetry: `time_s` [rows] and `values` [channels, rows], NaN where a sample is missing."""
 

@@ -7,12 +7,24 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+import pyarrow as pa
 
 from app.client.errors import ClientError, Refused
 from app.client.records import Samples
 from app.telemetry.frames import Frame, decode
 
 SUBPROTOCOL = "stepscope.telemetry.v1"
+
+
+def samples_of(table: pa.Table, rate_hz: float) -> Samples:
+    """A recording's Parquet file as samples. Raises ClientError for a file of another program."""
+    names = table.column_names
+    if not names or names[0] != "time_s":
+        raise ClientError("the file is no recording of stepscope")
+    units = tuple((table.field(name).metadata or {}).get(b"unit", b"").decode() for name in names[1:])
+    columns = [table[name].to_numpy() for name in names]
+    values = np.stack(columns[1:]) if len(columns) > 1 else np.empty((0, len(columns[0])))
+    return Samples(tuple(names[1:]), units, rate_hz, columns[0], values, 0)
 
 
 class Collector:
