@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import csv
 import json
+import os
 import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -61,6 +62,9 @@ def _bench(url: str | None, token: str | None) -> Iterator[Bench]:
     except ClientError as error:
         typer.secho(f"stepscope: {error}", fg="red", err=True)
         raise typer.Exit(error.exit_code) from error
+    except BrokenPipeError:  # `stepscope read bench | head`: who read it has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        raise typer.Exit(0) from None
     except (OSError, ValueError) as error:
         typer.secho(f"stepscope: {error}", fg="red", err=True)
         raise typer.Exit(2) from error

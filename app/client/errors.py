@@ -25,7 +25,8 @@ class Refused(ClientError):
         facts = problem.get("facts")
         self.facts: Mapping[str, object] = facts if isinstance(facts, Mapping) else {}
         """The numbers behind: minimum, maximum, known..."""
-        super().__init__(f"{self.detail} ({self.way_out})" if self.way_out else self.detail)
+        told = not self.way_out or self.way_out in self.detail
+        super().__init__(self.detail if told else f"{self.detail} ({self.way_out})")
 
 
 class NoServer(ClientError):

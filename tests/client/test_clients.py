@@ -117,6 +117,12 @@ async def test_what_the_server_refuses_is_raised_with_its_facts(server: str) -> 
             await bench.watch("bench", ["colour.0"], seconds=1)
 
 
+def test_the_way_out_is_told_once() -> None:
+    assert str(Refused(409, {"detail": "it moves; stop it", "way_out": "stop it"})) == "it moves; stop it"
+    assert str(Refused(504, {"detail": "no reply", "way_out": "ask again"})) == "no reply (ask again)"
+    assert str(Refused(500, {})) == "status 500"
+
+
 def test_nobody_there() -> None:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))

@@ -5,6 +5,8 @@ from __future__ import annotations
 import asyncio
 import csv
 import json
+import os
+import sys
 from pathlib import Path
 
 import pytest
@@ -116,3 +118,22 @@ async def test_recording_and_what_was_recorded(server: str, tmp_path: Path) -> N
     assert recorded["id"] not in said(await run(server, "recordings", "moving"))
     refused = await run(server, "record", "bench", "position.0", "--seconds", "1", "--out", str(tmp_path / "x.txt"))
     assert (refused.exit_code, ".parquet" in refused.output) == (2, True)
+
+
+async def test_a_reader_that_has_seen_enough_ends_it_quietly(server: str) -> None:
+    reading, writing = os.pipe()
+    os.close(reading)
+    process = await asyncio.create_subprocess_exec(
+        sys.executable,
+        "-m",
+        "app.cli",
+        "read",
+        "bench",
+        "--json",
+        env={**os.environ, "STEPSCOPE_URL": server},
+        stdout=writing,
+        stderr=asyncio.subprocess.PIPE,
+    )
+    os.close(writing)
+    _, said = await process.communicate()
+    assert (process.returncode, said) == (0, b"")
