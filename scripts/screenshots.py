@@ -101,11 +101,13 @@ def add_devices(url: str) -> None:
         (TWO_AXES, "tmc5072", 2, SIXPOINT_RAMP),
         (ONE_AXIS, "tmc5160", 1, SIXPOINT_RAMP | SIXPOINT_ENCODER),
     )
+    gear = {"microsteps_per_motor_turn": 51_200, "motor_teeth": 3, "driven_teeth": 7}
     for name, model, axes, ramp in ramps:
         _call(f"{url}/api/v1/devices", {"name": name, "model": model, "link": {"kind": "emulator"}})
         for axis in range(axes):
             for register, value in ramp.items():
                 _call(f"{url}/api/v1/devices/{name}/registers/{register}?axis={axis}", {"value": value}, "PUT")
+    _call(f"{url}/api/v1/devices/{ONE_AXIS}/axes/0/extended-position", {"gear": gear}, "PUT")
 
 
 def shuttle(url: str) -> None:

@@ -7,6 +7,9 @@ import type { Mark } from "../../plots/types";
 import classes from "./currents.module.css";
 import { type HoldDelay, holdLine, holdTimes } from "./hold";
 
+/** how much of the plot's width a name takes, roughly */
+const NAME_SHARE = 0.15;
+
 interface Props {
   delay: HoldDelay;
   irun: number;
@@ -29,14 +32,16 @@ export function HoldPlot({ delay, irun, ihold, fullScaleA }: Props) {
     id,
     x,
     color: grey,
-    label,
+    ...(label ? { label } : {}),
     fixed: true,
     low,
   });
+  // Right beside "last step" there is no room for its name; the line falls visibly enough.
+  const falls = times.fallsS > NAME_SHARE * times.downS ? "falls" : "";
   const marks = [
     mark("stop", 0, "last step"),
     mark("seen", times.seenS, "stands", true),
-    ...(delay.waiting_s ? [mark("falls", times.fallsS, "falls")] : []),
+    ...(delay.waiting_s ? [mark("falls", times.fallsS, falls)] : []),
     ...(times.downS > times.fallsS ? [mark("down", times.downS, "holds", true)] : []),
   ];
   return (
