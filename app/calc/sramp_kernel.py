@@ -404,9 +404,6 @@ def _moved(p: FloatArray, rows: FloatArray, distance: float, v: float, a: float)
     # first the way in which the motor runs; s = -s where it then has to come back
     n = _brake(p, rows, FIRST, v, a)
     ending = _length(rows, FIRST, n)
-    size = abs(wanted)
-    for row in range(n):
-        size += abs(rows[row, LENGTH])
     if from_rest and ending > wanted:  # a start too steep for so short a move
         if p[VSTOP] > 0:
             n = _cut_if_slow(p, rows, follow(p, rows, FIRST, v, a, p[VMAX]), wanted)
@@ -415,6 +412,9 @@ def _moved(p: FloatArray, rows: FloatArray, distance: float, v: float, a: float)
         a = _moment(p, rows, FIRST, AT_START, a, v_start, wanted)
         n = _brake(p, rows, FIRST, v, a)
         ending = _length(rows, FIRST, n)
+    size = abs(wanted)
+    for row in range(n):
+        size += abs(rows[row, LENGTH])
     if abs(ending - wanted) <= ALIKE * size:
         return _mirrored(rows, n, FIRST, s)
     if p[VSTOP] > 0:

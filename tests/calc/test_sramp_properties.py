@@ -114,6 +114,8 @@ STEEP_BOW4 = SRamp(E, E, E, 1.0, 1.0, 1.0, 3269017.3724721107, vstart=E)
 VSTART_ABOVE_VSTOP = SRamp(1.0, E, E, 1.0, 1.0, 1.0, 1.0, vstart=1.0, vstop=1 / E)
 NOISE_OF_A_STEEP_BOW3 = SRamp(1.0, 1.0, 8103.08, 1.0, 1.0, 12241134.27, E, vstop=0.0301973834223185)
 VSTART_IS_VSTOP = SRamp(22026.5, 1.0, 1.0, 1.0, 13359.7, 1.0, 1.0, vstart=17154.228809290984, vstop=17154.228809290984)
+ALTERED_TO_NOTHING = SRamp(3269017.3724721107, 2980.9579870417283, 1.0, 1.0, 1.0, 1.0, 1.0, vstart=E)
+"""Braking from the start that was wished takes 10^10 microsteps, from the altered one 5."""
 BRAKES_TOO_HARD = SRamp(1.0, E, 1.0, 1.0, 1.0, 1.0, 1.0, vstop=1.0)
 
 
@@ -122,6 +124,8 @@ BRAKES_TOO_HARD = SRamp(1.0, E, 1.0, 1.0, 1.0, 1.0, 1.0, vstop=1.0)
     [
         pytest.param(STEEP_BOW4, -1.0, 0.0, 0.0, id="a bow that ends within the last digits of another"),
         pytest.param(VSTART_ABOVE_VSTOP, -1 / E, 0.0, 0.0, id="passes the target with more than VSTOP and comes back"),
+        pytest.param(ALTERED_TO_NOTHING, -1.0, 0.0, 0.0, id="a start altered to nothing still passes its target"),
+        pytest.param(ALTERED_TO_NOTHING, 4.0, 0.0, 0.0, id="by a microstep only"),
         pytest.param(NOISE_OF_A_STEEP_BOW3, -1.0, 0.0, 0.0, id="rounding is no phase of its own"),
         pytest.param(VSTART_IS_VSTOP, -1.0, 0.0, 0.0, id="hardly above VSTOP all the way"),
         pytest.param(BRAKES_TOO_HARD, -1.0, 1.0, -E, id="is below VSTOP, but soon fast the other way"),
