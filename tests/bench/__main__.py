@@ -18,6 +18,7 @@ from tests.bench import (
     motor,
     mslut,
     planner,
+    recording_kills,
     serving,
     tmcl_link,
     uart_link,
@@ -39,6 +40,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "pmul": lambda quick: [calculators.measure(quick=quick)],
     "mslut": lambda quick: [mslut.measure(quick=quick)],
     "endless": endless.measure,
+    "recordings": recording_kills.measure,
 }
 
 
