@@ -28,7 +28,6 @@ class Head:
     """Device, columns and circumstances.
 
     time_origin_unix_s : Unix time [s] of device time 0
-    zero_s : device time that plots call 0: the trigger, or the start [s]; None until the trigger came
     configuration : the device's whole configuration at the start, as its profile has it; None where it was not read
     """
 
