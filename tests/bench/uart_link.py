@@ -66,7 +66,7 @@ def _reads(*, echo: bool, quick: bool) -> list[Row]:
     where = "one wire with an echo" if echo else "two wires"
     notes = (
         f"one awaited reading at a time: {median(alone):,.0f}/s",
-        f"the raw loop is at {bound:.2f} of PyTrinamic: as much as this emulator on a pty lets anybody have without pipelining",
+        f"the raw loop is at {bound:.2f} of PyTrinamic: without pipelining the emulator and the pty allow no more",
     )
     return [
         Row(
