@@ -10,11 +10,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.api.schemas_tmcl import TmclFields
-from app.api.tmcl_text import command_of, parse_line
+from app.api.tmcl_text import command_of
 from app.clock import VirtualClock
 from app.devices.pd42.frames import spelled
 from app.links.errors import UsageError
 from app.links.tmcl import Request, check_reply
+from app.links.tmcl_text import parse_line
 from app.registers.tmcl import COMMANDS
 
 
@@ -119,6 +120,7 @@ async def test_a_chip_speaks_no_tmcl(client: httpx.AsyncClient) -> None:
         ("STOP_APPLICATION", (128, 0, 0, 0)),
         ("stop application", (128, 0, 0, 0)),
         ("RUN_APPLICATION ADDRESS, 10", (129, 1, 0, 10)),
+        ("SAP 4, 0, 1000 // pps; fast", (5, 4, 0, 1000)),
         ("200 1, 2, 3", (200, 1, 2, 3)),
     ],
 )
