@@ -32,6 +32,7 @@ from app.api.routes import (
     tmcl,
 )
 from app.api.ui import WebUi
+from app.api.who import Who
 from app.settings import Settings
 
 BASE = "/api/v1"
@@ -79,6 +80,8 @@ def make_app(bench: Bench, lifespan: Lifespan) -> FastAPI:
     app.router.default = WebUi(bench.settings.web_dir)
     problems.install(app)
     openapi.customise(app)
+    # Inside of both doors: whose request it is matters once it is in.
+    app.add_middleware(Who, name_of=lambda _: None)
     app.state.token = token_of(bench.settings)
     if app.state.token is not None:
         app.add_middleware(Access, token=app.state.token, clock=bench.clock)
