@@ -42,6 +42,7 @@ from app.links.registry import (
 )
 from app.settings import Settings
 from app.store.connections import ConnectionStore
+from app.store.database import Database
 from app.store.positions import PositionStore
 from app.store.recordings.library import Library
 from app.store.saver import Saver
@@ -95,7 +96,8 @@ def create_app(
     endless = EndlessService(clock, changed=lambda: position_saver.request())
     position_saver = Saver(positions, endless.saved, clock, SAVE_EVERY_S)
     desk = RecordingDesk(Library(settings.data_dir), hub, clock)
-    bench = Bench(settings, clock, manager, hub, Procedures(clock), endless, desk, list_serial_ports)
+    database = Database(settings.data_dir)
+    bench = Bench(settings, clock, manager, hub, Procedures(clock), endless, desk, database, list_serial_ports)
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
@@ -104,6 +106,7 @@ def create_app(
         for warning in (*saved.warnings, *kept.warnings):
             log.warning("%s", warning)
         endless.restore(kept.positions)
+        await asyncio.to_thread(database.open)
         compiling = asyncio.create_task(asyncio.to_thread(compile_kernels))
         if not (await asyncio.wait({compiling}, timeout=PATIENCE_S))[0]:
             log.warning("the first start compiles the emulators, which takes some 15 s; later ones find it done")
@@ -132,6 +135,7 @@ def create_app(
             await hub.close()
             await manager.close()
             await saver.close()
+            await asyncio.to_thread(database.close)
 
     return make_app(bench, lifespan)
 

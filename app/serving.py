@@ -23,6 +23,7 @@ GRACE_S = 0.3
 def serve(settings: Settings, announce: Callable[[str], None]) -> None:
     """Serve until Ctrl-C. Raises CannotListen before anything has started."""
     logging.basicConfig(format="%(levelname)s %(name)s: %(message)s", level=settings.log_level.upper())
+    logging.getLogger("alembic").setLevel(logging.WARNING)  # its plugins and its plans are nobody's business here
     logging.getLogger("uvicorn.access").addFilter(_without_token)
     listener = listen(settings.host, settings.port)
     port = listener.getsockname()[1]

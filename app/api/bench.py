@@ -11,6 +11,7 @@ from app.api.schemas import Port
 from app.clock import Clock
 from app.devices.manager import DeviceManager
 from app.settings import Settings
+from app.store.database import Database
 from app.telemetry.hub import TelemetryHub
 from app.tuning.endless import EndlessService
 from app.tuning.procedures import Procedures
@@ -27,6 +28,7 @@ class Bench:
     procedures: Procedures
     endless: EndlessService
     desk: RecordingDesk
+    database: Database
     list_serial_ports: Callable[[], list[Port]]
     probing: Probing = field(default_factory=Probing)
 

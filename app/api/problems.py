@@ -27,6 +27,7 @@ from app.links.errors import (
     LinkError,
     LinkTimeout,
     OutOfRange,
+    StoreUnavailable,
     UnknownThing,
     UsageError,
     WriteRefused,
@@ -63,6 +64,7 @@ KINDS: dict[type[Exception], Kind] = {
     UsageError: Kind(422, "/problems/unusable-request", "The request asks for what cannot be"),
     BadReply: Kind(502, "/problems/bad-reply", "The device answered wrongly", "check the wiring, then ask again"),
     LinkError: Kind(502, "/problems/link-failed", "The link to the device failed"),
+    StoreUnavailable: Kind(503, "/problems/store-unavailable", "Nothing can be kept or looked up now"),
     LinkTimeout: Kind(
         504, "/problems/no-reply", "The device did not answer", "read before you write again: it may have happened"
     ),

@@ -5,6 +5,7 @@ BenchError
 |   +-- LinkDown            not open, refused, unplugged: reconnect first
 |   +-- LinkTimeout         no reply in time: a read may be asked again, a write may have happened
 |   +-- BadReply            a reply came and is wrong: length, checksum, echo
++-- StoreUnavailable        what has to be kept cannot be: disk full, no permission, file of a newer version
 +-- UsageError              we were asked for what cannot be
     +-- UnknownThing        no such device, axis, register, channel
     +-- OutOfRange          a value outside what is allowed
@@ -46,6 +47,14 @@ class BadReply(LinkError):
     def __init__(self, link: str, message: str, reply: bytes) -> None:
         super().__init__(link, f"{message} (got {reply.hex(' ') or 'nothing'})")
         self.reply = reply
+
+
+class StoreUnavailable(BenchError):
+    """The database takes or gives nothing now. The bench works all the same."""
+
+    def __init__(self, reason: str, way_out: str) -> None:
+        super().__init__(reason)
+        self.way_out = way_out
 
 
 class UsageError(BenchError):

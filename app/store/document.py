@@ -10,16 +10,13 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import sys
 import tempfile
 import threading
 from collections.abc import Iterator
-from datetime import UTC, datetime
 from pathlib import Path
 from typing import cast
 
-if sys.platform != "win32":
-    import fcntl
+from app.store.files import aside_name, exclusive
 
 
 class UnreadableDocument(Exception):
@@ -39,11 +36,7 @@ class Document:
         """Keep other threads and other processes from writing."""
         with self._threads, contextlib.ExitStack() as held:
             if self._depth == 0:  # a second file lock of the same thread would wait for the first one
-                self.path.parent.mkdir(parents=True, exist_ok=True)
-                # A file of its own: every write replaces the document, and a lock would go with the old one.
-                lock = held.enter_context(self.path.with_name(self.path.name + ".lock").open("w"))
-                if sys.platform != "win32":
-                    fcntl.flock(lock, fcntl.LOCK_EX)
+                held.enter_context(exclusive(self.path))
             self._depth += 1
             try:
                 yield
@@ -88,20 +81,14 @@ class Document:
 
         A copy that is there already is not made again: a broken file is met at every start.
         """
-        stamp = datetime.now(UTC).strftime("%Y%m%d-%H%M%S")
         with self.locked():
             content = self.path.read_bytes()
             for earlier in sorted(self.path.parent.glob(f"{self.path.stem}.broken-*{self.path.suffix}")):
                 if earlier.read_bytes() == content:
                     return earlier
-            number = 0
-            while True:
-                suffix = f"-{number}" if number else ""
-                aside = self.path.with_name(f"{self.path.stem}.broken-{stamp}{suffix}{self.path.suffix}")
-                if not aside.exists():
-                    aside.write_bytes(content)
-                    return aside
-                number += 1
+            aside = aside_name(self.path)
+            aside.write_bytes(content)
+            return aside
 
 
 def _sync_directory(directory: Path) -> None:

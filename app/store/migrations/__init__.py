@@ -1,0 +1,1 @@
+"""How the database came to be, one file a step; `env.py` is what Alembic runs them by."""
