@@ -15,6 +15,7 @@ from tests.bench import (
     emulation5xxx,
     emulation4361,
     endless,
+    hostile,
     motor,
     mslut,
     planner,
@@ -41,6 +42,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "mslut": lambda quick: [mslut.measure(quick=quick)],
     "endless": endless.measure,
     "recordings": recording_kills.measure,
+    "hostile": hostile.measure,
 }
 
 
