@@ -13,6 +13,7 @@ from app.api.problems import findings, problem_of
 from app.api.schemas import (
     AxisConfig,
     AxisInfo,
+    AxisLimits,
     ChannelInfo,
     DeviceInfo,
     RegisterBatchResult,
@@ -122,7 +123,7 @@ def clock_of(link: AnyLink, clock_hz: float | None) -> float:
 
 
 def axis_settings(axes: Sequence[AxisConfig] | None) -> tuple[AxisSettings, ...]:
-    return tuple(AxisSettings(**axis.model_dump()) for axis in axes or ())
+    return tuple(AxisSettings.of(axis.model_dump()) for axis in axes or ())
 
 
 def axis_config(settings: AxisSettings) -> AxisConfig:
@@ -132,6 +133,7 @@ def axis_config(settings: AxisSettings) -> AxisConfig:
         driver_microsteps=settings.driver_microsteps,
         gear_ratio=settings.gear_ratio,
         travel_mm_per_rev=settings.travel_mm_per_rev,
+        limits=AxisLimits.model_validate(settings.limits),
     )
 
 
@@ -147,17 +149,18 @@ def device_info(device: Device) -> DeviceInfo:
         problem=None if device.problem is None else problem_of(device.problem),
         emulated=device.emulated,
         demo=device.config.demo,
-        axes=[_axis_info(axis) for axis in device.axes],
+        axes=[_axis_info(device, axis) for axis in device.axes],
         channels=[ChannelInfo.model_validate(channel) for channel in device.channels()],
         rate_max_hz=device.rate_max_hz,
         chip_timed=device.chip_timed,
     )
 
 
-def _axis_info(axis: Axis) -> AxisInfo:
+def _axis_info(device: Device, axis: Axis) -> AxisInfo:
     return AxisInfo(
         index=axis.index,
-        **axis_config(axis.settings).model_dump(),
+        **dict(axis_config(axis.settings)),
+        limit_warnings=device.limit_warnings(axis.index),
         microsteps_per_full_step=axis.microsteps_per_full_step,
         pulse_div=axis.pulse_div,
         ramp_div=axis.ramp_div,

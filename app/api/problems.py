@@ -18,7 +18,7 @@ from fastapi.responses import JSONResponse
 from pydantic import ValidationError
 from starlette.exceptions import HTTPException
 
-from app.api.errors import UnencodableWave
+from app.api.errors import BenchNotTaken, BenchTaken, UnencodableWave
 from app.api.schemas import Problem
 from app.links.errors import (
     BadReply,
@@ -27,6 +27,7 @@ from app.links.errors import (
     LinkError,
     LinkTimeout,
     OutOfRange,
+    SoftLimit,
     StoreUnavailable,
     UnknownThing,
     UsageError,
@@ -52,6 +53,8 @@ class Kind:
 KINDS: dict[type[Exception], Kind] = {
     UnknownThing: Kind(404, "/problems/unknown-thing", "There is no such thing"),
     WriteRefused: Kind(409, "/problems/write-refused", "The chip did not take the write"),
+    BenchTaken: Kind(409, "/problems/bench-taken", "Somebody else has the bench"),
+    BenchNotTaken: Kind(409, "/problems/bench-not-taken", "This session has not taken the bench"),
     WrongState: Kind(409, "/problems/wrong-state", "Not possible now"),
     LinkDown: Kind(
         409,
@@ -60,6 +63,7 @@ KINDS: dict[type[Exception], Kind] = {
         "check its power and cable, then connect it again",
     ),
     OutOfRange: Kind(422, "/problems/out-of-range", "A value is out of range"),
+    SoftLimit: Kind(422, "/problems/soft-limit", "Beyond a soft limit of the axis"),
     UnencodableWave: Kind(422, "/problems/unencodable-wave", "The chip's table cannot hold this wave"),
     UsageError: Kind(422, "/problems/unusable-request", "The request asks for what cannot be"),
     BadReply: Kind(502, "/problems/bad-reply", "The device answered wrongly", "check the wiring, then ask again"),
@@ -147,8 +151,14 @@ def findings(error: ValidationError) -> str:
 # --- handlers -----------------------------------------------------------------------------------
 
 
+def error_answer(error: BenchError, instance: str | None) -> JSONResponse:
+    """An error of the tree as a response."""
+    return _answer(problem_of(error, instance))
+
+
 async def _bench_error(request: Request, error: Exception) -> JSONResponse:
-    return _answer(problem_of(error, request.url.path))
+    assert isinstance(error, BenchError)
+    return error_answer(error, request.url.path)
 
 
 LIMITS = {

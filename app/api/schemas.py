@@ -72,6 +72,32 @@ class Port(Answer):
 # --- devices ------------------------------------------------------------------------------------
 
 
+Limit = Annotated[float, Field(gt=0, le=1e12, allow_inf_nan=False, strict=True)]
+Counted = Annotated[int, Field(ge=-(1 << 31), lt=1 << 31, strict=True)]
+
+
+class AxisLimits(Body):
+    """Soft limits of an axis: null is no limit. Whatever asks for more is refused before anything is sent."""
+
+    model_config = ConfigDict(extra="forbid", from_attributes=True, json_schema_serialization_defaults_required=True)
+
+    position_min: Counted | None = Field(default=None, description="of the chip's counter [microsteps]")
+    position_max: Counted | None = Field(default=None, description="of the chip's counter [microsteps]")
+    velocity_max_pps: Limit | None = Field(default=None, description="either way [microsteps/s]")
+    acceleration_max_pps2: Limit | None = Field(
+        default=None, description="of every acceleration and deceleration that can be set [microsteps/s^2]"
+    )
+    current_max_a: Limit | None = Field(default=None, description="of a coil, RMS, in motion or at rest [A]")
+    sense_resistor_ohm: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False, strict=True)] | None = Field(
+        default=None, description="of a TMC5xxx: what makes amperes of its current scales [ohm]"
+    )
+    current_full_scale_a: Annotated[float, Field(gt=0, le=1000, allow_inf_nan=False, strict=True)] | None = Field(
+        default=None,
+        description="RMS at the greatest current scale [A]: needed with TMC428, TMC4361 and PD42-1241, else instead of "
+        "the sense resistor",
+    )
+
+
 class AxisConfig(Body):
     """The motor on an axis and what it moves."""
 
@@ -87,6 +113,7 @@ class AxisConfig(Body):
     travel_mm_per_rev: Annotated[float, Field(gt=0, le=1e6, allow_inf_nan=False, strict=True)] | None = Field(
         default=None, description="travel of the load per turn of the load [mm]; null for a rotary axis"
     )
+    limits: AxisLimits = Field(default_factory=AxisLimits, description="soft limits; what is left out is not limited")
 
 
 class AxisInfo(Answer):
@@ -96,6 +123,10 @@ class AxisInfo(Answer):
     driver_microsteps: int
     gear_ratio: float
     travel_mm_per_rev: float | None
+    limits: AxisLimits
+    limit_warnings: list[str] = Field(
+        description="what the chip is set to beyond these limits, and what to write; motion is refused until then"
+    )
     microsteps_per_full_step: int | None = Field(description="as the chip is set now; null while unknown")
     pulse_div: int | None
     ramp_div: int | None

@@ -5,10 +5,12 @@ from __future__ import annotations
 import math
 import re
 import unicodedata
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from app.calc.mechanics import Mechanics
+from app.devices.limits.axis_limits import AxisLimits
 from app.links.errors import OutOfRange, UnknownThing, UsageError
 from app.links.registry import Link
 from app.registers.catalog import MODELS
@@ -24,6 +26,14 @@ class AxisSettings:
     """Microsteps per full step of a step/direction driver (TMC4210); the TMC428 has usrs, the PD42-1241 AP 140."""
     gear_ratio: float = 1.0
     travel_mm_per_rev: float | None = None
+    limits: AxisLimits = field(default_factory=AxisLimits)
+    """Soft limits: what the axis may be asked for at most."""
+
+    @classmethod
+    def of(cls, entry: Mapping[str, Any]) -> AxisSettings:
+        """From plain keys and values, limits among them. Raises TypeError for an unknown key, OutOfRange."""
+        limits = entry.get("limits") or {}
+        return cls(**{**entry, "limits": limits if isinstance(limits, AxisLimits) else AxisLimits(**limits)})
 
     def __post_init__(self) -> None:
         for name, number, lowest, highest in (
@@ -70,6 +80,8 @@ class DeviceConfig:
         missing = tuple(AxisSettings(name=f"axis {index}") for index in range(len(self.axes), model.axes))
         object.__setattr__(self, "axes", tuple(self.axes) + missing)
         object.__setattr__(self, "link", dict(self.link))
+        for axis in self.axes:
+            axis.limits.require_model(self.model)
 
 
 def slug(name: str) -> str:

@@ -208,6 +208,19 @@ class Device(ABC):
         for axis, settings in zip(self.axes, config.axes, strict=True):
             axis.settings = settings
 
+    # --- soft limits ----------------------------------------------------------------------------
+
+    def limit_warnings(self, axis: int) -> list[str]:
+        """What the chip is set to beyond the soft limits of `axis`, and what to write; empty where all is well."""
+        self.axis(axis)
+        return []
+
+    async def check_writes(self, items: Sequence[WriteItem]) -> None:  # noqa: B027 (no limits, nothing to check)
+        """Raises SoftLimit where one of these writes, made in this order, would go beyond a soft limit. Sends no write.
+
+        For whoever writes many things and wants to know before the first: batches, profiles.
+        """
+
     # --- whether it answers ---------------------------------------------------------------------
 
     @property

@@ -9,6 +9,7 @@ BenchError
 +-- UsageError              we were asked for what cannot be
     +-- UnknownThing        no such device, axis, register, channel
     +-- OutOfRange          a value outside what is allowed
+    +-- SoftLimit           a value beyond what the user allows the axis: nothing was sent
     +-- WrongState          right request, wrong moment (mode, not connected, busy)
         +-- WriteRefused    the chip did not take a write: the read-back differs
 """
@@ -84,6 +85,23 @@ def _plain(limit: float | None) -> str:
     if limit is None:
         return ""
     return str(limit) if isinstance(limit, int) else f"{limit:.10g}"
+
+
+class SoftLimit(UsageError):
+    """Beyond what the user allows an axis. Nothing of the request was sent.
+
+    `quantity` is "position", "velocity", "acceleration" or "current"; `wanted` and `limit` are in `unit`.
+    """
+
+    def __init__(
+        self, quantity: str, wanted: float, limit: float, axis: int, unit: str, what: str = "", way_out: str = ""
+    ) -> None:
+        by = f" ({what})" if what else ""
+        super().__init__(
+            f"{quantity} of axis {axis}{by} would be {_plain(wanted)} {unit}, its soft limit is {_plain(limit)} {unit}"
+        )
+        self.quantity, self.wanted, self.limit, self.axis, self.unit = quantity, wanted, limit, axis, unit
+        self.what, self.way_out = what, way_out or "stay within it, or change the limits of this axis"
 
 
 class WrongState(UsageError):

@@ -135,4 +135,4 @@ def _config(entry: Entry) -> DeviceConfig:
         raise TypeError("name and model are text, link is an object")
     if not isinstance(axes, list) or not isinstance(clock_hz, int | float):
         raise TypeError("axes is a list, clock_hz a number")
-    return DeviceConfig(name, model, link, float(clock_hz), tuple(AxisSettings(**axis) for axis in axes))
+    return DeviceConfig(name, model, link, float(clock_hz), tuple(AxisSettings.of(axis) for axis in axes))
