@@ -67,14 +67,14 @@ class RecordingWriter:
 def read_head(path: Path) -> Head:
     """What the recording is of. Raises UnreadableRecording, FileNotFoundError."""
     with pa.OSFile(str(path)) as source:
-        return _head(_open(source))
+        return decode_head(_open(source).schema)
 
 
 def read_rows(path: Path) -> Rows:
     """Every whole batch of the file, which may still be growing. Raises UnreadableRecording, FileNotFoundError."""
     with pa.memory_map(str(path)) as source:
         stream = _open(source)
-        width = len(_head(stream).columns)
+        width = len(decode_head(stream.schema).columns)
         batches = [
             np.stack([column.to_numpy(zero_copy_only=False) for column in batch.columns]) for batch in _whole(stream)
         ]
@@ -89,11 +89,23 @@ def _open(source: pa.NativeFile) -> pa.ipc.RecordBatchStreamReader:
         raise UnreadableRecording(f"it is no Arrow stream: {error}") from error
 
 
-def _head(stream: pa.ipc.RecordBatchStreamReader) -> Head:
-    metadata = stream.schema.metadata or {}
+def decode_head(schema: pa.Schema) -> Head:
+    """What a stream of this schema is of. Raises UnreadableRecording."""
+    metadata = schema.metadata or {}
     if HEAD not in metadata:
         raise UnreadableRecording("it is an Arrow stream of another program")
     return Head.decode(metadata[HEAD])
+
+
+def whole_batches(source: pa.NativeFile, schema: pa.Schema) -> Iterator[tuple[pa.RecordBatch, int, int]]:
+    """The batches from where `source` stands, up to one that breaks off: each with where it begins and ends [bytes]."""
+    while True:
+        offset = source.tell()
+        try:
+            batch = pa.ipc.read_record_batch(pa.ipc.read_message(source), schema)
+        except (EOFError, pa.ArrowInvalid, OSError):
+            return
+        yield batch, offset, source.tell()
 
 
 def _whole(stream: pa.ipc.RecordBatchStreamReader) -> Iterator[pa.RecordBatch]:

@@ -1,0 +1,190 @@
+"""A recording that is looked at: where its rows stand in the file, and the extremes of each short stretch of them.
+
+A long recording's rows stay on the disk. Looking at it once costs a reading of the file; from then on a plot of any
+part costs about the same few milliseconds, and what was written meanwhile is read behind what is known.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections import OrderedDict
+from pathlib import Path
+
+import numpy as np
+import pyarrow as pa
+
+from app.calc.stretches import Stretches, size_for
+from app.store.recordings.file import FloatArray, Rows, decode_head, whole_batches
+from app.store.recordings.head import Head, UnreadableRecording
+
+BLOCK = 64
+"""Rows of a short stretch."""
+KEPT_BYTES = 256 << 20
+"""What all opened recordings may keep in memory: some 80 of ten minutes at 8 x 1 kHz."""
+
+
+class Opened:
+    """One file. Safe to use from several threads. Raises UnreadableRecording, FileNotFoundError."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._lock = threading.Lock()
+        with pa.OSFile(str(path)) as source:  # an empty file cannot be mapped
+            try:
+                self._schema = pa.ipc.read_schema(source)
+            except (pa.ArrowInvalid, OSError, EOFError) as error:
+                raise UnreadableRecording(f"it is no Arrow stream: {error}") from error
+            self._end = source.tell()
+        self.head: Head = decode_head(self._schema)
+        # Of each batch where it stands, the number of its first row, and that row's time.
+        self._offsets: list[int] = []
+        self._firsts: list[int] = []
+        self._times_s: list[float] = []
+        self._rows = 0
+        self._last_s = float("nan")
+        self._blocks = Stretches.of_rows(np.empty(0), np.empty((self.channels, 0)))
+        self._rest = np.empty((1 + self.channels, 0))
+        """Rows that are no whole block yet, times first."""
+        self.refresh()
+
+    @property
+    def channels(self) -> int:
+        return len(self.head.columns)
+
+    @property
+    def rows(self) -> int:
+        """How many were in the file at the latest look."""
+        return self._rows
+
+    @property
+    def first_s(self) -> float | None:
+        """Device time of the first row [s]."""
+        return self._times_s[0] if self._times_s else None
+
+    @property
+    def last_s(self) -> float | None:
+        """Device time of the last row [s]."""
+        return self._last_s if self._rows else None
+
+    @property
+    def size_bytes(self) -> int:
+        """What is kept of it in memory, about."""
+        return len(self._blocks) * (8 + self.channels * 33) + len(self._offsets) * 100
+
+    def refresh(self) -> None:
+        """Take in what was written since."""
+        with self._lock, pa.memory_map(str(self._path)) as source:
+            source.seek(self._end)
+            batches = []
+            for batch, offset, end in whole_batches(source, self._schema):
+                self._end = end
+                if batch.num_rows:
+                    batches.append(batch)
+                    self._offsets.append(offset)
+                    self._firsts.append(self._rows)
+                    self._rows += batch.num_rows
+            if batches:
+                table = _table(batches, 1 + self.channels)
+                begins = np.cumsum([0, *(batch.num_rows for batch in batches[:-1])])
+                self._times_s += table[0, begins].tolist()
+                self._take(table)
+
+    def _take(self, table: FloatArray) -> None:
+        self._last_s = float(table[0, -1])
+        table = np.concatenate((self._rest, table), axis=1)
+        whole = table.shape[1] // BLOCK * BLOCK
+        self._rest = table[:, whole:].copy()
+        new = Stretches.of_rows(table[0, :whole], table[1:, :whole]).joined(BLOCK)
+        self._blocks = Stretches.chained((self._blocks, new)) if len(new) else self._blocks
+
+    def read(self, first: int, last: int) -> Rows:
+        """Rows from number `first` up to `last`, without it."""
+        first, last = max(0, first), min(last, self._rows)
+        if first >= last:
+            return Rows(np.empty(0), np.empty((self.channels, 0)))
+        begin = int(np.searchsorted(self._firsts, first, side="right")) - 1
+        with pa.memory_map(str(self._path)) as source:
+            source.seek(self._offsets[begin])
+            batches, read = [], self._firsts[begin]
+            for batch, _, _ in whole_batches(source, self._schema):
+                batches.append(batch)
+                read += batch.num_rows
+                if read >= last:
+                    break
+            table = _table(batches, 1 + self.channels)[:, first - self._firsts[begin] : last - self._firsts[begin]]
+        return Rows(table[0], table[1:])
+
+    def row_at(self, time_s: float, side: str = "left") -> int:
+        """The first row not before device time `time_s` [s]; with `side` "right" the first behind it."""
+        end = int(np.searchsorted(self._times_s, time_s, side="right" if side == "right" else "left"))
+        if end == 0:
+            return 0
+        # In the batch before, or up to the one that begins there: its first row is known not to be before.
+        first = self._firsts[end - 1]
+        last = self._firsts[end] if end < len(self._firsts) else self._rows
+        times_s = self.read(first, last).time_s
+        return first + int(np.searchsorted(times_s, time_s, side="right" if side == "right" else "left"))
+
+    def stretches(self, first: int, last: int, wanted: int) -> Stretches:
+        """Rows `first` up to `last` as at most `wanted` + 2 stretches; as they are where they are few enough."""
+        first, last = max(0, first), min(last, self._rows)
+        rows = max(0, last - first)
+        if rows < wanted * BLOCK or rows < 4 * BLOCK:
+            read = self.read(first, last)
+            return Stretches.of_rows(read.time_s, read.columns).joined(size_for(rows, wanted))
+        begin, end = -(-first // BLOCK), min(last // BLOCK, len(self._blocks))
+        inner = self._blocks.part(begin, end).joined(size_for(end - begin, wanted))
+        parts = [inner]
+        for at, edge in ((0, (first, begin * BLOCK)), (len(parts), (end * BLOCK, last))):
+            if edge[0] < edge[1]:
+                read = self.read(*edge)
+                outer = Stretches.of_rows(read.time_s, read.columns).joined(edge[1] - edge[0])
+                parts.insert(at if at == 0 else len(parts), outer)
+        return Stretches.chained(parts)
+
+
+class OpenedRecordings:
+    """Those that were looked at lately, as many as `limit_bytes` hold."""
+
+    def __init__(self, limit_bytes: int = KEPT_BYTES) -> None:
+        self._limit_bytes = limit_bytes
+        self._opened: OrderedDict[Path, Opened] = OrderedDict()
+        self._lock = threading.Lock()
+        self._opening: dict[Path, threading.Lock] = {}
+
+    def get(self, path: Path) -> Opened:
+        """The recording at `path`, up to date. Raises UnreadableRecording, FileNotFoundError."""
+        with self._lock:
+            opening = self._opening.setdefault(path, threading.Lock())
+        with opening:  # two plots of a recording that nobody looked at yet: one of them reads it
+            opened = self._opened.get(path)
+            try:
+                if opened is None:
+                    opened = Opened(path)
+                else:
+                    opened.refresh()
+            except (FileNotFoundError, UnreadableRecording):
+                self.forget(path)
+                raise
+        with self._lock:
+            self._opened[path] = opened
+            self._opened.move_to_end(path)
+            while len(self._opened) > 1 and sum(each.size_bytes for each in self._opened.values()) > self._limit_bytes:
+                oldest, _ = self._opened.popitem(last=False)
+                self._opening.pop(oldest, None)
+        return opened
+
+    def forget(self, path: Path) -> None:
+        """It is gone."""
+        with self._lock:
+            self._opened.pop(path, None)
+            self._opening.pop(path, None)
+
+
+def _table(batches: list[pa.RecordBatch], width: int) -> FloatArray:
+    """[columns, rows]; a copy, which outlives the file's mapping."""
+    joined = pa.Table.from_batches(batches)
+    table = np.empty((width, joined.num_rows))
+    for row, column in enumerate(joined.columns):
+        table[row] = column.to_numpy()
+    return table
