@@ -14,6 +14,7 @@ from typing import ClassVar, cast
 
 from app.calc.mslut import MslutRegisters
 from app.clock import Clock
+from app.devices.changes import RegisterChanged
 from app.devices.config import AxisSettings, DeviceConfig
 from app.devices.counter import CounterLook, CounterWritten, PositionSeen
 from app.devices.prediction import Prediction
@@ -73,7 +74,16 @@ class MotionCommanded:
     by: object
 
 
-DeviceEvent = StateChanged | MotionStarted | MotionCommanded | MotionEnd | ChipEvents | PositionSeen | CounterWritten
+DeviceEvent = (
+    StateChanged
+    | MotionStarted
+    | MotionCommanded
+    | MotionEnd
+    | ChipEvents
+    | PositionSeen
+    | CounterWritten
+    | RegisterChanged
+)
 
 motion_owner: ContextVar[object] = ContextVar("motion_owner", default=None)
 """Who commands in this task: how a procedure tells its own commands from everybody else's."""
