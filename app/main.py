@@ -16,6 +16,8 @@ from pydantic import ValidationError
 from app import demo
 from app.api.app import make_app
 from app.api.bench import Bench
+from app.api.lease import Lease
+from app.api.lease_watch import LeaseWatch
 from app.api.problems import findings
 from app.api.recording_desk import RecordingDesk
 from app.api.routes.ports import serial_ports
@@ -47,6 +49,7 @@ from app.store.positions import PositionStore
 from app.store.recordings.library import Library
 from app.store.saver import Saver
 from app.telemetry.hub import TelemetryHub
+from app.tuning.at_rest import after_vanishing, stop_moving
 from app.tuning.endless import EndlessService
 from app.tuning.procedures import Procedures
 
@@ -97,7 +100,11 @@ def create_app(
     position_saver = Saver(positions, endless.saved, clock, SAVE_EVERY_S)
     desk = RecordingDesk(Library(settings.data_dir), hub, clock)
     database = Database(settings.data_dir)
-    bench = Bench(settings, clock, manager, hub, Procedures(clock), endless, desk, database, list_serial_ports)
+    lease = Lease(clock, settings.on_vanish, settings.vanish_after_s)
+    bench = Bench(settings, clock, manager, hub, Procedures(clock), endless, desk, database, lease, list_serial_ports)
+    lease_watch = LeaseWatch(
+        lease, bench.calls, clock, lambda how: after_vanishing(how, manager.devices, bench.procedures)
+    )
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
@@ -121,10 +128,12 @@ def create_app(
         if settings.demo or (settings.demo is None and not saved.configs):
             await demo.add(manager)
         opened.set()
+        lease_watch.start()
         try:
             yield
         finally:
             opened.clear()
+            await lease_watch.close()
             await bench.probing.abort()
             await stop_motors(bench)
             await desk.close()  # behind the stops, which belong to what is recorded
@@ -188,9 +197,6 @@ async def stop_motors(bench: Bench) -> None:
 
 async def _stop_moving(device: Device) -> None:
     try:
-        moving = [axis.index for axis in device.axes if (await device.axis_state(axis.index)).moving]
-        for outcome in await device.stop_axes(moving) if moving else ():
-            if outcome.problem is not None:
-                raise outcome.problem
+        await stop_moving(device)
     except BenchError as error:
         log.warning("the motors of %s were not stopped: %s", device.name, error)

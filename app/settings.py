@@ -11,6 +11,10 @@ from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 TOKEN_LENGTH_MIN = 8
 LogLevel = Literal["debug", "info", "warning", "error"]
+OnVanish = Literal["nothing", "stop", "hold"]
+"""What happens to moving motors when the session that has the bench gives no sign any more."""
+VANISH_AFTER_S = (6.0, 3600.0)
+"""Shortest and longest time without a sign after which a session has vanished; a sign is due every 5 s."""
 
 
 class Settings(BaseSettings):
@@ -43,6 +47,15 @@ class Settings(BaseSettings):
     tls_key: Path | None = Field(default=None, description="the certificate's key (PEM)")
     body_limit_bytes: Annotated[int, Field(ge=1024)] = Field(
         default=1 << 20, description="the longest request body that is read [bytes]"
+    )
+
+    on_vanish: OnVanish = Field(
+        default="stop",
+        description="what happens to moving motors when the session that has the bench vanishes: nothing; stop: all"
+        " are ramped down; hold: rotations and procedures end, moves to a target run to their end",
+    )
+    vanish_after_s: Annotated[float, Field(ge=VANISH_AFTER_S[0], le=VANISH_AFTER_S[1])] = Field(
+        default=15.0, description="without a sign for so long, a session has vanished [s]"
     )
 
     @field_validator("token")

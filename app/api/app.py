@@ -12,6 +12,7 @@ from app.api import openapi, problems
 from app.api.access import Access, is_loopback, new_token
 from app.api.bench import Bench
 from app.api.guard import Guard
+from app.api.lease_gate import Free, LeaseGate
 from app.api.routes import (
     axes,
     calc,
@@ -21,6 +22,7 @@ from app.api.routes import (
     emulator,
     extended_position,
     health,
+    lease,
     links,
     ports,
     procedures,
@@ -43,6 +45,7 @@ SUBJECTS = (
     registers,
     axes,
     stop,
+    lease,
     devices,
     extended_position,
     procedures,
@@ -79,9 +82,11 @@ def make_app(bench: Bench, lifespan: Lifespan) -> FastAPI:
     # The UI answers what no route knows. As a route it would hide the 405 of the API's own addresses.
     app.router.default = WebUi(bench.settings.web_dir)
     problems.install(app)
-    openapi.customise(app)
+    free = Free(BASE)
+    openapi.customise(app, free)
     # Inside of both doors: whose request it is matters once it is in.
-    app.add_middleware(Who, name_of=lambda _: None)
+    app.add_middleware(LeaseGate, lease=bench.lease, calls=bench.calls, free=free)
+    app.add_middleware(Who, name_of=bench.lease.name_of)
     app.state.token = token_of(bench.settings)
     if app.state.token is not None:
         app.add_middleware(Access, token=app.state.token, clock=bench.clock)

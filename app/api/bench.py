@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
+from app.api.lease import Lease
+from app.api.lease_gate import CallsUnderWay
 from app.api.probing import Probing
 from app.api.recording_desk import RecordingDesk
 from app.api.schemas import Port
@@ -29,8 +31,10 @@ class Bench:
     endless: EndlessService
     desk: RecordingDesk
     database: Database
+    lease: Lease
     list_serial_ports: Callable[[], list[Port]]
     probing: Probing = field(default_factory=Probing)
+    calls: CallsUnderWay = field(default_factory=CallsUnderWay)
 
     def users_of(self, port: str) -> list[str]:
         """Ids of the devices that are connected, or try to be, through the serial port of that name."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from app.calc.mslut import Refusal
-from app.links.errors import UsageError
+from app.links.errors import UsageError, WrongState
 
 
 class UnencodableWave(UsageError):
@@ -18,3 +18,23 @@ class UnencodableWave(UsageError):
             "POST /calc/microstep-table answers the nearest encodable wave, "
             f"which is at most {distance_max:.1f} counts away"
         )
+
+
+class BenchTaken(WrongState):
+    """Somebody else has the bench: who, for how long already, and when it is free unless they keep it [s]."""
+
+    def __init__(self, holder: str, since_s: float, expires_in_s: float) -> None:
+        super().__init__(f"{holder} has the bench")
+        self.holder, self.since_s, self.expires_in_s = holder, since_s, expires_in_s
+        self.way_out = (
+            f"ask {holder} to hand it over (POST /lease/ask, stepscope lease ask), or try again when it is free; "
+            "POST /stop stops every motor for everybody at any time"
+        )
+
+
+class BenchNotTaken(WrongState):
+    """A session that only looks wants to change something, or one whose lease has ended wants to keep it."""
+
+    def __init__(self, why: str = "this session only looks") -> None:
+        super().__init__(why)
+        self.way_out = "take the bench first: POST /lease; it is free"

@@ -11,7 +11,9 @@ from fastapi.openapi.utils import get_openapi
 from fastapi.routing import APIRoute
 
 from app import __version__
-from app.api.problems import FOREIGN, INVALID, TOO_LARGE, UNDECODABLE, Kind, problems
+from app.api.errors import BenchNotTaken, BenchTaken
+from app.api.lease_gate import Free
+from app.api.problems import FOREIGN, INVALID, TOO_LARGE, UNDECODABLE, Kind, kind_of, problems
 from app.api.schemas import Problem
 from app.api.schemas_telemetry import TelemetryMessage
 
@@ -23,19 +25,19 @@ def operation_id(route: APIRoute) -> str:
     return route.name
 
 
-def customise(app: FastAPI) -> None:
-    """Let `app` describe itself as this module says."""
+def customise(app: FastAPI, free: Free) -> None:
+    """Let `app` describe itself as this module says; calls that are not `free` may be refused for want of the lease."""
     made: list[dict[str, Any]] = []
 
     def schema() -> dict[str, Any]:
         if not made:
-            made.append(_schema(app))
+            made.append(_schema(app, free))
         return made[0]
 
     app.openapi = schema  # type: ignore[method-assign]  # how FastAPI wants it to be replaced
 
 
-def _schema(app: FastAPI) -> dict[str, Any]:
+def _schema(app: FastAPI, free: Free) -> dict[str, Any]:
     schema = get_openapi(
         title="stepscope",
         version=__version__,
@@ -55,15 +57,17 @@ def _schema(app: FastAPI) -> dict[str, Any]:
         components[model.__name__] = described
     for name in ("HTTPValidationError", "ValidationError"):
         components.pop(name, None)
-    for path in schema["paths"].values():
-        for operation in path.values():
-            _document_problems(operation)
+    for address, path in schema["paths"].items():
+        for method, operation in path.items():
+            _document_problems(operation, takes_lease=not free.holds(method.upper(), address))
     return schema
 
 
-def _document_problems(operation: dict[str, Any]) -> None:
+def _document_problems(operation: dict[str, Any], *, takes_lease: bool) -> None:
     """Add the errors that the edge itself gives to those of the route."""
     kinds: list[Kind] = [FOREIGN]
+    if takes_lease:
+        kinds += [kind_of(BenchTaken), kind_of(BenchNotTaken)]
     if "requestBody" in operation:
         kinds += [UNDECODABLE, TOO_LARGE, INVALID]
     elif operation.get("parameters"):

@@ -338,6 +338,78 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/lease": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Lease
+         * @description Who has the bench, for how long, who asks for it, and what happens to motors when the holder vanishes.
+         */
+        get: operations["get_lease"];
+        /**
+         * Keep Lease
+         * @description Say that one is still there, every 5 s; or set what happens when one is not.
+         */
+        put: operations["keep_lease"];
+        /**
+         * Take Lease
+         * @description Take the free bench, or keep it. Answers when calls that others have begun are over, so that one is alone.
+         */
+        post: operations["take_lease"];
+        /**
+         * Give Lease Back
+         * @description Give the bench back, or stop asking for it. Motors are left alone: one who gives it back knows what they do.
+         */
+        delete: operations["give_lease_back"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/lease/ask": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Ask For Lease
+         * @description Ask the holder for the bench. A question stands for 15 s: repeat it, and see by `mine` whether it was granted.
+         */
+        post: operations["ask_for_lease"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/lease/hand-over": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Hand Lease Over
+         * @description Give the bench to one who asks. What runs goes on: rotations, searches, shuttles, recordings.
+         */
+        post: operations["hand_lease_over"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/devices": {
         parameters: {
             query?: never;
@@ -1301,7 +1373,7 @@ export interface components {
          * AxisConfig
          * @description The motor on an axis and what it moves.
          */
-        AxisConfig: {
+        "AxisConfig-Input": {
             /**
              * Name
              * @default axis
@@ -1329,6 +1401,43 @@ export interface components {
              * @description travel of the load per turn of the load [mm]; null for a rotary axis
              */
             travel_mm_per_rev?: number | null;
+            /** @description soft limits; what is left out is not limited */
+            limits?: components["schemas"]["AxisLimits-Input"];
+        };
+        /**
+         * AxisConfig
+         * @description The motor on an axis and what it moves.
+         */
+        "AxisConfig-Output": {
+            /**
+             * Name
+             * @default axis
+             */
+            name?: string;
+            /**
+             * Full Steps Per Rev
+             * @default 200
+             */
+            full_steps_per_rev?: number;
+            /**
+             * Driver Microsteps
+             * @description microsteps per full step of the step/direction driver (TMC4210); others know theirs
+             * @default 16
+             */
+            driver_microsteps?: number;
+            /**
+             * Gear Ratio
+             * @description motor turns per turn of the load
+             * @default 1
+             */
+            gear_ratio?: number;
+            /**
+             * Travel Mm Per Rev
+             * @description travel of the load per turn of the load [mm]; null for a rotary axis
+             */
+            travel_mm_per_rev?: number | null;
+            /** @description soft limits; what is left out is not limited */
+            limits?: components["schemas"]["AxisLimits-Output"];
         };
         /**
          * AxisEvent
@@ -1388,6 +1497,12 @@ export interface components {
             gear_ratio: number;
             /** Travel Mm Per Rev */
             travel_mm_per_rev: number | null;
+            limits: components["schemas"]["AxisLimits-Output"];
+            /**
+             * Limit Warnings
+             * @description what the chip is set to beyond these limits, and what to write; motion is refused until then
+             */
+            limit_warnings: string[];
             /**
              * Microsteps Per Full Step
              * @description as the chip is set now; null while unknown
@@ -1397,6 +1512,88 @@ export interface components {
             pulse_div: number | null;
             /** Ramp Div */
             ramp_div: number | null;
+        };
+        /**
+         * AxisLimits
+         * @description Soft limits of an axis: null is no limit. Whatever asks for more is refused before anything is sent.
+         */
+        "AxisLimits-Input": {
+            /**
+             * Position Min
+             * @description of the chip's counter [microsteps]
+             */
+            position_min?: number | null;
+            /**
+             * Position Max
+             * @description of the chip's counter [microsteps]
+             */
+            position_max?: number | null;
+            /**
+             * Velocity Max Pps
+             * @description either way [microsteps/s]
+             */
+            velocity_max_pps?: number | null;
+            /**
+             * Acceleration Max Pps2
+             * @description of every acceleration and deceleration that can be set [microsteps/s^2]
+             */
+            acceleration_max_pps2?: number | null;
+            /**
+             * Current Max A
+             * @description of a coil, RMS, in motion or at rest [A]
+             */
+            current_max_a?: number | null;
+            /**
+             * Sense Resistor Ohm
+             * @description of a TMC5xxx: what makes amperes of its current scales [ohm]
+             */
+            sense_resistor_ohm?: number | null;
+            /**
+             * Current Full Scale A
+             * @description RMS at the greatest current scale [A]: needed with TMC428, TMC4361 and PD42-1241, else instead of the sense resistor
+             */
+            current_full_scale_a?: number | null;
+        };
+        /**
+         * AxisLimits
+         * @description Soft limits of an axis: null is no limit. Whatever asks for more is refused before anything is sent.
+         */
+        "AxisLimits-Output": {
+            /**
+             * Position Min
+             * @description of the chip's counter [microsteps]
+             */
+            position_min: number | null;
+            /**
+             * Position Max
+             * @description of the chip's counter [microsteps]
+             */
+            position_max: number | null;
+            /**
+             * Velocity Max Pps
+             * @description either way [microsteps/s]
+             */
+            velocity_max_pps: number | null;
+            /**
+             * Acceleration Max Pps2
+             * @description of every acceleration and deceleration that can be set [microsteps/s^2]
+             */
+            acceleration_max_pps2: number | null;
+            /**
+             * Current Max A
+             * @description of a coil, RMS, in motion or at rest [A]
+             */
+            current_max_a: number | null;
+            /**
+             * Sense Resistor Ohm
+             * @description of a TMC5xxx: what makes amperes of its current scales [ohm]
+             */
+            sense_resistor_ohm: number | null;
+            /**
+             * Current Full Scale A
+             * @description RMS at the greatest current scale [A]: needed with TMC428, TMC4361 and PD42-1241, else instead of the sense resistor
+             */
+            current_full_scale_a: number | null;
         };
         /** AxisMove */
         AxisMove: {
@@ -1702,7 +1899,7 @@ export interface components {
              */
             clock_hz?: number | null;
             /** Axes */
-            axes?: components["schemas"]["AxisConfig"][] | null;
+            axes?: components["schemas"]["AxisConfig-Input"][] | null;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
@@ -1794,7 +1991,7 @@ export interface components {
              */
             clock_hz?: number | null;
             /** Axes */
-            axes?: components["schemas"]["AxisConfig"][] | null;
+            axes?: components["schemas"]["AxisConfig-Input"][] | null;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
@@ -2272,7 +2469,7 @@ export interface components {
             /** Clock Hz */
             clock_hz?: number | null;
             /** Axes */
-            axes?: components["schemas"]["AxisConfig"][] | null;
+            axes?: components["schemas"]["AxisConfig-Input"][] | null;
         };
         /**
          * DeviceCreate
@@ -3409,6 +3606,114 @@ export interface components {
             /** Position Text */
             position_text: string;
         };
+        /**
+         * LeaseAsking
+         * @description A session that would like to have the bench.
+         */
+        LeaseAsking: {
+            /** Id */
+            id: string;
+            /** Name */
+            name: string;
+            /**
+             * Since S
+             * @description how long it has been asking [s]
+             */
+            since_s: number;
+        };
+        /**
+         * LeaseHandOver
+         * @description To whom.
+         * @example {
+         *       "to": "a1b2c3d4"
+         *     }
+         */
+        LeaseHandOver: {
+            /**
+             * To
+             * @description `id` of one of those who ask
+             */
+            to: string;
+        };
+        /**
+         * LeaseInfo
+         * @description Who has the bench now.
+         */
+        LeaseInfo: {
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "free" | "taken";
+            /**
+             * Holder
+             * @description the holder's name
+             */
+            holder: string | null;
+            /**
+             * Mine
+             * @description whether the session that asks has it
+             */
+            mine: boolean;
+            /**
+             * Since S
+             * @description how long the holder has had it [s]
+             */
+            since_s: number | null;
+            /**
+             * Expires In S
+             * @description when the holder will have vanished without another sign [s]
+             */
+            expires_in_s: number | null;
+            /**
+             * Asking
+             * @description who would like to have it, the longest waiting first
+             */
+            asking: components["schemas"]["LeaseAsking"][];
+            /**
+             * On Vanish
+             * @description what happens to moving motors when the holder vanishes
+             * @enum {string}
+             */
+            on_vanish: "nothing" | "stop" | "hold";
+            /** Vanish After S */
+            vanish_after_s: number;
+        };
+        /**
+         * LeaseKeep
+         * @description Empty to say that one is there; or what shall happen when one is not any more, until the server ends.
+         * @example {}
+         * @example {
+         *       "on_vanish": "hold",
+         *       "vanish_after_s": 30
+         *     }
+         */
+        LeaseKeep: {
+            /**
+             * On Vanish
+             * @description stop: every motor that this server moved is ramped down, procedures end. hold: rotations, shuttles and procedures end, a move to a target runs to its end and holds. nothing: all go on
+             */
+            on_vanish?: ("nothing" | "stop" | "hold") | null;
+            /**
+             * Vanish After S
+             * @description without a sign for so long, the holder has vanished [s]; one is due every 5 s
+             */
+            vanish_after_s?: number | null;
+        };
+        /**
+         * LeaseTake
+         * @description Under which name to take, or to ask for, the bench.
+         * @example {
+         *       "name": "Zoë, bench 2"
+         *     }
+         */
+        LeaseTake: {
+            /**
+             * Name
+             * @description what others see
+             */
+            name: string;
+        };
         /** LevelState */
         LevelState: {
             /**
@@ -3803,7 +4108,7 @@ export interface components {
              */
             clock_hz?: number | null;
             /** Axes */
-            axes?: components["schemas"]["AxisConfig"][] | null;
+            axes?: components["schemas"]["AxisConfig-Input"][] | null;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
@@ -4952,7 +5257,7 @@ export interface components {
             /** Clock Hz */
             clock_hz: number;
             /** Axes */
-            axes: components["schemas"]["AxisConfig"][];
+            axes: components["schemas"]["AxisConfig-Output"][];
             /** Registers */
             registers: components["schemas"]["ProfileRegister"][];
             /** Microstep Table */
@@ -6214,7 +6519,7 @@ export interface components {
              */
             clock_hz?: number | null;
             /** Axes */
-            axes?: components["schemas"]["AxisConfig"][] | null;
+            axes?: components["schemas"]["AxisConfig-Input"][] | null;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
@@ -8024,7 +8329,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -8210,7 +8515,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); The chip did not take the write (/problems/write-refused) */
+            /** @description Not possible now (/problems/wrong-state); The chip did not take the write (/problems/write-refused); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -8301,7 +8606,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -8383,7 +8688,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -8473,7 +8778,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -8653,7 +8958,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -8752,7 +9057,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -8853,7 +9158,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -8954,7 +9259,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -9037,7 +9342,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -9415,6 +9720,385 @@ export interface operations {
             };
         };
     };
+    get_lease: {
+        parameters: {
+            query?: never;
+            header?: {
+                /** @description to be told whether the lease is mine */
+                "Stepscope-Session"?: string | null;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LeaseInfo"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    keep_lease: {
+        parameters: {
+            query?: never;
+            header: {
+                /** @description a random id of this tab or client; whoever knows it holds its lease */
+                "Stepscope-Session": string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["LeaseKeep"] | null;
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LeaseInfo"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    take_lease: {
+        parameters: {
+            query?: never;
+            header: {
+                /** @description a random id of this tab or client; whoever knows it holds its lease */
+                "Stepscope-Session": string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["LeaseTake"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LeaseInfo"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody else has the bench (/problems/bench-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    give_lease_back: {
+        parameters: {
+            query?: never;
+            header: {
+                /** @description a random id of this tab or client; whoever knows it holds its lease */
+                "Stepscope-Session": string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LeaseInfo"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    ask_for_lease: {
+        parameters: {
+            query?: never;
+            header: {
+                /** @description a random id of this tab or client; whoever knows it holds its lease */
+                "Stepscope-Session": string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["LeaseTake"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LeaseInfo"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    hand_lease_over: {
+        parameters: {
+            query?: never;
+            header: {
+                /** @description a random id of this tab or client; whoever knows it holds its lease */
+                "Stepscope-Session": string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["LeaseHandOver"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LeaseInfo"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     list_devices: {
         parameters: {
             query?: never;
@@ -9484,7 +10168,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -9546,6 +10230,15 @@ export interface operations {
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -9660,6 +10353,15 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
@@ -9716,6 +10418,15 @@ export interface operations {
             };
             /** @description There is no such thing (/problems/unknown-thing) */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -9782,6 +10493,15 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
@@ -9825,6 +10545,15 @@ export interface operations {
             };
             /** @description There is no such thing (/problems/unknown-thing) */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -9949,7 +10678,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -10037,7 +10766,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -10324,7 +11053,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -10511,7 +11240,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -10698,7 +11427,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -10885,7 +11614,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -11072,7 +11801,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -11310,7 +12039,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -11492,7 +12221,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); The chip did not take the write (/problems/write-refused) */
+            /** @description Not possible now (/problems/wrong-state); The chip did not take the write (/problems/write-refused); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -11668,7 +12397,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); The chip did not take the write (/problems/write-refused) */
+            /** @description Not possible now (/problems/wrong-state); The chip did not take the write (/problems/write-refused); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -11903,7 +12632,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -12686,7 +13415,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -12735,6 +13464,15 @@ export interface operations {
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -12966,7 +13704,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state) */
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
             409: {
                 headers: {
                     [name: string]: unknown;
