@@ -16,6 +16,7 @@ from tests.bench import (
     emulation4361,
     endless,
     hostile,
+    long_run,
     motor,
     mslut,
     planner,
@@ -43,6 +44,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "endless": endless.measure,
     "recordings": recording_kills.measure,
     "hostile": hostile.measure,
+    "day": long_run.measure,
 }
 
 
