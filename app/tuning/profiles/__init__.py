@@ -1,0 +1,1 @@
+"""Profiles: a device's whole configuration as a document, and from a document back into a device."""
