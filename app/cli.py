@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 from app import __version__
-from app.commands import COMMANDS
+from app.commands import COMMANDS, GROUPS, WITHOUT_ARGUMENTS
 from app.links.errors import BenchError
 from app.settings import LogLevel, Settings
 
@@ -212,7 +212,9 @@ def openapi() -> None:
 
 
 for _command in COMMANDS:
-    cli.command(no_args_is_help=_command.__name__ not in ("devices", "recordings", "stop"))(_command)
+    cli.command(no_args_is_help=_command.__name__ not in WITHOUT_ARGUMENTS)(_command)
+for _group in GROUPS:
+    cli.add_typer(_group)
 
 
 if __name__ == "__main__":
