@@ -1,0 +1,117 @@
+"""A profile as a Python program for `app.client`."""
+
+from __future__ import annotations
+
+import json
+import textwrap
+from collections.abc import Iterator
+
+from app.tuning.profile_scripts.plan import Plan, Write, meaning
+from app.tuning.profile_scripts.text import WIDTH, lines, one_line
+
+GLUE = "\u00a0"
+"""A space at which no line is broken."""
+
+# Nothing that people wrote may stand in the first two lines: there a remark can name another encoding of the file.
+_HEAD = '''\
+#!/usr/bin/env python3
+"""Write a stepscope profile to a device through a running server, and check every read-back.
+
+Needs the stepscope package. The server is --url, else STEPSCOPE_URL; one that asks for a token finds it in
+STEPSCOPE_TOKEN. Ends with 0 when the device holds the profile, 1 when it does not, 2 for a wrong command line.
+"""
+'''
+_BODY = '''
+
+
+def main() -> int:
+    """Write all of it, in its order; the first write that fails ends it."""
+    parser = argparse.ArgumentParser(description="Write a stepscope profile to a device.")
+    parser.add_argument("--url", help="the server, e.g. http://127.0.0.1:8000 [default: STEPSCOPE_URL]")
+    parser.add_argument("--device", default=DEVICE, help="id of the device [default: %(default)s]")
+    arguments = parser.parse_args()
+    try:
+        with Bench(arguments.url) as bench:
+            return apply(bench, arguments.device)
+    except ClientError as error:
+        return failed(str(error))
+
+
+def apply(bench: Bench, name: str) -> int:
+    """Check that it is the right device and that its motors stand, then write."""
+    device = bench.device(name)
+    if device.model != MODEL:
+        return failed(f"{name} is a {device.model}; this profile is of a {MODEL}")
+    for axis in range(len(device.axes)):
+        if bench.axis(name, axis).moving:
+            return failed(f"axis {axis} of {name} moves: stop it first")
+    for index, (register, axis, value) in enumerate(WRITES):
+        where = register if axis is None else f"{register} of axis {axis}"
+        try:
+            held = bench.write(name, register, value, axis)
+        except ClientError as error:
+            return failed(f"{where}: {error}; {index} of {len(WRITES)} registers are written")
+        wrong = wrongly_held(held, value)
+        if wrong:
+            return failed(f"{where}: {wrong}; {index} of {len(WRITES)} registers are written")
+    print(f"{name}: {len(WRITES)} registers written and checked")
+    return 0
+
+
+def wrongly_held(held: Written, value: Value) -> str:
+    """What the read-back shows that was not asked for; nothing where all is well, or nobody can tell."""
+    if isinstance(value, dict):
+        others = {field: held.fields[field] for field in value if held.fields[field] != value[field]}
+        if others and held.verified is not None:
+            return f"it holds {others}"
+    return f"it holds {held.value} instead of {value}" if held.verified is False else ""
+
+
+def failed(what: str) -> int:
+    """Tell it, and the exit code."""
+    print(what, file=sys.stderr)
+    return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())
+'''
+
+
+def render(plan: Plan) -> str:
+    """The whole file."""
+    return "\n".join([_HEAD, *_lines(plan)]) + _BODY
+
+
+def _lines(plan: Plan) -> Iterator[str]:
+    yield f"# Profile: {one_line(plan.name)}"
+    yield f"# {plan.about}"
+    yield from (f"# {line}".rstrip() for line in lines(plan.note))
+    yield ""
+    yield "import argparse"
+    yield "import sys"
+    yield ""
+    yield "from app.client import Bench, ClientError, Written"
+    yield ""
+    yield f"MODEL = {json.dumps(plan.model)}"
+    yield f"DEVICE = {json.dumps(plan.device)}"
+    yield "Value = int | dict[str, int]"
+    yield "WRITES: list[tuple[str, int | None, Value]] = ["
+    for part in plan.parts:
+        yield f"    # {one_line(part.title)}"
+        for write in part.writes:
+            yield _entry(write)
+    yield "]"
+
+
+def _entry(write: Write) -> str:
+    register = write.register
+    head = f"    ({json.dumps(register.name)}, {register.axis!r}, "
+    if write.fields:
+        fields = (f"{json.dumps(name)}:{GLUE}{value}" for name, value in write.fields.items())
+        whole = f"{head}{{{', '.join(fields)}}}),"
+        wrapped = textwrap.fill(whole, WIDTH, subsequent_indent=" " * 8, break_long_words=False, break_on_hyphens=False)
+        return wrapped.replace(GLUE, " ")
+    call = f"{head}{write.number}),"
+    said = one_line(meaning(write))
+    return call if said == write.number else f"{call:<56} # {said}"
