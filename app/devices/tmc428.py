@@ -160,6 +160,10 @@ class Tmc428(RampSamples):
             return self._shifted(held, -1)
         return super()._as_written(register, held)
 
+    def as_set(self, register: Register, word: int) -> int:
+        """The word that has made `register` read `word`: cover_pos reads one more than was written."""
+        return self._as_written(register, word)
+
     def _shifted(self, word: int, by: int) -> int:
         part = self._cover_pos
         position = (part.unpack(word) + by) % (1 << part.width)

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from app.devices.pd42 import rows
 from app.devices.pd42.samples import Samples
+from app.registers.model import Register
 
 
 class Pd42(Samples):
@@ -11,3 +13,7 @@ class Pd42(Samples):
     Of an axis's settings in the connection, gear ratio and travel count, as do the full steps of a
     turn where the module itself has none (AP 202); `driver_microsteps` does not: AP 140 says that.
     """
+
+    def as_set(self, register: Register, word: int) -> int:
+        """`word`, read from `register`, as its user has set it: an immediate stop borrows the acceleration."""
+        return self._borrowed if register is rows.MAX_ACCELERATION and self._borrowed is not None else word

@@ -29,6 +29,8 @@ class Chip(KeepingChip):
         self.cruise = Cruise()
         self._remembered = frozenset(register.address for register in rows.REMEMBERED)
         self._book: PredictionBook[PlannedMotion] = PredictionBook()
+        self._fresh = False
+        """Whether what nobody has written through here is as after a reset: so it is once a reset was seen."""
 
     # --- who it is ------------------------------------------------------------------------------
 
@@ -79,8 +81,14 @@ class Chip(KeepingChip):
         """The chip was reset: what was known is true no more."""
         self._known.clear()
         self._blind.clear()
+        self._fresh = True
         self.cruise.forget()
         self._book.end(self.device_time_s(), "the chip was reset")
+
+    def word_unread(self, register: Register) -> int | None:
+        """What a register that cannot be read holds: as it was written through here, else as after the reset that was
+        seen; None where nobody knows."""
+        return self._blind.get(register.address, register.reset if self._fresh else None)
 
     def setting(self) -> Setting | None:
         """The ramp as last seen; None before everything of it was seen once."""

@@ -107,6 +107,7 @@ class Events(Chip):
             if RESET in entry.names and self._acquainted:
                 self._forget_setting()  # it has been reset while we knew it
             self.resets += RESET in entry.names
+            self._fresh |= RESET in entry.names
             self._tell(entry)
         self._acquainted = True
 

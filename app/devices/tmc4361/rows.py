@@ -103,6 +103,7 @@ MOVING = frozenset(
 """Addresses a write to which may move or stop the motor, or change how it moves."""
 
 POSITIONING = part(RAMPMODE, "OPERATION_MODE")
+SHAPE = part(RAMPMODE, "RAMP_PROFILE")
 HOLD, TRAPEZOID, S_SHAPED = range(3)
 """RAMP_PROFILE."""
 POSITIONING_BIT = 4
