@@ -13,6 +13,7 @@ from app.links.errors import BadReply, BenchError, LinkTimeout, WriteRefused
 from app.registers.model import Register
 
 DONE = "done"
+BY_HAND = "not proven: a raw frame is not read back"
 
 
 @dataclass(frozen=True, slots=True)

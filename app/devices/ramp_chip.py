@@ -8,6 +8,7 @@ from app.calc.mechanics import Mechanics
 from app.calc.units import acceleration_hz_s, pulse_rate_hz
 from app.clock import Clock
 from app.devices.axis_rows import HOLD_MODE, POSITIONING_MODES, AxisRows
+from app.devices.changes import BY_HAND, register_changed
 from app.devices.config import DeviceConfig
 from app.devices.motion import Setting, distance
 from app.devices.prediction import Prediction
@@ -218,7 +219,9 @@ class RampChip(RegisterChip):
             if request.read:
                 self._saw_word(register, data)
             else:
+                old = self._known.get(register.address)
                 self._sent(register, request.data)
+                self._tell(register_changed(register, old, request.data, self.port.last_exchange_s, BY_HAND))
                 await self._after_write(register)
         shown = data if request.read else request.data
         return RawExchange(

@@ -7,6 +7,7 @@ over a UART one datagram with an answer of its own.
 
 from __future__ import annotations
 
+from app.devices.changes import BY_HAND, register_changed
 from app.devices.keeping_chip import KeepingChip
 from app.devices.results import RawExchange
 from app.links import datagram40, tmcl
@@ -109,8 +110,10 @@ class RawFrames(KeepingChip):
         if not write:
             self._heed_reading(register, data, time_s)
             return
+        old = self._known.get(register.address) if register.access.readable else self.kept_word(register)
         self._sent(register, data)
         self._saw_word(register, data)
+        self._tell(register_changed(register, old, data, time_s, BY_HAND))
         if (
             await self._moved_by_hand(register)
             and register.access.readable

@@ -11,6 +11,7 @@ from functools import reduce
 from operator import or_
 
 from app.clock import Clock
+from app.devices.changes import outcome_of, outcome_of_failure, register_changed
 from app.devices.config import DeviceConfig
 from app.devices.device import Device
 from app.devices.lookup import Changes, Lookup, checked_fields, modify, word_of_value
@@ -114,11 +115,28 @@ class RegisterChip(Device):
         return BatchResult(done, None, 0)
 
     async def _write(self, words: Words, register: Register, word: int, changes: Changes | None) -> RegisterWritten:
-        """Write within a turn: `changes` over what the chip holds, or the whole `word`."""
-        if changes is not None:
-            held = await self._held(words, register) if _needs_old(register, changes) else 0
+        """Write within a turn: `changes` over what the chip holds, or the whole `word`. Whoever listens is told."""
+        if changes is not None and _needs_old(register, changes):
+            held = await self._held(words, register)
             word = modify(register, self._as_written(register, held), changes)
+            old = held if register.access.readable else self.kept_word(register)
+        else:
+            old = await self._old(words, register)
+            word = word if changes is None else modify(register, 0, changes)
         notes = await self._before_write(words, register, word)
+        try:
+            done = await self._put(words, register, word, notes)
+        except BenchError as error:
+            outcome = outcome_of_failure(error)
+            if outcome is not None:
+                self._tell(register_changed(register, old, word, words.time_s, outcome))
+            raise
+        new = done.raw if done.verified and register.access.readable else word
+        self._tell(register_changed(register, old, new, words.time_s, outcome_of(done.verified, done.note)))
+        return done
+
+    async def _put(self, words: Words, register: Register, word: int, notes: list[str]) -> RegisterWritten:
+        """Send `word`, and judge what came of it."""
         arrived = await words.write(register, word)
         self._sent(register, word)
         if not register.access.readable:
@@ -195,6 +213,16 @@ class RegisterChip(Device):
 
     async def _after_write(self, register: Register) -> None:
         """A write to `register` has happened, and its turn is over."""
+
+    async def _old(self, words: Words, register: Register) -> int | None:
+        """What the chip holds before a write: asked for where that clears nothing, else as far as it is known."""
+        if register.access.readable and not register.read_clears:
+            return await words.read(register)
+        return self.kept_word(register)
+
+    def kept_word(self, register: Register) -> int | None:
+        """What a register that cannot be read holds, as far as is known; None where nobody knows."""
+        return None
 
     async def _held(self, words: Words, register: Register) -> int:
         """What the chip holds, before some fields of it are written."""

@@ -84,11 +84,12 @@ async def test_one_lost_answer_within_a_transaction_is_made_good() -> None:
 
 async def test_a_flipped_bit_in_a_read_back_is_asked_about_again() -> None:
     async with bench() as b:
-        exchange, flips = b.wire.exchange, [1]
+        exchange, wrote, flips = b.wire.exchange, [False], [1]
 
         def flip_once(frame: bytes, at_s: float | None = None) -> bytes:
             reply = exchange(frame, at_s)
-            if frame == datagram32.read(0x02) and flips:
+            wrote[0] |= frame == datagram32.write(0x02, 9)
+            if frame == datagram32.read(0x02) and wrote[0] and flips:
                 flips.pop()
                 return reply[:3] + bytes([reply[3] ^ 4])
             return reply
