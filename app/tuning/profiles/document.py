@@ -42,6 +42,7 @@ def _from_hex(given: object) -> object:
 
 Int = Annotated[int, Field(strict=True)]
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
+Positive = Annotated[float, Field(strict=True, gt=0, le=1e12, allow_inf_nan=False)]
 Index = Annotated[int, Field(strict=True, ge=0, le=31)]
 Word = Annotated[
     int,
@@ -62,13 +63,15 @@ class Part(BaseModel):
 
 
 class Limits(Part):
-    """Soft limits of an axis, in microsteps, pps, pps^2 and A; null for none."""
+    """Soft limits of an axis, as in POST /devices; null for none."""
 
-    position_min: Number | None = None
-    position_max: Number | None = None
-    velocity_max_pps: Number | None = None
-    acceleration_max_pps2: Number | None = None
-    current_max_a: Number | None = None
+    position_min: Int | None = Field(default=None, description="[microsteps]")
+    position_max: Int | None = Field(default=None, description="[microsteps]")
+    velocity_max_pps: Positive | None = None
+    acceleration_max_pps2: Positive | None = None
+    current_max_a: Positive | None = Field(default=None, description="of a coil, RMS [A]")
+    sense_resistor_ohm: Positive | None = None
+    current_full_scale_a: Positive | None = None
 
 
 class AxisPart(Part):
@@ -230,6 +233,9 @@ def plain(document: ProfileDocument) -> dict[str, Any]:
         for key in ("alias", "unit", "meaning"):
             if not entry[key]:
                 del entry[key]
+    for entry in whole["axes"]:
+        if entry["limits"] is not None:
+            entry["limits"] = {name: limit for name, limit in entry["limits"].items() if limit is not None}
     whole["tables"] = {name: table for name, table in whole["tables"].items() if table is not None}
     return whole
 
@@ -260,7 +266,16 @@ def _lines(whole: dict[str, Any]) -> Iterator[str]:
 
 
 def _json(value: object) -> str:
-    return json.dumps(value, ensure_ascii=False, allow_nan=False)
+    return json.dumps(_short(value), ensure_ascii=False, allow_nan=False)
+
+
+def _short(value: object) -> object:
+    """Whole numbers without a decimal point."""
+    if isinstance(value, dict):
+        return {name: _short(part) for name, part in value.items()}
+    if isinstance(value, list):
+        return [_short(part) for part in value]
+    return int(value) if isinstance(value, float) and value.is_integer() and abs(value) < 1e15 else value
 
 
 def _shown(value: object) -> str:
