@@ -98,7 +98,7 @@ def create_app(
     positions = PositionStore(settings.data_dir)
     endless = EndlessService(clock, changed=lambda: position_saver.request())
     position_saver = Saver(positions, endless.saved, clock, SAVE_EVERY_S)
-    desk = RecordingDesk(Library(settings.data_dir), hub, clock)
+    desk = RecordingDesk(Library(settings.data_dir), hub, clock, reserve_bytes=round(settings.disk_reserve_mb * 1e6))
     database = Database(settings.data_dir)
     lease = Lease(clock, settings.on_vanish, settings.vanish_after_s)
     bench = Bench(settings, clock, manager, hub, Procedures(clock), endless, desk, database, lease, list_serial_ports)

@@ -48,6 +48,9 @@ class Settings(BaseSettings):
     body_limit_bytes: Annotated[int, Field(ge=1024)] = Field(
         default=1 << 20, description="the longest request body that is read [bytes]"
     )
+    disk_reserve_mb: Annotated[float, Field(ge=0)] = Field(
+        default=256.0, description="of the disk this is not for recordings: they end before they take it [MB]"
+    )
 
     on_vanish: OnVanish = Field(
         default="stop",

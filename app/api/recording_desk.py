@@ -6,17 +6,17 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import asdict
 from typing import Any
 
 from app.clock import Clock
 from app.devices.device import Device
 from app.links.errors import BenchError, UsageError, WrongState
-from app.store.recordings.file import FloatArray, RecordingWriter, Rows
 from app.store.recordings.head import Column, Head
 from app.store.recordings.library import Label, Library
-from app.store.recordings.marks import Mark
+from app.store.recordings.sink import FileSink, megabytes
 from app.telemetry.hub import TelemetryHub
-from app.telemetry.recorder import MarkKind, Recorder, Trigger
+from app.telemetry.recorder import Recorder, Trigger
 
 log = logging.getLogger("stepscope.recordings")
 
@@ -25,29 +25,20 @@ KEPT = 100
 """How many that are over are remembered with why they ended."""
 
 
-class _FileSink:
-    """A recorder's rows into a file of the library."""
-
-    def __init__(self, library: Library, recording: str, writer: RecordingWriter) -> None:
-        self._library, self._id, self._writer = library, recording, writer
-
-    def append(self, time_s: FloatArray, columns: FloatArray) -> None:
-        self._writer.append(Rows(time_s, columns))
-
-    def mark(self, time_s: float, kind: MarkKind, text: str, axis: int | None) -> None:
-        self._library.mark(self._id, Mark(time_s, kind, text, axis))
-
-    def close(self) -> None:
-        self._writer.close()
-
-
 class RecordingDesk:
     """All recordings of this server."""
 
     def __init__(
-        self, library: Library, hub: TelemetryHub, clock: Clock, unix_s: Callable[[], float] = time.time
+        self,
+        library: Library,
+        hub: TelemetryHub,
+        clock: Clock,
+        unix_s: Callable[[], float] = time.time,
+        reserve_bytes: int = 0,
     ) -> None:
+        """`reserve_bytes` of the disk are left to the rest of the system: a recording ends before it takes them."""
         self.library = library
+        self.reserve_bytes = reserve_bytes
         self._hub, self._clock, self._unix_s = hub, clock, unix_s
         self._recorders: dict[str, Recorder] = {}
 
@@ -60,6 +51,7 @@ class RecordingDesk:
         duration_s: float | None,
         label: Label,
         configuration: Mapping[str, Any] | None,
+        axes: tuple[Mapping[str, Any], ...] = (),
     ) -> str:
         """Begin, and answer with the id.
 
@@ -70,6 +62,12 @@ class RecordingDesk:
             raise UsageError("a recording of no channel")
         if len(self.library.running) >= RUNNING_MAX:
             raise WrongState(f"{RUNNING_MAX} recordings are running", "stop one of them")
+        if self.room_bytes <= 0:
+            left, kept = megabytes(self.library.free_bytes), megabytes(self.reserve_bytes)
+            raise WrongState(
+                f"the disk has {left} left, of which {kept} are not for recordings",
+                "delete recordings, or choose another --data-dir",
+            )
         recorder = Recorder(self._hub, device, channels, rate_hz, trigger, duration_s, self._clock)
         joined = recorder.joined
         now_s = self._unix_s()
@@ -85,6 +83,8 @@ class RecordingDesk:
             clock_hz=device.clock_hz,
             trigger={name: getattr(trigger, name) for name in trigger.__slots__},
             configuration=configuration,
+            axes=axes,
+            emulator=_options_of(device),
         )
         try:
             writer = self.library.begin(head, label)
@@ -97,8 +97,14 @@ class RecordingDesk:
             if over is None:
                 break
             del self._recorders[over]
-        recorder.start(_FileSink(self.library, head.id, writer), lambda: self.library.ended(head.id))
+        sink = FileSink(self.library, head.id, writer, lambda: self.room_bytes)
+        recorder.start(sink, lambda: self.library.ended(head.id))
         return head.id
+
+    @property
+    def room_bytes(self) -> int:
+        """How much may still be recorded."""
+        return self.library.free_bytes - self.reserve_bytes
 
     def recorder(self, recording: str) -> Recorder | None:
         """Its recorder, where it ran lately."""
@@ -121,6 +127,27 @@ class RecordingDesk:
     async def close(self) -> None:
         """End all of them: the server goes."""
         await asyncio.gather(*(recorder.stop() for recorder in self._recorders.values()))
+
+
+async def axes_of(device: Device) -> tuple[dict[str, Any], ...]:
+    """Settings of each axis, and where it is now, for the head of a recording; without the place where it is silent."""
+    found = []
+    for axis in device.axes:
+        told: dict[str, Any] = {"settings": asdict(axis.settings), "position": None, "velocity_pps": None}
+        try:
+            state = await device.axis_state(axis.index)
+            told |= {"position": state.position, "velocity_pps": state.velocity_pps}
+        except BenchError as error:
+            log.warning("where axis %d of %s is, is not in the recording: %s", axis.index, device.id, error)
+        found.append(told)
+    return tuple(found)
+
+
+def _options_of(device: Device) -> dict[str, Any] | None:
+    """An emulator's options; None of a device that is none. An address or a port is nobody's business later."""
+    if not device.emulated:
+        return None
+    return {name: value for name, value in device.link.items() if name not in ("kind", "eeprom")}
 
 
 async def configuration_of(device: Device) -> dict[str, Any] | None:

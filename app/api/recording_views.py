@@ -20,13 +20,14 @@ from app.api.schemas_recordings import (
     RecordingInfo,
     RecordingPlot,
 )
-from app.calc.decimation import extremes
 from app.calc.figures import figures
 from app.links.errors import UnknownThing
 from app.store.recordings.file import TIME, Rows
 from app.store.recordings.head import Head
-from app.store.recordings.library import Entry, span_s
+from app.store.recordings.library import Entry
 from app.store.recordings.marks import Mark
+from app.store.recordings.opened import Opened
+from app.telemetry.frames import encode_body, encode_header
 from app.telemetry.recorder import Recorder
 
 
@@ -49,35 +50,53 @@ def info(entry: Entry, recorder: Recorder | None) -> RecordingInfo:
     )
 
 
-def detail(entry: Entry, recorder: Recorder | None, head: Head, rows: Rows, marks: Sequence[Mark]) -> RecordingDetail:
-    """Everything of one recording but its rows."""
+def detail(
+    entry: Entry, recorder: Recorder | None, opened: Opened, marks: Sequence[Mark], *, with_figures: bool = True
+) -> RecordingDetail:
+    """Everything of one recording but its rows. Figures are of all rows, which have to be read for them."""
     told = info(entry, recorder).model_dump()
-    told["rows"] = len(rows.time_s)
+    told["rows"] = opened.rows
+    head = opened.head
     return RecordingDetail(
         **told,
         time_origin_unix_s=head.time_origin_unix_s,
-        zero_s=zero_of(rows, marks),
-        duration_s=span_s(rows),
+        zero_s=zero_of(opened, marks),
+        duration_s=(opened.last_s or 0.0) - (opened.first_s or 0.0),
         marks=[MarkOut.model_validate(mark) for mark in marks],
-        figures={
-            column.name: FiguresOut.model_validate(figures(rows.time_s, values))
-            for column, values in zip(head.columns, rows.columns, strict=True)
-        },
+        figures=figures_of(head, opened.read(0, opened.rows)) if with_figures else {},
         configuration=None if head.configuration is None else dict(head.configuration),
+        replay_of=head.replay_of,
     )
 
 
-def zero_of(rows: Rows, marks: Sequence[Mark]) -> float | None:
+def figures_of(head: Head, rows: Rows) -> dict[str, FiguresOut]:
+    """By channel, and by axis what the motor was away from its planned position."""
+    columns = dict(zip((column.name for column in head.columns), rows.columns, strict=True))
+    for name in list(columns):
+        quantity, _, axis = name.rpartition(".")
+        planned = columns.get(f"predicted_position.{axis}")
+        # The encoder knows where the motor is; without one the chip's own count is the best there is.
+        if planned is not None and (
+            quantity == "encoder_position" or (quantity == "position" and f"encoder_position.{axis}" not in columns)
+        ):
+            columns[f"following_error.{axis}"] = columns[name] - planned
+    return {name: FiguresOut.model_validate(figures(rows.time_s, values)) for name, values in columns.items()}
+
+
+def zero_of(opened: Opened, marks: Sequence[Mark]) -> float | None:
     """Device time that plots call 0: the trigger's, else the first row's [s]."""
-    triggered = next((mark.time_s for mark in marks if mark.kind == "trigger"), None)
-    if triggered is not None or not len(rows.time_s):
-        return triggered
-    return float(rows.time_s[0])
+    return next((mark.time_s for mark in marks if mark.kind == "trigger"), opened.first_s)
+
+
+def rows_between(opened: Opened, zero_s: float, from_s: float | None, to_s: float | None) -> tuple[int, int]:
+    """Numbers of the rows between two times since the zero: (first, behind the last)."""
+    first = 0 if from_s is None else opened.row_at(from_s + zero_s)
+    last = opened.rows if to_s is None else opened.row_at(to_s + zero_s, "right")
+    return first, max(first, last)
 
 
 def plot(
-    head: Head,
-    rows: Rows,
+    opened: Opened,
     marks: Sequence[Mark],
     channels: Sequence[str],
     from_s: float | None,
@@ -85,28 +104,56 @@ def plot(
     points: int,
 ) -> RecordingPlot:
     """`channels` (none: all) between two times since the zero. Raises UnknownThing."""
+    head = opened.head
+    require_channels(head, channels)
+    zero_s = zero_of(opened, marks) or 0.0
+    first, last = rows_between(opened, zero_s, from_s, to_s)
+    # Of a stretch three points may be left: its extremes, and one where a sample is missing. Two more are its ends.
+    stretches = opened.stretches(first, last, points if last - first <= points else max(1, points // 3 - 2))
+    curves = []
+    for number, column in enumerate(head.columns):
+        if not channels or column.name in channels:
+            at_s, values = stretches.points(number)
+            curves.append(
+                Curve(
+                    channel=column.name,
+                    unit=column.unit,
+                    time_s=(at_s - zero_s).tolist(),
+                    values=nothing_as_null(values),
+                )
+            )
+    shown = opened.read(first, first + 1).time_s, opened.read(last - 1, last).time_s
+    return RecordingPlot(
+        zero_s=zero_s,
+        from_s=float(shown[0][0] - zero_s) if last > first else 0.0,
+        to_s=float(shown[1][0] - zero_s) if last > first else 0.0,
+        rows=last - first,
+        thinned=last - first > points,
+        curves=curves,
+    )
+
+
+def plot_frame(
+    opened: Opened, marks: Sequence[Mark], from_s: float | None, to_s: float | None, points: int
+) -> tuple[bytes, int]:
+    """The same for a page that zooms, as one telemetry frame of all channels, and how many rows it stands for.
+
+    Times count from the zero. All channels share them: a stretch is two points, its extremes in their order.
+    """
+    zero_s = zero_of(opened, marks) or 0.0
+    first, last = rows_between(opened, zero_s, from_s, to_s)
+    wanted = points if last - first <= points else points // 2
+    time_s, columns = opened.stretches(first, last, wanted).line()
+    frame = encode_header(0, 0, len(time_s), len(columns)) + encode_body(time_s - zero_s, columns.T)
+    return frame, last - first
+
+
+def require_channels(head: Head, channels: Sequence[str]) -> None:
+    """Raises UnknownThing for one that was not recorded."""
     names = [column.name for column in head.columns]
     for name in channels:
         if name not in names:
             raise UnknownThing("recorded channel", name, names)
-    zero_s = zero_of(rows, marks) or 0.0
-    since_s = rows.time_s - zero_s
-    first = 0 if from_s is None else int(np.searchsorted(since_s, from_s))
-    last = len(since_s) if to_s is None else int(np.searchsorted(since_s, to_s, side="right"))
-    shown = since_s[first:last]
-    curves = []
-    for column, values in zip(head.columns, rows.columns, strict=True):
-        if not channels or column.name in channels:
-            at_s, thinned = extremes(shown, values[first:last], points)
-            curves.append(Curve(channel=column.name, unit=column.unit, time_s=at_s.tolist(), values=_json(thinned)))
-    return RecordingPlot(
-        zero_s=zero_s,
-        from_s=float(shown[0]) if len(shown) else 0.0,
-        to_s=float(shown[-1]) if len(shown) else 0.0,
-        rows=len(shown),
-        thinned=len(shown) > points,
-        curves=curves,
-    )
 
 
 def csv_of(head: Head, rows: Rows) -> bytes:
@@ -131,7 +178,8 @@ def _table(head: Head, rows: Rows, *, missing_is_null: bool = False) -> pa.Table
     return pa.table(columns, schema=pa.schema(fields, metadata={"stepscope": head.encode()}))
 
 
-def _json(values: NDArray[np.float64]) -> list[float | None]:
+def nothing_as_null(values: NDArray[np.float64]) -> list[float | None]:
+    """For JSON, which has no NaN."""
     return [None if value != value else value for value in values.tolist()]
 
 

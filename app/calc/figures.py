@@ -16,6 +16,7 @@ BAND = 0.02
 class Figures:
     """Of the samples that are there. Overshoot and settling are those of a step: None where the values go nowhere.
 
+    peak : the value farthest from 0, with its sign
     overshoot : how far beyond its last value it went, in the direction of the step [unit of the channel]
     settling_s : from the first sample until it stays within 2 % of the step of its last value [s]
     """
@@ -26,6 +27,7 @@ class Figures:
     maximum: float | None
     mean: float | None
     rms: float | None
+    peak: float | None
     first: float | None
     last: float | None
     overshoot: float | None
@@ -38,7 +40,7 @@ def figures(time_s: FloatArray, values: FloatArray) -> Figures:
     known, at_s = values[there], time_s[there]
     missing = int(len(values) - len(known))
     if not len(known):
-        return Figures(0, missing, None, None, None, None, None, None, None, None)
+        return Figures(0, missing, *[None] * 9)
     first, last = float(known[0]), float(known[-1])
     step = last - first
     overshoot = settling_s = None
@@ -55,6 +57,7 @@ def figures(time_s: FloatArray, values: FloatArray) -> Figures:
         maximum=float(known.max()),
         mean=float(known.mean()),
         rms=float(np.sqrt(np.mean(known**2))),
+        peak=float(known[np.abs(known).argmax()]),
         first=first,
         last=last,
         overshoot=overshoot,

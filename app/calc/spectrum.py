@@ -94,7 +94,7 @@ def spectrum(time_s: FloatArray, values: FloatArray, *, window: Window = "hann",
     rate_hz = 1 / interval_s
     power = float(weights @ weights)
     return Spectrum(
-        frequency_hz=np.arange(len(lines)) * (rate_hz / samples),
+        frequency_hz=np.arange(len(lines), dtype=np.float64) * (rate_hz / samples),
         amplitude=sides * lines / float(weights.sum()),
         density=sides * lines**2 / (rate_hz * power),
         line_hz=rate_hz / samples,

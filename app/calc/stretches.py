@@ -83,6 +83,7 @@ class Stretches:
 
         A stretch is two points, at its beginning and half-way to the next: its extremes in the order in which they
         were; a third one where a sample is missing: NaN for the channels concerned, the second again for the others.
+        A single row is a single point.
         """
         first_low = self.low_s <= self.high_s
         first, second = np.where(first_low, self.low, self.high), np.where(first_low, self.high, self.low)
@@ -92,7 +93,8 @@ class Stretches:
         columns = np.stack((first, second, third), axis=2).reshape(len(self.low), -1)
         time_s = np.stack((self.start_s, half_s, half_s), axis=1).ravel()
         wanted = np.ones(len(time_s), dtype=bool)
-        wanted[2::3] = self.missing.any(axis=0)
+        wanted[1::3] = (self.low_s != self.high_s).any(axis=0)
+        wanted[2::3] = (self.missing & ~np.isnan(first)).any(axis=0)
         return time_s[wanted], columns[:, wanted]
 
     def points(self, channel: int) -> tuple[FloatArray, FloatArray]:

@@ -7,9 +7,9 @@ same for every 32-bit register chip in `register_chip`.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from contextvars import ContextVar
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar, cast
 
 from app.calc.mslut import MslutRegisters
@@ -67,11 +67,16 @@ class MotionStarted:
 
 @dataclass(frozen=True, slots=True)
 class MotionCommanded:
-    """Something went to the chip that may move or stop an axis. `by` is what `motion_owner` held then."""
+    """Something went to the chip that may move or stop an axis. `by` is what `motion_owner` held then.
+
+    asked : by what it can be done again, empty where that is not known: `target` [microsteps] of a move; `velocity` in
+        chip units of a rotation; `mode` of a stop; `position` [microsteps] that a place is called from now on
+    """
 
     axis: int
     what: str
     by: object
+    asked: Mapping[str, int | str] = field(default_factory=dict)
 
 
 DeviceEvent = (
@@ -262,10 +267,10 @@ class Device(ABC):
         for listener in tuple(self._listeners):
             listener(event)
 
-    def commanded(self, axis: int, what: str) -> None:
-        """For drivers: something that may move or stop `axis` is on its way to the chip."""
+    def commanded(self, axis: int, what: str, **asked: int | str) -> None:
+        """For drivers: something that may move or stop `axis` is on its way to the chip; `asked` as the event has it."""
         self.motion_commands[axis] += 1
-        self._tell(MotionCommanded(axis, what, motion_owner.get()))
+        self._tell(MotionCommanded(axis, what, motion_owner.get(), asked))
         if self.writes_counter(what):
             self._tell(CounterWritten(axis, what))
 

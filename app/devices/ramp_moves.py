@@ -132,7 +132,7 @@ class RampMoves(RampChip):
         else:
             await words.write(one.rows.reference, one.rows.with_mode(one.setting.reference, RAMP_MODE))
         one.started_at_s = words.time_s
-        self.commanded(one.axis, "move")
+        self.commanded(one.axis, "move", target=one.target)
 
     async def _check_target(self, words: Words, one: _Prepared) -> None:
         rows = one.rows
@@ -183,7 +183,7 @@ class RampMoves(RampChip):
                 await words.write(rows.reference, rows.with_mode(setting.reference, VELOCITY_MODE))
             await words.put(rows.v_target, chip)
             started_at_s = words.time_s
-            self.commanded(axis, "rotate")
+            self.commanded(axis, "rotate", velocity=chip)
             back = await words.value(rows.v_target)
             reference = await words.read(rows.reference)
             self._saw_word(rows.reference, reference)

@@ -23,7 +23,7 @@ class RampStops(RampWrites):
         began = time.perf_counter()
         for axis in axes:
             self.stops[axis] += 1  # before anything waits: what is under way for these axes gives up
-            self.commanded(axis, "stop")
+            self.commanded(axis, "stop", mode=mode)
         outcomes: list[StopOutcome] = []
         lost: BenchError | None = None
         async with self.queue.turn(Priority.STOP) as turn:
@@ -99,7 +99,7 @@ class RampStops(RampWrites):
                 raise WrongState(f"axis {axis} moves", "stop it first")
             v_max = await words.read(rows.v_max)
             await words.write(rows.v_max, 0)
-            self.commanded(axis, "set_position")
+            self.commanded(axis, "set_position", position=position)
             before = await words.value(rows.x_actual)
             await words.put(rows.x_target, position)
             await words.put(rows.x_actual, position)

@@ -8,14 +8,16 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import errno
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 
 from app.clock import Clock
+from app.devices.changes import RegisterChanged
 from app.devices.device import Device, DeviceEvent, MotionCommanded
 from app.devices.results import ChipEvents, MotionEnd
 from app.links.errors import OutOfRange, UnknownThing
@@ -54,8 +56,10 @@ class Sink(Protocol):
         """Rows: `time_s` [rows], `columns` [channels, rows]."""
         ...
 
-    def mark(self, time_s: float, kind: MarkKind, text: str, axis: int | None) -> None:
-        """Something happened at device time `time_s` [s]."""
+    def mark(
+        self, time_s: float, kind: MarkKind, text: str, axis: int | None, detail: Mapping[str, Any] | None = None
+    ) -> None:
+        """Something happened at device time `time_s` [s]; `detail` is the same for programs."""
         ...
 
     def close(self) -> None:
@@ -112,11 +116,18 @@ class Recorder:
             self._task.cancel()
             await asyncio.gather(self._task, return_exceptions=True)
 
-    def mark(self, text: str, kind: MarkKind = "note", axis: int | None = None, time_s: float | None = None) -> None:
-        """Mark now, or `time_s` [s] of the device."""
+    def mark(
+        self,
+        text: str,
+        kind: MarkKind = "note",
+        axis: int | None = None,
+        time_s: float | None = None,
+        detail: Mapping[str, Any] | None = None,
+    ) -> None:
+        """Mark now, or `time_s` [s] of the device; `detail` is the same for programs."""
         if self._sink is not None and self.state in ("waiting", "recording"):
             try:
-                self._sink.mark(self._device.device_time_s() if time_s is None else time_s, kind, text, axis)
+                self._sink.mark(self._device.device_time_s() if time_s is None else time_s, kind, text, axis, detail)
             except OSError as error:
                 self._fail(error)
 
@@ -210,10 +221,17 @@ class Recorder:
 
     def _hear(self, event: DeviceEvent) -> None:
         if isinstance(event, MotionCommanded):
-            self.mark(event.what, "command", event.axis)
+            text, detail = _command(event)
+            self.mark(text, "command", event.axis, detail=detail)
+        elif isinstance(event, RegisterChanged):
+            write = {"do": "write", "register": event.register, "old": event.old, "new": event.new}
+            self.mark(event.text, "write", event.axis, event.at_s, write)
 
     def _fail(self, error: OSError) -> None:
-        self.state, self.message = "failed", f"the disk did not take it: {error.strerror or error}"
+        if error.errno == errno.ENOSPC:  # what was recorded is whole, and nobody did anything wrong
+            self.state, self.message = "done", f"it was ended, because the disk is full: {error.strerror}"
+        else:
+            self.state, self.message = "failed", f"the disk did not take it: {error.strerror or error}"
 
     def _end(self) -> None:
         self._stop_listening()
@@ -224,6 +242,25 @@ class Recorder:
         if self.state != "failed":
             self.state = "done"
         self._on_end()
+
+
+def _command(event: MotionCommanded) -> tuple[str, dict[str, Any] | None]:
+    """A command for people (`move to 2000`), and for a replay what to do; None where that is not known."""
+    for name, do, text in _ASKED:
+        if name in event.asked:
+            asked = event.asked[name]
+            return event.what if event.what not in _PLAIN else text.format(asked), {"do": do, name: asked}
+    return event.what, None
+
+
+_PLAIN = ("move", "rotate", "stop", "set_position")
+"""Commands that say nothing more than their kind; a module's are written out: `MVP ABS, 0, 2000`."""
+_ASKED = (
+    ("target", "move", "move to {}"),
+    ("velocity", "rotate", "rotate at {} (chip)"),
+    ("mode", "stop", "stop ({})"),
+    ("position", "set_position", "position set to {}"),
+)
 
 
 def _nothing() -> None: ...

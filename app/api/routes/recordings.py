@@ -11,19 +11,35 @@ from fastapi.responses import Response
 
 from app.api.deps import CurrentBench
 from app.api.problems import problems
-from app.api.recording_desk import configuration_of
-from app.api.recording_views import csv_of, detail, info, parquet_of, plot
+from app.api.recording_compare import compare, spectrum_of
+from app.api.recording_desk import axes_of, configuration_of
+from app.api.recording_views import (
+    csv_of,
+    detail,
+    figures_of,
+    info,
+    parquet_of,
+    plot,
+    plot_frame,
+    rows_between,
+    zero_of,
+)
 from app.api.schemas_recordings import (
+    CompareWith,
+    Comparison,
     LevelTrigger,
     MoveTrigger,
     RecordingDetail,
+    RecordingFigures,
     RecordingInfo,
     RecordingLabel,
     RecordingList,
     RecordingMark,
     RecordingPlot,
     RecordingStart,
+    Spectrum,
 )
+from app.calc.spectrum import Detrend, Window
 from app.links.errors import OutOfRange, UnknownThing, UsageError, WrongState
 from app.store.recordings.library import Label
 from app.telemetry.recorder import Trigger
@@ -31,6 +47,8 @@ from app.telemetry.recorder import Trigger
 router = APIRouter(prefix="/recordings", tags=["recordings"])
 
 RecordingId = Annotated[str, Path(description="as in the list", max_length=60)]
+Since = Annotated[float | None, Query(description="since the zero [s]", allow_inf_nan=False)]
+FRAME = "application/vnd.stepscope.frame"
 T = TypeVar("T")
 ROWS_AS = {"csv": "text/csv", "parquet": "application/vnd.apache.parquet"}
 
@@ -50,7 +68,15 @@ async def list_recordings(
     library = bench.desk.library
     entries = await _aside(lambda: library.entries(search, device))
     found = [info(entry, bench.desk.recorder(entry.id)) for entry in entries]
-    return RecordingList(recordings=found, size_bytes=library.size_bytes)
+    size_bytes = await _aside(lambda: library.size_bytes)
+    room_bytes = max(0, bench.desk.room_bytes)
+    return RecordingList(recordings=found, size_bytes=size_bytes, free_bytes=library.free_bytes, room_bytes=room_bytes)
+
+
+@router.post("/compare", responses=problems(UnknownThing, WrongState, UsageError, OutOfRange))
+async def compare_recordings(bench: CurrentBench, body: CompareWith) -> Comparison:
+    """Lay recordings on each other: aligned curves, what each is above the first, their figures side by side."""
+    return await _aside(lambda: compare(bench.desk.library, body))
 
 
 @router.post("", status_code=201, responses=problems(UnknownThing, WrongState, OutOfRange, UsageError))
@@ -64,10 +90,12 @@ async def start_recording(bench: CurrentBench, body: RecordingStart) -> Recordin
         trigger = Trigger("move", axis=wanted.axis, pre_s=wanted.pre_s)
     elif isinstance(wanted, LevelTrigger):
         trigger = Trigger("level", 0, wanted.channel, wanted.level, wanted.rising, wanted.pre_s)
-    configuration = await configuration_of(device)
+    configuration, axes = await configuration_of(device), await axes_of(device)
     label = Label(body.name, body.note)
     channels = tuple(dict.fromkeys(body.channels))
-    recording = await bench.desk.start(device, channels, body.rate_hz, trigger, body.duration_s, label, configuration)
+    recording = await bench.desk.start(
+        device, channels, body.rate_hz, trigger, body.duration_s, label, configuration, axes
+    )
     return info(bench.desk.library.entry(recording), bench.desk.recorder(recording))
 
 
@@ -82,34 +110,99 @@ async def get_recording(
     bench: CurrentBench,
     recording: RecordingId,
     format: Annotated[Literal["json", "csv", "parquet"], Query(description="json: what it is; else its rows")] = "json",  # noqa: A002
+    figures: Annotated[bool, Query(description="false: without figures, which take a reading of all rows")] = True,
 ) -> RecordingDetail:
     """What a recording is of, its marks and figures; or with `format` all of its rows as a file."""
     desk = bench.desk
-    head = await _aside(lambda: desk.library.head(recording))
-    rows = await _aside(lambda: desk.library.rows(recording))
+    opened = await _aside(lambda: desk.library.open(recording))
     if format != "json":
-        content = await _aside(lambda: csv_of(head, rows) if format == "csv" else parquet_of(head, rows))
+        write = csv_of if format == "csv" else parquet_of
+        content = await _aside(lambda: write(opened.head, opened.read(0, opened.rows)))
         named = {"content-disposition": f'attachment; filename="{recording}.{format}"'}
         return Response(content, media_type=ROWS_AS[format], headers=named)  # type: ignore[return-value]  # a file is no JSON
-    entry, marks = desk.library.entry(recording), desk.library.marks(recording)
-    return await _aside(lambda: detail(entry, desk.recorder(recording), head, rows, marks))
+    recorder = desk.recorder(recording)
+    return await _aside(
+        lambda: detail(
+            desk.library.entry(recording), recorder, opened, desk.library.marks(recording), with_figures=figures
+        )
+    )
 
 
-@router.get("/{recording}/plot", responses=problems(UnknownThing, WrongState, UsageError))
+@router.get("/{recording}/info", responses=problems(UnknownThing))
+async def get_recording_info(bench: CurrentBench, recording: RecordingId) -> RecordingInfo:
+    """Its line of the list: how far one is that runs."""
+    entry = await _aside(lambda: bench.desk.library.entry(recording))
+    return info(entry, bench.desk.recorder(recording))
+
+
+@router.get(
+    "/{recording}/plot",
+    responses={
+        **problems(UnknownThing, WrongState, UsageError),
+        200: {"content": {FRAME: {"schema": {"type": "string", "format": "binary"}}}},
+    },
+)
 async def plot_recording(
     bench: CurrentBench,
     recording: RecordingId,
     channel: Annotated[list[str] | None, Query(description="only these", max_length=64)] = None,
-    from_s: Annotated[float | None, Query(description="since the trigger [s]", allow_inf_nan=False)] = None,
-    to_s: Annotated[float | None, Query(description="since the trigger [s]", allow_inf_nan=False)] = None,
+    from_s: Since = None,
+    to_s: Since = None,
     points: Annotated[int, Query(description="of each channel, about", ge=8, le=100_000)] = 3000,
+    format: Annotated[  # noqa: A002
+        Literal["json", "frame"],
+        Query(description="frame: a telemetry frame of all channels, times since the zero; what zooms without stutter"),
+    ] = "json",
 ) -> RecordingPlot:
     """What a plot of so many points shows, in full or of a stretch of it."""
     library = bench.desk.library
-    head = await _aside(lambda: library.head(recording))
-    rows = await _aside(lambda: library.rows(recording))
-    marks = library.marks(recording)
-    return await _aside(lambda: plot(head, rows, marks, channel or (), from_s, to_s, points))
+    opened = await _aside(lambda: library.open(recording))
+    marks = await _aside(lambda: library.marks(recording))
+    if format == "frame":
+        if channel:
+            raise UsageError("a frame is of all channels")
+        frame, rows = await _aside(lambda: plot_frame(opened, marks, from_s, to_s, points))
+        return Response(frame, media_type=FRAME, headers={"stepscope-rows": str(rows)})  # type: ignore[return-value]
+    return await _aside(lambda: plot(opened, marks, channel or (), from_s, to_s, points))
+
+
+@router.get("/{recording}/figures", responses=problems(UnknownThing, WrongState))
+async def get_recording_figures(
+    bench: CurrentBench, recording: RecordingId, from_s: Since = None, to_s: Since = None
+) -> RecordingFigures:
+    """Figures of a stretch: of what a plot shows, between two cursors."""
+    library = bench.desk.library
+
+    def figures() -> RecordingFigures:
+        opened = library.open(recording)
+        zero_s = zero_of(opened, library.marks(recording)) or 0.0
+        rows = opened.read(*rows_between(opened, zero_s, from_s, to_s))
+        ends = rows.time_s[[0, -1]] - zero_s if len(rows.time_s) else (0.0, 0.0)
+        return RecordingFigures(from_s=float(ends[0]), to_s=float(ends[1]), figures=figures_of(opened.head, rows))
+
+    return await _aside(figures)
+
+
+@router.get("/{recording}/spectrum", responses=problems(UnknownThing, WrongState, OutOfRange))
+async def get_spectrum(
+    bench: CurrentBench,
+    recording: RecordingId,
+    channel: Annotated[str, Query(max_length=80)],
+    from_s: Since = None,
+    to_s: Since = None,
+    window: Annotated[Window, Query(description="flattop tells amplitudes, none tells close sines apart")] = "hann",
+    detrend: Annotated[
+        Detrend, Query(description="what is taken off first: the mean, the best straight line")
+    ] = "line",
+    points: Annotated[int, Query(description="lines at the most", ge=8, le=100_000)] = 4000,
+) -> Spectrum:
+    """What a channel swings at: amplitudes and power density over frequency."""
+    library = bench.desk.library
+    return await _aside(
+        lambda: spectrum_of(
+            library.open(recording), library.marks(recording), channel, from_s, to_s, window, detrend, points
+        )
+    )
 
 
 @router.patch("/{recording}", responses=problems(UnknownThing))

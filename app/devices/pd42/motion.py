@@ -200,7 +200,10 @@ class Motion(Console):
     async def _set_off(self, calls: Calls, request: Request, kind: Kind, target: int | None) -> float:
         """Send the command that moves the motor, once. Returns when it was obeyed, device time [s]."""
         what = spelled(request)
-        self.commanded(request.motor, what)
+        asked = {"target": target} if target is not None else {}
+        if kind == "velocity":
+            asked = {"velocity": -request.value if request.opcode == Opcode.ROL else request.value}
+        self.commanded(request.motor, what, **asked)
         sent_s = self.device_time_s()
         try:
             await calls.move(request, what)
@@ -332,8 +335,8 @@ class Motion(Console):
 
     # --- ends -----------------------------------------------------------------------------------
 
-    def commanded(self, axis: int, what: str) -> None:
-        super().commanded(axis, what)
+    def commanded(self, axis: int, what: str, **asked: int | str) -> None:
+        super().commanded(axis, what, **asked)
         self._latched = 0  # the next motion clears the module's own flags too
 
     def motion_ends(self, axis: int) -> tuple[MotionEnd, ...]:

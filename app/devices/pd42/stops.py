@@ -36,7 +36,7 @@ class Stops(Motion):
         outcomes = []
         for axis in axes:
             self.stops[axis] += 1  # before anything waits: what is under way for this axis gives up
-            self.commanded(axis, "stop")
+            self.commanded(axis, "stop", mode=mode)
             async with self.calls(priority=Priority.STOP) as calls:
                 problem = await self._stop(calls, mode)
             outcomes.append(StopOutcome(self.id, axis, problem is None, (time.perf_counter() - began) * 1e3, problem))

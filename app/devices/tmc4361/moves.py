@@ -195,7 +195,7 @@ class Moves(Events):
                 await self._release(words, before)
             self._warn_of_gates(before, ("VMAX", "RAMPMODE"))
             writes = self._writes_of_rotation(before, vmax)
-            back = await self._set_off(words, writes, "velocity", None)
+            back = await self._set_off(words, writes, "velocity", None, vmax)
             if not any(before.setting.gates()[1:]):
                 self._check_back(back, ((rows.VMAX, vmax), (rows.RAMPMODE, self.cruise.shape)))
             started_s = words.time_s
@@ -290,10 +290,15 @@ class Moves(Events):
     def _vmax(self, vmax: int) -> Write:
         return _put(rows.VMAX, vmax)
 
-    async def _set_off(self, words: Words, writes: Sequence[Write], kind: Kind, target: int | None) -> Held:
+    async def _set_off(
+        self, words: Words, writes: Sequence[Write], kind: Kind, target: int | None, speed: int = 0
+    ) -> Held:
         """Send what sets the axis in motion, once; XTARGET, VMAX and RAMPMODE as they are then."""
         checked = (rows.XTARGET, rows.VMAX, rows.RAMPMODE)
-        self.commanded(rows.AXIS, "move" if kind == "position" else "rotate")
+        if kind == "position" and target is not None:
+            self.commanded(rows.AXIS, "move", target=target)
+        else:
+            self.commanded(rows.AXIS, "rotate", velocity=speed)
         for write in writes:
             if write.register is rows.VMAX:
                 self.cruise.overwrite_vmax(write.register.decode(write.word))

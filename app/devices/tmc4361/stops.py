@@ -39,7 +39,7 @@ class Stops(Moves):
         outcomes = []
         for axis in axes:
             self.stops[axis] += 1  # before anything waits: what is under way for this axis gives up
-            self.commanded(axis, "stop")
+            self.commanded(axis, "stop", mode=mode)
             async with self.queue.turn(Priority.STOP) as turn:
                 problem = await self._stop(self.words(turn), mode)
             outcomes.append(StopOutcome(self.id, axis, problem is None, (time.perf_counter() - began) * 1e3, problem))
@@ -124,7 +124,7 @@ class Stops(Moves):
             offset = read.value(rows.CL_OFFSET) + turned
             enc_in_conf, mode = read.word(rows.ENC_IN_CONF), read.word(rows.RAMPMODE) & 3
             regulated = rows.REGULATION.unpack(enc_in_conf) != 0
-            self.commanded(axis, "set_position")
+            self.commanded(axis, "set_position", position=position)
             self.cruise.overwrite_mode(mode)
             self.cruise.overwrite_vmax(0)
             steps = [

@@ -195,7 +195,7 @@ class Moves(Events):
             ]
             if before.positioning and before.stands:
                 writes.insert(0, _put(rows.xtarget, before.position))  # else VMAX alone might set it off
-            back = await self._set_off(words, writes, (rows.rampmode,), "velocity", {axis: None})
+            back = await self._set_off(words, writes, (rows.rampmode,), "velocity", {axis: None}, speed)
             self._check_back(back, ((rows.rampmode, mode),))
             started_s = words.time_s
             if speed == 0:
@@ -323,10 +323,14 @@ class Moves(Events):
         checked: Sequence[Register],
         kind: Kind,
         targets: dict[int, int | None],
+        speed: int = 0,
     ) -> Held:
-        """Send what sets axes in motion, once; `checked` as they are then."""
-        for axis in targets:
-            self.commanded(axis, "move" if kind == "position" else "rotate")
+        """Send what sets axes in motion, once; `checked` as they are then. `speed` is that of a rotation, signed."""
+        for axis, target in targets.items():
+            if kind == "position" and target is not None:
+                self.commanded(axis, "move", target=target)
+            else:
+                self.commanded(axis, "rotate", velocity=speed)
         for write in writes:
             if not write.register.access.readable:
                 self._overwrite(write.register, write.word)

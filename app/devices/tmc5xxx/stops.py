@@ -36,7 +36,7 @@ class Stops(Moves):
         began = time.perf_counter()
         for axis in axes:
             self.stops[axis] += 1  # before anything waits: what is under way for these axes gives up
-            self.commanded(axis, "stop")
+            self.commanded(axis, "stop", mode=mode)
         outcomes = []
         for axis in axes:
             async with self.queue.turn(Priority.STOP) as turn:
@@ -106,7 +106,7 @@ class Stops(Moves):
                 raise WrongState(f"axis {axis} moves", "stop it first")
             before = read.value(rows.xactual)
             shift = before - position
-            self.commanded(axis, "set_position")
+            self.commanded(axis, "set_position", position=position)
             steps: list[tuple[Register, int]] = [
                 *self._standing_still(axis),
                 (rows.xactual, to_raw(position, 32)),

@@ -29,6 +29,9 @@ class Head:
 
     time_origin_unix_s : Unix time [s] of device time 0
     configuration : the device's whole configuration at the start, as its profile has it; None where it was not read
+    axes : of each axis its settings (motor, gear, driver) and where it was at the start: what a replay needs beside it
+    emulator : the link's options, where the device was emulated
+    replay_of : the recording of which this is a replay
     """
 
     id: str
@@ -42,6 +45,9 @@ class Head:
     clock_hz: float
     trigger: Mapping[str, Any] = field(default_factory=dict)
     configuration: Mapping[str, Any] | None = None
+    axes: tuple[Mapping[str, Any], ...] = ()
+    emulator: Mapping[str, Any] | None = None
+    replay_of: str | None = None
 
     def encode(self) -> bytes:
         """JSON, as it stands in the file."""
@@ -58,6 +64,6 @@ class Head:
             if version > VERSION:
                 raise UnreadableRecording(f"it is of a newer stepscope: version {version}, known is {VERSION}")
             columns = tuple(Column(**column) for column in found.pop("columns"))
-            return cls(columns=columns, **found)
+            return cls(columns=columns, axes=tuple(found.pop("axes", ())), **found)
         except (ValueError, KeyError, TypeError, AttributeError) as error:
             raise UnreadableRecording(f"its head cannot be read: {error!r}") from error

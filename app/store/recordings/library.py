@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
+from shutil import disk_usage
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from app.links.errors import UnknownThing, UsageError, WrongState
 from app.store.document import Document, UnreadableDocument
 from app.store.recordings import file, marks
 from app.store.recordings.head import Head, UnreadableRecording
+from app.store.recordings.opened import Opened, OpenedRecordings
 
 FOLDER = "recordings"
 ID = re.compile(r"[0-9]{8}-[0-9]{6}-[0-9a-f]{4}")
@@ -52,6 +54,7 @@ class Library:
     def __init__(self, data_dir: Path) -> None:
         self._folder = data_dir / FOLDER
         self.running: set[str] = set()
+        self._opened = OpenedRecordings()
 
     def new_id(self, unix_s: float) -> str:
         """An id that sorts by time and that nobody has."""
@@ -104,6 +107,11 @@ class Library:
         with _readable(recording):
             return file.read_rows(self._rows_of(self._known(recording)))
 
+    def open(self, recording: str) -> Opened:
+        """To look at any part of it, as far as it is written now. Raises UnknownThing, WrongState."""
+        with _readable(recording):
+            return self._opened.get(self._rows_of(self._known(recording)))
+
     def marks(self, recording: str) -> list[marks.Mark]:
         """Raises UnknownThing."""
         return marks.read(self._folder / f"{self._known(recording)}{marks.SUFFIX}")
@@ -122,6 +130,12 @@ class Library:
         # The rows go first: what else is left is nothing without them, and is not listed.
         for suffix in (file.SUFFIX, marks.SUFFIX, ".json", ".json.lock"):
             (self._folder / f"{recording}{suffix}").unlink(missing_ok=True)
+        self._opened.forget(self._rows_of(recording))
+
+    @property
+    def free_bytes(self) -> int:
+        """Room that is left where recordings go."""
+        return disk_usage(next(each for each in (self._folder, *self._folder.parents) if each.exists())).free
 
     @property
     def size_bytes(self) -> int:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 SUFFIX = ".marks"
 MarkKind = Literal["note", "move", "stopped", "event", "gap", "command", "write", "trigger"]
@@ -13,12 +14,16 @@ MarkKind = Literal["note", "move", "stopped", "event", "gap", "command", "write"
 
 @dataclass(frozen=True, slots=True)
 class Mark:
-    """Something at device time `time_s` [s]; `axis` None where it is nobody's."""
+    """Something at device time `time_s` [s]; `axis` None where it is nobody's.
+
+    detail : the same for programs, where that is more than the text: `{"do": "move", "target": 2000}`
+    """
 
     time_s: float
     kind: MarkKind
     text: str
     axis: int | None = None
+    detail: Mapping[str, Any] | None = None
 
 
 def add(path: Path, mark: Mark) -> None:
