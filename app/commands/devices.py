@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from app.commands.completion import complete_assignment, complete_register
 from app.commands.shared import AnyAxis, AsJson, DeviceName, Token, Url, connected, print_json, print_table
 
 
@@ -26,7 +27,10 @@ def devices(url: Url = None, token: Token = None, as_json: AsJson = False) -> No
 def read(
     device: DeviceName,
     registers: Annotated[
-        list[str] | None, typer.Argument(metavar="REGISTER...", help="Registers or fields; none: all of them.")
+        list[str] | None,
+        typer.Argument(
+            metavar="REGISTER...", help="Registers or fields; none: all of them.", autocompletion=complete_register
+        ),
     ] = None,
     axis: AnyAxis = None,
     group: Annotated[list[str] | None, typer.Option(help="Without names: only these groups of registers.")] = None,
@@ -62,7 +66,11 @@ def write(
     device: DeviceName,
     assignments: Annotated[
         list[str],
-        typer.Argument(metavar="NAME=VALUE...", help="REGISTER=1200, FIELD=3, REGISTER.FIELD=name; 0x... is hex."),
+        typer.Argument(
+            metavar="NAME=VALUE...",
+            help="REGISTER=1200, FIELD=3, REGISTER.FIELD=name; 0x... is hex.",
+            autocompletion=complete_assignment,
+        ),
     ],
     axis: AnyAxis = None,
     url: Url = None,

@@ -12,7 +12,7 @@ from typing import Annotated
 
 import typer
 
-from app.commands.shared import AsJson, DeviceName, Token, Url, connected, print_json, print_table, progress
+from app.commands.shared import AsJson, Channels, DeviceName, Token, Url, connected, print_json, print_table, progress
 
 LOOK_EVERY_S = 0.2
 """How often a progress bar asks [s]."""
@@ -20,7 +20,7 @@ LOOK_EVERY_S = 0.2
 
 def watch(
     device: DeviceName,
-    channels: Annotated[list[str], typer.Argument(help="position.0 velocity.0 residual.0 ...")],
+    channels: Channels,
     seconds: Annotated[float, typer.Option(help="How long [s].", min=0.001, max=86_400)] = 5.0,
     rate_hz: Annotated[float, typer.Option("--rate", help="Samples a second.", min=0.1, max=10_000)] = 100.0,
     out: Annotated[Path | None, typer.Option(help="A file for the CSV. [default: the terminal]")] = None,
@@ -47,7 +47,7 @@ def watch(
 
 def record(
     device: DeviceName,
-    channels: Annotated[list[str], typer.Argument(help="position.0 velocity.0 residual.0 ...")],
+    channels: Channels,
     seconds: Annotated[float | None, typer.Option(help="How long. [default: until Ctrl-C]", min=0.001)] = None,
     rate_hz: Annotated[float, typer.Option("--rate", help="Samples a second.", min=1, max=1000)] = 200.0,
     on_move: Annotated[int | None, typer.Option(metavar="AXIS", help="Wait until this axis is sent somewhere.")] = None,

@@ -7,13 +7,13 @@ from typing import Annotated
 
 import typer
 
+from app.commands.completion import complete_device
 from app.commands.shared import (
     AsJson,
     AxisNumber,
     DeviceName,
     Token,
     Url,
-    complete_device,
     connected,
     print_json,
     print_table,

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from app.commands.completion import complete_channel, complete_device
+
 if TYPE_CHECKING:
     from rich.progress import Progress
 
@@ -19,23 +21,15 @@ if TYPE_CHECKING:
 # The client (httpx, numpy) is brought in by those commands that run, not by `--help`.
 
 
-def complete_device(incomplete: str) -> list[str]:
-    """For the shell: the devices of the bench, where one answers at once."""
-    from app.client import Bench, ClientError
-
-    try:
-        with Bench(timeout_s=0.5) as bench:
-            return [device.id for device in bench.devices() if device.id.startswith(incomplete)]
-    except (ClientError, ValueError):
-        return []
-
-
 Url = Annotated[
     str | None, typer.Option(metavar="http://HOST:PORT", help="The server. [default: STEPSCOPE_URL, or this machine]")
 ]
 Token = Annotated[str | None, typer.Option(help="What a server on a network asks for. [default: STEPSCOPE_TOKEN]")]
 AsJson = Annotated[bool, typer.Option("--json", help="The answer as JSON.")]
 DeviceName = Annotated[str, typer.Argument(metavar="DEVICE", autocompletion=complete_device)]
+Channels = Annotated[
+    list[str], typer.Argument(help="position.0 velocity.0 residual.0 ...", autocompletion=complete_channel)
+]
 AxisNumber = Annotated[int, typer.Option(help="Which axis.", min=0)]
 AnyAxis = Annotated[int | None, typer.Option(help="Which axis. [default: the device's own registers]", min=0)]
 
