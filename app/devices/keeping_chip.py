@@ -5,10 +5,11 @@ What a wire can carry, and tasks of the driver's own, belong to every such chip 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
 from app.clock import Clock
+from app.devices.changes import DONE, register_changed
 from app.devices.config import DeviceConfig
 from app.devices.own_tasks import OwnTasks
 from app.devices.register_chip import RegisterChip, reading, written
@@ -84,6 +85,17 @@ class KeepingChip(RegisterChip):
             if word is not None:
                 found.append(replace(reading(register, None, word), kept=True))
         return found
+
+    def _wrote_table(self, written: Iterable[tuple[Register, int]], arrived: bool) -> None:
+        """The words of a microstep table went out: those that are others now are told."""
+        outcome = DONE if arrived else "not proven: it may have arrived otherwise"
+        for register, word in written:
+            old = self.kept_word(register)
+            self._sent(register, word)
+            if word != old:
+                self._tell(
+                    register_changed(register, old, word, self.port.last_exchange_s, outcome, "the microstep table")
+                )
 
     def _written_blind(self, register: Register, word: int, arrived: bool, notes: Sequence[str]) -> RegisterWritten:
         if not arrived:

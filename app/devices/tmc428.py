@@ -9,6 +9,7 @@ import numpy as np
 from app.calc.microstep_words import table_ram_words, values_from_ram_words
 from app.clock import Clock
 from app.devices.axis_rows import AxisRows
+from app.devices.changes import register_changed
 from app.devices.config import DeviceConfig
 from app.devices.profile import read_profile
 from app.devices.ramp_samples import Frames, IntArray, RampSamples
@@ -188,7 +189,7 @@ class Tmc428(RampSamples):
         except ValueError as error:
             raise UsageError(str(error)) from error
         self.require_connected()
-        await self._write_ram(RAM_TABLE, wanted)
+        await self._write_ram(RAM_TABLE, wanted, "the microstep table")
         return await self.read_microstep_table()
 
     async def read_driver_chain(self) -> ChainContents:
@@ -206,7 +207,7 @@ class Tmc428(RampSamples):
         if not self._lsmd.minimum <= lsmd <= self._lsmd.maximum:
             raise OutOfRange("LSMD", lsmd, self._lsmd.minimum, self._lsmd.maximum)
         self.require_connected()
-        await self._write_ram(RAM_CHAIN, ram_words)
+        await self._write_ram(RAM_CHAIN, ram_words, "the driver chain")
         await self.write(self._global.name, fields={"LSMD": lsmd})
         return await self.read_driver_chain()
 
@@ -216,20 +217,20 @@ class Tmc428(RampSamples):
             words.append(await read_once_more(self.queue, first + index) & RAM_MASK)  # noqa: PERF401 (in turns)
         return words
 
-    async def _write_ram(self, first: int, wanted: Sequence[int]) -> None:
+    async def _write_ram(self, first: int, wanted: Sequence[int], table: str) -> None:
         """Write and read back each word. Other commands may come between two words, a second writer of RAM may not."""
+        rows = [register for index in range(len(wanted)) if (register := self.table.at(first + index)) is not None]
         async with self.queue.turn(Priority.COMMAND) as turn:
             words = Words(turn)
-            for index, word in enumerate(wanted):
-                register = self.table.at(first + index)
-                assert register is not None
+            before = [await words.read(register) & RAM_MASK for register in rows]
+            for register, word in zip(rows, wanted, strict=True):
                 await words.write(register, word)
-            for index, word in enumerate(wanted):
-                register = self.table.at(first + index)
-                assert register is not None
+            for register, word, old in zip(rows, wanted, before, strict=True):
                 back = await words.read(register) & RAM_MASK
                 if back != word:
                     raise WriteRefused(register.name, word, back, "write the table again")
+                if word != old:
+                    self._tell(register_changed(register, old, word, words.time_s, part_of=table))
 
     async def profile(self) -> ProfileDocument:
         registers = await read_profile(self)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import time
 
+from app.devices.changes import BY_HAND, register_changed
 from app.devices.pd42 import rows
-from app.devices.pd42.frames import spelled
+from app.devices.pd42.frames import spelled, written_by
 from app.devices.pd42.parameters import Parameters
 from app.devices.results import RawExchange, TmclExchange
 from app.links.errors import BadReply, LinkError, OutOfRange, UnknownThing
@@ -22,7 +23,7 @@ from app.links.tmcl import (
     sound,
     version_string,
 )
-from app.registers.model import Register, Space
+from app.registers.model import Register, Space, to_raw
 from app.registers.tmcl import BY_MNEMONIC, BY_OPCODE, Opcode
 
 STOPPING = frozenset({Opcode.MST, Opcode.STOP_APPLICATION, Opcode.RESET_APPLICATION, Opcode.FACTORY_DEFAULT})
@@ -128,18 +129,26 @@ class Console(Parameters):
 
     def _saw_exchange(self, request: Request, frame: bytes, reply: bytes) -> None:
         """What was read or written by hand is known from now on."""
-        if request.opcode not in (Opcode.GAP, Opcode.SAP) or not sound(reply):
+        place = (Space.AXIS, request.type) if request.opcode == Opcode.GAP else written_by(request)
+        if place is None or not sound(reply):
             return
         try:
             answer = check_reply(self.port.name, frame, reply)
         except BadReply:
             return
-        register = self.table.at(request.type, Space.AXIS)
-        if answer.ok and register is not None and request.motor == register.axis:
-            if request.opcode == Opcode.GAP:
-                self._saw(register, register.decode(answer.value))
-            else:
-                self._wrote_by_hand(register)
+        space, number = place
+        register = self.table.at(number, space)
+        if not answer.ok or register is None or (space is Space.AXIS and request.motor != register.axis):
+            return
+        if request.opcode == Opcode.GAP:
+            self._saw(register, register.decode(answer.value))
+            return
+        old = self._known.get(register.address) if space is Space.AXIS else None
+        bits = None if old is None else to_raw(old, register.width)
+        new = to_raw(request.value, register.width)
+        self._tell(register_changed(register, bits, new, self.port.last_exchange_s, BY_HAND))
+        if space is Space.AXIS:
+            self._wrote_by_hand(register)
 
     def _wrote_by_hand(self, register: Register) -> None:
         """A parameter was written: what it holds now only a read tells."""

@@ -39,6 +39,14 @@ def writing(address: int, register: Register, value: int) -> Request:
     return Request(address, _WRITES[register.space], register.address, _BANKS[register.space], value)
 
 
+def written_by(request: Request) -> tuple[Space, int] | None:
+    """Space and number of the row that a command by hand writes; None where it writes none."""
+    for space, opcode in _WRITES.items():
+        if request.opcode == opcode and request.motor == _BANKS[space]:
+            return space, request.type
+    return None
+
+
 def spelled(request: Request) -> str:
     """As one writes it in a program: `MVP ABS, 0, 51200`."""
     row = BY_OPCODE.get(request.opcode)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
+from app.devices.changes import DONE, outcome_of, outcome_of_failure, register_changed
 from app.devices.lookup import checked_fields
 from app.devices.pd42 import rows, units
 from app.devices.pd42.calls import Calls
@@ -27,6 +28,8 @@ CHUNK_S = 0.02
 """How long a reading of many parameters may keep other commands waiting [s]."""
 CHUNKS = (4, 64)
 """Fewest and most questions of one turn."""
+GETS_BACK = frozenset({Opcode.RSGP, Opcode.GCO})
+"""Commands that make RAM what EEPROM holds."""
 ADDRESS, SUPPRESS_REPLY = 66, 255
 """Global parameters of bank 0 whose write changes how the module answers."""
 NO_CONFIGURATION = frozenset({0, 1, 2, 209, 210, 216})
@@ -123,7 +126,13 @@ class Parameters(Module):
         if register in rows.MOVING:
             return await self._write_moving(register, value)
         async with self.calls(register.axis) as calls:
-            written = await self._write(calls, register, value)
+            old = await self._old(calls, register)
+            try:
+                written = await self._write(calls, register, value)
+            except BenchError as error:
+                self._wrote(register, old, value, error)
+                raise
+        self._wrote(register, old, value, written)
         await self._after_write(register)
         return written
 
@@ -135,6 +144,28 @@ class Parameters(Module):
             except BenchError as error:
                 return BatchResult(done, error, len(items) - index - 1)
         return BatchResult(done, None, 0)
+
+    async def _old(self, calls: Calls, register: Register) -> int | None:
+        """What the module holds before a write, where it can be asked and clears nothing by it."""
+        if not register.access.readable or register.read_clears:
+            return None
+        try:
+            return await calls.get(register)
+        except UsageError:  # the table knows more than this firmware: the write itself will tell
+            return None
+
+    def _wrote(self, register: Register, old: int | None, value: int, came: RegisterWritten | BenchError) -> None:
+        """Tell of a write, and of what came of it."""
+        if isinstance(came, BenchError):
+            outcome = outcome_of_failure(came)
+        elif came.verified is False:  # it took another value, and says so
+            outcome, value = f"{DONE}: {came.note}", came.value
+        else:
+            outcome = outcome_of(came.verified, came.note)
+        if outcome is not None:
+            bits = None if old is None else to_raw(old, register.width)
+            at_s = self.port.last_exchange_s
+            self._tell(register_changed(register, bits, to_raw(value, register.width), at_s, outcome))
 
     async def _write_moving(self, register: Register, value: int) -> RegisterWritten:
         """Write a parameter of `rows.MOVING`."""
@@ -231,8 +262,13 @@ class Parameters(Module):
         else:
             request = Request(self.address, variable, register.address, 2)
         async with self.calls() as calls:
+            old = await calls.get(register) if request.opcode in GETS_BACK else None
             await calls.do(request)
-            return self._reading(register, await calls.get(register))
+            value = await calls.get(register)
+        if old is not None:
+            bits = to_raw(old, register.width), to_raw(value, register.width)
+            self._tell(register_changed(register, *bits, self.port.last_exchange_s))
+        return self._reading(register, value)
 
     # --- profile --------------------------------------------------------------------------------
 

@@ -51,8 +51,7 @@ class Tables(Raw, KeptProfile):
         written = tuple(zip(TABLE, (*with_offset.words, with_offset.select, with_offset.start), strict=True))
         async with self.queue.turn(Priority.COMMAND) as turn:
             arrived = await self.words(turn).write_many(written)
-            for register, word in written:
-                self._sent(register, word)
+            self._wrote_table(written, arrived)
         if not arrived:
             raise BadReply(self.port.name, "a word of the microstep table may have arrived otherwise", b"")
         return await self.read_mslut()

@@ -47,8 +47,7 @@ class Tables(Raw, KeptProfile):
         written = {row.address: (row, word) for rows in axes for row, word in zip(rows.mslut, words, strict=True)}
         async with self.queue.turn(Priority.COMMAND) as turn:
             arrived = await self.words(turn).write_many(list(written.values()))
-            for register, word in written.values():
-                self._sent(register, word)
+            self._wrote_table(written.values(), arrived)
         if not arrived:
             raise BadReply(self.port.name, "a word of the microstep table may have arrived otherwise", b"")
         return await self.read_mslut(axis or 0)
