@@ -1,0 +1,114 @@
+"""Nothing that may change something gets past the lease: every route of the program is tried."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+import httpx
+import pytest
+from fastapi import FastAPI
+from fastapi.routing import iter_route_contexts
+
+from app.api.app import BASE
+from app.api.guard import SAFE_METHODS
+from app.api.lease_gate import FREE, Free
+
+HOLDER = {"stepscope-session": "the-session-of-the-holder"}
+OTHER = {"stepscope-session": "the-session-of-somebody-else"}
+NAMES = {"device": "bench", "axis": "0", "name": "v_max", "subject": "units", "parameter": "v_max"}
+TAKEN, NOT_TAKEN = "/problems/bench-taken", "/problems/bench-not-taken"
+
+
+def unsafe_routes(app: FastAPI) -> Iterator[tuple[str, str]]:
+    """Method and address under the API of everything that may change something, hidden routes too."""
+
+    for context in iter_route_contexts(app.routes):
+        methods, path = getattr(context, "methods", None), getattr(context, "path", None)
+        for method in sorted(set(methods or ()) - SAFE_METHODS):
+            assert path is not None
+            yield method, path
+
+
+def filled(path: str) -> str:
+    return re.sub(r"{([^}:]*)[^}]*}", lambda part: NAMES.get(part.group(1), "x"), path)
+
+
+def shape(path: str) -> str:
+    """An address whatever its parameters are called."""
+    return re.sub(r"{[^}]*}", "{}", path)
+
+
+async def test_every_route_is_refused_or_known_to_be_free(app: FastAPI, pages: httpx.AsyncClient) -> None:
+    assert (await pages.post(f"{BASE}/lease", json={"name": "Anna"}, headers=HOLDER)).status_code == 200
+    known = {(method, shape(BASE + path)) for method, path in FREE if path != "/calc/{subject}"}
+    tried = refused = 0
+    for method, path in unsafe_routes(app):
+        free = (method, shape(path)) in known or (method == "POST" and path.startswith(f"{BASE}/calc/"))
+        if path == f"{BASE}/lease" or path.startswith(f"{BASE}/lease/"):
+            assert free
+            continue  # they decide for themselves: test_lease_calls
+        for headers in ({}, OTHER):
+            answer = await pages.request(method, filled(path), headers=headers)
+            is_refused = answer.headers["content-type"].endswith("problem+json") and answer.json()["type"] == TAKEN
+            assert is_refused is not free, f"{method} {path}: {answer.status_code} {answer.text[:200]}"
+            if is_refused:
+                problem = answer.json()
+                assert problem["status"] == answer.status_code == 409
+                assert problem["facts"]["holder"] == "Anna"
+                assert "Anna" in problem["detail"]
+                assert "lease/ask" in problem["way_out"]
+        tried += 1
+        refused += not free
+    assert tried > 50
+    assert refused > 30
+    lease = (await pages.get(f"{BASE}/lease", headers=HOLDER)).json()
+    assert (lease["mine"], lease["holder"]) == (True, "Anna")
+
+
+async def test_a_session_that_only_looks_is_refused_too(app: FastAPI, pages: httpx.AsyncClient) -> None:
+    needs_lease = [(method, path) for method, path in unsafe_routes(app) if not Free(BASE).holds(method, path)]
+    assert len(needs_lease) > 30
+    for method, path in needs_lease:
+        answer = await pages.request(method, filled(path), headers=OTHER)
+        assert (answer.status_code, answer.json()["type"]) == (409, NOT_TAKEN), f"{method} {path}"
+        assert "POST /lease" in answer.json()["way_out"]
+
+
+def test_every_refusal_is_in_the_schema(app: FastAPI) -> None:
+    for path, operations in app.openapi()["paths"].items():
+        for method, operation in operations.items():
+            told = TAKEN in operation["responses"].get("409", {}).get("description", "")
+            own = path == f"{BASE}/lease" or path.startswith(f"{BASE}/lease/")
+            if not own:
+                assert told is not Free(BASE).holds(method.upper(), path), f"{method} {path}"
+
+
+@pytest.mark.parametrize(
+    ("method", "path", "query", "free"),
+    [
+        ("POST", "/api/v1/stop", b"", True),
+        ("POST", "/api/v1/stop/", b"", False),
+        ("POST", "/api/v1//stop", b"", False),
+        ("POST", "/api/v1/stop\n", b"", False),
+        ("POST", "/api/v1/devices/a/b/axes/0/stop", b"", False),
+        ("POST", "/api/v1/devices/bench/axes/0/stop", b"", True),
+        ("POST", "/api/v1/devices/stop", b"", False),
+        ("PUT", "/api/v1/stop", b"", False),
+        ("POST", "/api/v1/calc/ramp", b"", True),
+        ("POST", "/api/v1/calc/ramp/../../devices", b"", False),
+        ("POST", "/api/v1/devices", b"", False),
+        ("PURGE", "/api/v1/devices", b"", False),
+        ("post", "/api/v1/devices", b"", False),
+        ("POST", "/elsewhere", b"", False),
+        ("PUT", "/api/v1/devices/bench/profile", b"", False),
+        ("PUT", "/api/v1/devices/bench/profile", b"dry_run=true", True),
+        ("PUT", "/api/v1/devices/bench/profile", b"dry_run=false", False),
+        ("PUT", "/api/v1/devices/bench/profile", b"dry_run=true&dry_run=false", False),
+        ("PUT", "/api/v1/devices/bench/profile", b"dry_run=true&dry_run", False),
+        ("PUT", "/api/v1/devices/bench/profile", b"dry_ru%6e=false&dry_run=true", False),
+        ("GET", "/api/v1/devices/bench/profile", b"", True),
+    ],
+)
+def test_what_is_free_is_exactly_that(method: str, path: str, query: bytes, free: bool) -> None:
+    assert Free(BASE).holds(method, path, query) is free
