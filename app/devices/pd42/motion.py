@@ -259,17 +259,24 @@ class Motion(Console):
     async def _write_moving(self, register: Register, value: int) -> RegisterWritten:
         what = f"writing {register.name}"
         async with self.calls(register.axis) as calls:
+            old = await self._old(calls, register)
             self.commanded(0, register.name)
             try:
                 await calls.move(writing(self.address, register, value), what, register)
             except LinkError as error:
                 self._motion_uncertain(str(error))
+                self._wrote(register, old, value, error)
                 raise
             self._drives(*self._kind_of_write(register, value, calls.time_s))
-            back = await calls.get(register)
-            verified, note = self._judge(register, value, back)
+            try:
+                back = await calls.get(register)
+                written = self._written(register, value, back, *self._judge(register, value, back))
+            except BenchError as error:
+                self._wrote(register, old, value, error)
+                raise
+            self._wrote(register, old, value, written)
             await self._look_after(calls)
-        return self._written(register, value, back, verified, note)
+        return written
 
     def _kind_of_write(self, register: Register, value: int, time_s: float) -> tuple[Kind, float, int | None]:
         if register is rows.TARGET_POSITION:
