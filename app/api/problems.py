@@ -34,6 +34,7 @@ from app.links.errors import (
     WriteRefused,
     WrongState,
 )
+from app.tuning.profile_scripts.errors import ScriptFailed
 
 MEDIA_TYPE = "application/problem+json"
 
@@ -53,6 +54,7 @@ class Kind:
 KINDS: dict[type[Exception], Kind] = {
     UnknownThing: Kind(404, "/problems/unknown-thing", "There is no such thing"),
     WriteRefused: Kind(409, "/problems/write-refused", "The chip did not take the write"),
+    ScriptFailed: Kind(409, "/problems/script-failed", "The script did not pass its trial"),
     BenchTaken: Kind(409, "/problems/bench-taken", "Somebody else has the bench"),
     BenchNotTaken: Kind(409, "/problems/bench-not-taken", "This session has not taken the bench"),
     WrongState: Kind(409, "/problems/wrong-state", "Not possible now"),

@@ -1,0 +1,96 @@
+"""Scripts on request: made, tried, and kept with what the trial showed."""
+
+from __future__ import annotations
+
+import asyncio
+import hashlib
+import time
+from collections import OrderedDict
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+
+from app.tuning.profile_scripts import c, curl, python, tmcl
+from app.tuning.profile_scripts.errors import ScriptFailed
+from app.tuning.profile_scripts.plan import Plan, plan_of
+from app.tuning.profile_scripts.proof import How, Language, attempt
+from app.tuning.profile_scripts.text import file_stem
+from app.tuning.profiles.document import ProfileDocument, text_of
+from app.tuning.profiles.words import wants_of
+
+RENDER: Mapping[Language, Callable[[Plan], str]] = {
+    "python": python.render,
+    "tmcl": tmcl.render,
+    "c": c.render,
+    "curl": curl.render,
+}
+ENDINGS: Mapping[Language, str] = {"python": "py", "tmcl": "tmc", "c": "h", "curl": "sh"}
+KEPT = 64
+"""How many scripts are remembered."""
+DIFFERENCES_TOLD = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Checked:
+    """What the trial of a script showed; that it is there says that the emulator holds the profile."""
+
+    model: str
+    registers: int
+    """How many were written and compared."""
+    took_s: float
+    how: How
+
+
+@dataclass(frozen=True, slots=True)
+class Script:
+    """A script that may be handed out."""
+
+    language: Language
+    text: str
+    file_name: str
+    checked: Checked
+
+
+class Scripts:
+    """Makes scripts of profiles. One trial runs at a time: they cost a core for seconds."""
+
+    def __init__(self) -> None:
+        self._trying = asyncio.Lock()
+        self._kept: OrderedDict[str, Script] = OrderedDict()
+
+    async def make(self, document: ProfileDocument, language: Language) -> Script:
+        """The script, tried. Raises UnreadableProfile, WrongState (no such language here), and ScriptFailed."""
+        plan = plan_of(document)
+        text = RENDER[language](plan)
+        # By the text, and by the document that it shall make: remarks leave out what fields of 0 say.
+        key = hashlib.sha256(f"{language}\0{text}\0{text_of(document)}".encode()).hexdigest()
+        if key not in self._kept:
+            async with self._trying:
+                if key not in self._kept:  # somebody else may have asked for it meanwhile
+                    self._kept[key] = await self._tried(plan, document, language, text)
+                while len(self._kept) > KEPT:
+                    self._kept.popitem(last=False)
+        self._kept.move_to_end(key)
+        return self._kept[key]
+
+    async def _tried(self, plan: Plan, document: ProfileDocument, language: Language, text: str) -> Script:
+        began = time.perf_counter()
+        trial = await attempt(plan, language, text)
+        differences = list(differences_of(document, trial.held))
+        if differences:
+            told = "; ".join(differences[:DIFFERENCES_TOLD])
+            more = len(differences) - DIFFERENCES_TOLD
+            rest = f" and {more} more" if more > 0 else ""
+            raise ScriptFailed(language, plan.model, f"afterwards {told}{rest}", differences)
+        checked = Checked(plan.model, plan.count, time.perf_counter() - began, trial.how)
+        return Script(language, text, f"{file_stem(plan.name)}.{ENDINGS[language]}", checked)
+
+
+def differences_of(document: ProfileDocument, held: ProfileDocument) -> Iterator[str]:
+    """What a device holds otherwise than a profile says, in words; of what the profile does not tell nothing."""
+    have = wants_of(held)
+    for key, want in wants_of(document).items():
+        row, place, got = want.item.row, want.item.place, have.get(key)
+        if got is None:
+            yield f"nobody knows what {place} holds"
+        elif (got.word ^ want.word) & want.mask:
+            yield f"{place} is {row.decode(got.word & want.mask)} instead of {row.decode(want.word)}"
