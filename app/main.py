@@ -52,6 +52,7 @@ from app.telemetry.hub import TelemetryHub
 from app.tuning.at_rest import after_vanishing, stop_moving
 from app.tuning.endless import EndlessService
 from app.tuning.procedures import Procedures
+from app.twin.service import Twin
 
 log = logging.getLogger("stepscope")
 
@@ -101,7 +102,10 @@ def create_app(
     desk = RecordingDesk(Library(settings.data_dir), hub, clock, reserve_bytes=round(settings.disk_reserve_mb * 1e6))
     database = Database(settings.data_dir)
     lease = Lease(clock, settings.on_vanish, settings.vanish_after_s)
-    bench = Bench(settings, clock, manager, hub, Procedures(clock), endless, desk, database, lease, list_serial_ports)
+    twin = Twin(clock, hub)
+    bench = Bench(
+        settings, clock, manager, hub, Procedures(clock), endless, desk, database, lease, twin, list_serial_ports
+    )
     lease_watch = LeaseWatch(
         lease, bench.calls, clock, lambda how: after_vanishing(how, manager.devices, bench.procedures)
     )
@@ -136,6 +140,7 @@ def create_app(
             await lease_watch.close()
             await bench.probing.abort()
             await stop_motors(bench)
+            await bench.twin.off()
             await desk.close()  # behind the stops, which belong to what is recorded
             await endless.close()
             if endless.saved():

@@ -32,7 +32,9 @@ from app.api.routes import (
     tables,
     telemetry,
     tmcl,
+    twin,
 )
+from app.api.twin_proxy import TwinProxy
 from app.api.ui import WebUi
 from app.api.who import Who
 from app.settings import Settings
@@ -59,6 +61,7 @@ SUBJECTS = (
     ports,
     recordings,
     telemetry,
+    twin,
 )
 
 Lifespan = Callable[[FastAPI], AbstractAsyncContextManager[None]]
@@ -80,7 +83,7 @@ def make_app(bench: Bench, lifespan: Lifespan) -> FastAPI:
     for subject in SUBJECTS:
         app.include_router(subject.router, prefix=BASE)
     # The UI answers what no route knows. As a route it would hide the 405 of the API's own addresses.
-    app.router.default = WebUi(bench.settings.web_dir)
+    app.router.default = TwinProxy(bench.twin, otherwise=WebUi(bench.settings.web_dir))
     problems.install(app)
     free = Free(BASE)
     openapi.customise(app, free)

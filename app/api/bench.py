@@ -17,6 +17,7 @@ from app.store.database import Database
 from app.telemetry.hub import TelemetryHub
 from app.tuning.endless import EndlessService
 from app.tuning.procedures import Procedures
+from app.twin.service import Twin
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,6 +33,7 @@ class Bench:
     desk: RecordingDesk
     database: Database
     lease: Lease
+    twin: Twin
     list_serial_ports: Callable[[], list[Port]]
     probing: Probing = field(default_factory=Probing)
     calls: CallsUnderWay = field(default_factory=CallsUnderWay)

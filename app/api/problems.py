@@ -35,6 +35,7 @@ from app.links.errors import (
     WrongState,
 )
 from app.tuning.profile_scripts.errors import ScriptFailed
+from app.twin.process import TwinFailed
 
 MEDIA_TYPE = "application/problem+json"
 
@@ -74,6 +75,7 @@ KINDS: dict[type[Exception], Kind] = {
     LinkTimeout: Kind(
         504, "/problems/no-reply", "The device did not answer", "read before you write again: it may have happened"
     ),
+    TwinFailed: Kind(503, "/problems/twin-failed", "The 3D view cannot be shown"),
     BenchError: Kind(500, "/problems/internal", "stepscope failed"),
 }
 """Every class of the BenchError tree; a test walks the tree for one that is missing."""

@@ -134,6 +134,7 @@ async def axes_of(device: Device) -> tuple[dict[str, Any], ...]:
     found = []
     for axis in device.axes:
         told: dict[str, Any] = {"settings": asdict(axis.settings), "position": None, "velocity_pps": None}
+        told["microsteps_per_full_step"] = axis.microsteps_per_full_step  # the twin draws it without its device
         try:
             state = await device.axis_state(axis.index)
             told |= {"position": state.position, "velocity_pps": state.velocity_pps}

@@ -1,0 +1,318 @@
+"""The twin in the server: starts the drawing process when somebody wants to look, feeds it, and ends it again.
+
+Off it costs nothing: no process, no task, no reader of telemetry, and nothing of viser is imported here. On, it hands
+the latest sample on at most 30 times a second, and no faster than the drawing process takes it; samples in between
+are only looked through for lost steps. While nobody looks or nothing changes, nothing is sent.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from collections import deque
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from app.clock import Clock
+from app.devices.counter import CounterWritten
+from app.devices.device import Axis, Device, DeviceEvent
+from app.links.errors import BenchError, WrongState
+from app.telemetry.frames import Frame, decode
+from app.telemetry.hub import TelemetryHub
+from app.telemetry.reader import Reader
+from app.twin.colours import Scheme
+from app.twin.process import Address, DrawingProcess, Renderer, StartRenderer, TwinFailed
+from app.twin.recorded import RecordedAxis
+from app.twin.scene import flashing
+from app.twin.shape import CHANNELS, Look, Shape, look_of
+from app.twin.watch import Watches
+
+log = logging.getLogger("stepscope.twin")
+
+UPDATES_PER_S = 30.0
+"""At most."""
+IDLE_S = 45.0
+"""How long the process lives on while nobody looks [s]: a reload of a page must not cost a new start."""
+UNSEEN_BEAT_S = 0.25
+"""How often samples are looked through for lost steps while nobody looks [s]."""
+REJOIN_S = 1.0
+WIRE_SHARE = 0.25
+"""How much of a wire that sets a limit the twin takes at the most."""
+VIEWERS_MAX = 8
+
+State = Literal["off", "starting", "on", "failed"]
+
+
+@dataclass(frozen=True, slots=True)
+class TwinInfo:
+    """How the twin is.
+
+    following : "telemetry", or "recording" while somebody scrubs
+    updates_per_s : what the drawing process has shown in the last second; 0 where nothing changes
+    look : the numbers that are shown; None before the first
+    problem : why it failed, or why there are no samples now
+    """
+
+    state: State
+    shape: Shape | None
+    scheme: Scheme
+    following: Literal["telemetry", "recording"]
+    recording: str | None
+    recording_s: float | None
+    updates_per_s: float
+    viewers: int
+    look: Look | None
+    problem: BenchError | None
+    pid: int | None
+
+
+class Twin:
+    """One 3D view for everybody: one axis at a time."""
+
+    def __init__(self, clock: Clock, hub: TelemetryHub, start: StartRenderer = DrawingProcess.start) -> None:
+        self._clock = clock
+        self._hub = hub
+        self._start = start
+        self._state: State = "off"
+        self._task: asyncio.Task[None] | None = None
+        self._renderer: Renderer | None = None
+        self._source: _Source | None = None
+        self._scheme: Scheme = "light"
+        self._recorded: RecordedAxis | None = None
+        self._recorded_s = 0.0
+        self._viewers = 0
+        self._seen_s = clock.now()
+        self._problem: BenchError | None = None
+        self._look: Look | None = None
+        self._told: tuple[Shape, Scheme] | None = None
+        self._shown_s: deque[float] = deque(maxlen=round(2 * UPDATES_PER_S))
+
+    # --- what may be asked ----------------------------------------------------------------------
+
+    @property
+    def info(self) -> TwinInfo:
+        now_s = self._clock.now()
+        recorded = self._recorded
+        source = self._source
+        return TwinInfo(
+            state=self._state,
+            shape=recorded.shape if recorded else source.shape if source else None,
+            scheme=self._scheme,
+            following="recording" if recorded else "telemetry",
+            recording=recorded.recording if recorded else None,
+            recording_s=self._recorded_s if recorded else None,
+            updates_per_s=float(sum(shown_s > now_s - 1.0 for shown_s in self._shown_s)),
+            viewers=self._viewers,
+            look=self._look,
+            problem=self._problem or (source.problem if source and not recorded else None),
+            pid=self._renderer.pid if self._renderer else None,
+        )
+
+    @property
+    def address(self) -> Address:
+        """Where the process serves its page. Raises WrongState while there is none."""
+        if self._renderer is None or self._state != "on":
+            raise WrongState("the 3D view is off", "start it: POST /api/v1/twin")
+        return self._renderer.address
+
+    async def show(self, device: Device, axis: int, scheme: Scheme = "light") -> None:
+        """Show that axis; returns when the page can be opened. Raises UnknownThing, TwinFailed."""
+        wanted = device.axis(axis)
+        self._scheme = scheme
+        self._recorded = None
+        if self._source is None or (self._source.device, self._source.axis) != (device, wanted):
+            if self._source is not None:
+                self._source.close()
+            self._source = _Source(self._hub, device, wanted, self._clock)
+            self._look = None
+        self._seen_s = self._clock.now()
+        if self._task is None or self._task.done():
+            self._problem, self._state = None, "starting"
+            begun: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+            self._task = asyncio.create_task(self._run(begun), name="twin")
+            self._begun = begun
+        await asyncio.shield(self._begun)
+
+    def scrub(self, recorded: RecordedAxis, since_zero_s: float) -> None:
+        """Show a recording at that time since its zero [s], until `follow`. Raises WrongState while the view is off."""
+        self._require_on()
+        self._recorded, self._recorded_s = recorded, since_zero_s
+
+    def follow(self) -> None:
+        """Show what happens now again. Raises WrongState while the view is off."""
+        self._require_on()
+        self._recorded = None
+
+    def recorded(self, recording: str) -> RecordedAxis | None:
+        """The recording that is shown, where it is that one: it need not be read again for each move of a cursor."""
+        return self._recorded if self._recorded is not None and self._recorded.recording == recording else None
+
+    async def off(self) -> None:
+        """End it; nothing of it is left on return. A second call does nothing."""
+        task, self._task = self._task, None
+        if task is not None:
+            task.cancel()
+            await asyncio.gather(task, return_exceptions=True)
+        self._problem = None
+        self._state = "off"
+
+    @contextlib.contextmanager
+    def looking(self) -> Iterator[None]:
+        """While a page looks. Raises WrongState where the view is off, or too many look already."""
+        self._require_on()
+        if self._viewers >= VIEWERS_MAX:
+            raise WrongState(f"{VIEWERS_MAX} pages look at the 3D view already", "close one of them")
+        self._viewers += 1
+        try:
+            yield
+        finally:
+            self._viewers -= 1
+            self._seen_s = self._clock.now()
+
+    def _require_on(self) -> None:
+        if self._state != "on":
+            raise WrongState("the 3D view is off", "start it: POST /api/v1/twin")
+
+    # --- while it is on -------------------------------------------------------------------------
+
+    async def _run(self, begun: asyncio.Future[None]) -> None:
+        renderer: Renderer | None = None
+        try:
+            renderer = self._renderer = await self._start()
+            self._state = "on"
+            self._told = None
+            if not begun.done():
+                begun.set_result(None)
+            await self._feed(renderer)
+            self._state = "off"
+            log.info("nobody looks at the 3D view any more: it is off")
+        except TwinFailed as error:
+            log.warning("%s", error)
+            self._state, self._problem = "failed", error
+            if not begun.done():
+                begun.set_exception(error)
+        finally:
+            if not begun.done():
+                begun.cancel()
+            self._renderer = None
+            if self._source is not None:
+                self._source.close()
+                self._source = None
+            self._recorded = self._look = None
+            self._shown_s.clear()
+            if renderer is not None:
+                await renderer.close()
+
+    async def _feed(self, renderer: Renderer) -> None:
+        """Keep the picture up to date until nobody has looked for a while."""
+        due_s = self._clock.now()
+        while self._viewers or self._clock.now() < self._seen_s + IDLE_S:
+            await self._update(renderer)
+            beat_s = 1 / UPDATES_PER_S if self._viewers else UNSEEN_BEAT_S
+            # A beat that was missed is not made up for: 30 a second are the most, not the mean.
+            now_s = self._clock.now()
+            due_s = max(due_s + beat_s, now_s + beat_s / 2)
+            await self._clock.sleep(due_s - now_s)
+
+    async def _update(self, renderer: Renderer) -> None:
+        source, recorded = self._source, self._recorded
+        if source is None:
+            return
+        live = source.take()
+        shape = recorded.shape if recorded else source.shape
+        look = recorded.at(self._recorded_s) if recorded else live
+        if self._told != (shape, self._scheme):
+            await renderer.show({"shape": shape.message(), "scheme": self._scheme})
+            self._told, self._look = (shape, self._scheme), None
+        if look == self._look and not (self._look is not None and flashing(look)):
+            return
+        await renderer.show({"look": look.message()})
+        self._look = look
+        self._shown_s.append(self._clock.now())
+
+
+class _Source:
+    """Samples of one axis, as the latest look at it."""
+
+    def __init__(self, hub: TelemetryHub, device: Device, axis: Axis, clock: Clock) -> None:
+        self.device, self.axis = device, axis
+        self.problem: BenchError | None = None
+        self._hub, self._clock = hub, clock
+        self._reader: Reader | None = None
+        self._retry_s = -np.inf
+        self._watches = Watches()
+        self._quantities: tuple[str, ...] = ()
+        self._last: tuple[float, dict[str, float]] | None = None
+        self._stop_listening: Callable[[], None] = device.listen(self._hear)
+
+    @property
+    def shape(self) -> Shape:
+        """As it is now: names, mechanics and the microstep resolution may change at any time."""
+        settings, limits = self.axis.settings, self.axis.settings.limits
+        return Shape(
+            device=self.device.id,
+            axis=self.axis.index,
+            name=self.axis.name,
+            full_steps_per_rev=settings.full_steps_per_rev,
+            microsteps=self.axis.microsteps_per_full_step,
+            gear_ratio=settings.gear_ratio,
+            travel_mm_per_rev=settings.travel_mm_per_rev,
+            limits=(limits.position_min, limits.position_max),
+            channels=frozenset(
+                channel.quantity
+                for channel in self.device.channels()
+                if channel.axis == self.axis.index and channel.quantity in CHANNELS
+            ),
+        )
+
+    def take(self) -> Look:
+        """The state after everything that was sampled until now."""
+        shape = self.shape
+        self._join(shape)
+        if self._reader is not None:
+            self._reader.take_events()
+            while (data := self._reader.take(self._clock.now())) is not None:
+                self._feed(shape, decode(data))
+            if self._reader.closed is not None:
+                self.problem = WrongState(self._reader.closed, "connect the device, or choose another axis")
+                self._leave()
+        time_s, values = self._last if self._last is not None else (None, {})
+        return look_of(shape, time_s, values, self._watches.slips, self._watches.travel(shape))
+
+    def close(self) -> None:
+        self._stop_listening()
+        self._leave()
+
+    def _join(self, shape: Shape) -> None:
+        if self._reader is not None or self._clock.now() < self._retry_s:
+            return
+        self._retry_s = self._clock.now() + REJOIN_S
+        self._quantities = tuple(name for name in CHANNELS if name in shape.channels)
+        channels = tuple(f"{name}.{shape.axis}" for name in self._quantities)
+        try:
+            rate_hz = 2 * UPDATES_PER_S
+            if self.device.calls_per_s_possible is not None:
+                rate_hz = WIRE_SHARE * self.device.sample_rate_max_hz(self.device.sample_plan(channels))
+            self._reader = self._hub.join(self.device.id, channels, max(1.0, min(2 * UPDATES_PER_S, rate_hz))).reader
+            self.problem = None
+        except BenchError as error:  # it was removed, or is another one now
+            self.problem = error
+            self._last = None
+
+    def _leave(self) -> None:
+        if self._reader is not None:
+            self._hub.leave(self._reader)
+        self._reader, self._last = None, None
+
+    def _feed(self, shape: Shape, frame: Frame) -> None:
+        columns = dict(zip(self._quantities, frame.columns, strict=True))
+        self._watches.feed(shape, frame.time_s, columns)
+        self._last = (float(frame.time_s[-1]), {name: float(column[-1]) for name, column in columns.items()})
+
+    def _hear(self, event: DeviceEvent) -> None:
+        if isinstance(event, CounterWritten) and event.axis == self.axis.index:
+            self._watches.restart()
