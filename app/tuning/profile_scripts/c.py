@@ -106,7 +106,7 @@ def _lines(plan: Plan) -> Iterator[str]:
     yield "/*"
     yield f" * Profile: {c_remark(plan.name)}"
     yield f" * {plan.about}"
-    yield from (f" * {c_remark(line)}".rstrip() for line in lines(plan.note))
+    yield from (f" * {c_remark(line)}".rstrip() for line in (*lines(plan.note), *plan.left_out))
     yield " */"
     yield f"#ifndef {macro}_H"
     yield f"#define {macro}_H"

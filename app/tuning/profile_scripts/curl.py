@@ -94,7 +94,7 @@ def render(plan: Plan) -> str:
 def _about(plan: Plan) -> Iterator[str]:
     yield f"# Profile: {one_line(plan.name)}"
     yield f"# {plan.about}"
-    yield from (f"# {line}".rstrip() for line in lines(plan.note))
+    yield from (f"# {line}".rstrip() for line in (*lines(plan.note), *plan.left_out))
 
 
 def _writes(plan: Plan) -> Iterator[str]:

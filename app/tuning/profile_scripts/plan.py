@@ -10,7 +10,7 @@ from datetime import UTC, datetime
 from app.devices.config import slug
 from app.registers.catalog import MODELS, Model
 from app.registers.model import Access, Register
-from app.tuning.profiles.document import ProfileDocument
+from app.tuning.profiles.document import AxisPart, ProfileDocument
 from app.tuning.profiles.errors import UnreadableProfile
 from app.tuning.profiles.words import Want, check_range, wants_of
 
@@ -76,6 +76,8 @@ class Plan:
     """Date and time, for people."""
     clock_hz: float
     parts: tuple[Part, ...]
+    mechanics: tuple[Mapping[str, float | None], ...] = ()
+    """Of each axis what it moves: settings of the connection, which only a program with a server can set."""
 
     @property
     def family(self) -> Model:
@@ -86,6 +88,13 @@ class Plan:
     def count(self) -> int:
         """How many writes there are."""
         return sum(len(part.writes) for part in self.parts)
+
+    @property
+    def left_out(self) -> tuple[str, ...]:
+        """What only a program with a server can set, as a remark for the others; nothing where there is nothing."""
+        if not self.mechanics:
+            return ()
+        return ("Not in here, since it belongs to the connection: what the motors move (mechanics and soft limits).",)
 
     @property
     def about(self) -> str:
@@ -114,7 +123,16 @@ def plan_of(document: ProfileDocument) -> Plan:
         captured=_date(document.captured_unix_s),
         clock_hz=document.clock_hz,
         parts=tuple(parts),
+        mechanics=tuple(mechanics_of(axis) for axis in document.axes),
     )
+
+
+def mechanics_of(axis: AxisPart) -> dict[str, float | None]:
+    """The motor and what it moves, as the API names it. Names and limits stay those of the machine."""
+    return {name: getattr(axis, name) for name in MECHANICS}
+
+
+MECHANICS = ("full_steps_per_rev", "driver_microsteps", "gear_ratio", "travel_mm_per_rev")
 
 
 def _title(want: Want, axes: int) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import textwrap
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from app.tuning.profile_scripts.plan import Plan, Write, meaning
 from app.tuning.profile_scripts.text import WIDTH, lines, one_line
@@ -42,9 +42,9 @@ def apply(bench: Bench, name: str) -> int:
     device = bench.device(name)
     if device.model != MODEL:
         return failed(f"{name} is a {device.model}; this profile is of a {MODEL}")
-    for axis in range(len(device.axes)):
-        if bench.axis(name, axis).moving:
-            return failed(f"axis {axis} of {name} moves: stop it first")
+    for number in range(len(device.axes)):
+        if bench.axis(name, number).moving:
+            return failed(f"axis {number} of {name} moves: stop it first")
     for index, (register, axis, value) in enumerate(WRITES):
         where = register if axis is None else f"{register} of axis {axis}"
         try:
@@ -54,8 +54,18 @@ def apply(bench: Bench, name: str) -> int:
         wrong = wrongly_held(held, value)
         if wrong:
             return failed(f"{where}: {wrong}; {index} of {len(WRITES)} registers are written")
+    if MECHANICS:
+        set_mechanics(bench, device)
     print(f"{name}: {len(WRITES)} registers written and checked")
     return 0
+
+
+def set_mechanics(bench: Bench, device: Device) -> None:
+    """Tell the server what the motors move; names and soft limits stay as they are."""
+    axes = [{key: axis[key] for key in ("name", "limits", *MECHANICS[0])} for axis in device.axes]
+    for axis, mechanics in zip(axes, MECHANICS):
+        axis.update(mechanics)
+    bench.call("PATCH", f"devices/{device.id}", {"axes": axes})
 
 
 def wrongly_held(held: Written, value: Value) -> str:
@@ -91,7 +101,7 @@ def _lines(plan: Plan) -> Iterator[str]:
     yield "import argparse"
     yield "import sys"
     yield ""
-    yield "from app.client import Bench, ClientError, Written"
+    yield "from app.client import Bench, ClientError, Device, Written"
     yield ""
     yield f"MODEL = {json.dumps(plan.model)}"
     yield f"DEVICE = {json.dumps(plan.device)}"
@@ -102,6 +112,13 @@ def _lines(plan: Plan) -> Iterator[str]:
         for write in part.writes:
             yield _entry(write)
     yield "]"
+    yield "MECHANICS: list[dict[str, float | None]] = ["
+    yield from (f"    {_literal(mechanics)}," for mechanics in plan.mechanics)
+    yield "]"
+
+
+def _literal(numbers: Mapping[str, float | None]) -> str:
+    return f"{{{', '.join(f'{json.dumps(name)}: {number!r}' for name, number in numbers.items())}}}"
 
 
 def _entry(write: Write) -> str:

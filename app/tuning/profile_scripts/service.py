@@ -9,13 +9,15 @@ from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
+from app.devices.pd42 import units
+from app.registers.model import Register
 from app.tuning.profile_scripts import c, curl, python, tmcl
 from app.tuning.profile_scripts.errors import ScriptFailed
-from app.tuning.profile_scripts.plan import Plan, plan_of
-from app.tuning.profile_scripts.proof import How, Language, attempt
+from app.tuning.profile_scripts.plan import Plan, mechanics_of, plan_of
+from app.tuning.profile_scripts.proof import How, Language, Trial, attempt
 from app.tuning.profile_scripts.text import file_stem
 from app.tuning.profiles.document import ProfileDocument, text_of
-from app.tuning.profiles.words import wants_of
+from app.tuning.profiles.words import Key, Want, wants_of
 
 RENDER: Mapping[Language, Callable[[Plan], str]] = {
     "python": python.render,
@@ -75,7 +77,7 @@ class Scripts:
     async def _tried(self, plan: Plan, document: ProfileDocument, language: Language, text: str) -> Script:
         began = time.perf_counter()
         trial = await attempt(plan, language, text)
-        differences = list(differences_of(document, trial.held))
+        differences = list(differences_of(plan, document, language, trial))
         if differences:
             told = "; ".join(differences[:DIFFERENCES_TOLD])
             more = len(differences) - DIFFERENCES_TOLD
@@ -85,12 +87,31 @@ class Scripts:
         return Script(language, text, f"{file_stem(plan.name)}.{ENDINGS[language]}", checked)
 
 
-def differences_of(document: ProfileDocument, held: ProfileDocument) -> Iterator[str]:
+def differences_of(plan: Plan, document: ProfileDocument, language: Language, trial: Trial) -> Iterator[str]:
     """What a device holds otherwise than a profile says, in words; of what the profile does not tell nothing."""
-    have = wants_of(held)
-    for key, want in wants_of(document).items():
+    have = wants_of(trial.held)
+    wants = wants_of(document)
+    rounded = _rounding(plan, wants)
+    for key, want in wants.items():
         row, place, got = want.item.row, want.item.place, have.get(key)
         if got is None:
             yield f"nobody knows what {place} holds"
         elif (got.word ^ want.word) & want.mask:
-            yield f"{place} is {row.decode(got.word & want.mask)} instead of {row.decode(want.word)}"
+            wanted, held = row.decode(want.word), row.decode(got.word & want.mask)
+            if abs(wanted - held) > rounded(row, wanted):
+                yield f"{place} is {held} instead of {wanted}"
+    if language == "python":  # the others have no say in it
+        for index, axis in enumerate(trial.held.axes[: len(plan.mechanics)]):
+            if mechanics_of(axis) != plan.mechanics[index]:
+                yield f"the mechanics of axis {index} are {mechanics_of(axis)}"
+
+
+def _rounding(plan: Plan, wants: Mapping[Key, Want]) -> Callable[[Register, int], float]:
+    """By how much a module may hold another number than was written: its driver chip has whole units of its own."""
+    if plan.family.kind != "module":
+        return lambda row, value: 0.0
+    held = {want.item.row.name: want.item.row.decode(want.word) for want in wants.values()}
+    if held.get("unit_mode") == units.INTERNAL:
+        return lambda row, value: 0.0
+    microsteps = 1 << held.get("microstep_resolution", 8)
+    return lambda row, value: units.read_back_tolerance(row.unit, value, plan.clock_hz, microsteps)

@@ -36,6 +36,7 @@ def _remarks(plan: Plan) -> Iterator[str]:
     yield f"Profile: {one_line(plan.name)}"
     yield f"{plan.about}"
     yield from lines(plan.note)
+    yield from plan.left_out
     yield "The motor has to stand. User variables go to RAM: STGP keeps one. STOP ends a program that was downloaded;"
     yield "line by line, it is left out."
 
