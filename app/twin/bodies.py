@@ -40,8 +40,8 @@ ARC_RADII = (0.86, 0.98)
 RAIL = (-1.35, 6.45)
 """Where the middle of the carriage may be, from the left end of what is drawn to its right end."""
 STAGE_Z = -3.45
-TABLE_AT: Vector = (2.55, 0.0, -3.6)
-TABLE_RADIUS = 2.7
+TABLE_AT: Vector = (2.55, 0.0, -3.7)
+TABLE_RADIUS = 2.2
 STAGE_SWITCHES = ("switch_left", "switch_right", "switch_home")
 IDENTITY = (1.0, 0.0, 0.0, 0.0)
 
@@ -85,6 +85,7 @@ def scenery(*, linear: bool) -> Scenery:
         "/dial": DIAL_AT,
         "/dial/field": (0.0, 0.0, 0.0),
         "/dial/rotor": (0.0, 0.0, 0.0),
+        "/dial/load": (0.0, 0.0, 0.0),
         "/dial/a": (0.0, 0.0, 0.0),
         "/dial/b": (0.0, 0.0, 0.0),
     }
@@ -107,7 +108,7 @@ def scenery(*, linear: bool) -> Scenery:
         frames |= {"/table": TABLE_AT, "/table/top": (0.0, 0.0, 0.0), "/table/commanded": (0.0, 0.0, 0.0)}
         parts += _table()
         labels += [
-            Label(f"/table/top/label_{angle}", f"{angle}°", (*_around(angle, TABLE_RADIUS - 0.75), 0.42))
+            Label(f"/table/label_{angle}", f"{angle}°", (*_around(angle, TABLE_RADIUS + 1.0), 0.1))
             for angle in (0, 90, 180, 270)
         ]
     return Scenery(frames, tuple(parts), tuple(labels))
@@ -173,20 +174,25 @@ def _dial() -> list[Part]:
     long = box((radius - 0.3, radius - 0.04), (-0.015, 0.015), (0.0, 0.02))
     short = box((radius - 0.14, radius - 0.04), (-0.015, 0.015), (0.0, 0.02))
     ticks = [(short if number % 6 else long).turned(number * 15.0) for number in range(24)]
-    cross = [box((-radius + 0.3, radius - 0.3), (-0.006, 0.006), (0.0, 0.01)).turned(turn) for turn in (0.0, 90.0)]
+    # The current of a coil is a slide on the coil's own axis: it only moves, which a browser shows at once, while what
+    # changes its size comes a frame or more later.
+    slide = merged([prism([(-0.2, 0.0), (0.0, -0.2), (0.2, 0.0), (0.0, 0.2)], 0.03, 0.09)])
+    track = box((-FIELD_LENGTH, FIELD_LENGTH), (-0.035, 0.035), (0.0, 0.03))
     arrows = {
-        "a": arrow(1.0, 0.13, 0.2, 0.06),
-        "b": arrow(1.0, 0.13, 0.2, 0.06),
-        "field": arrow(1.0, 0.08, 0.16, 0.08).moved(0.0, 0.0, 0.14),
-        "rotor": arrow(ROTOR_LENGTH, 0.16, 0.36, 0.05).moved(0.0, 0.0, 0.08),
+        "a": slide,
+        "b": slide,
+        "field": arrow(FIELD_LENGTH, 0.08, 0.3, 0.08).moved(0.0, 0.0, 0.2),
+        "rotor": arrow(ROTOR_LENGTH, 0.16, 0.36, 0.05).moved(0.0, 0.0, 0.13),
     }
     colours = {"a": "current_a", "b": "current_b", "field": "field", "rotor": "encoder_position"}
     return [
         Part("/dial/face", disc(radius, -0.12, -0.02, 96).facing(), "face"),
         Part("/dial/rim", ring(radius - 0.04, radius + 0.05, -0.14, 0.05).facing(), "line"),
-        Part("/dial/ticks", merged([*ticks, *cross]).facing(), "line"),
-        Part("/dial/hub", disc(0.12, 0.0, 0.22, 32).facing(), "line"),
-        Part("/dial/arc", arc(0.0, 1.0, *ARC_RADII, 0.05, 0.12).facing(), "load_angle", visible=False),
+        Part("/dial/ticks", merged(ticks).facing(), "line"),
+        Part("/dial/hub", disc(0.12, 0.0, 0.28, 32).facing(), "line"),
+        Part("/dial/track_a", track.turned(90.0).facing(), "current_a"),
+        Part("/dial/track_b", track.facing(), "current_b"),
+        Part("/dial/load/arc", arc(0.0, 1.0, *ARC_RADII, 0.1, 0.16).facing(), "load_angle", visible=False),
         Part("/dial/slip", ring(radius + 0.07, radius + 0.2, -0.1, 0.05).facing(), "fault", visible=False),
         *(Part(f"/dial/{name}/arrow", each.facing(), colours[name]) for name, each in arrows.items()),
     ]  # fmt: skip
@@ -232,23 +238,22 @@ def _around(degrees: float, radius: float) -> tuple[float, float]:
 def _table() -> list[Part]:
     radius = TABLE_RADIUS
     marks = [
-        box((radius - length, radius - 0.06), (-0.02, 0.02), (0.24, 0.26)).turned(number * 10.0 - 90.0)
+        box((radius + 0.12, radius + 0.12 + length), (-0.02, 0.02), (0.1, 0.13)).turned(number * 10.0 - 90.0)
         for number in range(36)
-        for length in (0.5 if number % 9 == 0 else 0.32 if number % 3 == 0 else 0.2,)
+        for length in (0.42 if number % 9 == 0 else 0.3 if number % 3 == 0 else 0.18,)
     ]
     slots = [
-        box((0.6, radius - 0.9), (-0.07, 0.07), (0.24, 0.255)).turned(turn) for turn in (-45.0, 45.0, 135.0, 225.0)
+        box((0.5, radius - 0.3), (-0.06, 0.06), (0.24, 0.255)).turned(turn) for turn in (-45.0, 45.0, 135.0, 225.0)
     ]
-    zero = prism([(0.35, -0.07), (radius - 0.6, -0.02), (radius - 0.6, 0.02), (0.35, 0.07)], 0.24, 0.3).turned(-90.0)
-    index = prism([(-0.14, 0.0), (0.0, -0.28), (0.14, 0.0)][::-1], 0.05, 0.2)
-    hand = prism([(-0.1, 0.0), (0.1, 0.0), (0.0, 0.22)], 0.26, 0.32)
+    zero = prism([(0.35, -0.09), (radius, -0.02), (radius, 0.02), (0.35, 0.09)], 0.24, 0.32).turned(-90.0)
+    hand = prism([(-0.12, -0.26), (0.12, -0.26), (0.0, 0.0)], 0.13, 0.2)
     return [
-        Part("/table/base", merged([disc(2.0, -0.75, -0.1), disc(2.2, -0.85, -0.75)]), "housing"),
+        Part("/table/base", merged([disc(1.7, -0.75, -0.1), disc(2.0, -0.85, -0.75)]), "housing"),
+        Part("/table/scale", ring(radius + 0.06, radius + 0.7, -0.1, 0.1), "rail"),
+        Part("/table/marks", merged(marks), "line"),
         Part("/table/top/plate", disc(radius, -0.1, 0.24, 96), "carriage"),
-        Part("/table/top/marks", merged(marks), "field"),
         Part("/table/top/slots", merged(slots), "housing"),
         Part("/table/top/hub", disc(0.3, 0.24, 0.36, 32), "shaft"),
         Part("/table/top/zero", zero, "encoder_position"),
-        Part("/table/index", index.moved(0.0, -radius - 0.08, 0.0).turned(0.0), "line"),
-        Part("/table/commanded/hand", hand.moved(0.0, -radius + 0.02, 0.0), "position"),
+        Part("/table/commanded/hand", hand.moved(0.0, -radius - 0.14, 0.0), "position"),
     ]

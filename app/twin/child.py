@@ -29,7 +29,9 @@ from app.twin.shape import Look, Shape
 
 NICENESS = 5
 """A picture may come late; a stop command may not."""
-FOV_DEG = 32.0
+FOV_DEG = 30.0
+LOOK_AT = (DIAL_AT[0] / 2, 0.0, -1.2)
+CAMERA = (DIAL_AT[0] / 2 + 3.2, -17.6, 4.8)
 
 
 class Viewer(viser.ViserServer):
@@ -52,8 +54,8 @@ class Stage:
         self._placed: dict[str, Placement] = {}
         viewer.gui.configure_theme(show_logo=False, show_share_button=False)
         viewer.initial_camera.fov = np.radians(FOV_DEG)
-        viewer.initial_camera.look_at = (DIAL_AT[0] / 2, 0.0, -1.15)
-        viewer.initial_camera.position = (DIAL_AT[0] / 2 + 3.4, -14.6, 4.6)
+        viewer.initial_camera.look_at = LOOK_AT
+        viewer.initial_camera.position = CAMERA
 
     def set_up(self, shape: Shape, scheme: Scheme) -> None:
         """Build the scene of an axis."""
@@ -112,8 +114,6 @@ class Stage:
             node.wxyz = wanted.wxyz
         if wanted.position is not None and wanted.position != before.position:
             node.position = wanted.position
-        if wanted.scale is not None and wanted.scale != before.scale:
-            node.scale = wanted.scale
         if wanted.colour is not None and wanted.colour != before.colour:
             node.color = wanted.colour
         if wanted.opacity is not None and wanted.opacity != before.opacity:
@@ -124,7 +124,9 @@ class Stage:
             node.text = wanted.text or " "
             node.visible = bool(wanted.text)
         if wanted.mesh is not None and wanted.visible is not False:
-            node.vertices = wanted.mesh.vertices.astype(np.float32)
+            vertices = wanted.mesh.vertices.astype(np.float32)
+            if not np.array_equal(vertices, node.vertices):
+                node.vertices = vertices
         self._placed[name] = wanted
 
 

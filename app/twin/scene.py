@@ -8,13 +8,12 @@ from dataclasses import dataclass
 from app.twin.bodies import ARC_RADII, FIELD_LENGTH, IDENTITY, RAIL, STAGE_SWITCHES, Vector
 from app.twin.colours import Rgb, Scheme, between, rgb
 from app.twin.geometry import Mesh, arc
-from app.twin.shape import Look, Shape, Travel
+from app.twin.shape import FIELD_LEAST, Look, Shape, Travel
 
 Quaternion = tuple[float, float, float, float]
 
 FLASH_S = 1.5
 """How long a slip is shown in red, device time [s]."""
-THREAD_PITCH = 0.42
 DIM, CLEAR = 0.28, 1.0
 """Opacity of what is not known or not measured, and of what is."""
 
@@ -25,7 +24,6 @@ class Placement:
 
     wxyz: Quaternion | None = None
     position: Vector | None = None
-    scale: Vector | None = None
     colour: Rgb | None = None
     opacity: float | None = None
     visible: bool | None = None
@@ -97,19 +95,21 @@ def _motor(look: Look, scheme: Scheme) -> dict[str, Placement]:
 def _dial(look: Look, scheme: Scheme) -> dict[str, Placement]:
     placed: dict[str, Placement] = {}
     for name, current, along in (("a", look.current_a, 90.0), ("b", look.current_b, 0.0)):
-        amount = current or 0.0
+        way = FIELD_LENGTH * (current or 0.0)
+        angle = math.radians(along)
         placed[f"/dial/{name}"] = Placement(
-            wxyz=seen(along if amount >= 0 else along + 180.0), visible=abs(amount) > 0.02
+            position=(way * math.cos(angle), 0.0, way * math.sin(angle)), visible=current is not None
         )
-        placed[f"/dial/{name}/arrow"] = Placement(scale=(max(0.02, FIELD_LENGTH * abs(amount)), 1.0, 1.0))
+        placed[f"/dial/track_{name}"] = Placement(
+            colour=rgb("missing" if current is None else f"current_{name}", scheme), opacity=DIM
+        )
         placed[f"/dial/label_{name}"] = Placement(
             text=name.upper() if current is not None else f"{name.upper()}: not told"
         )
     field_deg, rotor_deg = look.field_deg, look.rotor_deg
-    share = 1.0 if look.field_share is None else max(0.05, min(1.0, look.field_share))
-    placed["/dial/field"] = Placement(wxyz=seen(field_deg or 0.0), visible=field_deg is not None)
+    dead = look.field_share is not None and look.field_share < FIELD_LEAST
+    placed["/dial/field"] = Placement(wxyz=seen(field_deg or 0.0), visible=field_deg is not None and not dead)
     placed["/dial/field/arrow"] = Placement(
-        scale=(FIELD_LENGTH * share, 1.0, 1.0),
         # From the position counter alone it is what the chip means to do, not what the coils were seen doing.
         colour=rgb("missing" if look.field_from == "position" else "field", scheme),
     )
@@ -117,9 +117,11 @@ def _dial(look: Look, scheme: Scheme) -> dict[str, Placement]:
     placed["/dial/rotor/arrow"] = Placement(colour=rgb("fault" if flashing(look) else "encoder_position", scheme))
     known = field_deg is not None and look.load_deg is not None
     load_deg = half_turn(look.load_deg or 0.0)
-    placed["/dial/arc"] = Placement(
-        visible=known and abs(load_deg) >= 0.3,
-        mesh=arc((field_deg or 0.0) - load_deg, field_deg or 0.0, *ARC_RADII, 0.05, 0.12).facing() if known else None,
+    # It turns with the field, so that only its length comes late in a slow browser; whole degrees, so that it rests.
+    placed["/dial/load"] = Placement(wxyz=seen(field_deg or 0.0))
+    placed["/dial/load/arc"] = Placement(
+        visible=known and abs(load_deg) >= 0.5,
+        mesh=arc(-round(load_deg), 0.0, *ARC_RADII, 0.1, 0.16).facing() if known else None,
     )
     placed["/dial/slip"] = Placement(visible=flashing(look))
     return placed
