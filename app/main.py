@@ -13,8 +13,9 @@ from pathlib import Path
 from fastapi import FastAPI
 from pydantic import ValidationError
 
-from app import demo
+from app import __version__, demo
 from app.api.app import make_app
+from app.api.audit_ear import Ear, lease_words
 from app.api.bench import Bench
 from app.api.lease import Lease
 from app.api.lease_watch import LeaseWatch
@@ -43,6 +44,7 @@ from app.links.registry import (
     uart_factory,
 )
 from app.settings import Settings
+from app.store.audit import AuditLog
 from app.store.connections import ConnectionStore
 from app.store.database import Database
 from app.store.positions import PositionStore
@@ -91,8 +93,9 @@ def create_app(
     def changed() -> None:
         hub.sync(manager.devices)
         endless.sync(manager.devices)
-        if opened.is_set():  # what comes from the disk need not go back there
+        if opened.is_set():  # what comes from the disk need not go back there, and the demo is nobody's doing
             saver.request()
+            ear.sync(manager.devices)
 
     manager = DeviceManager(kinds, clock, on_change=changed)
     saver = Saver(store, manager.configs)
@@ -101,10 +104,13 @@ def create_app(
     position_saver = Saver(positions, endless.saved, clock, SAVE_EVERY_S)
     desk = RecordingDesk(Library(settings.data_dir), hub, clock, reserve_bytes=round(settings.disk_reserve_mb * 1e6))
     database = Database(settings.data_dir)
+    audit = AuditLog(database, clock)
+    ear = Ear(audit)
     lease = Lease(clock, settings.on_vanish, settings.vanish_after_s)
+    lease.listen(partial(lease_words, audit))
     twin = Twin(clock, hub)
     bench = Bench(
-        settings, clock, manager, hub, Procedures(clock), endless, desk, database, lease, twin, list_serial_ports
+        settings, clock, manager, hub, Procedures(clock), endless, desk, database, audit, lease, twin, list_serial_ports
     )
     lease_watch = LeaseWatch(
         lease, bench.calls, clock, lambda how: after_vanishing(how, manager.devices, bench.procedures)
@@ -132,11 +138,14 @@ def create_app(
         if settings.demo or (settings.demo is None and not saved.configs):
             await demo.add(manager)
         opened.set()
+        ear.sync(manager.devices)
+        audit.note("start", "stepscope", detail=f"version {__version__}")
         lease_watch.start()
         try:
             yield
         finally:
             opened.clear()
+            audit.note("end", "stepscope")
             await lease_watch.close()
             await bench.probing.abort()
             await stop_motors(bench)
@@ -149,6 +158,7 @@ def create_app(
             await hub.close()
             await manager.close()
             await saver.close()
+            await audit.close()
             await asyncio.to_thread(database.close)
 
     return make_app(bench, lifespan)

@@ -10,10 +10,12 @@ from fastapi import FastAPI
 from app import __version__
 from app.api import openapi, problems
 from app.api.access import Access, is_loopback, new_token
+from app.api.auditing import Auditing
 from app.api.bench import Bench
 from app.api.guard import Guard
 from app.api.lease_gate import Free, LeaseGate
 from app.api.routes import (
+    audit,
     axes,
     calc,
     catalog,
@@ -62,6 +64,7 @@ SUBJECTS = (
     recordings,
     telemetry,
     twin,
+    audit,
 )
 
 Lifespan = Callable[[FastAPI], AbstractAsyncContextManager[None]]
@@ -89,6 +92,7 @@ def make_app(bench: Bench, lifespan: Lifespan) -> FastAPI:
     openapi.customise(app, free)
     # Inside of both doors: whose request it is matters once it is in.
     app.add_middleware(LeaseGate, lease=bench.lease, calls=bench.calls, free=free)
+    app.add_middleware(Auditing, audit=bench.audit, manager=bench.manager, base=BASE)
     app.add_middleware(Who, name_of=bench.lease.name_of)
     app.state.token = token_of(bench.settings)
     if app.state.token is not None:

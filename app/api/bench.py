@@ -13,6 +13,7 @@ from app.api.schemas import Port
 from app.clock import Clock
 from app.devices.manager import DeviceManager
 from app.settings import Settings
+from app.store.audit import AuditLog
 from app.store.database import Database
 from app.telemetry.hub import TelemetryHub
 from app.tuning.endless import EndlessService
@@ -32,6 +33,7 @@ class Bench:
     endless: EndlessService
     desk: RecordingDesk
     database: Database
+    audit: AuditLog
     lease: Lease
     twin: Twin
     list_serial_ports: Callable[[], list[Port]]

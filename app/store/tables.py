@@ -39,6 +39,7 @@ class AuditRow(Base):
     old: Mapped[Value] = mapped_column(JSON(none_as_null=True))
     new: Mapped[Value] = mapped_column(JSON(none_as_null=True))
     outcome: Mapped[str]
+    detail: Mapped[str] = mapped_column(server_default="")
 
 
 class ProfileRow(Base):

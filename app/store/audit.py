@@ -1,0 +1,202 @@
+"""The audit log: who did what, when, from where, and what came of it.
+
+`add` costs a request next to nothing: entries wait in memory and go to the database together, at most `FLUSH_S` later.
+The log is bounded: the oldest entries go. It never holds a token or a session's id, for it never sees one.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+
+from sqlalchemy import delete, func, insert, select
+from sqlalchemy.orm import InstrumentedAttribute, Session
+
+from app.clock import Clock
+from app.devices.actor import Actor, actor
+from app.devices.changes import DONE
+from app.links.errors import StoreUnavailable
+from app.store.audit_entries import Entry, Known, Wanted, entry_of, matching, row_of
+from app.store.database import Database
+from app.store.tables import AuditRow, Value
+
+log = logging.getLogger("stepscope.audit")
+
+FLUSH_S = 0.25
+"""How long an entry waits for others to be written together [s]; with the writing itself it is on disk within 1 s."""
+RETRY_S = 1.0
+"""How often writing is tried again that the disk did not take [s]."""
+KEPT = 200_000
+"""Entries in the database; some 50 MB."""
+TRIMMED_EVERY = 1000
+WAITING_MAX = 20_000
+"""Entries in memory while the database takes none; the oldest of them are lost, and counted."""
+
+
+class Request:
+    """One call from outside, so that what drivers tell of it is not told a second time by the edge."""
+
+    __slots__ = ("changes", "failures")
+
+    def __init__(self) -> None:
+        self.changes = 0
+        """Entries so far."""
+        self.failures = 0
+        """Those among them that are not done."""
+
+
+_request: ContextVar[Request | None] = ContextVar("audited_request", default=None)
+
+
+@contextmanager
+def request_under_way() -> Iterator[Request]:
+    """Count what is entered in this context."""
+    request = Request()
+    token = _request.set(request)
+    try:
+        yield request
+    finally:
+        _request.reset(token)
+
+
+class AuditLog:
+    """`add` from the loop; everything else waits for the database."""
+
+    def __init__(self, database: Database, clock: Clock, unix_s: Callable[[], float] = time.time) -> None:
+        self._database, self._clock, self._unix_s = database, clock, unix_s
+        self._waiting: deque[Entry] = deque()
+        self._lost = 0
+        self._since_trim = TRIMMED_EVERY  # so the first batch trims: an earlier version may have kept more
+        self._task: asyncio.Task[None] | None = None
+        self._pause: asyncio.Task[None] | None = None
+        self._writing = asyncio.Lock()
+        self._problem = ""
+        self._closing = False
+
+    # --- writing --------------------------------------------------------------------------------
+
+    def note(
+        self,
+        action: str,
+        subject: str = "",
+        *,
+        device: str | None = None,
+        axis: int | None = None,
+        old: Value = None,
+        new: Value = None,
+        outcome: str = DONE,
+        detail: str = "",
+        by: Actor | None = None,
+    ) -> None:
+        """`add` what happens now, by `by`, else by whoever this task works for."""
+        who = by or actor.get()
+        whose = who.name, who.kind, who.address
+        self.add(Entry(self._unix_s(), *whose, device, axis, action, subject, old, new, outcome, detail))
+
+    def add(self, entry: Entry) -> None:
+        """Keep it. Returns at once, and raises nothing: what cannot be kept is told in the log."""
+        request = _request.get()
+        if request is not None:
+            request.changes += 1
+            request.failures += not entry.outcome.startswith(DONE)
+        self._waiting.append(entry)
+        self._shed()
+        if not self._closing and (self._task is None or self._task.done()):
+            self._task = asyncio.get_running_loop().create_task(self._write_soon(), name="audit log")
+
+    async def close(self) -> None:
+        """Write what waits, and end. What comes afterwards is lost."""
+        self._closing = True
+        if self._pause is not None:
+            self._pause.cancel()
+        if self._task is not None:
+            await self._task
+        await self._flush()
+        if self._waiting:
+            log.warning("%d entries of the audit log are lost", len(self._waiting))
+
+    async def _write_soon(self) -> None:
+        await self._wait(FLUSH_S)
+        while self._waiting and not self._closing:
+            await self._flush()
+            if self._problem:
+                await self._wait(RETRY_S)
+
+    async def _wait(self, seconds: float) -> None:
+        # A task of its own: `close` ends the waiting, and never a write that has begun.
+        self._pause = asyncio.create_task(self._clock.sleep(seconds), name="audit log waits")
+        await asyncio.wait({self._pause})
+
+    async def _flush(self) -> None:
+        """Write what waits; what the database does not take waits on."""
+        async with self._writing:
+            batch, lost = list(self._waiting), self._lost
+            if not batch:
+                return
+            self._waiting.clear()
+            self._since_trim += len(batch)
+            trim = self._since_trim >= TRIMMED_EVERY
+            written = [_loss(batch[0], lost), *batch] if lost else batch
+            try:
+                await self._database.write(lambda session: _insert(session, written, trim=trim))
+            except StoreUnavailable as problem:
+                self._waiting.extendleft(reversed(batch))
+                self._shed()
+                if str(problem) != self._problem:  # else it was said already
+                    log.warning("the audit log is not written: %s; %s", problem, problem.way_out)
+                self._problem = str(problem)
+                return
+            if self._problem:
+                log.warning("the audit log is written again")
+            self._problem = ""
+            self._lost -= lost
+            if trim:
+                self._since_trim = 0
+
+    def _shed(self) -> None:
+        while len(self._waiting) > WAITING_MAX:
+            self._waiting.popleft()
+            self._lost += 1
+
+    # --- reading --------------------------------------------------------------------------------
+
+    async def search(self, wanted: Wanted, limit: int, before: int | None = None) -> list[Entry]:
+        """The latest `limit` entries that are wanted, newest first; with `before` those with lower ids.
+
+        Everything that was added before is among them. Raises StoreUnavailable.
+        """
+        await self._flush()
+        query = matching(wanted).order_by(AuditRow.id.desc()).limit(limit)
+        if before is not None:
+            query = query.where(AuditRow.id < before)
+        return await self._database.read(lambda session: [entry_of(row) for row in session.scalars(query)])
+
+    async def known(self) -> Known:
+        """All names that entries bear. Raises StoreUnavailable."""
+        await self._flush()
+
+        def look(session: Session) -> Known:
+            devices = _names(session, AuditRow.device)
+            return Known(devices, _names(session, AuditRow.who), _names(session, AuditRow.action))
+
+        return await self._database.read(look)
+
+
+def _loss(first: Entry, lost: int) -> Entry:
+    return Entry(first.at_unix_s, "stepscope", "server", "", None, None, "lost entries", "audit log", new=lost)
+
+
+def _insert(session: Session, batch: Sequence[Entry], *, trim: bool) -> None:
+    session.execute(insert(AuditRow), [row_of(entry) for entry in batch])
+    if trim:
+        newest = select(func.max(AuditRow.id)).scalar_subquery()
+        session.execute(delete(AuditRow).where(AuditRow.id <= newest - KEPT))
+
+
+def _names(session: Session, column: InstrumentedAttribute[str] | InstrumentedAttribute[str | None]) -> list[str]:
+    return sorted(name for name in session.scalars(select(column).distinct()) if name)
