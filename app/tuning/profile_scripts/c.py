@@ -68,8 +68,9 @@ static inline void {name}_frame(const struct {name}_write *write, uint8_t frame[
 /* Yours: sends one frame and answers 0 when it went out{and_came}. */
 typedef int (*{name}_send)(void *bus, const uint8_t frame[{macro}_FRAME_BYTES]);
 
-/* Sends everything in the order that is safe, while the motor stands. Answers how many went out: all is well when that
-   is {macro}_WRITES; the write with that number failed otherwise, and nothing after it was sent. */
+/* Sends everything in the order that is safe. The motor has to stand at its target, as it does after a reset.
+   Answers how many went out: all is well when that is {macro}_WRITES. Else the write of that number failed,
+   and nothing after it was sent. */
 static inline size_t {name}_apply({name}_send send, void *bus)
 {{
     static const struct {{

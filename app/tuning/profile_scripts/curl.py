@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from urllib.parse import quote
 
 from app.tuning.profile_scripts.plan import Plan, meaning
+from app.tuning.profile_scripts.standing import busy_of, target_of
 from app.tuning.profile_scripts.text import lines, one_line
 
 _HEAD = """\
@@ -69,6 +70,19 @@ case $answer in
 *"\"model\":\"$model\""* | *"\"model\": \"$model\""*) ;;
 *) fail "$device is no $model" ;;
 esac
+
+# number NAME: the whole number of that name in the answer
+number() {
+    printf '%s' "$answer" | sed -n 's/.*"'"$1"'": *\(-\{0,1\}[0-9][0-9]*\).*/\1/p'
+}
+
+# idle REGISTER QUERY NAME WHY: ends where the number of that name in the register is not 0
+idle() {
+    ask GET "devices/$device/registers/$1$2"
+    [ "$(number "$3")" = 0 ] || fail "$4"
+}
+
+# No register that follows may give an axis somewhere to go: its target is where it stands.
 axis=0
 while [ "$axis" -lt "$axes" ]; do
     ask GET "devices/$device/axes/$axis"
@@ -76,6 +90,11 @@ while [ "$axis" -lt "$axes" ]; do
     *'"moving":false'* | *'"moving": false'*) ;;
     *) fail "axis $axis of $device moves: stop it first" ;;
     esac
+    if [ -n "$target" ]; then
+        put "$target" "?axis=$axis" "{\"value\":$(number position)}"
+    elif [ "$(number target_position)" != "$(number position)" ]; then
+        fail "axis $axis of $device stands, and not at its target: stop it first"
+    fi
     axis=$((axis + 1))
 done
 
@@ -87,7 +106,12 @@ printf '%s: %s registers written and checked\\n' "$device" "$written"
 
 def render(plan: Plan) -> str:
     """The whole file."""
-    settings = [f"model={plan.model}", f"axes={plan.family.axes}", f"device=${{1-{plan.device}}}"]
+    settings = [
+        f"model={plan.model}",
+        f"axes={plan.family.axes}",
+        f"target={target_of(plan.model)}",
+        f"device=${{1-{plan.device}}}",
+    ]
     return _HEAD + "\n".join([*_about(plan), "", "set -eu", *settings]) + _BODY + "\n".join(_writes(plan)) + "\n" + _END
 
 
@@ -98,6 +122,9 @@ def _about(plan: Plan) -> Iterator[str]:
 
 
 def _writes(plan: Plan) -> Iterator[str]:
+    for busy in busy_of(plan.model):
+        query = "" if busy.axis is None else f"?axis={busy.axis}"
+        yield f"idle '{busy.register}' '{query}' '{busy.field or 'value'}' '{busy.why}'"
     for part in plan.parts:
         yield f"# {one_line(part.title)}"
         for write in part.writes:

@@ -10,6 +10,7 @@ from datetime import UTC, datetime
 from app.devices.config import slug
 from app.registers.catalog import MODELS, Model
 from app.registers.model import Access, Register
+from app.tuning.profile_scripts.standing import kept_ready, ready_of
 from app.tuning.profiles.document import AxisPart, ProfileDocument
 from app.tuning.profiles.errors import UnreadableProfile
 from app.tuning.profiles.words import Want, check_range, wants_of
@@ -105,15 +106,16 @@ class Plan:
 
 def plan_of(document: ProfileDocument) -> Plan:
     """The writes of a profile. Raises UnreadableProfile for what no device can hold, and where there is nothing."""
-    wants = list(wants_of(document).values())
+    wants = wants_of(document)
     if not wants:
         raise UnreadableProfile("registers", "the profile says nothing that could be written")
-    for want in wants:
+    for want in wants.values():
         check_range(want)
     axes = MODELS[document.model].axes
+    ready = tuple(Write(want) for want in ready_of(document.model, wants))
     parts = (
-        Part(title, tuple(Write(want) for want in some))
-        for title, some in itertools.groupby(wants, lambda want: _title(want, axes))
+        Part(title, tuple(Write(kept_ready(want)) for want in some))
+        for title, some in itertools.groupby(wants.values(), lambda want: _title(want, axes))
     )
     return Plan(
         model=document.model,
@@ -122,7 +124,7 @@ def plan_of(document: ProfileDocument) -> Plan:
         note=document.note,
         captured=_date(document.captured_unix_s),
         clock_hz=document.clock_hz,
-        parts=tuple(parts),
+        parts=(*((Part("ready: nowhere to go", ready),) if ready else ()), *parts),
         mechanics=tuple(mechanics_of(axis) for axis in document.axes),
     )
 

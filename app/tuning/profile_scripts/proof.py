@@ -27,6 +27,7 @@ from app.tuning.profile_scripts.process import Ended, guest_server, run, tempora
 from app.tuning.profile_scripts.readers import commands_of_tmcl, frames_of_c, writes_of_curl
 from app.tuning.profiles.capture import capture
 from app.tuning.profiles.document import ProfileDocument, parse
+from app.tuning.profiles.standing import require_rest
 
 Language = Literal["python", "tmcl", "c", "curl"]
 How = Literal["run", "sent", "compiled", "read"]
@@ -107,6 +108,10 @@ async def _on_server(plan: Plan, text: str, file: str, command: tuple[str, ...])
             option = ("--device", NAME) if file.endswith(".py") else (NAME,)
             environment = {"STEPSCOPE_URL": guest.url, "STEPSCOPE_TOKEN": guest.token}
             _expect_end(await run((*command, *option), own, environment))
+            for axis in range(plan.family.axes):
+                state = (await http.get(f"/devices/{NAME}/axes/{axis}")).raise_for_status().json()
+                if state["moving"]:
+                    raise ValueError(f"it has set axis {axis} off")
             held = (await http.get(f"/devices/{NAME}/profile")).raise_for_status()
         return Trial("run", parse(held.json()))
 
@@ -127,7 +132,7 @@ async def _read_curl(plan: Plan, text: str) -> Trial:
         result = await device.write_many(writes_of_curl(text))
         if result.failed is not None:
             raise result.failed
-        return Trial("read", await capture(device))
+        return Trial("read", await _captured(device))
 
 
 # --- in this process --------------------------------------------------------------------------------
@@ -155,7 +160,13 @@ async def _frames(plan: Plan, frames: Iterable[bytes]) -> ProfileDocument:
     async with emulated(plan.model, plan.clock_hz) as device:
         for frame in frames:
             await _send(device, frame)
-        return await capture(device)
+        return await _captured(device)
+
+
+async def _captured(device: Device) -> ProfileDocument:
+    """What it holds. Raises WrongState where the script has set a motor off."""
+    await require_rest(device)
+    return await capture(device)
 
 
 async def _send(device: Device, frame: bytes) -> None:

@@ -7,6 +7,7 @@ import textwrap
 from collections.abc import Iterator, Mapping
 
 from app.tuning.profile_scripts.plan import Plan, Write, meaning
+from app.tuning.profile_scripts.standing import Busy, busy_of, target_of
 from app.tuning.profile_scripts.text import WIDTH, lines, one_line
 
 GLUE = "\u00a0"
@@ -42,16 +43,25 @@ def apply(bench: Bench, name: str) -> int:
     device = bench.device(name)
     if device.model != MODEL:
         return failed(f"{name} is a {device.model}; this profile is of a {MODEL}")
+    for register, axis, field, why in BUSY:
+        held = bench.read(name, register, axis)
+        if held.fields[field] if field else held.value:
+            return failed(why)
     for number in range(len(device.axes)):
-        if bench.axis(name, number).moving:
+        state = bench.axis(name, number)
+        if state.moving:
             return failed(f"axis {number} of {name} moves: stop it first")
+        if TARGET:  # no register that follows may give it somewhere to go
+            bench.write(name, TARGET, state.position, number)
+        elif state.target_position not in (None, state.position):
+            return failed(f"axis {number} of {name} stands, and not at its target: stop it first")
     for index, (register, axis, value) in enumerate(WRITES):
         where = register if axis is None else f"{register} of axis {axis}"
         try:
-            held = bench.write(name, register, value, axis)
+            written = bench.write(name, register, value, axis)
         except ClientError as error:
             return failed(f"{where}: {error}; {index} of {len(WRITES)} registers are written")
-        wrong = wrongly_held(held, value)
+        wrong = wrongly_held(written, value)
         if wrong:
             return failed(f"{where}: {wrong}; {index} of {len(WRITES)} registers are written")
     if MECHANICS:
@@ -105,6 +115,9 @@ def _lines(plan: Plan) -> Iterator[str]:
     yield ""
     yield f"MODEL = {json.dumps(plan.model)}"
     yield f"DEVICE = {json.dumps(plan.device)}"
+    yield f"TARGET = {json.dumps(target_of(plan.model))}"
+    busy = ", ".join(f"({_words(each)})" for each in busy_of(plan.model))
+    yield f"BUSY: list[tuple[str, int | None, str, str]] = [{busy}]"
     yield "Value = int | dict[str, int]"
     yield "WRITES: list[tuple[str, int | None, Value]] = ["
     for part in plan.parts:
@@ -115,6 +128,10 @@ def _lines(plan: Plan) -> Iterator[str]:
     yield "MECHANICS: list[dict[str, float | None]] = ["
     yield from (f"    {_literal(mechanics)}," for mechanics in plan.mechanics)
     yield "]"
+
+
+def _words(busy: Busy) -> str:
+    return f"{json.dumps(busy.register)}, {busy.axis!r}, {json.dumps(busy.field)}, {json.dumps(busy.why)}"
 
 
 def _literal(numbers: Mapping[str, float | None]) -> str:

@@ -37,8 +37,8 @@ def _remarks(plan: Plan) -> Iterator[str]:
     yield f"{plan.about}"
     yield from lines(plan.note)
     yield from plan.left_out
-    yield "The motor has to stand. User variables go to RAM: STGP keeps one. STOP ends a program that was downloaded;"
-    yield "line by line, it is left out."
+    yield "The motor has to stand at its target. User variables go to RAM: STGP keeps one."
+    yield "STOP ends a program that was downloaded; line by line, it is left out."
 
 
 def _remark(write: Write) -> str:

@@ -62,6 +62,14 @@ async def test_a_script_that_leaves_something_out_is_not_offered(
     assert model in str(failed.value)
 
 
+async def test_a_script_that_sets_a_motor_off_is_not_offered(monkeypatch: pytest.MonkeyPatch) -> None:
+    # A TMC4361 is in velocity mode after a reset, where VMAX is the speed that it turns at.
+    render = RENDER["c"]
+    monkeypatch.setitem(RENDER, "c", lambda plan: render(plan).replace("{0x20u, 0x00000004u}", "{0x20u, 0x00000000u}"))
+    with pytest.raises(ScriptFailed, match="moves"):
+        await Scripts().make(profile_of("tmc4361"), "c")
+
+
 async def test_a_header_that_does_not_compile_is_not_offered(monkeypatch: pytest.MonkeyPatch) -> None:
     if not any(map(shutil.which, proof.COMPILERS)):
         pytest.skip("no C compiler")
