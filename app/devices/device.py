@@ -17,6 +17,7 @@ from app.clock import Clock
 from app.devices.changes import RegisterChanged
 from app.devices.config import AxisSettings, DeviceConfig
 from app.devices.counter import CounterLook, CounterWritten, PositionSeen
+from app.devices.limits.limiter import Limiter
 from app.devices.prediction import Prediction
 from app.devices.results import (
     AxisMove,
@@ -79,8 +80,19 @@ class MotionCommanded:
     asked: Mapping[str, int | str] = field(default_factory=dict)
 
 
+@dataclass(frozen=True, slots=True)
+class LimitReached:
+    """An axis was stopped before it would have left its range: which end of it, and where it was then [microsteps]."""
+
+    axis: int
+    name: str
+    limit: int
+    position: int
+
+
 DeviceEvent = (
     StateChanged
+    | LimitReached
     | MotionStarted
     | MotionCommanded
     | MotionEnd
@@ -120,6 +132,8 @@ class Device(ABC):
         """The server's, for what a driver does on its own."""
         self.queue = LinkQueue(port, on_result=self._link_result)
         self.axes = tuple(Axis(index, settings) for index, settings in enumerate(config.axes))
+        self.limiter: Limiter | None = None
+        """Keeps the soft limits of the axes; None where there are none (`limits.apply`)."""
         self.stops = [0] * len(self.axes)
         """How often each axis was stopped: a command that finds it changed was overtaken."""
         self.motion_commands = [0] * len(self.axes)
@@ -227,14 +241,21 @@ class Device(ABC):
 
     def limit_warnings(self, axis: int) -> list[str]:
         """What the chip is set to beyond the soft limits of `axis`, and what to write; empty where all is well."""
-        self.axis(axis)
-        return []
+        index = self.axis(axis).index
+        return [] if self.limiter is None else self.limiter.findings(index)
 
-    async def check_writes(self, items: Sequence[WriteItem]) -> None:  # noqa: B027 (no limits, nothing to check)
+    async def check_writes(self, items: Sequence[WriteItem]) -> None:
         """Raises SoftLimit where one of these writes, made in this order, would go beyond a soft limit. Sends no write.
 
         For whoever writes many things and wants to know before the first: batches, profiles.
         """
+        if self.limiter is not None:
+            self.limiter.check_writes(await self.words_of(items, self.limiter.matters))
+
+    @abstractmethod
+    async def words_of(self, items: Sequence[WriteItem], matters: Callable[[int], bool]) -> list[tuple[int, int]]:
+        """(address, word) that these writes would send, of addresses that matter; what they change is read where it is
+        not known. Raises UnknownThing, OutOfRange, LinkError."""
 
     # --- whether it answers ---------------------------------------------------------------------
 
@@ -259,6 +280,8 @@ class Device(ABC):
 
     def set_state(self, state: DeviceState, problem: BenchError | None = None) -> None:
         """For the manager."""
+        if state == "failed" and self.limiter is not None:
+            self.limiter.forget()
         if (state, problem) != (self._state, self._problem):
             self._state, self._problem = state, problem
             self._tell(StateChanged(state, problem))
@@ -274,8 +297,14 @@ class Device(ABC):
         if self.writes_counter(what):
             self._tell(CounterWritten(axis, what))
 
+    def stopped_by_limit(self, reached: LimitReached) -> None:
+        """For the watch over the range of positions."""
+        self._tell(reached)
+
     def saw_position(self, axis: int, count: int, asked_at_s: float, encoder_count: int | None = None) -> None:
         """For drivers: the position counter of `axis` was read, and with it the encoder's (see `PositionSeen`)."""
+        if self.limiter is not None:
+            self.limiter.at(axis, count)
         self._tell(PositionSeen(axis, count, asked_at_s, encoder_count))
 
     def _link_result(self, error: LinkError | None) -> None:

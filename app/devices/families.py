@@ -7,6 +7,7 @@ from collections.abc import Callable
 from app.clock import Clock
 from app.devices.config import DeviceConfig
 from app.devices.device import Device
+from app.devices.limits.apply import apply_limits
 from app.devices.pd42.driver import Pd42
 from app.devices.tmc5xxx.driver import Tmc5xxx
 from app.devices.tmc428 import Tmc428
@@ -26,4 +27,6 @@ DRIVERS: dict[str, Callable[[str, DeviceConfig, FramePort, Clock], Device]] = {
 
 def make_device(device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> Device:
     """The driver for `config.model`, which `DeviceConfig` has checked."""
-    return DRIVERS[config.model](device_id, config, port, clock)
+    device = DRIVERS[config.model](device_id, config, port, clock)
+    apply_limits(device)
+    return device

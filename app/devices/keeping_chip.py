@@ -60,6 +60,9 @@ class KeepingChip(RegisterChip):
         for register in held.registers:
             self._saw_word(register, held.word(register))
 
+    def remembered_word(self, address: int) -> int | None:
+        return self._known.get(address, self._blind.get(address))
+
     def known(self, register: Register) -> int | None:
         """A remembered word; None where it was not seen yet."""
         return self._known.get(register.address)

@@ -16,6 +16,7 @@ from app.clock import Clock
 from app.devices.config import AxisSettings, DeviceConfig, unique_slug
 from app.devices.device import Device
 from app.devices.families import make_device
+from app.devices.limits.apply import apply_limits, learn, require_clock
 from app.devices.results import StopMode, StopOutcome
 from app.devices.watch import Watch
 from app.links.errors import BenchError, UnknownThing, WrongState
@@ -108,7 +109,10 @@ class DeviceManager:
         others = [other for other in self._devices if other != device_id]
         new_id = device_id if config.name == old.name else unique_slug(config.name, others)
         if config.link == old.link:
+            require_clock(device, config)
             device.reconfigure(new_id, config)
+            apply_limits(device)
+            await learn(device)
             self._put(device_id, device)
             self._on_change()
             return device

@@ -97,6 +97,8 @@ class RampChip(RegisterChip):
         if register.address not in self._remembered:
             return
         self._known[register.address] = word
+        if self.limiter is not None:
+            self.limiter.saw(register.address, word)
         axis = register.axis
         if axis is not None and register is self.rows[axis].dividers:
             rows, known = self.rows[axis], self.axes[axis]
@@ -110,6 +112,9 @@ class RampChip(RegisterChip):
             x_actual, v_actual, _ = self._before.get(axis, (0, 1, 0.0))
             self._before[axis] = (x_actual, v_actual, self.port.last_exchange_s)
             self.commanded(axis, register.name)
+
+    def remembered_word(self, address: int) -> int | None:
+        return self._known.get(address)
 
     def setting(self, axis: int) -> Setting | None:
         """The setting of an axis as last seen; None before everything of it was seen once."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from app.calc.units import pulse_rate_hz
 from app.devices.axis_rows import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOCITY_MODE, AxisRows
-from app.devices.axis_units import to_chip_velocity, to_position
+from app.devices.axis_units import one_chip_unit, to_chip_velocity, to_position
 from app.devices.device import MotionStarted
 from app.devices.motion import Setting, checked_target, distance
 from app.devices.ramp_chip import RampChip
@@ -16,6 +16,7 @@ from app.devices.ticked_prediction import Origin, TickedPrediction
 from app.devices.words import Words
 from app.links.errors import UsageError, WriteRefused
 from app.links.queue import Priority
+from app.registers.model import to_raw
 
 
 @dataclass(slots=True)
@@ -57,6 +58,7 @@ class RampMoves(RampChip):
             words = Words(turn)
             common = await self._motion_warnings(words)
             prepared = [await self._prepare(words, move) for move in moves]
+            self._allow_moves(prepared)
             for one in prepared:
                 if not one.positioning:  # there x_target has no effect yet, and the mode starts the move
                     await words.put(one.rows.x_target, one.target)
@@ -95,6 +97,7 @@ class RampMoves(RampChip):
             if under_way:
                 assert setting is not None
                 one = _Prepared(axis, rows, setting, x_actual, v_actual, count_target)
+                self._allow_moves([one])
                 await self._start(words, one)
                 await self._check_target(words, one)
                 self._predict(one)
@@ -124,6 +127,16 @@ class RampMoves(RampChip):
         if switch:
             warnings.append(f"the {switch} switch is active and stops motion that way")
         return _Prepared(move.axis, rows, setting, x_actual, v_actual, target, warnings)
+
+    def _allow_moves(self, prepared: Sequence[_Prepared]) -> None:
+        """Raises SoftLimit before anything of these moves is sent."""
+        if self.limiter is None:
+            return
+        for one in prepared:
+            self.limiter.require_target(one.axis, distance(one.target, 0), one.x_actual)
+            mode = one.rows.with_mode(one.setting.reference, one.mode)
+            target = (one.rows.x_target.address, to_raw(one.target, one.rows.x_target.width))
+            self.limiter.check_writes([target] if one.positioning else [target, (one.rows.reference.address, mode)])
 
     async def _start(self, words: Words, one: _Prepared) -> None:
         """Exactly one datagram, which sets the axis in motion."""
@@ -158,6 +171,21 @@ class RampMoves(RampChip):
 
     # --- rotation -------------------------------------------------------------------------------
 
+    def _allow_rotation(self, axis: int, setting: Setting, asked: float, chip: int, x_actual: int) -> int:
+        """Raises SoftLimit before anything of a rotation is sent; the velocity in chip units, within the limit.
+
+        `asked` is what was asked for, in chip units and not rounded.
+        """
+        limiter, rows = self.limiter, self.rows[axis]
+        assert limiter is not None
+        unit_pps = pulse_rate_hz(1, setting.pulse_div, self.clock_hz)
+        limiter.require_velocity(axis, asked * unit_pps)
+        limiter.require_way(axis, chip, x_actual)
+        chip = limiter.rounded(axis, chip, unit_pps)
+        target = (rows.v_target.address, to_raw(chip, rows.v_target.width))
+        limiter.check_writes([target, (rows.reference.address, rows.with_mode(setting.reference, VELOCITY_MODE))])
+        return chip
+
     async def rotate(self, axis: int, velocity: float, unit: str = "pps") -> Rotating:
         self.axis(axis)
         self.require_connected()
@@ -175,6 +203,9 @@ class RampMoves(RampChip):
             if switch:
                 warnings.append(f"the {switch} switch is active and stops motion that way")
             x_actual = await words.value(rows.x_actual)
+            if self.limiter is not None:
+                asked = velocity / one_chip_unit(self.mechanics(axis), unit, setting.pulse_div, self.clock_hz)
+                chip = self._allow_rotation(axis, setting, asked, chip, x_actual)
             v_actual = await words.value(rows.v_actual)
             if setting.mode != VELOCITY_MODE:
                 if setting.mode == HOLD_MODE:

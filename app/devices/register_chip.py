@@ -6,7 +6,7 @@ by the hooks at the end; how its words travel (datagrams of 32 or 40 bits, an ev
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import reduce
 from operator import or_
 
@@ -16,7 +16,7 @@ from app.devices.config import DeviceConfig
 from app.devices.device import Device
 from app.devices.lookup import Changes, Lookup, checked_fields, modify, word_of_value
 from app.devices.results import BatchResult, RegisterReading, RegisterWritten, WriteItem
-from app.devices.words import Words, read_once_more
+from app.devices.words import Words, Write, read_once_more
 from app.links.errors import BadReply, BenchError, UsageError, WriteRefused, WrongState
 from app.links.port import FramePort
 from app.links.queue import Priority, Turn
@@ -106,6 +106,7 @@ class RegisterChip(Device):
         return _renamed(done, part)
 
     async def write_many(self, items: Sequence[WriteItem]) -> BatchResult:
+        await self.check_writes(items)
         done: list[RegisterWritten] = []
         for index, item in enumerate(items):
             try:
@@ -178,6 +179,50 @@ class RegisterChip(Device):
         if kept and word & fixed:
             return True, f"{', '.join(kept)}: read only, not changed"
         return True, ""
+
+    # --- soft limits ----------------------------------------------------------------------------
+
+    async def words_of(self, items: Sequence[WriteItem], matters: Callable[[int], bool]) -> list[tuple[int, int]]:
+        writes: dict[int, int] = {}
+        found = []
+        for item in items:
+            register, part = self.find(item.name, item.axis)
+            if not matters(register.address) or (item.value is None) == (item.fields is None):
+                continue  # what cannot be at all, the write itself refuses
+            fields = {part.name: item.value} if part is not None and item.value is not None else item.fields
+            if fields is None:
+                assert item.value is not None
+                word = word_of_value(register, item.value)
+            else:
+                held = writes.get(register.address)
+                if held is None:
+                    self.require_connected()
+                    async with self.queue.turn(Priority.COMMAND) as turn:
+                        held = self._as_written(register, await self._held(self.words(turn), register))
+                word = modify(register, held, checked_fields(register, fields))
+            writes[register.address] = word
+            found.append((register.address, word))
+        return found
+
+    def allow(self, writes: Sequence[Write]) -> None:
+        """Raises SoftLimit before anything of `writes`, which go out together, has gone out."""
+        if self.limiter is not None:
+            self.limiter.check_writes((write.register.address, write.word) for write in writes)
+
+    def remembered_word(self, address: int) -> int | None:
+        """What a register is known to hold; None where nobody knows."""
+        return None
+
+    async def learn(self, registers: Sequence[Register]) -> None:
+        """Read these, for `limiter`. Raises LinkError."""
+        for first in range(0, len(registers), self.READ_AT_ONCE):
+            some = registers[first : first + self.READ_AT_ONCE]
+            async with self.queue.turn(Priority.COMMAND) as turn:
+                held = await self.words(turn).read_many(some)
+            for register, word in zip(some, held, strict=True):
+                self._saw_word(register, word)
+                if self.limiter is not None:
+                    self.limiter.saw(register.address, word)
 
     # --- turns ----------------------------------------------------------------------------------
 

@@ -84,6 +84,8 @@ class Watch:
         try:
             await device.probe()
             await device.refresh()
+            if device.limiter is not None:
+                await device.limiter.rules.learn()
         except BenchError as error:
             device.set_state("failed", error)
         else:

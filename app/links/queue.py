@@ -17,7 +17,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from types import TracebackType
-from typing import Self, cast
+from typing import Protocol, Self, cast
 
 from app.links.arbiter import Arbiter, Priority
 from app.links.errors import BadReply, LinkError, LinkTimeout, WrongState
@@ -25,9 +25,29 @@ from app.links.frame_log import FrameLog
 from app.links.port import Answer, BatchPort, ChainPort, FramePort
 from app.links.wire_budget import Meter
 
-__all__ = ["LinkQueue", "Priority", "QueueCounts", "SampleDropped", "Turn"]
+__all__ = ["FrameGate", "LinkQueue", "Priority", "QueueCounts", "SampleDropped", "Turn"]
 
 SAMPLES_WAITING_MAX = 8
+
+
+class FrameGate(Protocol):
+    """Somebody who looks at what is about to go out, and may refuse it."""
+
+    def writes(self, frames: Sequence[bytes]) -> bool:
+        """Whether the other three want to hear of these frames."""
+        ...
+
+    def check(self, frames: Sequence[bytes]) -> None:
+        """Raises where one of them must not go out; then none does. Frames of a stop are not asked about."""
+        ...
+
+    def sent(self, frames: Sequence[bytes], replies: Sequence[bytes]) -> None:
+        """They went out and were answered."""
+        ...
+
+    def doubt(self, frames: Sequence[bytes]) -> None:
+        """They may have gone out, or some of them."""
+        ...
 
 
 class SampleDropped(WrongState):
@@ -64,6 +84,8 @@ class LinkQueue:
         self.log = FrameLog()
         self.error: LinkError | None = None
         """Why the latest exchange failed; None after a good one."""
+        self.gate: FrameGate | None = None
+        """Asked about every frame that goes out; None where everything may."""
         self.sample_span_s = (0.0, 0.0)
         """When the first and the last frame of the latest sample were answered, device time [s]."""
         self._on_result = on_result
@@ -221,7 +243,7 @@ class LinkQueue:
 class Turn:
     """A transaction: frames of one asker in a row, only more urgent ones may come between."""
 
-    __slots__ = ("_guard", "_held", "_priority", "_queue", "span_s")
+    __slots__ = ("_guard", "_held", "_passed", "_priority", "_queue", "span_s")
 
     def __init__(self, queue: LinkQueue, priority: Priority, guard: Callable[[], None] | None) -> None:
         self.span_s = (0.0, 0.0)
@@ -230,6 +252,8 @@ class Turn:
         self._priority = priority
         self._guard = guard
         self._held = False
+        self._passed = False
+        """Whether the gate has let pass what is being sent."""
 
     async def __aenter__(self) -> Self:
         await self._queue._acquire(self._priority)
@@ -246,6 +270,8 @@ class Turn:
     async def exchange(self, frame: bytes, timeout_s: float | None = None, answer: Answer = Answer.ALWAYS) -> bytes:
         """Send one frame of this turn; b"" where it was not answered and need not be."""
         queue = self._queue
+        if queue.gate is not None and not self._passed and queue.gate.writes((frame,)):
+            return (await self._gated(queue.gate, (frame,), timeout_s, answer))[0]
         if queue._batches is not None:
             return (await self._pieces(queue._batches, (frame,), timeout_s, answer))[0]
         await self._prepare()
@@ -258,6 +284,8 @@ class Turn:
         `timeout_s` [s] is for each frame, or for the chain. The first failure ends it and is raised.
         """
         queue = self._queue
+        if queue.gate is not None and not self._passed and queue.gate.writes(frames):
+            return await self._gated(queue.gate, frames, timeout_s)
         if queue._batches is not None:
             return await self._pieces(queue._batches, frames, timeout_s, Answer.ALWAYS)
         if queue._chains is not None:
@@ -269,6 +297,29 @@ class Turn:
             replies.append(await queue._send(frame, self._priority, timeout_s, Answer.ALWAYS))
             first_s = queue.port.last_exchange_s if first_s is None else first_s
         self.span_s = (first_s or 0.0, queue.port.last_exchange_s)
+        return replies
+
+    async def _gated(
+        self, gate: FrameGate, frames: Sequence[bytes], timeout_s: float | None, answer: Answer | None = None
+    ) -> list[bytes]:
+        """`exchange_many` (with `answer`: `exchange`) of frames that the gate wants to hear of.
+
+        What stops a motor passes, whatever it is.
+        """
+        if self._priority is not Priority.STOP:
+            gate.check(frames)
+        self._passed = True
+        try:
+            if answer is None:
+                replies = await self.exchange_many(frames, timeout_s)
+            else:
+                replies = [await self.exchange(frames[0], timeout_s, answer)]
+        except BaseException:
+            gate.doubt(frames)
+            raise
+        finally:
+            self._passed = False
+        gate.sent(frames, replies)
         return replies
 
     @property

@@ -79,12 +79,8 @@ class AxisLimits:
         if self.current_max_a is None:
             return
         if model in SENSED and self.sense_resistor_ohm is None and self.current_full_scale_a is None:
-            raise UsageError(
-                "current_max_a needs sense_resistor_ohm (or current_full_scale_a): a chip tells no A"
-            )
+            raise UsageError("current_max_a needs sense_resistor_ohm (or current_full_scale_a): a chip tells no A")
         if model in SCALED and self.current_full_scale_a is None:
             raise UsageError("current_max_a needs current_full_scale_a: what the greatest current scale gives, RMS")
         if model not in SENSED | SCALED:
-            raise UsageError(
-                "current_max_a cannot be kept here: its step/direction driver sets the current"
-            )
+            raise UsageError("current_max_a cannot be kept here: its step/direction driver sets the current")

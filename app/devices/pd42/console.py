@@ -105,6 +105,8 @@ class Console(Parameters):
     async def _exchange(self, request: Request, frame: bytes) -> tuple[bytes, float]:
         """The raw answer, b"" where there is none and need not be, and how long it took [ms]."""
         moves = request.address == self.address and _may_move(request)
+        await self._learn(request)
+        self._allow(request)
         if moves:
             # Told before it goes out: whatever runs on this axis has to let go of it first.
             self.commanded(0, spelled(request))
@@ -126,6 +128,16 @@ class Console(Parameters):
         if moves:
             await self._moved_by_hand(request)
         return reply, took_ms
+
+    async def _learn(self, request: Request) -> None:
+        """Read what a command counts from, where soft limits have to know it."""
+        if self.limiter is not None and request.address == self.address:
+            await self.limiter.rules.learn_for(request.opcode, request.type, request.value)
+
+    def _allow(self, request: Request) -> None:
+        """Raises SoftLimit before anybody is told of a command that will not go out."""
+        if self.limiter is not None:
+            self.limiter.check((request.encode(),))
 
     def _saw_exchange(self, request: Request, frame: bytes, reply: bytes) -> None:
         """What was read or written by hand is known from now on."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import AsyncIterator, Coroutine
+from collections.abc import AsyncIterator, Coroutine, Iterable
 from contextlib import asynccontextmanager
 from itertools import cycle
 from typing import Any
@@ -13,6 +13,7 @@ from app.calc.mechanics import Mechanics
 from app.clock import Clock
 from app.devices.config import DeviceConfig
 from app.devices.device import Device
+from app.devices.limits.parts import COORDINATES
 from app.devices.lookup import Lookup
 from app.devices.pd42 import rows, units
 from app.devices.pd42.calls import Calls
@@ -115,10 +116,22 @@ class Module(Device):
 
     def _saw(self, register: Register, value: int) -> None:
         """The module was seen to hold `value`."""
+        if self.limiter is not None and register.space in (Space.AXIS, Space.COORDINATE):
+            base = 0 if register.space is Space.AXIS else COORDINATES
+            self.limiter.saw(base + register.address, value)
         if register.space is Space.AXIS:
             self._known[register.address] = value
             if register is rows.MICROSTEPS:
                 self.axes[0].microsteps_per_full_step = self.microsteps
+
+    def remembered_word(self, address: int) -> int | None:
+        """An axis parameter as last seen."""
+        return self._known.get(address)
+
+    def forget_parameters(self, numbers: Iterable[int]) -> None:
+        """Axis parameters of which nobody knows any more what they are."""
+        for number in numbers:
+            self._known.pop(number, None)
 
     # --- the link -------------------------------------------------------------------------------
 

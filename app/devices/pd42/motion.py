@@ -60,6 +60,11 @@ class Motion(Console):
         """Bits of AP 207 seen since the latest motion began: reading them clears them in the module."""
         self._watch = MotionWatch(0, self._tell_end, self._look_on)
 
+    @property
+    def driven(self) -> Kind | None:
+        """What drives the axis; None where that is not known."""
+        return self._driven
+
     # --- moves ----------------------------------------------------------------------------------
 
     async def move_together(self, moves: Sequence[AxisMove]) -> list[MoveStarted]:
@@ -80,6 +85,8 @@ class Motion(Console):
             warnings += self._blocked(COUNTER.way(target, before.position), before)
             if self._known.get(rows.MAX_SPEED.address) == 0:
                 raise WrongState("the motor would not move: maximum_positioning_speed (AP 4) is 0", "write AP 4 first")
+            if self.limiter is not None:
+                self.limiter.require_target(axis, COUNTER.shows(target), before.position)
             request = Request(self.address, Opcode.MVP, ABS, axis, target)
             started_s = await self._set_off(calls, request, "position", target)
             try:
@@ -128,6 +135,8 @@ class Motion(Console):
             before, warnings = await self._prepare(calls)
             speed = self._speed(axis, velocity, unit, warnings)
             warnings += self._blocked(speed, before)
+            if self.limiter is not None:
+                self.limiter.require_way(axis, speed, before.position)
             request = Request(self.address, Opcode.ROR if speed >= 0 else Opcode.ROL, 0, axis, abs(speed))
             started_s = await self._set_off(calls, request, "velocity", None)
             if speed == 0:
@@ -153,6 +162,9 @@ class Motion(Console):
         speed = max(-limit, min(limit, round(exact)))
         if speed == 0 and velocity:
             raise OutOfRange("velocity", velocity, one, limit * one, f"{unit}; less than one is a standstill")
+        if self.limiter is not None:
+            self.limiter.require_velocity(axis, exact * self.speed_unit_pps)
+            speed = self.limiter.rounded(axis, speed, self.speed_unit_pps)
         if speed and abs(speed / exact - 1) > 0.01:
             warnings.append(f"rounded to {speed * one:.6g} {unit}")
         return speed
@@ -200,6 +212,7 @@ class Motion(Console):
     async def _set_off(self, calls: Calls, request: Request, kind: Kind, target: int | None) -> float:
         """Send the command that moves the motor, once. Returns when it was obeyed, device time [s]."""
         what = spelled(request)
+        self._allow(request)
         asked = {"target": target} if target is not None else {}
         if kind == "velocity":
             asked = {"velocity": -request.value if request.opcode == Opcode.ROL else request.value}
@@ -260,6 +273,7 @@ class Motion(Console):
         what = f"writing {register.name}"
         async with self.calls(register.axis) as calls:
             old = await self._old(calls, register)
+            self._allow(writing(self.address, register, value))
             self.commanded(0, register.name)
             try:
                 await calls.move(writing(self.address, register, value), what, register)

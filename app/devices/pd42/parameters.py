@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 from app.devices.changes import DONE, outcome_of, outcome_of_failure, register_changed
 from app.devices.lookup import checked_fields
@@ -136,7 +136,16 @@ class Parameters(Module):
         await self._after_write(register)
         return written
 
+    async def words_of(self, items: Sequence[WriteItem], matters: Callable[[int], bool]) -> list[tuple[int, int]]:
+        found = []
+        for item in items:
+            register, _ = self.find(item.name, item.axis)
+            if register.space is Space.AXIS and matters(register.address) and item.value is not None:
+                found.append((register.address, item.value))
+        return found
+
     async def write_many(self, items: Sequence[WriteItem]) -> BatchResult:
+        await self.check_writes(items)
         done: list[RegisterWritten] = []
         for index, item in enumerate(items):
             try:

@@ -15,6 +15,11 @@ def axis_parameter(number: int) -> Register:
     return row
 
 
+def coordinate(number: int) -> Register | None:
+    """The row of a coordinate; None where there is none of that number."""
+    return PD42.at(number, Space.COORDINATE)
+
+
 TARGET_POSITION = axis_parameter(0)
 ACTUAL_POSITION = axis_parameter(1)
 TARGET_SPEED = axis_parameter(2)

@@ -60,6 +60,8 @@ class Chip(KeepingChip):
         if register.address not in self._remembered or not register.access.readable:
             return
         self._known[register.address] = word
+        if self.limiter is not None:
+            self.limiter.saw(register.address, word)
         if register is rows.VMAX:
             self.cruise.saw_vmax(register.decode(word))
         elif register is rows.RAMPMODE:
@@ -81,6 +83,8 @@ class Chip(KeepingChip):
         """The chip was reset: what was known is true no more."""
         self._known.clear()
         self._blind.clear()
+        if self.limiter is not None:
+            self.limiter.forget()
         self._fresh = True
         self.cruise.forget()
         self._book.end(self.device_time_s(), "the chip was reset")

@@ -123,9 +123,12 @@ class Moves(Events):
                 raise WrongState("the axis cannot move: VMAX is 0", "write VMAX, in 1/256 pps, first")
             target = self._target(move, before)
             before.warnings += before.setting.units.warnings("VMAX", speed / 256, positioning=True)
-            await self._release(words, before)
+            if self.limiter is not None:
+                self.limiter.require_target(axis, COUNTER.shows(target), before.position)
             mode = rows.POSITIONING_BIT | shape
             writes = self._writes_of_move(before, target, mode, speed)
+            self.allow(writes)
+            await self._release(words, before)
             waits = before.setting.gates()[0]
             back = await self._set_off(words, writes, "position", target)
             if not waits:
@@ -188,13 +191,16 @@ class Moves(Events):
             before = await self._prepare(words)
             before.setting.require_motion(self.cruise.shape)
             vmax = self._speed(axis, velocity, unit, before)
+            writes = self._writes_of_rotation(before, vmax)
+            if self.limiter is not None:
+                self.limiter.require_way(axis, vmax, before.position)
+                self.allow(writes)
             if vmax:
                 switch = before.blocked(1 if vmax > 0 else -1)
                 if switch:
                     before.warnings.append(f"the {switch} is active and stops motion that way")
                 await self._release(words, before)
             self._warn_of_gates(before, ("VMAX", "RAMPMODE"))
-            writes = self._writes_of_rotation(before, vmax)
             back = await self._set_off(words, writes, "velocity", None, vmax)
             if not any(before.setting.gates()[1:]):
                 self._check_back(back, ((rows.VMAX, vmax), (rows.RAMPMODE, self.cruise.shape)))
@@ -219,6 +225,9 @@ class Moves(Events):
         vmax = max(-round(limit_pps * 256), min(round(limit_pps * 256), round(velocity / one)))
         if vmax == 0 and velocity:
             raise OutOfRange("velocity", velocity, one, limit, f"{unit}; less than 1/256 pps is a standstill")
+        if self.limiter is not None:
+            self.limiter.require_velocity(axis, velocity / one / 256)
+            vmax = self.limiter.rounded(axis, vmax, 1 / 256)
         before.warnings += before.setting.units.warnings("VMAX", vmax / 256)
         return vmax
 
@@ -294,6 +303,7 @@ class Moves(Events):
         self, words: Words, writes: Sequence[Write], kind: Kind, target: int | None, speed: int = 0
     ) -> Held:
         """Send what sets the axis in motion, once; XTARGET, VMAX and RAMPMODE as they are then."""
+        self.allow(writes)
         checked = (rows.XTARGET, rows.VMAX, rows.RAMPMODE)
         if kind == "position" and target is not None:
             self.commanded(rows.AXIS, "move", target=target)

@@ -70,6 +70,8 @@ class Chip(KeepingChip):
         if register.address not in self._remembered or not register.access.readable:
             return
         self._known[register.address] = word & register.mask
+        if self.limiter is not None:
+            self.limiter.saw(register.address, word)
         for rows in self.chip.axes:
             if register is rows.chopconf:
                 self.axes[rows.axis].microsteps_per_full_step = self._microsteps(rows)
@@ -101,6 +103,10 @@ class Chip(KeepingChip):
             return self._known.get(register.address)
         return self._blind.get(register.address, register.reset if self._fresh else None)
 
+    def remembered_word(self, address: int) -> int | None:
+        row = self.table.at(address, write=True)
+        return None if row is None else self.word(row)
+
     def kept_word(self, register: Register) -> int | None:
         """As the user wants it: what a rotation or a stop has written over it comes back with the next move."""
         return self.wanted(register)
@@ -116,6 +122,8 @@ class Chip(KeepingChip):
         self._known.clear()
         self._blind.clear()
         self._overwritten.clear()
+        if self.limiter is not None:
+            self.limiter.forget()
         self._fresh = True
         for book in self._books:
             book.end(self.device_time_s(), "the chip was reset")

@@ -94,6 +94,9 @@ class Moves(Events):
                 self._require_speed(before)
                 before.warnings += before.ramp.warnings()
                 targets.append(self._target(move, before))
+            if self.limiter is not None:
+                for before, target in zip(befores, targets, strict=True):
+                    self.limiter.require_target(before.axis, target, before.position)
             ready, go = [], []
             for before, target in zip(befores, targets, strict=True):
                 first, last = self._writes_of_move(before, target)
@@ -182,6 +185,8 @@ class Moves(Events):
             before.ramp.require_acceleration(axis)
             self._require_acceleration_known(axis)
             speed = self._speed(axis, velocity, unit, before)
+            if self.limiter is not None:
+                self.limiter.require_way(axis, speed, before.position)
             if speed:
                 switch = before.blocked(1 if speed > 0 else -1)
                 if switch:
@@ -223,6 +228,9 @@ class Moves(Events):
         speed = max(-VELOCITY_MAX, min(VELOCITY_MAX, round(exact)))
         if speed == 0 and velocity:
             raise OutOfRange("velocity", velocity, one, limit, f"{unit}; less than one chip unit is a standstill")
+        if self.limiter is not None:
+            self.limiter.require_velocity(axis, exact * before.ramp.velocity_unit_pps)
+            speed = self.limiter.rounded(axis, speed, before.ramp.velocity_unit_pps)
         if speed and abs(speed / exact - 1) > 0.01:
             before.warnings.append(f"rounded to {speed} chip units, {speed * one:.6g} {unit}")
         return speed
@@ -326,6 +334,7 @@ class Moves(Events):
         speed: int = 0,
     ) -> Held:
         """Send what sets axes in motion, once; `checked` as they are then. `speed` is that of a rotation, signed."""
+        self.allow(writes)
         for axis, target in targets.items():
             if kind == "position" and target is not None:
                 self.commanded(axis, "move", target=target)

@@ -1,0 +1,166 @@
+"""TMC5xxx: what their registers mean. Speeds and accelerations count in units of the clock (DS5160, 12.1), currents in
+scales of what the sense resistor makes of them (`calc.coil_current`).
+
+Most of these registers cannot be read: where one was set before this connection, a limit of its quantity lets no motion
+begin until it is written. V1 and the thresholds of the driver are no speeds that an axis gets to by them, and not
+limited. With StealthChop and its amplitude set by hand (PWMCONF) the scales do not tell the current.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+from app.calc.coil_current import CHIPS, SCALER_FULL, SCALER_LEAST, SCALES, CurrentStage
+from app.calc.tmc5xxx_units import ACCELERATION_MAX, VELOCITY_MAX, acceleration_unit_pps2, velocity_unit_pps
+from app.devices.limits.axis_limits import AxisLimits
+from app.devices.limits.frames import decoder_of, moves_by_board, refuse_board
+from app.devices.limits.parts import Going, Part, Place, View, position_of
+from app.devices.limits.rules import Look, Rules
+from app.devices.tmc5xxx import rows as r
+from app.links.register_access import LandungsbrueckeAccess
+
+if TYPE_CHECKING:
+    from app.devices.tmc5xxx.chip import Chip
+
+SPEEDS = ("VMAX", "VSTART", "VSTOP")
+ACCELERATIONS = ("AMAX", "DMAX", "A1", "D1")
+BELOW_V1 = ("A1", "D1")
+"""Without a V1 nothing goes by these."""
+SCALER = "GLOBAL_SCALER"
+
+
+class SixPointRules(Rules):
+    """`chip` is the driver."""
+
+    def __init__(self, chip: Chip, limits: Sequence[AxisLimits], clock_hz: float) -> None:
+        self._chip = chip
+        self._decode = decoder_of(chip.access)
+        self._board = isinstance(chip.access, LandungsbrueckeAccess)
+        super().__init__(limits, clock_hz)
+
+    # --- the table ------------------------------------------------------------------------------
+
+    def parts_of(self, axis: int) -> Iterable[Part]:
+        ramp = self._chip.rows(axis).ramp
+        velocity, acceleration = velocity_unit_pps(self.clock_hz), acceleration_unit_pps2(self.clock_hz)
+        for name in SPEEDS:
+            row = ramp[name]
+            yield Part("velocity", name, row.address, row.decode, lambda _: velocity, VELOCITY_MAX)
+        for name in ACCELERATIONS:
+            row = ramp[name]
+            yield Part("acceleration", name, row.address, row.decode, lambda _: acceleration, ACCELERATION_MAX)
+        limits = self.limits[axis]
+        if limits.sense_resistor_ohm is not None or limits.current_full_scale_a is not None:
+            yield self._currents(axis)
+
+    def _currents(self, axis: int) -> Part:
+        rows, limits = self._chip.rows(axis), self.limits[axis]
+        run, hold = r.part(rows.ihold_irun, "IRUN"), r.part(rows.ihold_irun, "IHOLD")
+        vsense, scaler = rows.chopconf.field_named("vsense"), rows.find(SCALER)
+
+        def full_a(view: View) -> float:
+            if scaler is not None:
+                word = view(scaler.address)
+                share = SCALER_FULL if word is None else scaler.decode(word) or SCALER_FULL
+                # 1..31 are not allowed; whatever a chip makes of them is not above the least that is.
+                return _full_scale_a(self._chip.model, limits, max(share, SCALER_LEAST))
+            word = view(rows.chopconf.address)
+            return _full_scale_a(self._chip.model, limits, 0 if word is None or vsense is None else vsense.unpack(word))
+
+        def scale(word: int) -> float:
+            return (max(run.unpack(word), hold.unpack(word)) + 1) / SCALES
+
+        def advice(share: float) -> str:
+            count = int(share * SCALES) - 1
+            return f"write IRUN and IHOLD {count} or less" if count >= 0 else f"lower {SCALER if scaler else 'vsense'}"
+
+        others = frozenset({scaler.address if scaler is not None else rows.chopconf.address})
+        return Part("current", "IHOLD_IRUN", rows.ihold_irun.address, scale, full_a, 1.0, others, advice=advice)
+
+    def places_of(self, axis: int) -> Iterable[Place]:
+        rows = self._chip.rows(axis)
+        for row in (rows.xtarget, rows.xactual):
+            yield Place(row.name, row.address, position_of(row))
+
+    def sources_of(self, axis: int) -> Iterable[int]:
+        rows = self._chip.rows(axis)
+        return (row.address for row in (rows.rampmode, rows.xtarget, rows.xactual, rows.vmax, rows.amax))
+
+    def going(self, axis: int, view: View, address: int | None = None) -> Going | None:
+        rows = self._chip.rows(axis)
+        mode, vmax = view(rows.rampmode.address), view(rows.vmax.address)
+        if vmax == 0 or view(rows.amax.address) == 0:
+            return None
+        kind = None if mode is None else mode & 3
+        if kind == r.HOLD:
+            return None
+        by_v1 = view(rows.ramp["V1"].address) != 0
+        positioning = kind in (r.POSITION, None)
+        used = [
+            part
+            for part in self.parts[axis]
+            if (by_v1 or part.name not in BELOW_V1) and (positioning or part.name not in (*BELOW_V1, "DMAX", "VSTOP"))
+        ]
+        if kind in (r.FORWARD, r.BACKWARD):
+            return Going(tuple(used), positioning=False, way=1 if kind == r.FORWARD else -1)
+        target = view(rows.xtarget.address)
+        position = None if target is None or kind is None else rows.xtarget.decode(target)
+        return Going(tuple(used), kind is not None, position, counter=view(rows.xactual.address))
+
+    # --- frames ---------------------------------------------------------------------------------
+
+    def writes(self, frame: bytes) -> Sequence[tuple[int, int]]:
+        return self._decode(frame)
+
+    def concerns(self, frame: bytes) -> bool:
+        return self._board and moves_by_board(frame)
+
+    def require_told(self, frame: bytes, view: View) -> None:
+        if self._board:
+            refuse_board(frame)
+
+    # --- what is known --------------------------------------------------------------------------
+
+    def remembered(self, address: int) -> int | None:
+        return self._chip.remembered_word(address)
+
+    async def learn(self) -> None:
+        for axis, limits in enumerate(self.limits):
+            if limits.given:
+                rows = self._chip.rows(axis)
+                await self._chip.learn((rows.rampmode, rows.chopconf, rows.xtarget))
+                await self.look(axis)
+
+    # --- the watch ------------------------------------------------------------------------------
+
+    async def look(self, axis: int) -> Look:
+        chip, rows = self._chip, self._chip.rows(axis)
+        async with chip.queue.turn() as turn:
+            words = chip.words(turn)
+            mode, target, velocity, position = await words.values(
+                (rows.rampmode, rows.xtarget, rows.vactual, rows.xactual)
+            )
+            asked_s = words.asked_s
+        chip.saw_position(axis, position, asked_s)
+        unit = velocity_unit_pps(self.clock_hz)
+        return Look(position, velocity * unit, target=target if mode == r.POSITION else None)
+
+    def braking(self, axis: int, look: Look, view: View) -> float | None:
+        # A stop brakes with AMAX as the user has set it, whatever an earlier stop has written there.
+        word = self._chip.wanted(self._chip.rows(axis).amax)
+        if word is None:
+            return None
+        # AMAX 0 would never brake: such a stop takes the greatest there is.
+        return look.velocity_pps**2 / (2 * (word or ACCELERATION_MAX) * acceleration_unit_pps2(self.clock_hz))
+
+
+def _full_scale_a(model: str, limits: AxisLimits, select: int) -> float:
+    """RMS at scale 31 [A]. `select` is vsense, or of a TMC5160 the scaler of 256."""
+    sensing = CHIPS[model]
+    if limits.current_full_scale_a is not None:
+        if sensing.scaled:
+            return limits.current_full_scale_a * select / SCALER_FULL
+        return limits.current_full_scale_a * sensing.full_scale_v[select] / sensing.full_scale_v[0]
+    return CurrentStage(model, limits.sense_resistor_ohm).full_scale_a(select) / math.sqrt(2)
