@@ -102,7 +102,13 @@ def create_app(
     positions = PositionStore(settings.data_dir)
     endless = EndlessService(clock, changed=lambda: position_saver.request())
     position_saver = Saver(positions, endless.saved, clock, SAVE_EVERY_S)
-    desk = RecordingDesk(Library(settings.data_dir), hub, clock, reserve_bytes=round(settings.disk_reserve_mb * 1e6))
+    desk = RecordingDesk(
+        Library(settings.data_dir),
+        hub,
+        clock,
+        reserve_bytes=round(settings.disk_reserve_mb * 1e6),
+        ports=emulator_port,
+    )
     database = Database(settings.data_dir)
     audit = AuditLog(database, clock)
     ear = Ear(audit)

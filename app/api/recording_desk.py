@@ -11,18 +11,27 @@ from typing import Any
 
 from app.clock import Clock
 from app.devices.device import Device
-from app.links.errors import BenchError, UsageError, WrongState
+from app.links.errors import BenchError, UnknownThing, UsageError, WrongState
+from app.links.port import FramePort
+from app.links.registry import Link, PortFactory
 from app.store.recordings.head import Column, Head
-from app.store.recordings.library import Label, Library
+from app.store.recordings.library import NAME_MAX, Label, Library
 from app.store.recordings.sink import FileSink, megabytes
 from app.telemetry.hub import TelemetryHub
 from app.telemetry.recorder import Recorder, Trigger
+from app.tuning.replay import Progress, Replay, plan_of
 
 log = logging.getLogger("stepscope.recordings")
 
 RUNNING_MAX = 16
+REPLAYS_MAX = 2
 KEPT = 100
 """How many that are over are remembered with why they ended."""
+
+
+def open_no_port(model: str, link: Link, clock: Clock) -> FramePort:
+    """Of a desk that was given no way to make emulators."""
+    raise UsageError(f"no {model} can be emulated here")
 
 
 class RecordingDesk:
@@ -35,12 +44,19 @@ class RecordingDesk:
         clock: Clock,
         unix_s: Callable[[], float] = time.time,
         reserve_bytes: int = 0,
+        ports: PortFactory = open_no_port,
     ) -> None:
-        """`reserve_bytes` of the disk are left to the rest of the system: a recording ends before it takes them."""
+        """`ports` makes emulators for replays.
+
+        `reserve_bytes` of the disk are left to the rest of the system: a recording ends before it takes them.
+        """
         self.library = library
         self.reserve_bytes = reserve_bytes
         self._hub, self._clock, self._unix_s = hub, clock, unix_s
         self._recorders: dict[str, Recorder] = {}
+        self._ports = ports
+        self._replays: dict[str, Replay] = {}
+        self._replaying: set[asyncio.Task[None]] = set()
 
     async def start(
         self,
@@ -62,12 +78,7 @@ class RecordingDesk:
             raise UsageError("a recording of no channel")
         if len(self.library.running) >= RUNNING_MAX:
             raise WrongState(f"{RUNNING_MAX} recordings are running", "stop one of them")
-        if self.room_bytes <= 0:
-            left, kept = megabytes(self.library.free_bytes), megabytes(self.reserve_bytes)
-            raise WrongState(
-                f"the disk has {left} left, of which {kept} are not for recordings",
-                "delete recordings, or choose another --data-dir",
-            )
+        self._require_room()
         recorder = Recorder(self._hub, device, channels, rate_hz, trigger, duration_s, self._clock)
         joined = recorder.joined
         now_s = self._unix_s()
@@ -84,7 +95,7 @@ class RecordingDesk:
             trigger={name: getattr(trigger, name) for name in trigger.__slots__},
             configuration=configuration,
             axes=axes,
-            emulator=_options_of(device),
+            emulator=options_of(device),
         )
         try:
             writer = self.library.begin(head, label)
@@ -101,6 +112,14 @@ class RecordingDesk:
         recorder.start(sink, lambda: self.library.ended(head.id))
         return head.id
 
+    def _require_room(self) -> None:
+        if self.room_bytes <= 0:
+            left, kept = megabytes(self.library.free_bytes), megabytes(self.reserve_bytes)
+            raise WrongState(
+                f"the disk has {left} left, of which {kept} are not for recordings",
+                "delete recordings, or choose another --data-dir",
+            )
+
     @property
     def room_bytes(self) -> int:
         """How much may still be recorded."""
@@ -116,6 +135,9 @@ class RecordingDesk:
         recorder = self._recorders.get(recording)
         if recorder is not None:
             await recorder.stop()
+        for replay in self._replays.values():
+            if replay.progress.recording == recording:
+                replay.cancel()
 
     def note(self, recording: str, text: str) -> None:
         """Mark this moment. Raises UnknownThing, WrongState for one that is over."""
@@ -124,9 +146,72 @@ class RecordingDesk:
             raise WrongState(f"recording {recording} is over", "change its note instead")
         recorder.mark(text)
 
+    async def replay(self, recording: str, options: Mapping[str, Any] | None, name: str | None) -> Progress:
+        """Begin to live through a recording once more, on an emulator with `options` (None: the recording's own).
+
+        Raises UnknownThing, WrongState for one without rows, while another replay of it runs, or with a full disk.
+        """
+        running = self._replays.get(recording)
+        if running is not None and running.progress.state == "running":
+            raise WrongState(f"recording {recording} is being replayed", "wait for it")
+        if len(self._replaying) >= REPLAYS_MAX:
+            raise WrongState(f"{REPLAYS_MAX} replays are running", "wait for one of them")
+        self._require_room()
+        label = self.library.entry(recording).label
+        opened = await asyncio.to_thread(self.library.open, recording)
+        marks = await asyncio.to_thread(self.library.marks, recording)
+        plan = plan_of(opened.head, marks, opened.first_s, opened.last_s)
+        chosen = options if options is not None else opened.head.emulator or {}
+        called = name if name is not None else f"replay of {label.name or recording}"[:NAME_MAX]
+        made: list[str] = []
+
+        def begin(device: Device, recorder: Recorder) -> FileSink:
+            now_s, joined = self._unix_s(), recorder.joined
+            source = plan.head
+            head = Head(
+                id=self.library.new_id(now_s),
+                device=source.device,
+                model=source.model,
+                columns=tuple(map(Column, (column.name for column in source.columns), joined.units)),
+                rate_hz=joined.rate_hz,
+                started_unix_s=now_s,
+                time_origin_unix_s=now_s - device.device_time_s(),
+                chip_timed=joined.chip_timed,
+                clock_hz=source.clock_hz,
+                trigger={"kind": "now"},
+                configuration=source.configuration,
+                axes=source.axes,
+                emulator=dict(chosen),
+                replay_of=source.id,
+            )
+            writer = self.library.begin(head, Label(called))
+            made.append(head.id)
+            replay.progress.recording = head.id
+            return FileSink(self.library, head.id, writer, lambda: self.room_bytes)
+
+        replay = Replay(plan, chosen, self._ports, begin, lambda: self.library.ended(made[0]))
+        self._replays.pop(recording, None)
+        self._replays[recording] = replay
+        while len(self._replays) > KEPT:
+            del self._replays[next(iter(self._replays))]
+        task = asyncio.create_task(asyncio.to_thread(replay.run), name=f"replay of {recording}")
+        self._replaying.add(task)
+        task.add_done_callback(self._replaying.discard)
+        return replay.progress
+
+    def progress(self, recording: str) -> Progress:
+        """How the latest replay of a recording goes. Raises UnknownThing where there was none."""
+        replay = self._replays.get(self.library.entry(recording).id)
+        if replay is None:
+            raise UnknownThing("replay of recording", recording, list(self._replays))
+        return replay.progress
+
     async def close(self) -> None:
         """End all of them: the server goes."""
+        for replay in self._replays.values():
+            replay.cancel()
         await asyncio.gather(*(recorder.stop() for recorder in self._recorders.values()))
+        await asyncio.gather(*self._replaying, return_exceptions=True)
 
 
 async def axes_of(device: Device) -> tuple[dict[str, Any], ...]:
@@ -144,7 +229,7 @@ async def axes_of(device: Device) -> tuple[dict[str, Any], ...]:
     return tuple(found)
 
 
-def _options_of(device: Device) -> dict[str, Any] | None:
+def options_of(device: Device) -> dict[str, Any] | None:
     """An emulator's options; None of a device that is none. An address or a port is nobody's business later."""
     if not device.emulated:
         return None

@@ -43,7 +43,7 @@ def info(entry: Entry, recorder: Recorder | None) -> RecordingInfo:
         channels=[_channel(column.name, column.unit) for column in head.columns] if head else [],
         rate_hz=head.rate_hz if head else None,
         started_unix_s=head.started_unix_s if head else None,
-        state=recorder.state if recorder else "done" if head else "failed",
+        state=recorder.state if recorder else "recording" if entry.recording else "done" if head else "failed",
         message=entry.problem or (recorder.message if recorder else ""),
         rows=recorder.rows if recorder else None,
         size_bytes=entry.size_bytes,

@@ -202,7 +202,7 @@ class ComparedCurve(Answer):
 
 
 class ComparedDifference(ComparedCurve):
-    """What a recording is above the first, at the first one's times: read off along straight lines between two samples."""
+    """What a recording is above the first, at its times, read off along straight lines between two samples."""
 
     figures: DifferenceOut
 

@@ -12,7 +12,7 @@ from fastapi.responses import Response
 from app.api.deps import CurrentBench
 from app.api.problems import problems
 from app.api.recording_compare import compare, spectrum_of
-from app.api.recording_desk import axes_of, configuration_of
+from app.api.recording_desk import axes_of, configuration_of, options_of
 from app.api.recording_views import (
     csv_of,
     detail,
@@ -37,6 +37,8 @@ from app.api.schemas_recordings import (
     RecordingMark,
     RecordingPlot,
     RecordingStart,
+    Replay,
+    ReplayStart,
     Spectrum,
 )
 from app.calc.spectrum import Detrend, Window
@@ -222,6 +224,30 @@ async def stop_recording(bench: CurrentBench, recording: RecordingId) -> Recordi
     """End it with what is there; one that is over stays as it is."""
     await bench.desk.stop(recording)
     return info(bench.desk.library.entry(recording), bench.desk.recorder(recording))
+
+
+@router.post(
+    "/{recording}/replay", status_code=202, responses=problems(UnknownThing, WrongState, UsageError, OutOfRange)
+)
+async def replay_recording(bench: CurrentBench, recording: RecordingId, body: ReplayStart | None = None) -> Replay:
+    """Live through it once more on an emulator of its own, which takes a fraction of the time; nothing moves here.
+
+    The answer comes at once: GET tells how it goes, and the new recording's id.
+    """
+    asked = body or ReplayStart()
+    options = None
+    if asked.device is not None:
+        device, head = bench.manager.get(asked.device), (await _aside(lambda: bench.desk.library.head(recording)))
+        if not device.emulated or device.model != head.model:
+            raise WrongState(f"{device.name} is no emulated {head.model}", "name one that is, or none")
+        options = options_of(device)
+    return Replay.model_validate(await bench.desk.replay(recording, options, asked.name))
+
+
+@router.get("/{recording}/replay", responses=problems(UnknownThing))
+async def get_replay(bench: CurrentBench, recording: RecordingId) -> Replay:
+    """How the latest replay of this recording goes, or went."""
+    return Replay.model_validate(bench.desk.progress(recording))
 
 
 @router.post("/{recording}/marks", responses=problems(UnknownThing, WrongState))

@@ -1192,6 +1192,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/recordings/compare": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Compare Recordings
+         * @description Lay recordings on each other: aligned curves, what each is above the first, their figures side by side.
+         */
+        post: operations["compare_recordings"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/recordings/{recording}": {
         parameters: {
             query?: never;
@@ -1220,6 +1240,26 @@ export interface paths {
         patch: operations["label_recording"];
         trace?: never;
     };
+    "/api/v1/recordings/{recording}/info": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Recording Info
+         * @description Its line of the list: how far one is that runs.
+         */
+        get: operations["get_recording_info"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/recordings/{recording}/plot": {
         parameters: {
             query?: never;
@@ -1232,6 +1272,46 @@ export interface paths {
          * @description What a plot of so many points shows, in full or of a stretch of it.
          */
         get: operations["plot_recording"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/recordings/{recording}/figures": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Recording Figures
+         * @description Figures of a stretch: of what a plot shows, between two cursors.
+         */
+        get: operations["get_recording_figures"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/recordings/{recording}/spectrum": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Spectrum
+         * @description What a channel swings at: amplitudes and power density over frequency.
+         */
+        get: operations["get_spectrum"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1260,6 +1340,32 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/recordings/{recording}/replay": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Replay
+         * @description How the latest replay of this recording goes, or went.
+         */
+        get: operations["get_replay"];
+        put?: never;
+        /**
+         * Replay Recording
+         * @description Live through it once more on an emulator of its own, which takes a fraction of the time; nothing moves here.
+         *
+         *     The answer comes at once: GET tells how it goes, and the new recording's id.
+         */
+        post: operations["replay_recording"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/recordings/{recording}/marks": {
         parameters: {
             query?: never;
@@ -1274,6 +1380,94 @@ export interface paths {
          * @description Mark this moment of a recording that runs.
          */
         post: operations["mark_recording"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/twin": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Read Twin
+         * @description How the 3D view is, and the numbers that it shows now.
+         */
+        get: operations["read_twin"];
+        put?: never;
+        /**
+         * Show Twin
+         * @description Show an axis, live; starts the process that draws where it does not run. Everybody sees the same view.
+         */
+        post: operations["show_twin"];
+        /**
+         * End Twin
+         * @description End the view and the process that draws it.
+         */
+        delete: operations["end_twin"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/twin/cursor": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Scrub Twin
+         * @description Show a moment of a recording, or with null what happens now.
+         */
+        post: operations["scrub_twin"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/audit": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Audit
+         * @description Entries, the newest first.
+         */
+        get: operations["list_audit"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/audit/filters": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Audit Filters
+         * @description Devices, people and actions that there are entries of.
+         */
+        get: operations["list_audit_filters"];
+        put?: never;
+        post?: never;
         delete?: never;
         options?: never;
         head?: never;
@@ -1341,6 +1535,90 @@ export interface components {
             accumulator: number;
             /** X */
             x: number;
+        };
+        /**
+         * AuditEntry
+         * @description One thing that somebody did, or was refused.
+         */
+        AuditEntry: {
+            /**
+             * Id
+             * @description grows with time
+             */
+            id: number;
+            /**
+             * Time
+             * Format: date-time
+             */
+            time: string;
+            /**
+             * Who
+             * @description as people know them; what a request says of itself, so no proof
+             */
+            who: string;
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "browser" | "client" | "server";
+            /** Address */
+            address: string;
+            /** Device */
+            device: string | null;
+            /** Axis */
+            axis: number | null;
+            /**
+             * Action
+             * @description write, move, rotate, stop, add device, lease taken...
+             */
+            action: string;
+            /**
+             * Subject
+             * @description what it was done to: a register by its name, a setting...
+             */
+            subject: string;
+            /**
+             * Old
+             * @description value before; null where there is none or nobody knows
+             */
+            old: number | string | null;
+            /** New */
+            new: number | string | null;
+            /**
+             * Outcome
+             * @description done, not proven or refused; behind a colon why
+             */
+            outcome: string;
+            /**
+             * Detail
+             * @description fields of a register that changed, units, what else was asked for
+             */
+            detail: string;
+        };
+        /**
+         * AuditFilters
+         * @description What there is to filter by.
+         */
+        AuditFilters: {
+            /** Devices */
+            devices: string[];
+            /** Who */
+            who: string[];
+            /** Actions */
+            actions: string[];
+        };
+        /**
+         * AuditPage
+         * @description Entries, the newest first.
+         */
+        AuditPage: {
+            /** Entries */
+            entries: components["schemas"]["AuditEntry"][];
+            /**
+             * More
+             * @description whether there are older ones: ask again with `before` the last entry's id
+             */
+            more: boolean;
         };
         /**
          * AxisChange
@@ -2411,6 +2689,120 @@ export interface components {
             armed: boolean;
         };
         /**
+         * CompareWith
+         * @description Recordings to lay on each other. The first is what the others are compared with.
+         * @example {
+         *       "channels": [
+         *         "position.0"
+         *       ],
+         *       "recordings": [
+         *         "20261121-184500-00ff",
+         *         "20261121-184610-01ab"
+         *       ]
+         *     }
+         */
+        CompareWith: {
+            /** Recordings */
+            recordings: string[];
+            /**
+             * Channels
+             * @description null: all that at least two of them have
+             */
+            channels?: string[] | null;
+            /**
+             * Align
+             * @description what is put at 0: the trigger, else the first row; always the first row; or the first start of a move, else as for trigger
+             * @default trigger
+             * @enum {string}
+             */
+            align?: "trigger" | "start" | "move";
+            /** From S */
+            from_s?: number | null;
+            /** To S */
+            to_s?: number | null;
+            /**
+             * Points
+             * @default 2000
+             */
+            points?: number;
+        };
+        /** ComparedChannel */
+        ComparedChannel: {
+            /** Channel */
+            channel: string;
+            /** Unit */
+            unit: string;
+            /** Curves */
+            curves: components["schemas"]["ComparedCurve"][];
+            /** Differences */
+            differences: components["schemas"]["ComparedDifference"][];
+        };
+        /** ComparedCurve */
+        ComparedCurve: {
+            /** Recording */
+            recording: string;
+            /** Time S */
+            time_s: number[];
+            /** Values */
+            values: (number | null)[];
+        };
+        /**
+         * ComparedDifference
+         * @description What a recording is above the first, at its times, read off along straight lines between two samples.
+         */
+        ComparedDifference: {
+            /** Recording */
+            recording: string;
+            /** Time S */
+            time_s: number[];
+            /** Values */
+            values: (number | null)[];
+            figures: components["schemas"]["DifferenceOut"];
+        };
+        /** ComparedRecording */
+        ComparedRecording: {
+            /** Id */
+            id: string;
+            /** Name */
+            name: string;
+            /** Device */
+            device: string;
+            /** Model */
+            model: string;
+            /**
+             * Zero S
+             * @description device time that is 0 here [s]
+             */
+            zero_s: number;
+            /** From S */
+            from_s: number;
+            /** To S */
+            to_s: number;
+            /**
+             * Figures
+             * @description by channel; `following_error.N` where the planned position of an axis was recorded, too
+             */
+            figures: {
+                [key: string]: components["schemas"]["FiguresOut"];
+            };
+        };
+        /** Comparison */
+        Comparison: {
+            /** From S */
+            from_s: number;
+            /** To S */
+            to_s: number;
+            /** Recordings */
+            recordings: components["schemas"]["ComparedRecording"][];
+            /** Channels */
+            channels: components["schemas"]["ComparedChannel"][];
+            /**
+             * Notes
+             * @description what could not be compared, and why
+             */
+            notes: string[];
+        };
+        /**
          * CurrentSetting
          * @description One way to set a current.
          */
@@ -2528,6 +2920,25 @@ export interface components {
          * @description A link to be tried.
          */
         DeviceTrial: components["schemas"]["ChipTrial"] | components["schemas"]["Chip40Trial"] | components["schemas"]["SixPointTrial"] | components["schemas"]["ModuleTrial"];
+        /** DifferenceOut */
+        DifferenceOut: {
+            /**
+             * Samples
+             * @description times at which both are known
+             */
+            samples: number;
+            /**
+             * Peak
+             * @description the largest, with its sign; null where they share no time
+             */
+            peak: number | null;
+            /** Peak At S */
+            peak_at_s: number | null;
+            /** Mean */
+            mean: number | null;
+            /** Rms */
+            rms: number | null;
+        };
         /**
          * DisturbanceStart
          * @description Load the axis where it stands and record. On hardware nobody can but a hand: without `load_torque_nm` the
@@ -3164,6 +3575,11 @@ export interface components {
             mean: number | null;
             /** Rms */
             rms: number | null;
+            /**
+             * Peak
+             * @description the value farthest from 0
+             */
+            peak: number | null;
             /** First */
             first: number | null;
             /** Last */
@@ -3924,6 +4340,13 @@ export interface components {
             text: string;
             /** Axis */
             axis: number | null;
+            /**
+             * Detail
+             * @description the same for programs, where there is more than the text
+             */
+            detail: {
+                [key: string]: unknown;
+            } | null;
         };
         /** Mechanics */
         Mechanics: {
@@ -5833,7 +6256,10 @@ export interface components {
             duration_s: number;
             /** Marks */
             marks: components["schemas"]["MarkOut"][];
-            /** Figures */
+            /**
+             * Figures
+             * @description by channel; `following_error.N` where the planned position of an axis was recorded, too
+             */
             figures: {
                 [key: string]: components["schemas"]["FiguresOut"];
             };
@@ -5844,6 +6270,25 @@ export interface components {
             configuration: {
                 [key: string]: unknown;
             } | null;
+            /**
+             * Replay Of
+             * @description the recording of which this is a replay on an emulator
+             */
+            replay_of: string | null;
+        };
+        /** RecordingFigures */
+        RecordingFigures: {
+            /** From S */
+            from_s: number;
+            /** To S */
+            to_s: number;
+            /**
+             * Figures
+             * @description by channel; `following_error.N` where the planned position of an axis was recorded, too
+             */
+            figures: {
+                [key: string]: components["schemas"]["FiguresOut"];
+            };
         };
         /** RecordingInfo */
         RecordingInfo: {
@@ -5906,6 +6351,16 @@ export interface components {
              * @description of all recordings, found or not [bytes]
              */
             size_bytes: number;
+            /**
+             * Free Bytes
+             * @description what the disk has left [bytes]
+             */
+            free_bytes: number;
+            /**
+             * Room Bytes
+             * @description what may still be recorded: a reserve of the disk is kept [bytes]; 0: nothing
+             */
+            room_bytes: number;
         };
         /** RecordingMark */
         RecordingMark: {
@@ -6251,6 +6706,66 @@ export interface components {
             verified: boolean | null;
             /** Note */
             note: string;
+        };
+        /**
+         * Replay
+         * @description How a replay goes: an emulator of its own lives through the recorded time as fast as it can.
+         */
+        Replay: {
+            /** Of */
+            of: string;
+            /**
+             * Recording
+             * @description the new recording, as soon as it is there
+             */
+            recording: string | null;
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "running" | "done" | "failed";
+            /** Message */
+            message: string;
+            /**
+             * Done S
+             * @description how far it is [s]
+             */
+            done_s: number;
+            /** Duration S */
+            duration_s: number;
+            /**
+             * Played
+             * @description commands and writes so far
+             */
+            played: number;
+            /**
+             * Commands
+             * @description commands and writes in all
+             */
+            commands: number;
+            /**
+             * Left Out
+             * @description what cannot be replayed
+             */
+            left_out: string[];
+        };
+        /**
+         * ReplayStart
+         * @description What a replay is made with.
+         * @example {}
+         * @example {
+         *       "device": "slider",
+         *       "name": "with a stage"
+         *     }
+         */
+        ReplayStart: {
+            /**
+             * Device
+             * @description an emulated device of the bench, of the same model, whose motor and stage the emulator gets; null: those of the recording, where it was of an emulator, else the usual ones
+             */
+            device?: string | null;
+            /** Name */
+            name?: string | null;
         };
         /**
          * ResponseState
@@ -6622,6 +7137,58 @@ export interface components {
              * @description of the request's `registers`, in their order
              */
             given: components["schemas"]["HeldRegister"][];
+        };
+        /**
+         * Spectrum
+         * @description One side of a spectrum. Lines are thinned like plots: of each stretch of frequencies the highest stays.
+         */
+        Spectrum: {
+            /** Channel */
+            channel: string;
+            /** Unit */
+            unit: string;
+            /** Frequency Hz */
+            frequency_hz: number[];
+            /**
+             * Amplitude
+             * @description of a sine that would make this line, in the channel's unit
+             */
+            amplitude: number[];
+            /**
+             * Density
+             * @description power density [unit^2 / Hz]
+             */
+            density: number[];
+            /**
+             * Peak Hz
+             * @description the highest line but the constant part; null where nothing swings
+             */
+            peak_hz: number | null;
+            /** Peak */
+            peak: number | null;
+            /** Line Hz */
+            line_hz: number;
+            /**
+             * Resolution Hz
+             * @description closer than this two sines are one
+             */
+            resolution_hz: number;
+            /** Rate Hz */
+            rate_hz: number;
+            /** Samples */
+            samples: number;
+            /** From S */
+            from_s: number;
+            /**
+             * To S
+             * @description what was analysed: the longest part without a gap, since the zero [s]
+             */
+            to_s: number;
+            /**
+             * Resampled
+             * @description times were uneven: read off at even ones along straight lines
+             */
+            resampled: boolean;
         };
         /**
          * SpidevLink
@@ -7221,6 +7788,204 @@ export interface components {
              * @description "regulated", "open", "shorted", or "voltage" while PWM drives them
              */
             bridges: string;
+        };
+        /**
+         * TwinCursor
+         * @description Where in a recording; null follows what happens now again.
+         * @example {}
+         * @example {
+         *       "recording": "20261121-184500-00ff",
+         *       "time_s": 1.25
+         *     }
+         */
+        TwinCursor: {
+            /** Recording */
+            recording: string | null;
+            /**
+             * Time S
+             * @description since the recording's zero, as its plot counts [s]
+             * @default 0
+             */
+            time_s?: number;
+        };
+        /**
+         * TwinLook
+         * @description The numbers that the picture shows; null: not measured by this family, or not known now.
+         */
+        TwinLook: {
+            /**
+             * Time S
+             * @description device time of the sample [s]
+             */
+            time_s: number | null;
+            /**
+             * Position
+             * @description what the counter shows [microsteps]
+             */
+            position: number | null;
+            /** Velocity Pps */
+            velocity_pps: number | null;
+            /**
+             * Commanded Deg
+             * @description motor's shaft by the position counter [degrees]
+             */
+            commanded_deg: number | null;
+            /**
+             * Measured Deg
+             * @description motor's shaft by its encoder [degrees]
+             */
+            measured_deg: number | null;
+            /**
+             * Place Commanded
+             * @description carriage [mm] or table [degrees] by the counter
+             */
+            place_commanded: number | null;
+            /**
+             * Place Measured
+             * @description carriage [mm] or table [degrees] by the encoder
+             */
+            place_measured: number | null;
+            /**
+             * Field Deg
+             * @description stator's field [electrical degrees]; four full steps are a turn
+             */
+            field_deg: number | null;
+            /**
+             * Field From
+             * @description what tells it; position: what is meant, not what is measured
+             */
+            field_from: ("mscnt" | "currents" | "position") | null;
+            /**
+             * Field Share
+             * @description length of the field against full current in one coil
+             */
+            field_share: number | null;
+            /**
+             * Load Deg
+             * @description how far the field leads the rotor [electrical degrees]
+             */
+            load_deg: number | null;
+            /** Load From */
+            load_from: ("load_angle" | "deviation") | null;
+            /**
+             * Current A
+             * @description share of the full coil current, -1..1
+             */
+            current_a: number | null;
+            /** Current B */
+            current_b: number | null;
+            /** Switch Left */
+            switch_left: boolean | null;
+            /** Switch Right */
+            switch_right: boolean | null;
+            /** Switch Home */
+            switch_home: boolean | null;
+            /** @description null where no encoder tells */
+            slips: components["schemas"]["TwinSlips"] | null;
+        };
+        /**
+         * TwinShow
+         * @description Which axis to show, on which ground.
+         * @example {
+         *       "axis": 0,
+         *       "device": "bench",
+         *       "scheme": "dark"
+         *     }
+         */
+        TwinShow: {
+            /** Device */
+            device: string;
+            /**
+             * Axis
+             * @default 0
+             */
+            axis?: number;
+            /**
+             * Scheme
+             * @description of the page around it
+             * @default light
+             * @enum {string}
+             */
+            scheme?: "light" | "dark";
+        };
+        /**
+         * TwinSlips
+         * @description Steps that the rotor lost against its field since the view began, or the recording.
+         */
+        TwinSlips: {
+            /**
+             * Lost Full Steps
+             * @description net: positive where the rotor fell behind a field that turns forward
+             */
+            lost_full_steps: number;
+            /** Events */
+            events: number;
+            /**
+             * Last S
+             * @description when the last one happened, device time [s]
+             */
+            last_s: number | null;
+        };
+        /**
+         * TwinState
+         * @description How the 3D view is.
+         */
+        TwinState: {
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "off" | "starting" | "on" | "failed";
+            /** Device */
+            device: string | null;
+            /** Axis */
+            axis: number | null;
+            /**
+             * Name
+             * @description of the axis
+             */
+            name: string | null;
+            /**
+             * Place Unit
+             * @description mm: a stage with a carriage; deg: a rotary table
+             */
+            place_unit: ("mm" | "deg") | null;
+            /**
+             * Channels
+             * @description what this axis tells at all; parts without data are grey
+             */
+            channels: string[];
+            /**
+             * Scheme
+             * @enum {string}
+             */
+            scheme: "light" | "dark";
+            /**
+             * Path
+             * @description where the picture is, under this origin; null while it is off
+             */
+            path: string | null;
+            /**
+             * Following
+             * @enum {string}
+             */
+            following: "telemetry" | "recording";
+            /** Recording */
+            recording: string | null;
+            /** Recording Time S */
+            recording_time_s: number | null;
+            /**
+             * Updates Per S
+             * @description shown in the last second; 0 where nothing changes
+             */
+            updates_per_s: number;
+            /** Updates Per S Max */
+            updates_per_s_max: number;
+            /** Viewers */
+            viewers: number;
+            look: components["schemas"]["TwinLook"] | null;
+            /** @description why it failed, or why there are no samples */
+            problem: components["schemas"]["Problem"] | null;
         };
         /**
          * UartLink
@@ -13603,11 +14368,91 @@ export interface operations {
             };
         };
     };
+    compare_recordings: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["CompareWith"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Comparison"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     get_recording: {
         parameters: {
             query?: {
                 /** @description json: what it is; else its rows */
                 format?: "json" | "csv" | "parquet";
+                /** @description false: without figures, which take a reading of all rows */
+                figures?: boolean;
             };
             header?: never;
             path: {
@@ -13796,17 +14641,69 @@ export interface operations {
             };
         };
     };
+    get_recording_info: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description as in the list */
+                recording: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RecordingInfo"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     plot_recording: {
         parameters: {
             query?: {
                 /** @description only these */
                 channel?: string[] | null;
-                /** @description since the trigger [s] */
+                /** @description since the zero [s] */
                 from_s?: number | null;
-                /** @description since the trigger [s] */
+                /** @description since the zero [s] */
                 to_s?: number | null;
                 /** @description of each channel, about */
                 points?: number;
+                /** @description frame: a telemetry frame of all channels, times since the zero; what zooms without stutter */
+                format?: "json" | "frame";
             };
             header?: never;
             path: {
@@ -13824,6 +14721,7 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["RecordingPlot"];
+                    "application/vnd.stepscope.frame": string;
                 };
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
@@ -13854,6 +14752,141 @@ export interface operations {
                 };
             };
             /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_recording_figures: {
+        parameters: {
+            query?: {
+                /** @description since the zero [s] */
+                from_s?: number | null;
+                /** @description since the zero [s] */
+                to_s?: number | null;
+            };
+            header?: never;
+            path: {
+                /** @description as in the list */
+                recording: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RecordingFigures"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_spectrum: {
+        parameters: {
+            query: {
+                channel: string;
+                /** @description since the zero [s] */
+                from_s?: number | null;
+                /** @description since the zero [s] */
+                to_s?: number | null;
+                /** @description flattop tells amplitudes, none tells close sines apart */
+                window?: "hann" | "flattop" | "blackman" | "none";
+                /** @description what is taken off first: the mean, the best straight line */
+                detrend?: "mean" | "line" | "none";
+                /** @description lines at the most */
+                points?: number;
+            };
+            header?: never;
+            path: {
+                /** @description as in the list */
+                recording: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Spectrum"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
@@ -13904,6 +14937,137 @@ export interface operations {
                 };
             };
             /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_replay: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description as in the list */
+                recording: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Replay"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    replay_recording: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description as in the list */
+                recording: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["ReplayStart"] | null;
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            202: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Replay"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
@@ -13986,6 +15150,333 @@ export interface operations {
             };
             /** @description The request does not fit the contract (/problems/invalid-request) */
             422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    read_twin: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TwinState"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    show_twin: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["TwinShow"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TwinState"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The 3D view cannot be shown (/problems/twin-failed) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    end_twin: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TwinState"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    scrub_twin: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["TwinCursor"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TwinState"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_audit: {
+        parameters: {
+            query?: {
+                /** @description words, all of which an entry has somewhere */
+                q?: string;
+                device?: string;
+                who?: string;
+                action?: string;
+                outcome?: ("done" | "not proven" | "refused") | null;
+                /** @description ISO 8601, UTC where it says nothing else; or Unix time */
+                since?: string | null;
+                /** @description as `since`; entries before it */
+                until?: string | null;
+                /** @description entries with higher ids */
+                after?: number | null;
+                /** @description entries with lower ids */
+                before?: number | null;
+                /** @description entries of a page; of a file all are given */
+                limit?: number;
+                format?: "json" | "csv";
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["AuditPage"];
+                    "text/csv": string;
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_audit_filters: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["AuditFilters"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
                 headers: {
                     [name: string]: unknown;
                 };

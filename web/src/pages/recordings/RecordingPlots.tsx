@@ -1,0 +1,167 @@
+import { Loader } from "@mantine/core";
+import { useCallback, useEffect, useMemo, useRef, useState } from "react";
+import { recordingCursor } from "../../lib/cursor";
+import { ProblemAlert } from "../../lib/ProblemAlert";
+import { usePhone } from "../../lib/usePhone";
+import { useScheme } from "../../lib/useScheme";
+import { Plot } from "../../plots/Plot";
+import type { PlotHandle, WindowChange } from "../../plots/types";
+import { fetchPiece, isRunning, type RecordingDetail } from "./api";
+import { type Lane, lanesOf, unitText } from "./channels";
+import { flagsOf } from "./flags";
+import { Overview } from "./Overview";
+import classes from "./recordings.module.css";
+import { type Piece, type Window, ZoomData } from "./ZoomData";
+
+const OVERVIEW_POINTS = 4000;
+
+interface Props {
+  detail: RecordingDetail;
+  /** where the plots stand; null: all of it. Set from outside too: by a mark in the list */
+  window: Window | null;
+  onWindow: (window: Window | null) => void;
+  hidden: ReadonlySet<string>;
+}
+
+/** The plots of one recording, which zoom together, above them where in the whole they are. */
+export function RecordingPlots({ detail, window, onWindow, hidden }: Props) {
+  const scheme = useScheme();
+  const phone = usePhone();
+  const { id, channels } = detail;
+  const lanes = useMemo(
+    () => lanesOf(channels, scheme).map((lane) => shown(lane, hidden)).filter((lane) => lane.columns.length > 0),
+    [channels, scheme, hidden],
+  );
+  const handles = useRef(new Map<string, PlotHandle | null>());
+  const drawn = useRef<{ piece: Piece | null; lanes: readonly Lane[] | null }>({ piece: null, lanes: null });
+  const [loaded, setLoaded] = useState<Piece | null>(null);
+  const [problem, setProblem] = useState<unknown>(null);
+  const at = useRef<Window | null>(window);
+  at.current = window;
+  const latestLanes = useRef(lanes);
+  latestLanes.current = lanes;
+
+  const extent = useCallback((whole: Piece | null): Window => [whole?.x[0] ?? 0, whole?.x.at(-1) ?? 1], []);
+
+  const data = useMemo(() => {
+    const made: ZoomData = new ZoomData(
+      (part, points) => fetchPiece(id, part, points),
+      () => {
+        setProblem(made.problem);
+        setLoaded(made.overview);
+        draw(made);
+      },
+    );
+    return made;
+  }, [id]);
+
+  // Past React: a wheel turns faster than pages render.
+  function draw(from: ZoomData) {
+    const whole = from.overview;
+    if (whole === null) return;
+    const view = at.current ?? extent(whole);
+    const piece = from.best(view) ?? whole;
+    const again = drawn.current.piece !== piece || drawn.current.lanes !== latestLanes.current;
+    drawn.current = { piece, lanes: latestLanes.current };
+    let pixels = 0;
+    for (const lane of latestLanes.current) {
+      const handle = handles.current.get(lane.id);
+      if (!handle) continue;
+      if (again)
+        handle.setData([piece.x, ...lane.columns.map((column) => piece.columns[column] ?? [])], [view[0], view[1]]);
+      else handle.setWindow(view[0], view[1]);
+      pixels = Math.max(pixels, handle.uplot?.over.clientWidth ?? 0);
+    }
+    from.show(view, pixels || 800);
+  }
+
+  const rows = detail.rows ?? 0;
+  // biome-ignore lint/correctness/useExhaustiveDependencies: as often as it has grown
+  useEffect(() => {
+    void data.load(OVERVIEW_POINTS);
+  }, [data, rows]);
+  useEffect(
+    () => () => {
+      data.end();
+      recordingCursor.set(null);
+    },
+    [data],
+  );
+  // biome-ignore lint/correctness/useExhaustiveDependencies: drawn when the window or the plots are others
+  useEffect(() => draw(data), [data, window, lanes, loaded]);
+
+  const zero = detail.zero_s ?? 0;
+  const flags = useMemo(() => flagsOf(detail.marks, zero, scheme), [detail.marks, zero, scheme]);
+  const limit = extent(loaded);
+  const changeWindow = (change: WindowChange): boolean => {
+    const [first, last] = extent(data.overview);
+    const next: Window | null =
+      change === "reset" || (change.min <= first && change.max >= last) ? null : [change.min, change.max];
+    at.current = next;
+    draw(data);
+    onWindow(next);
+    return true;
+  };
+
+  if (problem !== null && loaded === null)
+    return (
+      <ProblemAlert error={problem} doing="Reading the recording" retry={() => void data.load(OVERVIEW_POINTS)} />
+    );
+  if (loaded === null)
+    return (
+      <div className={classes.loading}>
+        <Loader aria-label="Reading the recording" />
+      </div>
+    );
+  if (loaded.x.length === 0)
+    return (
+      <div className={classes.loading} role="status">
+        {isRunning(detail) ? "No sample yet: it waits for its trigger." : "This recording has no samples."}
+      </div>
+    );
+  return (
+    <div className={classes.plots} data-testid="recording-plots" data-loaded={loaded.x.length}>
+      <Overview
+        piece={loaded}
+        lane={lanes[0]}
+        window={window}
+        onWindow={(next) => changeWindow(next === null ? "reset" : { min: next[0], max: next[1] })}
+      />
+      {problem !== null && <ProblemAlert error={problem} doing="Zooming" retry={() => draw(data)} />}
+      {lanes.map((lane, index) => {
+        const bottom = index === lanes.length - 1;
+        return (
+          <Plot
+            key={lane.id}
+            label={`${lane.title} of the recording over time${lane.unit ? ` in ${unitText(lane.unit)}` : ""}`}
+            series={lane.series}
+            x={{ label: "time", unit: "s", axis: bottom }}
+            scales={{ y: { unit: lane.unit, ...(lane.logic ? { range: [-0.1, 1.1] as const } : {}) } }}
+            height={lane.logic ? 84 : phone ? 210 : Math.max(150, Math.round(560 / Math.max(1, lanes.length)))}
+            group={`recording-${id}`}
+            legend
+            limit={limit}
+            handle={(handle) => {
+              handles.current.set(lane.id, handle);
+            }}
+            marks={() => flags(at.current ?? limit, index === 0)}
+            onWindow={changeWindow}
+            onCursor={(cursor) => {
+              if (cursor !== null) recordingCursor.set({ recording: id, time_s: cursor.x });
+            }}
+          />
+        );
+      })}
+    </div>
+  );
+}
+
+function shown(lane: Lane, hidden: ReadonlySet<string>): Lane {
+  const wanted = lane.series.map((series) => !hidden.has(series.label));
+  if (wanted.every(Boolean)) return lane;
+  return {
+    ...lane,
+    columns: lane.columns.filter((_, index) => wanted[index]),
+    series: lane.series.filter((_, index) => wanted[index]),
+  };
+}

@@ -1,0 +1,111 @@
+import { useQuery, useQueryClient } from "@tanstack/react-query";
+import { api, ApiError, problemOf, type Schemas, unwrap } from "../../api/client";
+import { decodeFrame } from "../../live/frames";
+import type { Piece } from "./ZoomData";
+
+export type Recording = Schemas["RecordingInfo"];
+export type RecordingDetail = Schemas["RecordingDetail"];
+export type Mark = Schemas["MarkOut"];
+export type Figures = Schemas["FiguresOut"];
+export type Comparison = Schemas["Comparison"];
+export type Replay = Schemas["Replay"];
+export type SpectrumAnswer = Schemas["Spectrum"];
+export type Start = Schemas["RecordingStart"];
+
+export function isRunning({ state }: { state: Recording["state"] }): boolean {
+  return state === "waiting" || state === "recording";
+}
+
+/** All recordings, looked at once a second while one runs, else now and then: others start them too. */
+export function useRecordings(search = "") {
+  return useQuery({
+    queryKey: ["recordings", search],
+    queryFn: async () =>
+      unwrap(await api.GET("/api/v1/recordings", search ? { params: { query: { search } } } : {})),
+    refetchInterval: (query) => (query.state.data?.recordings.some(isRunning) ? 1000 : 4000),
+    placeholderData: (before) => before,
+  });
+}
+
+/** One recording without its figures: these take a reading of all its rows. */
+export function useRecording(id: string) {
+  return useQuery({
+    queryKey: ["recording", id],
+    queryFn: async () =>
+      unwrap(
+        await api.GET("/api/v1/recordings/{recording}", {
+          params: { path: { recording: id }, query: { figures: false } },
+        }),
+      ),
+    refetchInterval: (query) => (query.state.data && isRunning(query.state.data) ? 1000 : false),
+    retry: false,
+  });
+}
+
+export function useFigures(id: string, window: readonly [number, number] | null, revision: number) {
+  const query = window ? { from_s: window[0], to_s: window[1] } : {};
+  return useQuery({
+    queryKey: ["figures", id, window, revision],
+    queryFn: async ({ signal }) =>
+      unwrap(
+        await api.GET("/api/v1/recordings/{recording}/figures", {
+          params: { path: { recording: id }, query },
+          signal,
+        }),
+      ),
+    placeholderData: (before) => before,
+    staleTime: Number.POSITIVE_INFINITY,
+    retry: false,
+  });
+}
+
+/** A stretch of a recording as a plot needs it: a binary frame, viewed in place. */
+export async function fetchPiece(id: string, window: readonly [number, number] | null, points: number): Promise<Piece> {
+  const { data, error, response } = await api.GET("/api/v1/recordings/{recording}/plot", {
+    params: {
+      path: { recording: id },
+      query: { format: "frame", points, ...(window ? { from_s: window[0], to_s: window[1] } : {}) },
+    },
+    parseAs: "arrayBuffer",
+  });
+  if (error !== undefined || data === undefined) throw new ApiError(problemOf(error));
+  const { time, columns } = decodeFrame(data as unknown as ArrayBuffer);
+  const from = window?.[0] ?? Number.NEGATIVE_INFINITY;
+  const to = window?.[1] ?? Number.POSITIVE_INFINITY;
+  const rows = Number(response.headers.get("stepscope-rows") ?? time.length);
+  return { from, to, x: time, columns, exact: rows <= time.length };
+}
+
+/** What changes recordings. Each throws an ApiError; the lists are looked at anew. */
+export function useChanges() {
+  const queries = useQueryClient();
+  const done = <T>(answer: { data?: T; error?: unknown; response: Response }): T => {
+    void queries.invalidateQueries({ queryKey: ["recordings"] });
+    void queries.invalidateQueries({ queryKey: ["recording"] });
+    return unwrap(answer);
+  };
+  const path = (recording: string) => ({ params: { path: { recording } } });
+  return {
+    start: async (body: Start) => done(await api.POST("/api/v1/recordings", { body })),
+    stop: async (id: string) => done(await api.POST("/api/v1/recordings/{recording}/stop", path(id))),
+    mark: async (id: string, text: string) =>
+      done(await api.POST("/api/v1/recordings/{recording}/marks", { ...path(id), body: { text } })),
+    label: async (id: string, label: { name?: string; note?: string }) =>
+      done(await api.PATCH("/api/v1/recordings/{recording}", { ...path(id), body: label })),
+    remove: async (id: string) => {
+      const answer = await api.DELETE("/api/v1/recordings/{recording}", path(id));
+      void queries.invalidateQueries({ queryKey: ["recordings"] });
+      if (answer.error !== undefined) throw new ApiError(problemOf(answer.error));
+    },
+    replay: async (id: string) => done(await api.POST("/api/v1/recordings/{recording}/replay", { ...path(id), body: {} })),
+  };
+}
+
+export function downloadHref(id: string, format: "csv" | "parquet"): string {
+  return `/api/v1/recordings/${encodeURIComponent(id)}?format=${format}`;
+}
+
+/** What people call it. */
+export function titleOf({ id, name }: { id: string; name: string }): string {
+  return name || id;
+}
