@@ -18,6 +18,7 @@ from app.store.database import Database
 from app.telemetry.hub import TelemetryHub
 from app.tuning.endless import EndlessService
 from app.tuning.procedures import Procedures
+from app.tuning.profile_scripts.service import Scripts
 from app.twin.service import Twin
 
 
@@ -38,6 +39,7 @@ class Bench:
     twin: Twin
     list_serial_ports: Callable[[], list[Port]]
     probing: Probing = field(default_factory=Probing)
+    scripts: Scripts = field(default_factory=Scripts)
     calls: CallsUnderWay = field(default_factory=CallsUnderWay)
 
     def users_of(self, port: str) -> list[str]:

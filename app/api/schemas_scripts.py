@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
 from app.api.schemas import Answer, Body
 from app.tuning.profiles.document import ProfileDocument
@@ -12,8 +12,23 @@ from app.tuning.profiles.document import ProfileDocument
 ScriptLanguage = Literal["python", "tmcl", "c", "curl"]
 
 
+EXAMPLE = {
+    "language": "tmcl",
+    "document": {
+        "format": "stepscope-profile",
+        "version": 1,
+        "name": "quiet",
+        "model": "pd42-1241",
+        "clock_hz": 16e6,
+        "parameters": [{"name": "maximum_current", "value": 100}],
+    },
+}
+
+
 class ScriptOrder(Body):
     """A script of a profile that need not be saved."""
+
+    model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [EXAMPLE]})
 
     document: ProfileDocument
     language: ScriptLanguage

@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 from app.devices.pd42 import units
+from app.links.errors import WrongState
 from app.registers.model import Register
 from app.tuning.profile_scripts import c, curl, python, tmcl
 from app.tuning.profile_scripts.errors import ScriptFailed
@@ -28,6 +29,8 @@ RENDER: Mapping[Language, Callable[[Plan], str]] = {
 ENDINGS: Mapping[Language, str] = {"python": "py", "tmcl": "tmc", "c": "h", "curl": "sh"}
 KEPT = 64
 """How many scripts are remembered."""
+ASKED_AT_MOST = 8
+"""How many may wait for a trial: each takes seconds."""
 DIFFERENCES_TOLD = 8
 
 
@@ -57,6 +60,7 @@ class Scripts:
 
     def __init__(self) -> None:
         self._trying = asyncio.Lock()
+        self._asked = 0
         self._kept: OrderedDict[str, Script] = OrderedDict()
 
     async def make(self, document: ProfileDocument, language: Language) -> Script:
@@ -66,11 +70,17 @@ class Scripts:
         # By the text, and by the document that it shall make: remarks leave out what fields of 0 say.
         key = hashlib.sha256(f"{language}\0{text}\0{text_of(document)}".encode()).hexdigest()
         if key not in self._kept:
-            async with self._trying:
-                if key not in self._kept:  # somebody else may have asked for it meanwhile
-                    self._kept[key] = await self._tried(plan, document, language, text)
-                while len(self._kept) > KEPT:
-                    self._kept.popitem(last=False)
+            if self._asked >= ASKED_AT_MOST:
+                raise WrongState(f"{self._asked} scripts are being tried, one after the other", "ask again in a while")
+            self._asked += 1
+            try:
+                async with self._trying:
+                    if key not in self._kept:  # somebody else may have asked for it meanwhile
+                        self._kept[key] = await self._tried(plan, document, language, text)
+            finally:
+                self._asked -= 1
+            while len(self._kept) > KEPT:
+                self._kept.popitem(last=False)
         self._kept.move_to_end(key)
         return self._kept[key]
 

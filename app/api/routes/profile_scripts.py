@@ -1,0 +1,23 @@
+"""Profiles as scripts, each of which was tried on an emulator before it is answered."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+
+from app.api.deps import CurrentBench
+from app.api.problems import problems
+from app.api.schemas_scripts import ProfileScript, ScriptOrder
+from app.links.errors import UsageError, WrongState
+from app.tuning.profile_scripts.errors import ScriptFailed
+
+router = APIRouter(prefix="/profiles", tags=["profiles"])
+
+
+@router.post("/script", responses=problems(WrongState, ScriptFailed, UsageError))
+async def make_script_of_document(bench: CurrentBench, body: ScriptOrder) -> ProfileScript:
+    """A profile that need not be saved, as a script: Python for our client, curl, C, or TMCL for a PD42-1241.
+
+    It was run on an emulator of the profile's model, which then held the profile. That takes a few seconds; the same
+    script is not tried twice. One that fails its trial is an error, which tells the differences.
+    """
+    return ProfileScript.model_validate(await bench.scripts.make(body.document, body.language))
