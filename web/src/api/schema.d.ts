@@ -1386,6 +1386,29 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/profiles/script": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Make Script Of Document
+         * @description A profile that need not be saved, as a script: Python for our client, curl, C, or TMCL for a PD42-1241.
+         *
+         *     It was run on an emulator of the profile's model, which then held the profile. That takes a few seconds; the same
+         *     script is not tried twice. One that fails its trial is an error, which tells the differences.
+         */
+        post: operations["make_script_of_document"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/twin": {
         parameters: {
             query?: never;
@@ -1890,6 +1913,31 @@ export interface components {
             unit?: "microsteps" | "fullsteps" | "rev" | "deg" | "rad" | "mm";
             /** Axis */
             axis: number;
+        };
+        /**
+         * AxisPart
+         * @description The motor on an axis and what it moves, as in POST /devices.
+         */
+        AxisPart: {
+            /** Name */
+            name: string;
+            /** Full Steps Per Rev */
+            full_steps_per_rev: number;
+            /**
+             * Driver Microsteps
+             * @description of a step/direction driver; chips with a driver of their own know theirs
+             * @default 16
+             */
+            driver_microsteps?: number;
+            /**
+             * Gear Ratio
+             * @default 1
+             */
+            gear_ratio?: number;
+            /** Travel Mm Per Rev */
+            travel_mm_per_rev?: number | null;
+            /** @description null where the profile does not speak of them */
+            limits?: components["schemas"]["Limits"] | null;
         };
         /** AxisStateOut */
         AxisStateOut: {
@@ -4170,6 +4218,35 @@ export interface components {
             pre_s?: number;
         };
         /**
+         * Limits
+         * @description Soft limits of an axis, as in POST /devices; null for none.
+         */
+        Limits: {
+            /**
+             * Position Min
+             * @description [microsteps]
+             */
+            position_min?: number | null;
+            /**
+             * Position Max
+             * @description [microsteps]
+             */
+            position_max?: number | null;
+            /** Velocity Max Pps */
+            velocity_max_pps?: number | null;
+            /** Acceleration Max Pps2 */
+            acceleration_max_pps2?: number | null;
+            /**
+             * Current Max A
+             * @description of a coil, RMS [A]
+             */
+            current_max_a?: number | null;
+            /** Sense Resistor Ohm */
+            sense_resistor_ohm?: number | null;
+            /** Current Full Scale A */
+            current_full_scale_a?: number | null;
+        };
+        /**
          * LineEncoder
          * @description An encoder with A, B and N lines on the shaft of each motor. N is high for one line a turn, from its count 0.
          */
@@ -5101,6 +5178,29 @@ export interface components {
             metrics: components["schemas"]["MslutFigures"];
         };
         /**
+         * MslutPart
+         * @description A microstep table of one-bit differences, as its registers.
+         */
+        MslutPart: {
+            /**
+             * Axis
+             * @description null where all axes share it
+             */
+            axis?: number | null;
+            /** Words */
+            words: string[];
+            /**
+             * Select
+             * @example 0xAAAAB554
+             */
+            select: string;
+            /**
+             * Start
+             * @example 0xAAAAB554
+             */
+            start: string;
+        };
+        /**
          * MslutRefusal
          * @description Why a wave cannot be encoded at entry `index`.
          */
@@ -5239,6 +5339,34 @@ export interface components {
              * @enum {string}
              */
             kind: "now";
+        };
+        /**
+         * ParameterPart
+         * @description A parameter of a TMCL module.
+         */
+        ParameterPart: {
+            /** Name */
+            name: string;
+            /**
+             * Alias
+             * @description its kind and number, e.g. ap4: for readers, and checked
+             * @default
+             */
+            alias?: string;
+            /** Value */
+            value: number;
+            /**
+             * Unit
+             * @description for readers: what `value` counts in
+             * @default
+             */
+            unit?: string;
+            /**
+             * Meaning
+             * @description for readers: what the value stands for
+             * @default
+             */
+            meaning?: string;
         };
         /**
          * Pd42Patch
@@ -5688,6 +5816,72 @@ export interface components {
             /** Driver Chain */
             driver_chain: number[] | null;
         };
+        /**
+         * ProfileDocument
+         * @description A device's whole configuration.
+         *
+         *     Raises ValidationError for what is none; `parse` tells the place in words.
+         */
+        ProfileDocument: {
+            /**
+             * Format
+             * @default stepscope-profile
+             * @constant
+             */
+            format?: "stepscope-profile";
+            /**
+             * Version
+             * @default 1
+             * @constant
+             */
+            version?: 1;
+            /**
+             * Name
+             * @default
+             */
+            name?: string;
+            /**
+             * Note
+             * @default
+             */
+            note?: string;
+            /**
+             * Model
+             * @enum {string}
+             */
+            model: "tmc428" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "pd42-1241";
+            /** Clock Hz */
+            clock_hz: number;
+            /**
+             * Device
+             * @description name of the device that it was taken from
+             * @default
+             */
+            device?: string;
+            /**
+             * Firmware
+             * @description of a module
+             * @default
+             */
+            firmware?: string;
+            /**
+             * Captured Unix S
+             * @default 0
+             */
+            captured_unix_s?: number;
+            /** Axes */
+            axes?: components["schemas"]["AxisPart"][];
+            /** Registers */
+            registers?: components["schemas"]["RegisterPart"][];
+            /** Parameters */
+            parameters?: components["schemas"]["ParameterPart"][];
+            tables?: components["schemas"]["Tables"];
+            /**
+             * Unknown
+             * @description what the profile says nothing of: it could not be read
+             */
+            unknown?: components["schemas"]["UnknownPart"][];
+        };
         /** ProfileRegister */
         ProfileRegister: {
             /** Name */
@@ -5708,6 +5902,22 @@ export interface components {
             fields: {
                 [key: string]: number;
             };
+        };
+        /**
+         * ProfileScript
+         * @description A script that was tried, and left an emulator as the profile says.
+         */
+        ProfileScript: {
+            /**
+             * Language
+             * @enum {string}
+             */
+            language: "python" | "tmcl" | "c" | "curl";
+            /** Text */
+            text: string;
+            /** File Name */
+            file_name: string;
+            checked: components["schemas"]["ScriptCheck"];
         };
         /**
          * PwmState
@@ -6539,6 +6749,37 @@ export interface components {
             /** Not Tried */
             not_tried: number;
         };
+        /**
+         * RegisterPart
+         * @description A register of a chip.
+         *
+         *     One with fields has them all, but for those that are state; `value` is the whole number. Whoever edits one of them
+         *     leaves the other out, or changes both.
+         */
+        RegisterPart: {
+            /** Name */
+            name: string;
+            /** Axis */
+            axis?: number | null;
+            /**
+             * Value
+             * @description the whole register, signed where it is
+             */
+            value?: number | null;
+            /**
+             * Fields
+             * @description by name; values with names of their own may be written by these
+             */
+            fields?: {
+                [key: string]: number | string;
+            } | null;
+            /**
+             * Unit
+             * @description for readers: what `value` counts in
+             * @default
+             */
+            unit?: string;
+        };
         /** RegisterReading */
         RegisterReading: {
             /** Name */
@@ -6894,6 +7135,63 @@ export interface components {
             final_error: number;
             /** Band */
             band: number;
+        };
+        /**
+         * ScriptCheck
+         * @description What the trial on an emulator showed. A script whose trial failed is an error, not an answer.
+         */
+        ScriptCheck: {
+            /**
+             * Model
+             * @description what was emulated
+             */
+            model: string;
+            /**
+             * Registers
+             * @description how many were written, and compared with the profile afterwards
+             */
+            registers: number;
+            /** Took S */
+            took_s: number;
+            /**
+             * How
+             * @description run as a program against a server; sent command by command to the emulated module; compiled, and its frames sent; or read back by our own reader, where this machine has no compiler, shell or curl
+             * @enum {string}
+             */
+            how: "run" | "sent" | "compiled" | "read";
+            /**
+             * Differences
+             * @description always empty: a difference is the error of the call
+             */
+            differences: string[];
+        };
+        /**
+         * ScriptOrder
+         * @description A script of a profile that need not be saved.
+         * @example {
+         *       "document": {
+         *         "clock_hz": 16000000,
+         *         "format": "stepscope-profile",
+         *         "model": "pd42-1241",
+         *         "name": "quiet",
+         *         "parameters": [
+         *           {
+         *             "name": "maximum_current",
+         *             "value": 100
+         *           }
+         *         ],
+         *         "version": 1
+         *       },
+         *       "language": "tmcl"
+         *     }
+         */
+        ScriptOrder: {
+            document: components["schemas"]["ProfileDocument"];
+            /**
+             * Language
+             * @enum {string}
+             */
+            language: "python" | "tmcl" | "c" | "curl";
         };
         /** SearchState */
         SearchState: {
@@ -7485,6 +7783,31 @@ export interface components {
             right?: boolean | "auto" | null;
             /** Reference */
             reference?: boolean | "auto" | null;
+        };
+        /**
+         * Tables
+         * @description What lies in tables rather than in registers; null where the chip has none, or the profile is silent.
+         */
+        Tables: {
+            /**
+             * Microstep
+             * @description TMC428: the quarter wave
+             */
+            microstep?: number[] | null;
+            /**
+             * Driver Chain
+             * @description TMC428: the chain's RAM, two cells of 6 bits a word
+             */
+            driver_chain?: string[] | null;
+            /** Mslut */
+            mslut?: components["schemas"]["MslutPart"][] | null;
+            /**
+             * User Variables
+             * @description PD42-1241: by number; those that are not listed are 0
+             */
+            user_variables?: {
+                [key: string]: number;
+            } | null;
         };
         /**
          * TcpLink
@@ -8162,6 +8485,16 @@ export interface components {
             ramp: components["schemas"]["RampUnits"] | null;
             /** @description TMC5xxx alone */
             sixpoint: components["schemas"]["SixPointUnits"] | null;
+        };
+        /**
+         * UnknownPart
+         * @description A register that cannot be read, and of which nobody knew what it holds.
+         */
+        UnknownPart: {
+            /** Name */
+            name: string;
+            /** Axis */
+            axis?: number | null;
         };
         /** Switches */
         app__api__schemas_axes__Switches: {
@@ -15149,6 +15482,75 @@ export interface operations {
                 };
             };
             /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    make_script_of_document: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ScriptOrder"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProfileScript"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); The script did not pass its trial (/problems/script-failed) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
