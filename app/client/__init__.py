@@ -9,21 +9,29 @@
         bench.stop_recording(run.id)
         residual = bench.recorded(run.id)["residual.0"]  # numpy
 
+Others see who has the bench, and cannot change anything meanwhile, inside of
+
+    with bench.lease("tuning"):
+        ...
+
 `records` is what comes back, `errors` what may be raised. Nothing here is sent twice: a call whose answer got lost
 may have moved a motor.
 """
 
 from app.client.asynchronous import AsyncBench
 from app.client.blocking import Bench
-from app.client.errors import ClientError, MoveEnded, NoAnswer, NoServer, Refused
-from app.client.records import AxisState, Device, MoveStarted, Reading, Recording, Samples, Written
+from app.client.errors import BenchNotTaken, BenchTaken, ClientError, MoveEnded, NoAnswer, NoServer, Refused
+from app.client.records import AxisState, Device, LeaseState, MoveStarted, Reading, Recording, Samples, Written
 
 __all__ = [
     "AsyncBench",
     "AxisState",
     "Bench",
+    "BenchNotTaken",
+    "BenchTaken",
     "ClientError",
     "Device",
+    "LeaseState",
     "MoveEnded",
     "MoveStarted",
     "NoAnswer",

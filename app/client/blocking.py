@@ -30,7 +30,8 @@ from app.client.http import (
     token_of,
     told,
 )
-from app.client.records import AxisState, Device, Json, MoveStarted, Reading, Recording, Samples, Written
+from app.client.lease import Lease, OnVanish
+from app.client.records import AxisState, Device, Json, LeaseState, MoveStarted, Reading, Recording, Samples, Written
 from app.client.stream import SUBPROTOCOL, Collector, samples_of
 
 T = TypeVar("T")
@@ -101,6 +102,21 @@ class Bench:
     def call(self, method: str, path: str, body: Json | None = None) -> Any:
         """Any other call of the API, its JSON as it comes."""
         return self._send(calls.anything(method, path, body))
+
+    # --- who has it -----------------------------------------------------------------------------
+
+    def lease_state(self) -> LeaseState:
+        """Who has the bench, and who asks for it."""
+        return self._send(calls.lease())
+
+    def lease(self, name: str, *, wait_s: float = 0.0, on_vanish: OnVanish | None = None) -> Lease:
+        """Have the bench alone: `with bench.lease("tuning"):`. Without, each call borrows it while it is free.
+
+        Raises BenchTaken at the `with` when somebody has it; with `wait_s` only after asking them for so long [s].
+        Signs that the script lives go out in the background. `on_vanish` sets what happens to moving motors when they
+        stay away: "nothing", "stop" or "hold". The end of the `with` leaves motors alone.
+        """
+        return Lease(self._send, self._http.headers, name, wait_s, on_vanish)
 
     # --- registers ------------------------------------------------------------------------------
 

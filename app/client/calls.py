@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 from urllib.parse import quote
 
-from app.client.records import AxisState, Device, Json, MoveStarted, Reading, Recording, Written, record
+from app.client.records import AxisState, Device, Json, LeaseState, MoveStarted, Reading, Recording, Written, record
 
 T = TypeVar("T")
 BASE = "/api/v1"
@@ -112,6 +112,26 @@ def recording_file(recording: str, kind: str) -> str:
     return f"{_recorded(recording)}?format={quote(kind, safe='')}"
 
 
+def lease() -> Call[LeaseState]:
+    return Call("GET", f"{BASE}/lease", _lease)
+
+
+def lease_take(name: str) -> Call[LeaseState]:
+    return Call("POST", f"{BASE}/lease", _lease, {"name": name})
+
+
+def lease_keep(on_vanish: str | None = None) -> Call[LeaseState]:
+    return Call("PUT", f"{BASE}/lease", _lease, {} if on_vanish is None else {"on_vanish": on_vanish})
+
+
+def lease_give_back() -> Call[LeaseState]:
+    return Call("DELETE", f"{BASE}/lease", _lease)
+
+
+def lease_ask(name: str) -> Call[LeaseState]:
+    return Call("POST", f"{BASE}/lease/ask", _lease, {"name": name})
+
+
 def catalog() -> Call[list[Json]]:
     return Call("GET", f"{BASE}/catalog", _as_it_is)
 
@@ -148,6 +168,10 @@ def _axis(axis: int | None) -> dict[str, str | int | list[str]]:
 
 def _device(answer: Json) -> Device:
     return record(Device, {**answer, "axes": tuple(answer["axes"]), "channels": tuple(answer["channels"])})
+
+
+def _lease(answer: Json) -> LeaseState:
+    return record(LeaseState, {**answer, "asking": tuple(answer["asking"])})
 
 
 def _reading(answer: Json) -> Reading:

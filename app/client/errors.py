@@ -29,6 +29,32 @@ class Refused(ClientError):
         super().__init__(self.detail if told else f"{self.detail} ({self.way_out})")
 
 
+class BenchTaken(Refused):
+    """Somebody else has the bench; `stop` and reading work all the same."""
+
+    exit_code = 6
+
+    @property
+    def holder(self) -> str:
+        """Their name."""
+        return str(self.facts.get("holder", ""))
+
+
+class BenchNotTaken(Refused):
+    """The lease of this client has ended: it gave no sign for too long, or handed the bench over."""
+
+    exit_code = 6
+
+
+def refusal(status: int, problem: Mapping[str, object]) -> Refused:
+    """The kind of Refused that a problem is."""
+    kinds: Mapping[object, type[Refused]] = {
+        "/problems/bench-taken": BenchTaken,
+        "/problems/bench-not-taken": BenchNotTaken,
+    }
+    return kinds.get(problem.get("type"), Refused)(status, problem)
+
+
 class NoServer(ClientError):
     """Nobody listens there: nothing was sent."""
 

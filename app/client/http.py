@@ -8,8 +8,10 @@ from urllib.parse import urlsplit, urlunsplit
 
 import httpx
 
+from app import __version__
 from app.client.calls import Call
-from app.client.errors import ClientError, NoAnswer, NoServer, Refused
+from app.client.errors import ClientError, NoAnswer, NoServer, refusal
+from app.client.lease import session_headers
 
 T = TypeVar("T")
 URL = "http://127.0.0.1:8000"
@@ -34,7 +36,8 @@ def token_of(token: str | None) -> str | None:
 
 def headers(token: str | None) -> dict[str, str]:
     """What goes with every request."""
-    return {"Authorization": f"Bearer {token}"} if token else {}
+    said = {"User-Agent": f"stepscope-client/{__version__}", **session_headers()}
+    return {**said, "Authorization": f"Bearer {token}"} if token else said
 
 
 def timeout(timeout_s: float) -> httpx.Timeout:
@@ -63,7 +66,7 @@ def answer_of(call: Call[T], response: httpx.Response) -> T:
     except ValueError as error:
         raise ClientError(f"{response.url} answers {response.status_code} and no JSON: is it stepscope?") from error
     if response.is_error:
-        raise Refused(response.status_code, data if isinstance(data, dict) else {})
+        raise refusal(response.status_code, data if isinstance(data, dict) else {})
     try:
         return call.parse(data)
     except (KeyError, TypeError) as error:
@@ -77,7 +80,7 @@ def content_of(response: httpx.Response) -> bytes:
             problem = response.json()
         except ValueError:
             problem = None
-        raise Refused(response.status_code, problem if isinstance(problem, dict) else {})
+        raise refusal(response.status_code, problem if isinstance(problem, dict) else {})
     return response.content
 
 

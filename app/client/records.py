@@ -38,6 +38,24 @@ class Device:
 
 
 @dataclass(frozen=True, slots=True)
+class LeaseState:
+    """Who has the bench."""
+
+    state: str
+    """"free" or "taken"."""
+    holder: str | None
+    mine: bool
+    """Whether this client has it."""
+    since_s: float | None
+    expires_in_s: float | None
+    asking: tuple[Json, ...]
+    """Who would like to have it: `id`, `name`, `since_s`."""
+    on_vanish: str
+    """What happens to moving motors when the holder gives no sign any more: "nothing", "stop" or "hold"."""
+    vanish_after_s: float
+
+
+@dataclass(frozen=True, slots=True)
 class Reading:
     """A register or parameter as the device holds it."""
 

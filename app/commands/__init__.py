@@ -1,7 +1,8 @@
 """Commands that ask a running stepscope: `devices | axis | read | write | move | ... | api`.
 
 Each is one call of `app.client` and a way to print its answer: a table for people, `--json` for programs. What went
-wrong is one line on the terminal; exit codes are 1 refused, 2 wrong usage, 3 no server, 4 no answer, 5 not arrived.
+wrong is one line on the terminal; exit codes are 1 refused, 2 wrong usage, 3 no server, 4 no answer, 5 not arrived,
+6 somebody else has the bench.
 
 A file a subject; what they share is in `shared`.
 """
@@ -14,6 +15,7 @@ import typer
 
 from app.commands.calls import api, calc
 from app.commands.devices import devices, read, write
+from app.commands.lease import lease
 from app.commands.measuring import record, recordings, watch
 from app.commands.motion import axis, move, rotate, stop
 
@@ -33,5 +35,5 @@ COMMANDS: Sequence[Callable[..., None]] = (
 )
 WITHOUT_ARGUMENTS = frozenset({"devices", "recordings", "stop"})
 """Commands that do something when nothing follows; the others show their help then."""
-GROUPS: Sequence[typer.Typer] = ()
+GROUPS: Sequence[typer.Typer] = (lease,)
 """Subjects with commands of their own, as `stepscope SUBJECT COMMAND`."""
