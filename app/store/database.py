@@ -102,8 +102,10 @@ class Database:
         try:
             with engine.connect() as connection:
                 _check(connection)
-            with engine.execution_options(**{BEGIN: "IMMEDIATE"}).begin() as connection:
-                self._migrate(connection)
+                current = self._is_current(connection)
+            if not current:  # only then: a file that may not be written can be read all the same
+                with engine.execution_options(**{BEGIN: "IMMEDIATE"}).begin() as connection:
+                    command.upgrade(config_for(connection), "head")
         except DatabaseError as error:
             engine.dispose()
             if _code(error) in DAMAGED:
@@ -114,9 +116,9 @@ class Database:
             raise
         return engine
 
-    def _migrate(self, connection: Connection) -> None:
-        config = config_for(connection)
-        scripts = ScriptDirectory.from_config(config)
+    def _is_current(self, connection: Connection) -> bool:
+        """Whether nothing has to be brought up to date. Raises StoreUnavailable for a file that is newer than that."""
+        scripts = ScriptDirectory.from_config(config_for(connection))
         here = set(MigrationContext.configure(connection).get_current_heads())
         unknown = here - {step.revision for step in scripts.walk_revisions()}
         if unknown:
@@ -127,8 +129,7 @@ class Database:
             )
         if not here and inspect(connection).get_table_names():
             raise _Damaged("a database, but none of stepscope's")
-        if here != set(scripts.get_heads()):
-            command.upgrade(config, "head")
+        return here == set(scripts.get_heads())
 
     def _set_aside(self) -> Path:
         aside = aside_name(self.path)
