@@ -32,7 +32,7 @@ def main() -> int:
     parser.add_argument("--device", default=DEVICE, help="id of the device [default: %(default)s]")
     arguments = parser.parse_args()
     try:
-        with Bench(arguments.url) as bench:
+        with Bench(arguments.url) as bench, bench.lease(f"profile of a {MODEL}"):
             return apply(bench, arguments.device)
     except ClientError as error:
         return failed(str(error))
