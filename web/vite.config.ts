@@ -12,7 +12,10 @@ export default defineConfig({
   build: { outDir: "dist", emptyOutDir: true, sourcemap: false, chunkSizeWarningLimit: 900 },
   // The server answers pages of its own host only: so Host stays what the page's Origin says.
   server: {
-    proxy: { "/api": { target: api, ws: true, changeOrigin: false } },
+    proxy: {
+      "/api": { target: api, ws: true, changeOrigin: false },
+      "/twin/view": { target: api, ws: true, changeOrigin: false },
+    },
     fs: { allow: [".", "../tests/telemetry"] }, // the frame that the tests of both sides read
   },
   test: { environment: "jsdom", include: ["src/**/*.test.ts", "src/**/*.test.tsx"] },

@@ -20,6 +20,7 @@ const COMPONENTS: Record<string, ComponentType> = {
   "/stallguard": lazy(() => import("./pages/stallguard/StallGuardPage")),
   "/currents": lazy(() => import("./pages/currents/CurrentsPage")),
   "/rotary": lazy(() => import("./pages/rotary/RotaryPage")),
+  "/twin": lazy(() => import("./pages/twin/TwinPage")),
   "/console": lazy(() => import("./pages/console/ConsolePage")),
   "/connections": lazy(() => import("./pages/connections/ConnectionsPage")),
 };

@@ -13,6 +13,7 @@ describe("pages", () => {
       "Encoder",
       "StallGuard",
       "Rotary",
+      "3D",
       "Console",
       "Connections",
     ]);
@@ -23,6 +24,7 @@ describe("pages", () => {
       "Microsteps",
       "Driver chain",
       "Rotary",
+      "3D",
       "Console",
       "Connections",
     ]);
@@ -35,6 +37,7 @@ describe("pages", () => {
       "Encoder",
       "StallGuard",
       "Rotary",
+      "3D",
       "Console",
       "Connections",
     ]);

@@ -4,6 +4,7 @@ import {
   IconBinaryTree,
   IconBolt,
   IconChartLine,
+  IconCube,
   IconFilter,
   IconGauge,
   IconPlugConnected,
@@ -88,6 +89,7 @@ export const PAGES: readonly PageEntry[] = [
   }),
   page("/stallguard", "StallGuard", "Stall", IconGauge, { families: ["sixpoint", "module"] }),
   page("/rotary", "Rotary", "Rotary", IconRotate360, {}),
+  page("/twin", "3D", "3D", IconCube, {}),
   page("/console", "Console", "Console", IconTerminal2, {}),
   page("/connections", "Connections", "Links", IconPlugConnected, { alone: true }),
 ];

@@ -1,0 +1,48 @@
+import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { api, type Schemas, unwrap } from "../../api/client";
+
+export type TwinState = Schemas["TwinState"];
+export type TwinLook = Schemas["TwinLook"];
+
+const KEY = ["twin"];
+/** The numbers beside the picture, for people to read: faster would only flicker [ms]. */
+const READ_MS = 400;
+const LOOK_MS = 2000;
+
+export interface Twin {
+  state: TwinState | undefined;
+  error: unknown;
+  /** it is being started or ended */
+  busy: boolean;
+  show: (what: Schemas["TwinShow"]) => void;
+  end: () => void;
+  again: () => void;
+}
+
+/** The one 3D view of the server: how it is, on and off. */
+export function useTwin(): Twin {
+  const queries = useQueryClient();
+  const query = useQuery({
+    queryKey: KEY,
+    queryFn: async () => unwrap(await api.GET("/api/v1/twin")),
+    refetchInterval: ({ state }) => (state.data?.state === "on" ? READ_MS : LOOK_MS),
+  });
+  const seen = (state: TwinState) => queries.setQueryData(KEY, state);
+  const show = useMutation({
+    mutationFn: async (body: Schemas["TwinShow"]) => unwrap(await api.POST("/api/v1/twin", { body })),
+    onSuccess: seen,
+    onError: () => void queries.invalidateQueries({ queryKey: KEY }),
+  });
+  const end = useMutation({
+    mutationFn: async () => unwrap(await api.DELETE("/api/v1/twin")),
+    onSuccess: seen,
+  });
+  return {
+    state: query.data,
+    error: show.error ?? end.error ?? (query.data === undefined ? query.error : null),
+    busy: show.isPending || end.isPending,
+    show: show.mutate,
+    end: end.mutate,
+    again: () => void query.refetch(),
+  };
+}
