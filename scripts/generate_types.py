@@ -1,4 +1,5 @@
-"""Writes web/src/api/openapi.json from the Python models, and the UI's TypeScript types from it.
+"""Writes web/src/api/openapi.json from the Python models, the UI's TypeScript types from it, and the calls that need no
+lease.
 
 With --check nothing is written: it ends with 1 when a file is stale, and says which command makes it anew.
 """
@@ -14,6 +15,7 @@ from web import WEB, WebBuildError, install_packages, npm, require_node
 
 SCHEMA = WEB / "src" / "api" / "openapi.json"
 TYPES = WEB / "src" / "api" / "schema.d.ts"
+FREE_CALLS = WEB / "src" / "api" / "lease" / "free.json"
 
 
 def schema_text() -> str:
@@ -24,6 +26,14 @@ def schema_text() -> str:
     with tempfile.TemporaryDirectory() as folder:
         app = create_app(Settings(data_dir=Path(folder)))
         return json.dumps(app.openapi(), indent=1, ensure_ascii=False) + "\n"
+
+
+def free_calls_text() -> str:
+    """Return the calls that may be made without the lease, "METHOD /path": the page asks before all others."""
+    from app.api.app import BASE
+    from app.api.lease_gate import FREE
+
+    return json.dumps(sorted(f"{method} {BASE}{path}" for method, path in FREE), indent=2) + "\n"
 
 
 def types_text(schema: str) -> str:
@@ -40,10 +50,10 @@ def types_text(schema: str) -> str:
 
 
 def main() -> int:
-    """Write or check both files."""
+    """Write or check the files."""
     schema = schema_text()
     try:
-        wanted = {SCHEMA: schema, TYPES: types_text(schema)}
+        wanted = {SCHEMA: schema, TYPES: types_text(schema), FREE_CALLS: free_calls_text()}
     except WebBuildError as error:
         print(f"types: {error}", file=sys.stderr)
         return 1

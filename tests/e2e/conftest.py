@@ -26,6 +26,8 @@ from playwright.sync_api import (
 )
 from server_process import ServerProcess
 
+from tests.e2e.session import a_client, begin_with_the_bench, take_the_bench
+
 RESULTS = Path(__file__).parents[2] / "test-results"
 DESKTOP: ViewportSize = {"width": 1440, "height": 900}
 PHONE: ViewportSize = {"width": 390, "height": 844}
@@ -69,8 +71,8 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServerProcess]:
 
 @pytest.fixture(scope="session")
 def api(server: ServerProcess) -> Iterator[httpx.Client]:
-    """The same server without a browser: to arrange, and to look behind the page."""
-    with httpx.Client(base_url=f"{server.url}/api/v1", timeout=10) as client:
+    """The same server without a browser: to arrange, and to look behind the page, as the same session."""
+    with a_client(server.url) as client:
         yield client
 
 
@@ -88,15 +90,23 @@ def errors() -> Errors:
 
 
 @pytest.fixture
-def new_context(browser: Browser, server: ServerProcess, errors: Errors) -> Iterator[Callable[..., BrowserContext]]:
-    """Make further browsers-in-the-browser, of other sizes or schemes, that fail the test for errors too."""
+def new_context(
+    browser: Browser, server: ServerProcess, errors: Errors, api: httpx.Client
+) -> Iterator[Callable[..., BrowserContext]]:
+    """Make further browsers-in-the-browser, of other sizes or schemes, that fail the test for errors too.
+
+    Their pages have the bench already, together with `api`; `stranger=True`: as somebody who opens the first page.
+    """
     made: list[BrowserContext] = []
 
-    def make(**options: object) -> BrowserContext:
+    def make(*, stranger: bool = False, **options: object) -> BrowserContext:
         context = browser.new_context(**{"base_url": server.url, "viewport": DESKTOP, **options})  # type: ignore[arg-type]
         context.set_default_timeout(10_000)
         context.on("console", errors.on_console)
         context.on("weberror", errors.on_error)
+        if not stranger:
+            take_the_bench(api)
+            begin_with_the_bench(context)
         made.append(context)
         return context
 

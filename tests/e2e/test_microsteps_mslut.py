@@ -12,6 +12,7 @@ from server_process import ServerProcess
 
 from app.calc.mslut import POWER_ON, decode
 from app.calc.mslut_waves import Formula, wanted_wave
+from tests.e2e.session import a_client
 from tests.e2e.test_pages import LOOKS
 
 TABLE = "/devices/wave/microstep-table"
@@ -26,7 +27,7 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ServerProcess]:
 
 @pytest.fixture(scope="module")
 def api(server: ServerProcess) -> Iterator[httpx.Client]:
-    with httpx.Client(base_url=f"{server.url}/api/v1", timeout=20) as client:
+    with a_client(server.url, timeout_s=20) as client:
         yield client
 
 

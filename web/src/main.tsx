@@ -9,6 +9,7 @@ import { QueryClient, QueryClientProvider } from "@tanstack/react-query";
 import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
 import { App } from "./App";
+import { watchLease } from "./api/lease/bench";
 import { cssVariables, theme } from "./theme";
 
 const queries = new QueryClient({
@@ -19,6 +20,7 @@ const queries = new QueryClient({
   },
 });
 
+watchLease();
 const root = document.getElementById("root");
 if (!root) throw new Error("index.html has no #root");
 createRoot(root).render(

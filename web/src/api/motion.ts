@@ -1,4 +1,5 @@
 import { api, type Schemas, unwrap } from "./client";
+import { gate } from "./lease/bench";
 
 export interface AxisAddress {
   device: string;
@@ -15,8 +16,11 @@ export const motion = {
     unwrap(await api.POST("/api/v1/devices/{device}/move", { params: { path: { device } }, body: { moves } })),
   rotate: async (at: AxisAddress, body: Schemas["Rotate"]) =>
     unwrap(await api.POST("/api/v1/devices/{device}/axes/{axis}/rotate", { ...path(at), body })),
+  /** For as long as something is held down: without the bench it asks for it, and does not begin later. */
+  jog: async (at: AxisAddress, body: Schemas["Rotate"]) =>
+    unwrap(await api.POST("/api/v1/devices/{device}/axes/{axis}/rotate", { ...path(at), body, fetch: gate.held })),
   keepRotating: async (at: AxisAddress, body: Schemas["KeepRotating"]) =>
-    unwrap(await api.PATCH("/api/v1/devices/{device}/axes/{axis}/rotate", { ...path(at), body })),
+    unwrap(await api.PATCH("/api/v1/devices/{device}/axes/{axis}/rotate", { ...path(at), body, fetch: gate.quiet })),
   stop: async (at: AxisAddress, mode: "ramp" | "immediate") =>
     unwrap(await api.POST("/api/v1/devices/{device}/axes/{axis}/stop", { ...path(at), body: { mode } })),
   shuttle: async (at: AxisAddress, body: Schemas["ShuttleStart"]) =>

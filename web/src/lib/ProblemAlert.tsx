@@ -1,6 +1,7 @@
 import { Alert, Button, Group, Text } from "@mantine/core";
-import { IconAlertTriangle } from "@tabler/icons-react";
+import { IconAlertTriangle, IconEye } from "@tabler/icons-react";
 import { problemOf } from "../api/client";
+import { ONLY_LOOKING } from "../api/lease/gate";
 
 interface Props {
   /** whatever a failed call gave: an ApiError, a problem+json, an Error */
@@ -15,13 +16,15 @@ interface Props {
 export function ProblemAlert({ error, doing, retry, onClose }: Props) {
   if (error === null || error === undefined) return null;
   const problem = problemOf(error);
+  // somebody has said no to the question for the bench: no fault, and no red
+  const wanted = problem.type === ONLY_LOOKING;
   return (
     <Alert
-      color="red"
+      color={wanted ? "gray" : "red"}
       variant="light"
-      role="alert"
+      role={wanted ? "status" : "alert"}
       p="sm"
-      icon={<IconAlertTriangle size={18} aria-hidden />}
+      icon={wanted ? <IconEye size={18} aria-hidden /> : <IconAlertTriangle size={18} aria-hidden />}
       title={doing ? `${doing}: ${problem.title}` : problem.title}
       withCloseButton={onClose !== undefined}
       closeButtonLabel="Dismiss"

@@ -5,6 +5,9 @@ import { Link, useLocation } from "wouter";
 import { ColorSchemeToggle } from "./ColorSchemeToggle";
 import { ConnectionBanner } from "./ConnectionBanner";
 import { DevicePicker } from "./DevicePicker";
+import { LeaseControl } from "./lease/LeaseControl";
+import { LeaseDialog } from "./lease/LeaseDialog";
+import { LeaseNews } from "./lease/LeaseNews";
 import { PageBoundary } from "./PageBoundary";
 import { PAGES, pagesFor } from "./pages";
 import { ServerStatus } from "./ServerStatus";
@@ -35,6 +38,8 @@ export function Shell({ children }: PropsWithChildren) {
       <a className={classes.skip} href="#main">
         Skip to the page
       </a>
+      <LeaseDialog />
+      <LeaseNews />
       <AppShell
         header={{ height: 52 }}
         navbar={{ width: 172, breakpoint: "sm", collapsed: { mobile: true } }}
@@ -54,6 +59,7 @@ export function Shell({ children }: PropsWithChildren) {
               <ServerStatus />
             </Group>
             <Group gap={6} wrap="nowrap">
+              <LeaseControl />
               <Shortcuts />
               <ColorSchemeToggle />
               <StopAll />

@@ -1,7 +1,8 @@
 import { notifications } from "@mantine/notifications";
 import { api, problemOf, unwrap } from "../api/client";
+import { STOP_EVENT } from "../api/lease/bench";
 
-export const STOP_EVENT = "stepscope:stop";
+export { STOP_EVENT };
 
 const TOAST = "stop-all";
 

@@ -78,4 +78,21 @@ describe("Jog", () => {
     expect(errors).toEqual(["no"]);
     expect(log).toEqual(["rotate 1", "stop", "rotate -1"]);
   });
+
+  it("leaves alone the motor that it was not let near", async () => {
+    const log: string[] = [];
+    const jog = new Jog(
+      () => Promise.reject(new Error("only looking")),
+      () => Promise.resolve(log.push("keep")),
+      () => Promise.resolve(log.push("stop")),
+      (error) => log.push(String(error)),
+      () => undefined,
+      () => true,
+    );
+    jog.press(1);
+    await new Promise((resolve) => setTimeout(resolve));
+    expect(jog.direction).toBeNull();
+    jog.release();
+    expect(log).toEqual(["Error: only looking"]);
+  });
 });

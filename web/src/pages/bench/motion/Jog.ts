@@ -19,6 +19,8 @@ export class Jog {
     private readonly halt: () => Promise<unknown>,
     private readonly onError: (error: unknown) => void,
     private readonly onChange: (direction: Direction | null) => void = () => undefined,
+    /** an error that says that the start was not even sent: a stop would be somebody else's motor's */
+    private readonly notSent: (error: unknown) => boolean = () => false,
   ) {}
 
   get direction(): Direction | null {
@@ -34,6 +36,7 @@ export class Jog {
       },
       (error: unknown) => {
         held.answered = true;
+        if (this.notSent(error)) this.forget(held);
         this.onError(error);
       },
     );
@@ -55,5 +58,12 @@ export class Jog {
         () => this.halt().catch(this.onError),
         () => undefined,
       );
+  }
+
+  private forget(held: object): void {
+    if (this.held !== held) return;
+    this.held = null;
+    clearInterval(this.beat);
+    this.onChange(null);
   }
 }

@@ -1,4 +1,7 @@
 import { type KeyboardEvent, type PointerEvent, useEffect, useMemo, useRef, useState } from "react";
+import { problemOf } from "../../../api/client";
+import { desk } from "../../../api/lease/bench";
+import { ONLY_LOOKING } from "../../../api/lease/gate";
 import { type AxisAddress, motion } from "../../../api/motion";
 import { STOP_EVENT } from "../../../shell/stopEverything";
 import { type Direction, HOLD_S, Jog } from "./Jog";
@@ -8,6 +11,8 @@ function keyDirection(key: string, own: Direction): Direction | null {
   if (key === "ArrowRight") return 1;
   return key === " " || key === "Enter" ? own : null;
 }
+
+const notSent = (error: unknown) => problemOf(error).type === ONLY_LOOKING;
 
 /** The handlers of a pair of jog buttons. Letting go stops, and so does all that may hide that somebody let go. */
 export function useJog(at: AxisAddress, velocityPps: number, onError: (error: unknown) => void) {
@@ -20,11 +25,12 @@ export function useJog(at: AxisAddress, velocityPps: number, onError: (error: un
   const jog = useMemo(
     () =>
       new Jog(
-        (sign) => motion.rotate({ device, axis }, { velocity: sign * speed.current, unit: "pps", hold_s: HOLD_S }),
+        (sign) => motion.jog({ device, axis }, { velocity: sign * speed.current, unit: "pps", hold_s: HOLD_S }),
         () => motion.keepRotating({ device, axis }, { hold_s: HOLD_S }),
         () => motion.stop({ device, axis }, "ramp"),
-        (error) => report.current(error),
+        (error) => (notSent(error) ? desk.permitHeld() : report.current(error)),
         setDirection,
+        notSent,
       ),
     [device, axis],
   );
@@ -45,12 +51,17 @@ export function useJog(at: AxisAddress, velocityPps: number, onError: (error: un
     };
   }, [jog]);
 
+  // Before anything is held: the question takes the focus, and what lets go for that would stop another's motor.
+  const press = (wanted: Direction) => {
+    if (desk.permitHeld()) jog.press(wanted);
+  };
+
   const buttonProps = (own: Direction) => ({
     onPointerDown: (event: PointerEvent<HTMLButtonElement>) => {
       if (event.button !== 0) return;
       event.currentTarget.setPointerCapture(event.pointerId);
       event.currentTarget.focus();
-      jog.press(own);
+      press(own);
     },
     onPointerUp: () => jog.release(),
     onPointerCancel: () => jog.release(),
@@ -61,7 +72,7 @@ export function useJog(at: AxisAddress, velocityPps: number, onError: (error: un
       const wanted = keyDirection(event.key, own);
       if (wanted === null) return;
       event.preventDefault();
-      if (!event.repeat) jog.press(wanted);
+      if (!event.repeat) press(wanted);
     },
     onKeyUp: (event: KeyboardEvent) => {
       if (keyDirection(event.key, own) !== null) jog.release();

@@ -1,0 +1,263 @@
+"""The lease in a browser: who opens a page only looks, one at a time takes the bench, and everybody may stop it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import httpx
+import pytest
+from playwright.sync_api import BrowserContext, Locator, Page, expect
+from server_process import ServerProcess
+
+from tests.e2e.conftest import Errors
+from tests.e2e.motor import wait_for
+from tests.e2e.session import a_client, take_the_bench
+from tests.e2e.test_pages import LOOKS
+
+AXIS = "/devices/bench/axes/0"
+
+
+@pytest.fixture(scope="module")
+def look(server: ServerProcess) -> Iterator[httpx.Client]:
+    """The server as a session sees it that is in none of the pages here."""
+    with a_client(server.url) as client:
+        yield client
+
+
+@pytest.fixture(autouse=True)
+def free_bench(look: httpx.Client) -> Iterator[None]:
+    """Each test finds the motor at 0 and the bench free, and leaves what was set as it was."""
+    wait_for(lambda: lease(look)["state"] == "free" or lease(look)["mine"], "the pages of the test before are gone", 30)
+    take_the_bench(look)
+    look.put("/lease", json={"on_vanish": "stop", "vanish_after_s": 6}).raise_for_status()
+    look.post("/stop").raise_for_status()
+    wait_for(lambda: not axis(look)["moving"], "at rest")
+    look.post(f"{AXIS}/move", json={"target": 0}).raise_for_status()
+    wait_for(lambda: axis(look)["position_reached"], "at 0")
+    look.delete("/lease").raise_for_status()
+    yield
+    look.post("/stop").raise_for_status()
+
+
+@pytest.fixture(scope="module", autouse=True)
+def as_it_was(look: httpx.Client) -> Iterator[None]:
+    yield
+    wait_for(lambda: lease(look)["state"] == "free", "nobody has the bench", 30)
+    take_the_bench(look)
+    look.put("/lease", json={"on_vanish": "stop", "vanish_after_s": 15}).raise_for_status()
+
+
+@pytest.fixture
+def visit(new_context: Callable[..., BrowserContext], errors: Errors) -> Iterator[Callable[..., Page]]:
+    """Open the bench as somebody of that name, who has never been here when it is None."""
+
+    def come(name: str | None) -> Page:
+        context = new_context(stranger=True)
+        if name is not None:
+            context.add_init_script(f"if (location.protocol !== 'about:') localStorage['stepscope.name'] = '{name}'")
+        page = context.new_page()
+        page.goto("/")
+        expect(page.get_by_test_id("lease")).to_be_visible()
+        expect(page.get_by_test_id("link-readout").first).to_contain_text("live")
+        return page
+
+    yield come
+    assert not errors.unexpected()
+
+
+def lease(look: httpx.Client) -> dict[str, Any]:
+    state: dict[str, Any] = look.get("/lease").raise_for_status().json()
+    return state
+
+
+def axis(look: httpx.Client) -> dict[str, Any]:
+    state: dict[str, Any] = look.get(AXIS).raise_for_status().json()
+    return state
+
+
+def control(page: Page) -> Locator:
+    return page.get_by_test_id("lease")
+
+
+def dialog(page: Page) -> Locator:
+    return page.get_by_role("dialog", name="You are only looking")
+
+
+def take(page: Page) -> None:
+    control(page).click()
+    expect(control(page)).to_have_text("You have the bench")
+
+
+def go_to(page: Page, target: int) -> None:
+    page.get_by_test_id("move-target").fill(str(target))
+    page.get_by_test_id("move-go").click()
+
+
+def test_the_first_change_asks_and_then_happens(visit: Callable[..., Page], look: httpx.Client) -> None:
+    page = visit(None)
+    expect(control(page)).to_have_text("Looking only · Take the bench")
+    go_to(page, 3000)
+    expect(dialog(page)).to_contain_text("Take the bench and go on?")
+    assert (lease(look)["state"], axis(look)["target_position"]) == ("free", 0)
+    name = dialog(page).get_by_role("textbox", name="Your name")
+    expect(name).to_have_value("Chrome on Linux")
+    name.fill("Ann")
+    dialog(page).get_by_role("button", name="Take the bench").click()
+    expect(dialog(page)).to_be_hidden()
+    wait_for(lambda: axis(look)["position"] == 3000, "the motor is there")
+    expect(control(page)).to_have_text("You have the bench")
+    assert (lease(look)["holder"], lease(look)["mine"]) == ("Ann", False)
+    go_to(page, 1000)
+    wait_for(lambda: axis(look)["position"] == 1000, "no question any more")
+    page.reload()
+    expect(control(page)).to_have_text("You have the bench")
+
+
+def test_who_says_no_is_told_that_nothing_was_sent(visit: Callable[..., Page], look: httpx.Client) -> None:
+    page = visit("Ann")
+    go_to(page, 3000)
+    dialog(page).get_by_role("button", name="Only look").click()
+    said = page.get_by_test_id("motion-card").get_by_role("status").filter(has_text="Nothing was sent")
+    expect(said).to_contain_text("Take the bench, above, and do it again.")
+    assert (axis(look)["target_position"], lease(look)["state"]) == (0, "free")
+
+
+def test_a_jog_button_that_was_let_go_moves_nothing(visit: Callable[..., Page], look: httpx.Client) -> None:
+    page = visit("Ann")
+    page.get_by_test_id("jog-right").hover()
+    page.mouse.down()
+    expect(dialog(page)).to_contain_text("Then hold the button again.")
+    page.mouse.up()
+    dialog(page).get_by_role("button", name="Take the bench").click()
+    expect(control(page)).to_have_text("You have the bench")
+    expect(dialog(page)).to_be_hidden()
+    assert (axis(look)["position"], axis(look)["moving"]) == (0, False)
+    page.get_by_test_id("jog-right").hover()
+    page.mouse.down()
+    wait_for(lambda: axis(look)["velocity_pps"] > 0, "held, it jogs")
+    page.mouse.up()
+    wait_for(lambda: not axis(look)["moving"], "released, at rest")
+
+
+def test_the_bench_is_asked_for_and_handed_over(visit: Callable[..., Page], look: httpx.Client) -> None:
+    ann, bob = visit("Ann"), visit("Bob")
+    take(ann)
+    expect(control(bob)).to_have_text(re.compile(r"^Taken by Ann · \d+ s$"))
+    go_to(bob, 2000)
+    expect(dialog(bob)).to_contain_text("Ann has the bench")
+    dialog(bob).get_by_role("button", name="Ask Ann for it").click()
+    asks = ann.get_by_role("alert").filter(has_text="Bob asks for the bench")
+    asks.get_by_role("button", name="Hand over").click()
+    expect(asks).to_be_hidden()
+    expect(dialog(bob)).to_contain_text("The bench was handed to you. Go on with what you wanted?")
+    assert axis(look)["target_position"] == 0
+    dialog(bob).get_by_role("button", name="Go on").click()
+    wait_for(lambda: axis(look)["position"] == 2000, "what was asked for is done")
+    expect(control(ann)).to_have_text(re.compile("^Taken by Bob"))
+    expect(control(bob)).to_have_text("You have the bench")
+
+
+def test_who_does_not_ask_any_more_is_not_shown(visit: Callable[..., Page]) -> None:
+    ann, bob = visit("Ann"), visit("Bob")
+    take(ann)
+    expect(control(bob)).to_have_text(re.compile("^Taken by Ann"))
+    control(bob).click()
+    bob.get_by_role("button", name="Ask Ann for it").click()
+    asks = ann.get_by_role("alert").filter(has_text="Bob asks for the bench")
+    expect(asks).to_be_visible()
+    bob.get_by_role("button", name="Do not ask any more").click()
+    expect(asks).to_be_hidden()
+    control(ann).click()
+    ann.get_by_role("button", name="Give the bench back").click()
+    expect(control(bob)).to_have_text("Looking only · Take the bench")
+
+
+def test_who_only_looks_stops_the_motor_and_disturbs_it_not_otherwise(
+    visit: Callable[..., Page], look: httpx.Client
+) -> None:
+    ann, bob = visit("Ann"), visit("Bob")
+    take(ann)
+    ann.get_by_role("button", name="Rotate").last.click()
+    wait_for(lambda: axis(look)["velocity_pps"] > 0, "it turns")
+    expect(control(bob)).to_have_text(re.compile("^Taken by Ann"))
+    bob.get_by_test_id("jog-left").hover()
+    bob.mouse.down()
+    expect(dialog(bob)).to_be_visible()
+    bob.mouse.up()
+    dialog(bob).get_by_role("button", name="Only look").click()
+    expect(dialog(bob)).to_be_hidden()
+    assert axis(look)["velocity_pps"] > 0
+    bob.get_by_test_id("stop-axis").click()
+    wait_for(lambda: not axis(look)["moving"], "stopped by one who has not got the bench")
+    ann.get_by_role("button", name="Rotate").last.click()
+    wait_for(lambda: axis(look)["velocity_pps"] > 0, "it turns again")
+    bob.keyboard.press("Escape")
+    wait_for(lambda: not axis(look)["moving"], "stopped by the key")
+    assert lease(look)["holder"] == "Ann"
+
+
+def test_a_tab_that_vanishes_loses_the_bench_and_its_motor_stops(
+    visit: Callable[..., Page], look: httpx.Client
+) -> None:
+    ann, bob = visit("Ann"), visit("Bob")
+    take(ann)
+    ann.get_by_role("button", name="Rotate").last.click()
+    wait_for(lambda: axis(look)["velocity_pps"] > 0, "it turns")
+    ann.context.close()
+    expect(control(bob)).to_have_text("Looking only · Take the bench", timeout=20_000)
+    wait_for(lambda: not axis(look)["moving"], "what is set for it has happened")
+
+
+def test_a_tab_of_its_own_is_a_session_of_its_own(visit: Callable[..., Page]) -> None:
+    page = visit("Ann")
+    take(page)
+    with page.context.expect_page() as opened:
+        page.evaluate("window.open('/', '_blank')")  # which copies the session storage
+    expect(control(opened.value)).to_have_text(re.compile("^Taken by Ann"))
+    expect(control(page)).to_have_text("You have the bench")
+
+
+def test_what_happens_at_vanishing_is_set_by_keyboard(visit: Callable[..., Page], look: httpx.Client) -> None:
+    page = visit(None)
+    control(page).focus()
+    page.keyboard.press("Enter")
+    expect(dialog(page).get_by_role("button", name="Take the bench")).to_be_focused()
+    page.keyboard.press("Enter")
+    expect(control(page)).to_have_text("You have the bench")
+    expect(dialog(page)).to_be_hidden()
+    control(page).focus()
+    page.keyboard.press("Enter")
+    panel = page.get_by_role("dialog", name="The bench")
+    panel.get_by_role("radio", name="Stop").focus()
+    page.keyboard.press("ArrowRight")
+    wait_for(lambda: lease(look)["on_vanish"] == "hold", "chosen")
+    expect(panel).to_contain_text("a move runs to its target")
+    after = panel.get_by_role("textbox", name="after")
+    after.fill("20")
+    after.press("Enter")
+    wait_for(lambda: lease(look)["vanish_after_s"] == 20, "set")
+    page.keyboard.press("Escape")
+    expect(panel).to_be_hidden()
+    expect(control(page)).to_be_focused()
+
+
+def test_it_is_open_to_everybody(visit: Callable[..., Page], check_axe: Callable[[Page], None]) -> None:
+    ann, bob = visit("Ann"), visit(None)
+    take(ann)
+    expect(control(bob)).to_have_accessible_name(re.compile("^Taken by Ann"))
+    bob.get_by_test_id("jog-left").click()
+    dialog(bob).get_by_role("button", name="Ask Ann for it").click()
+    expect(ann.get_by_role("alert").filter(has_text="asks for the bench")).to_be_visible()
+    control(ann).click()
+    expect(ann.get_by_role("dialog", name="The bench")).to_be_visible()
+    for size, scheme in LOOKS:
+        for page in (ann, bob):
+            page.set_viewport_size(size)
+            page.emulate_media(color_scheme=scheme)
+            check_axe(page)
+            expect(page.get_by_test_id("stop-all")).to_be_in_viewport(ratio=1)
+            expect(control(page)).to_be_in_viewport(ratio=1)
+            sideways = page.evaluate("document.scrollingElement.scrollWidth - document.documentElement.clientWidth")
+            assert sideways <= 0, f"{size} can be scrolled sideways by {sideways} px"

@@ -1,0 +1,56 @@
+import { ApiError, problemOf } from "../problem";
+import { startBeat } from "./beat";
+import { Gate } from "./gate";
+import { type Lease, LeaseDesk } from "./LeaseDesk";
+import { sessionHeaders, userName } from "./session";
+
+const URL = "/api/v1/lease";
+const LOOK_EVERY_MS = 1000;
+/** Somebody has told all motors to stop, here on this page. */
+export const STOP_EVENT = "stepscope:stop";
+
+async function call(method: string, path = "", body?: unknown): Promise<Lease> {
+  const answer = await fetch(URL + path, {
+    method,
+    headers: { ...sessionHeaders(), ...(body === undefined ? {} : { "content-type": "application/json" }) },
+    ...(body === undefined ? {} : { body: JSON.stringify(body) }),
+  });
+  const said: unknown = await answer.json().catch(() => undefined);
+  if (!answer.ok) throw new ApiError(problemOf(said));
+  return said as Lease;
+}
+
+/** This page's lease. */
+export const desk = new LeaseDesk({
+  look: () => call("GET"),
+  take: () => call("POST", "", { name: userName() }),
+  keep: (change = undefined) => call("PUT", "", change ?? {}),
+  giveBack: () => call("DELETE"),
+  ask: () => call("POST", "/ask", { name: userName() }),
+  handOver: (to) => call("POST", "/hand-over", { to }),
+  beat: startBeat,
+});
+
+/** Everything that the page sends goes through here. */
+export const gate = new Gate(desk, (request) => {
+  for (const [name, value] of Object.entries(sessionHeaders())) request.headers.set(name, value);
+  return fetch(request);
+});
+
+/**
+ * A page that goes falls silent, and what is set for that takes care of its motors; a page that is only loaded anew
+ * still has the bench. Where motors are to go on anyway it gives the bench back.
+ */
+function leave() {
+  if (desk.mine && desk.snapshot.lease?.on_vanish === "nothing")
+    void fetch(URL, { method: "DELETE", headers: sessionHeaders(), keepalive: true });
+}
+
+/** Look at the lease from now on, for as long as the page is seen; what keeps it alive goes on when it is not. */
+export function watchLease(): void {
+  void desk.refresh();
+  setInterval(() => document.hidden || void desk.refresh(), LOOK_EVERY_MS);
+  document.addEventListener("visibilitychange", () => document.hidden || void desk.refresh());
+  window.addEventListener("pagehide", leave);
+  window.addEventListener(STOP_EVENT, () => desk.drop());
+}

@@ -1,0 +1,94 @@
+import type { LeaseDesk } from "./LeaseDesk";
+import { changesBench } from "./rules";
+
+export type Fetch = (request: Request) => Promise<Response>;
+
+/** The server's refusals for want of the lease. */
+const REFUSALS: readonly unknown[] = ["/problems/bench-taken", "/problems/bench-not-taken"];
+/** Ours: nothing was sent, because somebody who only looks did not want the bench after all. */
+export const ONLY_LOOKING = "/problems/only-looking";
+
+/** What stands for the answer to a request that was not sent. */
+function notSent(request: Request): Response {
+  const problem = {
+    type: ONLY_LOOKING,
+    title: "Nothing was sent",
+    status: 409,
+    detail: "You are only looking: the bench is as it was.",
+    way_out: "Take the bench, above, and do it again.",
+    facts: {},
+    instance: new URL(request.url).pathname,
+  };
+  return new Response(JSON.stringify(problem), {
+    status: problem.status,
+    headers: { "content-type": "application/problem+json" },
+  });
+}
+
+async function wantsLease(answer: Response): Promise<boolean> {
+  if (answer.status !== 409) return false;
+  const problem: unknown = await answer
+    .clone()
+    .json()
+    .catch(() => null);
+  return typeof problem === "object" && problem !== null && "type" in problem && REFUSALS.includes(problem.type);
+}
+
+interface Turn {
+  request: Request;
+  answer: Promise<Response>;
+}
+
+/**
+ * Lets through what only reads. What changes the bench waits until it is ours, and is then sent, once. While it waits
+ * the newest of a value's settings takes the place of those before it: a drag that opened the question sends its last.
+ */
+export class Gate {
+  private readonly waiting = new Map<string, Turn>();
+
+  constructor(
+    private readonly desk: LeaseDesk,
+    private readonly send: Fetch,
+  ) {}
+
+  readonly fetch: Fetch = async (request) => {
+    if (request.method === "GET") return this.send(request);
+    if (changesBench(request.method, request.url) && !this.desk.mine) return this.wait(request);
+    const spare = request.clone();
+    const answer = await this.send(request);
+    if (!(await wantsLease(answer))) return answer;
+    // it has done nothing, and may be sent once more when the bench is ours
+    await this.desk.refused();
+    return this.wait(spare);
+  };
+
+  /** For what is held down: goes now or not at all. Who holds it opens the question, `desk.permitHeld`. */
+  readonly held: Fetch = async (request) => {
+    if (this.desk.snapshot.lease !== null && !this.desk.mine) return notSent(request);
+    const answer = await this.send(request);
+    if (!(await wantsLease(answer))) return answer;
+    await this.desk.refused();
+    return notSent(request);
+  };
+
+  /** For what a page repeats by itself: never asks. */
+  readonly quiet: Fetch = async (request) =>
+    this.desk.snapshot.lease === null || this.desk.mine ? this.send(request) : notSent(request);
+
+  private wait(request: Request): Promise<Response> {
+    const key = `${request.method} ${request.url}`;
+    const before = request.method === "PUT" || request.method === "PATCH" ? this.waiting.get(key) : undefined;
+    if (before) {
+      before.request = request;
+      return before.answer.then((answer) => answer.clone());
+    }
+    const turn: Turn = { request, answer: this.desk.permit().then((go) => this.go(key, turn, go)) };
+    this.waiting.set(key, turn);
+    return turn.answer.then((answer) => answer.clone());
+  }
+
+  private go(key: string, turn: Turn, go: boolean): Promise<Response> {
+    if (this.waiting.get(key) === turn) this.waiting.delete(key);
+    return go ? this.send(turn.request) : Promise.resolve(notSent(turn.request));
+  }
+}

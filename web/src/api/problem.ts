@@ -1,0 +1,27 @@
+import type { components } from "./schema";
+
+export type Problem = components["schemas"]["Problem"];
+
+/** An answer that is a problem+json, as an exception for react-query. */
+export class ApiError extends Error {
+  readonly problem: Problem;
+  constructor(problem: Problem) {
+    super(problem.detail);
+    this.problem = problem;
+  }
+}
+
+/** A problem out of whatever a failed call gave: our own JSON, or no answer at all. */
+export function problemOf(error: unknown): Problem {
+  if (error instanceof ApiError) return error.problem;
+  if (typeof error === "object" && error !== null && "detail" in error && "title" in error) return error as Problem;
+  return {
+    type: "/problems/no-answer",
+    title: "The server does not answer",
+    status: 0,
+    detail: error instanceof Error ? error.message : String(error),
+    way_out: "Check that stepscope is still running; this page reconnects by itself.",
+    facts: {},
+    instance: null,
+  };
+}

@@ -1,0 +1,69 @@
+import { Button, Indicator, Popover } from "@mantine/core";
+import { useDisclosure } from "@mantine/hooks";
+import { IconEye, IconLock, IconSteeringWheel } from "@tabler/icons-react";
+import { desk } from "../../api/lease/bench";
+import type { Lease } from "../../api/lease/LeaseDesk";
+import { savedName } from "../../api/lease/session";
+import { LeasePanel } from "./LeasePanel";
+import classes from "./lease.module.css";
+import { useLease } from "./useLease";
+import { isSilent, lasting } from "./words";
+
+function takenWords(lease: Lease): string {
+  return isSilent(lease)
+    ? `${lease.holder} is silent · free in ${lasting(lease.expires_in_s)}`
+    : `Taken by ${lease.holder} · ${lasting(lease.since_s)}`;
+}
+
+/** Who has the bench: the way to it, and to everything about it. Without words where there is no room for them. */
+export function LeaseControl() {
+  const { lease, asking } = useLease();
+  const [opened, { toggle, close }] = useDisclosure();
+  if (lease === null) return null;
+  if (lease.state === "free")
+    return (
+      <Button
+        size="xs"
+        variant="default"
+        className={classes.control}
+        data-testid="lease"
+        data-lease="free"
+        aria-label="Looking only. Take the bench"
+        title="Looking only. Take the bench"
+        onClick={() => (savedName() === null ? desk.wish() : void desk.take())}
+      >
+        <IconEye size={16} aria-hidden />
+        <span className={classes.words}>
+          <span className={classes.more}>Looking only · </span>Take the bench
+        </span>
+      </Button>
+    );
+  const words = lease.mine ? "You have the bench" : asking ? `Asking ${lease.holder}…` : takenWords(lease);
+  const asks = lease.mine ? lease.asking.length : 0;
+  const label = asks > 0 ? `${words}, ${asks} ${asks === 1 ? "asks" : "ask"} for it` : words;
+  const Icon = lease.mine ? IconSteeringWheel : IconLock;
+  return (
+    <Popover opened={opened} onChange={(open) => !open && close()} width={300} position="bottom" trapFocus withinPortal>
+      <Indicator label={asks} size={16} disabled={asks === 0} offset={3}>
+        <Popover.Target>
+          <Button
+            size="xs"
+            variant={lease.mine ? "light" : "default"}
+            className={classes.control}
+            data-testid="lease"
+            data-lease={lease.mine ? "mine" : "taken"}
+            aria-label={label}
+            title={label}
+            onClick={toggle}
+          >
+            <Icon size={16} aria-hidden />
+            <span className={classes.words}>{words}</span>
+          </Button>
+        </Popover.Target>
+      </Indicator>
+      <Popover.Dropdown p="sm" aria-label="The bench">
+        <LeasePanel lease={lease} asking={asking} close={close} />
+      </Popover.Dropdown>
+    </Popover>
+  );
+}
