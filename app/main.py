@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import re
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Sequence
 from contextlib import asynccontextmanager
 from functools import partial
 from pathlib import Path
@@ -26,8 +26,9 @@ from app.api.schemas import Port
 from app.calc import sramp
 from app.calc.ramp import RampParameters, exact_ramp
 from app.clock import Clock, WallClock
+from app.devices.config import AxisSettings
 from app.devices.device import Device
-from app.devices.manager import DeviceManager
+from app.devices.manager import DeviceChange, DeviceManager
 from app.emulators.build import build_emulator, options_of, warm_up
 from app.links.emulator import EmulatorPort
 from app.links.errors import BenchError, UsageError
@@ -48,12 +49,14 @@ from app.store.audit import AuditLog
 from app.store.connections import ConnectionStore
 from app.store.database import Database
 from app.store.positions import PositionStore
+from app.store.profiles import ProfileStore
 from app.store.recordings.library import Library
 from app.store.saver import Saver
 from app.telemetry.hub import TelemetryHub
 from app.tuning.at_rest import after_vanishing, stop_moving
 from app.tuning.endless import EndlessService
 from app.tuning.procedures import Procedures
+from app.tuning.profiles.service import ProfileService
 from app.twin.service import Twin
 
 log = logging.getLogger("stepscope")
@@ -115,8 +118,31 @@ def create_app(
     lease = Lease(clock, settings.on_vanish, settings.vanish_after_s)
     lease.listen(partial(lease_words, audit))
     twin = Twin(clock, hub)
+    procedures = Procedures(clock)
+
+    def under_way(device: Device) -> str:
+        running = procedures.running(device)
+        return f"a {running[0].kind} runs" if running else ""
+
+    async def configure(device: Device, axes: Sequence[AxisSettings]) -> None:
+        await manager.edit(device.id, DeviceChange(axes=tuple(axes)))
+
+    profiles = ProfileService(settings.data_dir, under_way, configure)
     bench = Bench(
-        settings, clock, manager, hub, Procedures(clock), endless, desk, database, audit, lease, twin, list_serial_ports
+        settings,
+        clock,
+        manager,
+        hub,
+        procedures,
+        endless,
+        desk,
+        database,
+        audit,
+        lease,
+        twin,
+        profiles,
+        ProfileStore(database),
+        list_serial_ports,
     )
     lease_watch = LeaseWatch(
         lease, bench.calls, clock, lambda how: after_vanishing(how, manager.devices, bench.procedures)
@@ -130,6 +156,7 @@ def create_app(
             log.warning("%s", warning)
         endless.restore(kept.positions)
         await asyncio.to_thread(database.open)
+        profiles.tell_unfinished()
         compiling = asyncio.create_task(asyncio.to_thread(compile_kernels))
         if not (await asyncio.wait({compiling}, timeout=PATIENCE_S))[0]:
             log.warning("the first start compiles the emulators, which takes some 15 s; later ones find it done")
@@ -154,6 +181,7 @@ def create_app(
             audit.note("end", "stepscope")
             await lease_watch.close()
             await bench.probing.abort()
+            await profiles.close()
             await stop_motors(bench)
             await bench.twin.off()
             await desk.close()  # behind the stops, which belong to what is recorded

@@ -15,10 +15,12 @@ from app.devices.manager import DeviceManager
 from app.settings import Settings
 from app.store.audit import AuditLog
 from app.store.database import Database
+from app.store.profiles import ProfileStore
 from app.telemetry.hub import TelemetryHub
 from app.tuning.endless import EndlessService
 from app.tuning.procedures import Procedures
 from app.tuning.profile_scripts.service import Scripts
+from app.tuning.profiles.service import ProfileService
 from app.twin.service import Twin
 
 
@@ -37,6 +39,8 @@ class Bench:
     audit: AuditLog
     lease: Lease
     twin: Twin
+    profiles: ProfileService
+    profile_store: ProfileStore
     list_serial_ports: Callable[[], list[Port]]
     probing: Probing = field(default_factory=Probing)
     scripts: Scripts = field(default_factory=Scripts)

@@ -38,7 +38,7 @@ from app.api.schemas_devices import (
     SixPointEmulatorLink,
     SixPointLink,
 )
-from app.api.schemas_tables import ChainBit, ChainTable, DriverSpecIn, ProfileRegister
+from app.api.schemas_tables import ChainBit, ChainTable, DriverSpecIn
 from app.calc.driver_chain import Chain, build_chain, decode_chain
 from app.calc.ram_words import unpack_words
 from app.devices import prediction, results
@@ -55,7 +55,6 @@ from app.links.emulator import EmulatorPort
 from app.links.errors import UsageError, WrongState
 from app.links.registry import Link
 from app.registers.catalog import MODELS
-from app.registers.model import RegisterTable
 from app.tuning import closed_loop_state
 from app.tuning.closed_loop_state import Load
 
@@ -147,6 +146,7 @@ def device_info(device: Device) -> DeviceInfo:
         clock_hz=device.clock_hz,
         state=device.state,
         problem=None if device.problem is None else problem_of(device.problem),
+        notes=list(device.notes),
         emulated=device.emulated,
         demo=device.config.demo,
         axes=[_axis_info(device, axis) for axis in device.axes],
@@ -256,12 +256,6 @@ def load_of(device: Device, axis: int, torque_nm: float) -> Load:
             wire.patch(Tmc5xxxPatch(axes=[change]), port.take_turn())
 
     return Load(torque_nm, lambda: put(before_nm + torque_nm), lambda: put(before_nm))
-
-
-def profile_register(entry: results.ProfileEntry, table: RegisterTable) -> ProfileRegister:
-    register = ProfileRegister.model_validate(entry)
-    register.space = table.get(entry.name, entry.axis).space.value
-    return register
 
 
 def built_chain(drivers: Sequence[str | DriverSpecIn]) -> Chain:

@@ -35,6 +35,7 @@ from app.links.errors import (
     WrongState,
 )
 from app.tuning.profile_scripts.errors import ScriptFailed
+from app.tuning.profiles.errors import ProfileLeft, ProfileMisfit, ProfileTakenBack, UnreadableProfile
 from app.twin.process import TwinFailed
 
 MEDIA_TYPE = "application/problem+json"
@@ -71,6 +72,10 @@ KINDS: dict[type[Exception], Kind] = {
     UsageError: Kind(422, "/problems/unusable-request", "The request asks for what cannot be"),
     BadReply: Kind(502, "/problems/bad-reply", "The device answered wrongly", "check the wiring, then ask again"),
     LinkError: Kind(502, "/problems/link-failed", "The link to the device failed"),
+    UnreadableProfile: Kind(422, "/problems/unreadable-profile", "This is no profile, or says what cannot be"),
+    ProfileMisfit: Kind(409, "/problems/profile-misfit", "This profile does not fit the device"),
+    ProfileTakenBack: Kind(409, "/problems/profile-taken-back", "Not applied: all is as it was before"),
+    ProfileLeft: Kind(502, "/problems/profile-left", "Not applied, and not all is as it was before"),
     StoreUnavailable: Kind(503, "/problems/store-unavailable", "Nothing can be kept or looked up now"),
     LinkTimeout: Kind(
         504, "/problems/no-reply", "The device did not answer", "read before you write again: it may have happened"

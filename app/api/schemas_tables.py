@@ -1,12 +1,12 @@
-"""Shapes of the tables in a chip's RAM and of the profile."""
+"""Shapes of the tables in a chip's RAM."""
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Discriminator, Field, StringConstraints, Tag
 
-from app.api.schemas import Answer, AxisConfig, Body, Flag, Int, Space
+from app.api.schemas import Answer, Body, Flag, Int
 from app.api.schemas_mslut import MslutHeld, MslutWrite
 from app.calc.mslut import ENTRIES as MSLUT_ENTRIES
 
@@ -73,29 +73,3 @@ class ChainDesign(ChainTable):
     datagram_hz: float
     continuous_update_hz: float | None
     full_step_hz_max: float
-
-
-class Profile(Answer):
-    """A device's whole configuration as a document."""
-
-    format: Literal["stepscope-profile"] = "stepscope-profile"
-    version: Literal[1] = 1
-    name: str
-    model: str
-    clock_hz: float
-    axes: list[AxisConfig]
-    registers: list[ProfileRegister]
-    microstep_table: list[int] | None
-    driver_chain: list[int] | None
-
-
-class ProfileRegister(Answer):
-    name: str
-    space: Space = "register"
-    axis: int | None
-    raw: int
-    value: int
-    fields: dict[str, int]
-
-
-Profile.model_rebuild()

@@ -222,12 +222,12 @@ async def test_tables_of_chips_are_refused_with_a_way_out(
     assert answer.json()["way_out"]
 
 
-async def test_its_profile_names_the_space_of_each_parameter(client: httpx.AsyncClient, motor: str) -> None:
+async def test_its_profile_names_each_parameter_as_the_manual_does(client: httpx.AsyncClient, motor: str) -> None:
     profile = (await client.get(f"{motor}/profile")).json()
-    spaces = {entry["name"]: entry["space"] for entry in profile["registers"]}
-    assert spaces["maximum_positioning_speed"] == "ap"
-    assert "coord" in spaces.values()
-    assert (profile["microstep_table"], profile["driver_chain"]) == (None, None)
+    aliases = {entry["name"]: entry["alias"] for entry in profile["parameters"]}
+    assert aliases["maximum_positioning_speed"] == "ap4"
+    assert aliases["coordinate_1"] == "coord1"
+    assert (profile["registers"], profile["tables"]["microstep"]) == ([], None)
 
 
 async def test_a_raw_frame_has_nine_bytes(client: httpx.AsyncClient, motor: str) -> None:

@@ -44,13 +44,3 @@ async def test_a_chip_without_tables_says_so(client: httpx.AsyncClient) -> None:
         answer = await client.get(f"devices/slider/{path}")
         assert answer.status_code == 409
         assert answer.json()["way_out"]
-
-
-@pytest.mark.parametrize("device", ["bench", "slider"])
-async def test_a_profile_is_the_whole_configuration(client: httpx.AsyncClient, device: str) -> None:
-    profile = (await client.get(f"devices/{device}/profile")).json()
-    assert (profile["format"], profile["version"]) == ("stepscope-profile", 1)
-    held = {(entry["name"].casefold(), entry["axis"]): entry["value"] for entry in profile["registers"]}
-    one = (await client.get(f"devices/{device}/registers/v_max?axis=0")).json()
-    assert held["v_max", 0] == one["value"]
-    assert (profile["microstep_table"] is None) == (device == "slider")

@@ -1,15 +1,15 @@
-"""The tables in the chip's RAM (microsteps, driver chain), and the whole configuration as a document."""
+"""The tables in the chip's RAM: microsteps and the driver chain."""
 
 from __future__ import annotations
 
 from fastapi import APIRouter
 
-from app.api.convert import axis_config, built_chain, chain_table, profile_register
+from app.api.convert import built_chain, chain_table
 from app.api.deps import AxisQuery, CurrentDevice
 from app.api.mslut_tables import has_mslut, held, registers_to_write
 from app.api.problems import DEVICE_PROBLEMS, problems
 from app.api.schemas_mslut import MslutWrite
-from app.api.schemas_tables import AnyTable, AnyTableIn, ChainTable, DriverChain, MicrostepTable, Profile
+from app.api.schemas_tables import AnyTable, AnyTableIn, ChainTable, DriverChain, MicrostepTable
 from app.links.errors import UsageError, WriteRefused
 
 router = APIRouter(prefix="/devices/{device}", tags=["tables"])
@@ -56,18 +56,3 @@ async def write_driver_chain(device: CurrentDevice, body: DriverChain) -> ChainT
     chain = built_chain(body.drivers)
     held = await device.write_driver_chain(chain.ram_words, chain.lsmd)
     return chain_table(held.ram_words, held.lsmd)
-
-
-@router.get("/profile", responses=problems(*DEVICE_PROBLEMS))
-async def get_profile(device: CurrentDevice) -> Profile:
-    """The device's whole configuration as a document."""
-    document = await device.profile()
-    return Profile(
-        name=device.name,
-        model=device.model,
-        clock_hz=device.clock_hz,
-        axes=[axis_config(axis.settings) for axis in device.axes],
-        registers=[profile_register(entry, device.family.table) for entry in document.registers],
-        microstep_table=document.microstep_table,
-        driver_chain=document.driver_chain,
-    )

@@ -1,0 +1,174 @@
+"""Profiles over REST: out of a device, into it, compared and kept."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+import httpx
+import pytest
+
+from app.clock import VirtualClock
+
+
+async def profile_of(client: httpx.AsyncClient, device: str = "bench") -> dict[str, Any]:
+    answer = await client.get(f"devices/{device}/profile")
+    assert answer.status_code == 200, answer.text
+    document: dict[str, Any] = answer.json()
+    return document
+
+
+async def value(client: httpx.AsyncClient, name: str, axis: int = 0, device: str = "bench") -> int:
+    reading = (await client.get(f"devices/{device}/registers/{name}", params={"axis": axis})).json()
+    return int(reading["value"])
+
+
+@pytest.mark.parametrize("device", ["bench", "slider"])
+async def test_a_profile_is_the_whole_configuration(client: httpx.AsyncClient, device: str) -> None:
+    document = await profile_of(client, device)
+    assert (document["format"], document["version"]) == ("stepscope-profile", 1)
+    held = {(entry["name"].casefold(), entry["axis"]): entry["value"] for entry in document["registers"]}
+    assert held["v_max", 0] == await value(client, "v_max", device=device)
+    assert (document["tables"]["microstep"] is None) == (device == "slider")
+
+
+async def test_a_dry_run_tells_what_would_change_and_changes_nothing(client: httpx.AsyncClient) -> None:
+    document = await profile_of(client)
+    await client.put("devices/bench/registers/v_max", params={"axis": 1}, json={"value": 777})
+    answer = (await client.put("devices/bench/profile", params={"dry_run": True}, json=document)).json()
+    assert answer["state"] == "dry run"
+    (difference,) = answer["differences"]
+    assert (difference["name"], difference["axis"], difference["left"]) == ("v_max", 1, 777)
+    assert difference["right_physical"].endswith("pps")
+    assert await value(client, "v_max", 1) == 777
+
+
+async def test_applying_brings_it_back_and_says_what_it_wrote(client: httpx.AsyncClient) -> None:
+    document = await profile_of(client)
+    before = await value(client, "v_max", 1)
+    await client.put("devices/bench/registers/v_max", params={"axis": 1}, json={"value": 777})
+    answer = (await client.put("devices/bench/profile", json=document)).json()
+    assert (answer["state"], [change["name"] for change in answer["written"]]) == ("applied", ["v_max"])
+    assert (answer["written"][0]["was"], answer["written"][0]["now"]) == (777, before)
+    assert await profile_of(client) == {
+        **document,
+        "captured_unix_s": pytest.approx(document["captured_unix_s"], abs=60),
+    }
+    again = (await client.put("devices/bench/profile", json=document)).json()
+    assert (again["state"], again["written"]) == ("unchanged", [])
+    assert (await client.get("devices/bench/profile/apply")).json()["state"] == "idle"
+
+
+async def test_mechanics_come_with_it_and_limits_only_on_request(client: httpx.AsyncClient) -> None:
+    document = await profile_of(client)
+    document["axes"][0] |= {"gear_ratio": 2.5, "limits": {"velocity_max_pps": 30_000.0}}
+    answer = (await client.put("devices/bench/profile", json=document)).json()
+    assert (answer["state"], [entry["name"] for entry in answer["settings"]]) == ("applied", ["gear_ratio"])
+    axis = (await client.get("devices/bench")).json()["axes"][0]
+    assert (axis["gear_ratio"], axis["limits"]["velocity_max_pps"]) == (2.5, None)
+    await client.put("devices/bench/profile", params={"limits": True}, json=document)
+    assert (await client.get("devices/bench")).json()["axes"][0]["limits"]["velocity_max_pps"] == 30_000.0
+
+
+async def test_a_write_beyond_a_soft_limit_is_refused_before_the_first(client: httpx.AsyncClient) -> None:
+    document = await profile_of(client)
+    await client.put("devices/bench/registers/v_max", params={"axis": 0}, json={"value": 100})
+    await client.put("devices/bench/registers/v_min", params={"axis": 0}, json={"value": 2})
+    axes = (await client.get("devices/bench")).json()["axes"]
+    limited = [{"name": axis["name"], "limits": {"velocity_max_pps": 5000.0}} for axis in axes[:1]]
+    assert (await client.patch("devices/bench", json={"axes": [*limited, {}, {}]})).status_code == 200
+    refused = await client.put("devices/bench/profile", json=document)
+    assert (refused.status_code, refused.json()["type"]) == (422, "/problems/soft-limit")
+    assert await value(client, "v_min") == 2
+
+
+async def test_a_motor_that_moves_is_left_alone(client: httpx.AsyncClient, clock: VirtualClock) -> None:
+    document = await profile_of(client)
+    await client.put("devices/bench/registers/v_max", params={"axis": 0}, json={"value": 700})
+    await client.post("devices/bench/axes/0/move", json={"target": 100_000})
+    await clock.advance(0.1)
+    refused = await client.put("devices/bench/profile", json=document)
+    assert (refused.status_code, refused.json()["type"]) == (409, "/problems/wrong-state")
+    assert "stop" in refused.json()["way_out"]
+
+
+async def test_another_model_or_clock_is_refused_with_the_reason(client: httpx.AsyncClient) -> None:
+    document = await profile_of(client)
+    refused = await client.put("devices/slider/profile", json=document)
+    assert (refused.status_code, refused.json()["type"]) == (409, "/problems/profile-misfit")
+    assert "TMC428" in refused.json()["detail"]
+    refused = await client.put("devices/bench/profile", json=document | {"clock_hz": 8e6})
+    assert "8 MHz" in refused.json()["detail"]
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"version": 2}, "newer"),
+        ({"format": "other"}, "no profile of stepscope"),
+        ({"color": 1}, "color"),
+        ({"registers": [{"name": "v_max", "axis": 0, "value": "12"}]}, "registers.0.value"),
+        ({"registers": [{"name": "v_macs", "axis": 0, "value": 12}]}, "registers[0].name"),
+        ({"registers": [{"name": "v_max", "value": 12}]}, "registers[0].axis"),
+        ({"registers": [{"name": "v_max", "axis": 7, "value": 12}]}, "registers[0].axis"),
+        ({"registers": [{"name": "v_max", "axis": 0, "value": 5000}]}, "registers[0]"),
+        ({"registers": [{"name": "v_max", "axis": 0, "value": 1}] * 2}, "registers[1]"),
+        ({"registers": [{"name": "pmul_pdiv", "axis": 0, "fields": {"pdif": 1}}]}, "registers[0].fields.pdif"),
+        ({"registers": [{"name": "pmul_pdiv", "axis": 0, "value": 4, "fields": {"pdiv": 5}}]}, "pdiv 4 or 5"),
+        ({"registers": [{"name": "x_actual", "axis": 0, "value": 1}]}, "not configuration"),
+        ({"tables": {"mslut": []}}, "tables.mslut"),
+        ({"parameters": [{"name": "ap4", "value": 1}]}, "parameters[0]"),
+    ],
+)
+async def test_what_is_wrong_with_a_document_is_told_with_its_place(
+    client: httpx.AsyncClient, change: dict[str, Any], words: str
+) -> None:
+    document = await profile_of(client)
+    before = await value(client, "v_max")
+    refused = await client.put("devices/bench/profile", json=document | change)
+    assert refused.status_code == 422, refused.text
+    assert words in refused.json()["detail"]
+    assert await value(client, "v_max") == before
+
+
+async def test_profiles_are_kept_found_renamed_and_deleted(client: httpx.AsyncClient) -> None:
+    saved = (await client.post("profiles", json={"device": "bench", "name": "before", "note": "as delivered"})).json()
+    assert (saved["name"], saved["model"], saved["device"]) == ("before", "tmc428", "bench")
+    document = await profile_of(client)
+    document["registers"] = [{"name": "v_max", "axis": 0, "value": 99}]
+    other = (await client.post("profiles", json={"document": document, "name": "slow"})).json()
+    listed = (await client.get("profiles")).json()["profiles"]
+    assert [each["id"] for each in listed] == [other["id"], saved["id"]]
+    assert [
+        each["name"] for each in (await client.get("profiles", params={"search": "DELIVERED bench"})).json()["profiles"]
+    ] == ["before"]
+    assert (await client.get("profiles", params={"model": "tmc4210"})).json()["profiles"] == []
+    renamed = (await client.patch(f"profiles/{saved['id']}", json={"name": "factory"})).json()
+    assert (renamed["name"], renamed["note"]) == ("factory", "as delivered")
+    kept = (await client.get(f"profiles/{saved['id']}")).json()
+    assert kept["document"]["name"] == "factory"
+    compared = (await client.post("profiles/compare", json={"left": saved["id"], "right": other["id"]})).json()
+    assert any(each["name"] == "v_max" and each["right"] == 99 for each in compared["differences"])
+    assert (await client.delete(f"profiles/{saved['id']}")).status_code == 204
+    assert (await client.get(f"profiles/{saved['id']}")).status_code == 404
+    assert (await client.delete(f"profiles/{saved['id']}")).status_code == 404
+
+
+async def test_an_exported_file_comes_back_as_it_was(client: httpx.AsyncClient) -> None:
+    saved = (await client.post("profiles", json={"device": "bench", "name": "round"})).json()
+    file = await client.get(f"profiles/{saved['id']}", params={"format": "file"})
+    assert "attachment" in file.headers["content-disposition"]
+    lines = file.text.splitlines()
+    assert sum('"name": "v_max"' in line for line in lines) == 3, "one register a line"
+    again = (await client.post("profiles", json={"document": json.loads(file.text)})).json()
+    kept = [(await client.get(f"profiles/{each['id']}")).json()["document"] for each in (saved, again)]
+    assert kept[0] == kept[1]
+
+
+async def test_no_profile_is_kept_that_no_device_could_take(client: httpx.AsyncClient) -> None:
+    document = await profile_of(client)
+    document["registers"][0]["name"] = "nothing"
+    assert (await client.post("profiles", json={"document": document})).status_code == 422
+    assert (await client.post("profiles", json={})).status_code == 422
+    assert (await client.post("profiles", json={"device": "nobody"})).status_code == 404
+    assert (await client.get("profiles")).json()["profiles"] == []
