@@ -855,15 +855,138 @@ export interface paths {
         };
         /**
          * Get Profile
-         * @description The device's whole configuration as a document.
+         * @description The device's whole configuration as a document, as it is now.
          */
         get: operations["get_profile"];
-        put?: never;
+        /**
+         * Put Profile
+         * @description Bring the device to what the profile says, as one transaction; what it does not speak of stays.
+         *
+         *     Every write is read back. The first that fails ends it, and what was written is written back in reverse order: the
+         *     problem then tells the step that failed (`failed`), and what is not as it was (`left`).
+         */
+        put: operations["put_profile"];
         post?: never;
         delete?: never;
         options?: never;
         head?: never;
         patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/profile/apply": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Apply
+         * @description How far the transaction under way is, or what an earlier one has left: cut off by a crash, or by a dead link.
+         */
+        get: operations["get_apply"];
+        put?: never;
+        post?: never;
+        /**
+         * Forget Apply
+         * @description Leave the device as an unfinished transaction has left it, and forget what it was before.
+         */
+        delete: operations["forget_apply"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/profile/apply/way-back": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Take Back
+         * @description Bring back what an unfinished transaction has written: each register that is not as it was before.
+         */
+        post: operations["take_back"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/profiles": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Profiles
+         * @description All kept profiles, the latest first.
+         */
+        get: operations["list_profiles"];
+        put?: never;
+        /**
+         * Save Profile
+         * @description Keep a document, or what a device holds now. A document that no device could take is refused.
+         */
+        post: operations["save_profile"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/profiles/compare": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Compare Profiles
+         * @description What differs between two profiles of the same model.
+         */
+        post: operations["compare_profiles"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/profiles/{profile}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Profile Kept
+         * @description A kept profile with its document; or with `format=file` the document as a file.
+         */
+        get: operations["get_profile_kept"];
+        put?: never;
+        post?: never;
+        /**
+         * Delete Profile
+         * @description Delete it for good.
+         */
+        delete: operations["delete_profile"];
+        options?: never;
+        head?: never;
+        /**
+         * Edit Profile
+         * @description Another name or note.
+         */
+        patch: operations["edit_profile"];
         trace?: never;
     };
     "/api/v1/devices/{device}/emulator": {
@@ -1560,6 +1683,36 @@ export interface components {
             x: number;
         };
         /**
+         * ApplyProgress
+         * @description What is under way with a device's profile.
+         */
+        ApplyProgress: {
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "idle" | "running" | "unfinished";
+            /** Phase */
+            phase: ("comparing" | "writing" | "checking" | "way back" | "over") | null;
+            /**
+             * Done
+             * @default 0
+             */
+            done: number;
+            /**
+             * Total
+             * @default 0
+             */
+            total: number;
+            /**
+             * Register Name
+             * @description what is being written
+             * @default
+             */
+            register_name: string;
+            unfinished: components["schemas"]["UnfinishedProfile"] | null;
+        };
+        /**
          * AuditEntry
          * @description One thing that somebody did, or was refused.
          */
@@ -1674,7 +1827,7 @@ export interface components {
          * AxisConfig
          * @description The motor on an axis and what it moves.
          */
-        "AxisConfig-Input": {
+        AxisConfig: {
             /**
              * Name
              * @default axis
@@ -1704,41 +1857,6 @@ export interface components {
             travel_mm_per_rev?: number | null;
             /** @description soft limits; what is left out is not limited */
             limits?: components["schemas"]["AxisLimits-Input"];
-        };
-        /**
-         * AxisConfig
-         * @description The motor on an axis and what it moves.
-         */
-        "AxisConfig-Output": {
-            /**
-             * Name
-             * @default axis
-             */
-            name?: string;
-            /**
-             * Full Steps Per Rev
-             * @default 200
-             */
-            full_steps_per_rev?: number;
-            /**
-             * Driver Microsteps
-             * @description microsteps per full step of the step/direction driver (TMC4210); others know theirs
-             * @default 16
-             */
-            driver_microsteps?: number;
-            /**
-             * Gear Ratio
-             * @description motor turns per turn of the load
-             * @default 1
-             */
-            gear_ratio?: number;
-            /**
-             * Travel Mm Per Rev
-             * @description travel of the load per turn of the load [mm]; null for a rotary axis
-             */
-            travel_mm_per_rev?: number | null;
-            /** @description soft limits; what is left out is not limited */
-            limits?: components["schemas"]["AxisLimits-Output"];
         };
         /**
          * AxisEvent
@@ -1918,7 +2036,7 @@ export interface components {
          * AxisPart
          * @description The motor on an axis and what it moves, as in POST /devices.
          */
-        AxisPart: {
+        "AxisPart-Input": {
             /** Name */
             name: string;
             /** Full Steps Per Rev */
@@ -1937,7 +2055,32 @@ export interface components {
             /** Travel Mm Per Rev */
             travel_mm_per_rev?: number | null;
             /** @description null where the profile does not speak of them */
-            limits?: components["schemas"]["Limits"] | null;
+            limits?: components["schemas"]["Limits-Input"] | null;
+        };
+        /**
+         * AxisPart
+         * @description The motor on an axis and what it moves, as in POST /devices.
+         */
+        "AxisPart-Output": {
+            /** Name */
+            name: string;
+            /** Full Steps Per Rev */
+            full_steps_per_rev: number;
+            /**
+             * Driver Microsteps
+             * @description of a step/direction driver; chips with a driver of their own know theirs
+             * @default 16
+             */
+            driver_microsteps: number;
+            /**
+             * Gear Ratio
+             * @default 1
+             */
+            gear_ratio: number;
+            /** Travel Mm Per Rev */
+            travel_mm_per_rev: number | null;
+            /** @description null where the profile does not speak of them */
+            limits: components["schemas"]["Limits-Output"] | null;
         };
         /** AxisStateOut */
         AxisStateOut: {
@@ -2225,7 +2368,7 @@ export interface components {
              */
             clock_hz?: number | null;
             /** Axes */
-            axes?: components["schemas"]["AxisConfig-Input"][] | null;
+            axes?: components["schemas"]["AxisConfig"][] | null;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
@@ -2317,7 +2460,7 @@ export interface components {
              */
             clock_hz?: number | null;
             /** Axes */
-            axes?: components["schemas"]["AxisConfig-Input"][] | null;
+            axes?: components["schemas"]["AxisConfig"][] | null;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
@@ -2909,7 +3052,7 @@ export interface components {
             /** Clock Hz */
             clock_hz?: number | null;
             /** Axes */
-            axes?: components["schemas"]["AxisConfig-Input"][] | null;
+            axes?: components["schemas"]["AxisConfig"][] | null;
         };
         /**
          * DeviceCreate
@@ -2944,6 +3087,11 @@ export interface components {
              */
             state: "connected" | "connecting" | "disconnected" | "failed";
             problem: components["schemas"]["Problem"] | null;
+            /**
+             * Notes
+             * @description what a user has to know now: motors that were found moving
+             */
+            notes: string[];
             /** Emulated */
             emulated: boolean;
             /**
@@ -2968,6 +3116,88 @@ export interface components {
          * @description A link to be tried.
          */
         DeviceTrial: components["schemas"]["ChipTrial"] | components["schemas"]["Chip40Trial"] | components["schemas"]["SixPointTrial"] | components["schemas"]["ModuleTrial"];
+        /**
+         * Diff
+         * @description All differences between two sides, in the order in which they would be written.
+         */
+        Diff: {
+            /** Left */
+            left: string;
+            /** Right */
+            right: string;
+            /** Model */
+            model: string;
+            /** Differences */
+            differences: components["schemas"]["Difference"][];
+            /** Tables */
+            tables: components["schemas"]["TableDifference"][];
+            /**
+             * Same
+             * @description how many registers and parameters are the same on both sides
+             */
+            same: number;
+            /** Warnings */
+            warnings: string[];
+        };
+        /**
+         * Difference
+         * @description One register, parameter, table word or setting that is not the same on both sides.
+         *
+         *     Compared with a device, `left` is what it holds and `right` what the profile wants.
+         */
+        Difference: {
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "register" | "parameter" | "table" | "mechanics" | "limits" | "clock";
+            /** Name */
+            name: string;
+            /** Axis */
+            axis: number | null;
+            /**
+             * Table
+             * @description the table that it is a word of
+             */
+            table: string | null;
+            /**
+             * Left
+             * @description as the chip has it; null where nobody knows
+             */
+            left: number | string | null;
+            /** Right */
+            right: number | string | null;
+            /**
+             * Unit
+             * @description what both count in
+             * @default
+             */
+            unit: string;
+            /**
+             * Left Physical
+             * @description in people's units, by that side's clock and dividers
+             */
+            left_physical: string | null;
+            /** Right Physical */
+            right_physical: string | null;
+            /**
+             * Fields
+             * @description those that differ
+             */
+            fields: components["schemas"]["FieldDifference"][];
+            /**
+             * Written
+             * @description whether apply would write it
+             * @default true
+             */
+            written: boolean;
+            /**
+             * Why
+             * @description what to know about it, or why it is not written
+             * @default
+             */
+            why: string;
+        };
         /** DifferenceOut */
         DifferenceOut: {
             /**
@@ -3546,6 +3776,28 @@ export interface components {
              */
             inertia_kgm2: number;
         };
+        /**
+         * FieldDifference
+         * @description A field of a packed register.
+         */
+        FieldDifference: {
+            /** Name */
+            name: string;
+            /** Left */
+            left: number | null;
+            /** Right */
+            right: number;
+            /**
+             * Left Meaning
+             * @default
+             */
+            left_meaning: string;
+            /**
+             * Right Meaning
+             * @default
+             */
+            right_meaning: string;
+        };
         /** FieldRow */
         FieldRow: {
             /** Name */
@@ -3787,6 +4039,38 @@ export interface components {
             motor_teeth: number;
             /** Driven Teeth */
             driven_teeth: number;
+        };
+        /**
+         * HalfApplied
+         * @description A register of a transaction that did not come to its end.
+         */
+        HalfApplied: {
+            /** Name */
+            name: string;
+            /** Axis */
+            axis: number | null;
+            /**
+             * Table
+             * @description the table that it is a word of
+             */
+            table: string | null;
+            /** Was */
+            was: number | null;
+            /** Now */
+            now: number | null;
+            /** Wanted */
+            wanted: number;
+            /**
+             * Why
+             * @default
+             */
+            why: string;
+            /**
+             * State
+             * @description how far it got; "left": the way back did not bring it back
+             * @enum {string}
+             */
+            state: "written" | "perhaps written" | "not begun" | "left";
         };
         /**
          * Harmonic
@@ -4221,7 +4505,7 @@ export interface components {
          * Limits
          * @description Soft limits of an axis, as in POST /devices; null for none.
          */
-        Limits: {
+        "Limits-Input": {
             /**
              * Position Min
              * @description [microsteps]
@@ -4245,6 +4529,35 @@ export interface components {
             sense_resistor_ohm?: number | null;
             /** Current Full Scale A */
             current_full_scale_a?: number | null;
+        };
+        /**
+         * Limits
+         * @description Soft limits of an axis, as in POST /devices; null for none.
+         */
+        "Limits-Output": {
+            /**
+             * Position Min
+             * @description [microsteps]
+             */
+            position_min: number | null;
+            /**
+             * Position Max
+             * @description [microsteps]
+             */
+            position_max: number | null;
+            /** Velocity Max Pps */
+            velocity_max_pps: number | null;
+            /** Acceleration Max Pps2 */
+            acceleration_max_pps2: number | null;
+            /**
+             * Current Max A
+             * @description of a coil, RMS [A]
+             */
+            current_max_a: number | null;
+            /** Sense Resistor Ohm */
+            sense_resistor_ohm: number | null;
+            /** Current Full Scale A */
+            current_full_scale_a: number | null;
         };
         /**
          * LineEncoder
@@ -4608,7 +4921,7 @@ export interface components {
              */
             clock_hz?: number | null;
             /** Axes */
-            axes?: components["schemas"]["AxisConfig-Input"][] | null;
+            axes?: components["schemas"]["AxisConfig"][] | null;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
@@ -5181,12 +5494,35 @@ export interface components {
          * MslutPart
          * @description A microstep table of one-bit differences, as its registers.
          */
-        MslutPart: {
+        "MslutPart-Input": {
             /**
              * Axis
              * @description null where all axes share it
              */
             axis?: number | null;
+            /** Words */
+            words: string[];
+            /**
+             * Select
+             * @example 0xAAAAB554
+             */
+            select: string;
+            /**
+             * Start
+             * @example 0xAAAAB554
+             */
+            start: string;
+        };
+        /**
+         * MslutPart
+         * @description A microstep table of one-bit differences, as its registers.
+         */
+        "MslutPart-Output": {
+            /**
+             * Axis
+             * @description null where all axes share it
+             */
+            axis: number | null;
             /** Words */
             words: string[];
             /**
@@ -5344,7 +5680,7 @@ export interface components {
          * ParameterPart
          * @description A parameter of a TMCL module.
          */
-        ParameterPart: {
+        "ParameterPart-Input": {
             /** Name */
             name: string;
             /**
@@ -5367,6 +5703,34 @@ export interface components {
              * @default
              */
             meaning?: string;
+        };
+        /**
+         * ParameterPart
+         * @description A parameter of a TMCL module.
+         */
+        "ParameterPart-Output": {
+            /** Name */
+            name: string;
+            /**
+             * Alias
+             * @description its kind and number, e.g. ap4: for readers, and checked
+             * @default
+             */
+            alias: string;
+            /** Value */
+            value: number;
+            /**
+             * Unit
+             * @description for readers: what `value` counts in
+             * @default
+             */
+            unit: string;
+            /**
+             * Meaning
+             * @description for readers: what the value stands for
+             * @default
+             */
+            meaning: string;
         };
         /**
          * Pd42Patch
@@ -5785,36 +6149,86 @@ export interface components {
             };
         };
         /**
-         * Profile
-         * @description A device's whole configuration as a document.
+         * ProfileApplied
+         * @description What differs, and what was done about it. A dry run does nothing.
          */
-        Profile: {
-            /**
-             * Format
-             * @default stepscope-profile
-             * @constant
-             */
-            format: "stepscope-profile";
-            /**
-             * Version
-             * @default 1
-             * @constant
-             */
-            version: 1;
-            /** Name */
-            name: string;
+        ProfileApplied: {
+            /** Left */
+            left: string;
+            /** Right */
+            right: string;
             /** Model */
             model: string;
-            /** Clock Hz */
-            clock_hz: number;
-            /** Axes */
-            axes: components["schemas"]["AxisConfig-Output"][];
-            /** Registers */
-            registers: components["schemas"]["ProfileRegister"][];
-            /** Microstep Table */
-            microstep_table: number[] | null;
-            /** Driver Chain */
-            driver_chain: number[] | null;
+            /** Differences */
+            differences: components["schemas"]["Difference"][];
+            /** Tables */
+            tables: components["schemas"]["TableDifference"][];
+            /**
+             * Same
+             * @description how many registers and parameters are the same on both sides
+             */
+            same: number;
+            /** Warnings */
+            warnings: string[];
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "dry run" | "applied" | "unchanged";
+            /**
+             * Written
+             * @description registers that were written and read back, in their order
+             */
+            written: components["schemas"]["RegisterChange"][];
+            /**
+             * Prepared
+             * @description what was done before, so that nothing moves; it stays
+             */
+            prepared: string[];
+            /**
+             * Settings
+             * @description mechanics and limits that were changed with them
+             */
+            settings: components["schemas"]["Difference"][];
+            /** Took S */
+            took_s: number | null;
+        };
+        /**
+         * ProfileDetail
+         * @description A kept profile.
+         */
+        ProfileDetail: {
+            /** Id */
+            id: number;
+            /** Name */
+            name: string;
+            /**
+             * Model
+             * @enum {string}
+             */
+            model: "tmc428" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "pd42-1241";
+            /**
+             * Title
+             * @description of the model, for people
+             */
+            title: string;
+            /**
+             * Device
+             * @description name of the device that it was taken from
+             */
+            device: string;
+            /** Note */
+            note: string;
+            /** Created Unix S */
+            created_unix_s: number;
+            /** Version */
+            version: number;
+            /**
+             * Registers
+             * @description registers, parameters and table words that it speaks of
+             */
+            registers: number;
+            document: components["schemas"]["ProfileDocument-Output"];
         };
         /**
          * ProfileDocument
@@ -5822,7 +6236,7 @@ export interface components {
          *
          *     Raises ValidationError for what is none; `parse` tells the place in words.
          */
-        ProfileDocument: {
+        "ProfileDocument-Input": {
             /**
              * Format
              * @default stepscope-profile
@@ -5870,38 +6284,322 @@ export interface components {
              */
             captured_unix_s?: number;
             /** Axes */
-            axes?: components["schemas"]["AxisPart"][];
+            axes?: components["schemas"]["AxisPart-Input"][];
             /** Registers */
-            registers?: components["schemas"]["RegisterPart"][];
+            registers?: components["schemas"]["RegisterPart-Input"][];
             /** Parameters */
-            parameters?: components["schemas"]["ParameterPart"][];
-            tables?: components["schemas"]["Tables"];
+            parameters?: components["schemas"]["ParameterPart-Input"][];
+            tables?: components["schemas"]["Tables-Input"];
             /**
              * Unknown
              * @description what the profile says nothing of: it could not be read
              */
-            unknown?: components["schemas"]["UnknownPart"][];
+            unknown?: components["schemas"]["UnknownPart-Input"][];
         };
-        /** ProfileRegister */
-        ProfileRegister: {
+        /**
+         * ProfileDocument
+         * @description A device's whole configuration.
+         *
+         *     Raises ValidationError for what is none; `parse` tells the place in words.
+         */
+        "ProfileDocument-Output": {
+            /**
+             * Format
+             * @default stepscope-profile
+             * @constant
+             */
+            format: "stepscope-profile";
+            /**
+             * Version
+             * @default 1
+             * @constant
+             */
+            version: 1;
+            /**
+             * Name
+             * @default
+             */
+            name: string;
+            /**
+             * Note
+             * @default
+             */
+            note: string;
+            /**
+             * Model
+             * @enum {string}
+             */
+            model: "tmc428" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "pd42-1241";
+            /** Clock Hz */
+            clock_hz: number;
+            /**
+             * Device
+             * @description name of the device that it was taken from
+             * @default
+             */
+            device: string;
+            /**
+             * Firmware
+             * @description of a module
+             * @default
+             */
+            firmware: string;
+            /**
+             * Captured Unix S
+             * @default 0
+             */
+            captured_unix_s: number;
+            /** Axes */
+            axes: components["schemas"]["AxisPart-Output"][];
+            /** Registers */
+            registers: components["schemas"]["RegisterPart-Output"][];
+            /** Parameters */
+            parameters: components["schemas"]["ParameterPart-Output"][];
+            tables: components["schemas"]["Tables-Output"];
+            /**
+             * Unknown
+             * @description what the profile says nothing of: it could not be read
+             */
+            unknown: components["schemas"]["UnknownPart-Output"][];
+        };
+        /**
+         * ProfileIn
+         * @description A profile as a request brings it: its format and version have to be there, so that nobody guesses.
+         * @example {
+         *       "clock_hz": 16000000,
+         *       "format": "stepscope-profile",
+         *       "model": "tmc428",
+         *       "name": "quiet",
+         *       "registers": [
+         *         {
+         *           "axis": 0,
+         *           "name": "v_max",
+         *           "value": 1200
+         *         },
+         *         {
+         *           "axis": 0,
+         *           "fields": {
+         *             "pdiv": 4,
+         *             "pmul": 100
+         *           },
+         *           "name": "pmul_pdiv"
+         *         }
+         *       ],
+         *       "version": 1
+         *     }
+         */
+        ProfileIn: {
+            /**
+             * Format
+             * @default stepscope-profile
+             * @constant
+             */
+            format?: "stepscope-profile";
+            /**
+             * Version
+             * @default 1
+             * @constant
+             */
+            version?: 1;
+            /**
+             * Name
+             * @default
+             */
+            name?: string;
+            /**
+             * Note
+             * @default
+             */
+            note?: string;
+            /**
+             * Model
+             * @enum {string}
+             */
+            model: "tmc428" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "pd42-1241";
+            /** Clock Hz */
+            clock_hz: number;
+            /**
+             * Device
+             * @description name of the device that it was taken from
+             * @default
+             */
+            device?: string;
+            /**
+             * Firmware
+             * @description of a module
+             * @default
+             */
+            firmware?: string;
+            /**
+             * Captured Unix S
+             * @default 0
+             */
+            captured_unix_s?: number;
+            /** Axes */
+            axes?: components["schemas"]["AxisPart-Input"][];
+            /** Registers */
+            registers?: components["schemas"]["RegisterPart-Input"][];
+            /** Parameters */
+            parameters?: components["schemas"]["ParameterPart-Input"][];
+            tables?: components["schemas"]["Tables-Input"];
+            /**
+             * Unknown
+             * @description what the profile says nothing of: it could not be read
+             */
+            unknown?: components["schemas"]["UnknownPart-Input"][];
+        };
+        /**
+         * ProfileInfo
+         * @description A kept profile without its document.
+         */
+        ProfileInfo: {
+            /** Id */
+            id: number;
             /** Name */
             name: string;
             /**
-             * Space
-             * @default register
+             * Model
              * @enum {string}
              */
-            space: "register" | "ap" | "gp0" | "gp2" | "gp3" | "in" | "pullup" | "ain" | "out" | "coord";
-            /** Axis */
-            axis: number | null;
-            /** Raw */
-            raw: number;
-            /** Value */
-            value: number;
-            /** Fields */
-            fields: {
-                [key: string]: number;
-            };
+            model: "tmc428" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "pd42-1241";
+            /**
+             * Title
+             * @description of the model, for people
+             */
+            title: string;
+            /**
+             * Device
+             * @description name of the device that it was taken from
+             */
+            device: string;
+            /** Note */
+            note: string;
+            /** Created Unix S */
+            created_unix_s: number;
+            /** Version */
+            version: number;
+            /**
+             * Registers
+             * @description registers, parameters and table words that it speaks of
+             */
+            registers: number;
+        };
+        /**
+         * ProfileLabel
+         * @description Another name or note; null leaves as it is.
+         * @example {
+         *       "name": "quiet"
+         *     }
+         */
+        ProfileLabel: {
+            /** Name */
+            name?: string | null;
+            /** Note */
+            note?: string | null;
+        };
+        /** ProfileList */
+        ProfileList: {
+            /** Profiles */
+            profiles: components["schemas"]["ProfileInfo"][];
+        };
+        /**
+         * ProfilePair
+         * @description Two profiles, each as a document or as the id of a kept one.
+         * @example {
+         *       "left": {
+         *         "clock_hz": 16000000,
+         *         "format": "stepscope-profile",
+         *         "model": "tmc428",
+         *         "name": "quiet",
+         *         "registers": [
+         *           {
+         *             "axis": 0,
+         *             "name": "v_max",
+         *             "value": 1200
+         *           },
+         *           {
+         *             "axis": 0,
+         *             "fields": {
+         *               "pdiv": 4,
+         *               "pmul": 100
+         *             },
+         *             "name": "pmul_pdiv"
+         *           }
+         *         ],
+         *         "version": 1
+         *       },
+         *       "right": {
+         *         "clock_hz": 16000000,
+         *         "format": "stepscope-profile",
+         *         "model": "tmc428",
+         *         "name": "quiet",
+         *         "registers": [
+         *           {
+         *             "axis": 0,
+         *             "name": "v_max",
+         *             "value": 1200
+         *           },
+         *           {
+         *             "axis": 0,
+         *             "fields": {
+         *               "pdiv": 4,
+         *               "pmul": 100
+         *             },
+         *             "name": "pmul_pdiv"
+         *           }
+         *         ],
+         *         "version": 1
+         *       }
+         *     }
+         */
+        ProfilePair: {
+            /** Left */
+            left: components["schemas"]["ProfileIn"] | number;
+            /** Right */
+            right: components["schemas"]["ProfileIn"] | number;
+        };
+        /**
+         * ProfileSave
+         * @description Either a document, or a device whose configuration is captured now.
+         * @example {
+         *       "document": {
+         *         "clock_hz": 16000000,
+         *         "format": "stepscope-profile",
+         *         "model": "tmc428",
+         *         "name": "quiet",
+         *         "registers": [
+         *           {
+         *             "axis": 0,
+         *             "name": "v_max",
+         *             "value": 1200
+         *           },
+         *           {
+         *             "axis": 0,
+         *             "fields": {
+         *               "pdiv": 4,
+         *               "pmul": 100
+         *             },
+         *             "name": "pmul_pdiv"
+         *           }
+         *         ],
+         *         "version": 1
+         *       }
+         *     }
+         */
+        ProfileSave: {
+            document?: components["schemas"]["ProfileIn"] | null;
+            /**
+             * Device
+             * @description its id
+             */
+            device?: string | null;
+            /**
+             * Name
+             * @description by default as the document, or the device, is called
+             */
+            name?: string | null;
+            /** Note */
+            note?: string | null;
         };
         /**
          * ProfileScript
@@ -6750,13 +7448,39 @@ export interface components {
             not_tried: number;
         };
         /**
+         * RegisterChange
+         * @description A register: what it was, is and was to be; null where nobody knows.
+         */
+        RegisterChange: {
+            /** Name */
+            name: string;
+            /** Axis */
+            axis: number | null;
+            /**
+             * Table
+             * @description the table that it is a word of
+             */
+            table: string | null;
+            /** Was */
+            was: number | null;
+            /** Now */
+            now: number | null;
+            /** Wanted */
+            wanted: number;
+            /**
+             * Why
+             * @default
+             */
+            why: string;
+        };
+        /**
          * RegisterPart
          * @description A register of a chip.
          *
          *     One with fields has them all, but for those that are state; `value` is the whole number. Whoever edits one of them
          *     leaves the other out, or changes both.
          */
-        RegisterPart: {
+        "RegisterPart-Input": {
             /** Name */
             name: string;
             /** Axis */
@@ -6779,6 +7503,37 @@ export interface components {
              * @default
              */
             unit?: string;
+        };
+        /**
+         * RegisterPart
+         * @description A register of a chip.
+         *
+         *     One with fields has them all, but for those that are state; `value` is the whole number. Whoever edits one of them
+         *     leaves the other out, or changes both.
+         */
+        "RegisterPart-Output": {
+            /** Name */
+            name: string;
+            /** Axis */
+            axis: number | null;
+            /**
+             * Value
+             * @description the whole register, signed where it is
+             */
+            value: number | null;
+            /**
+             * Fields
+             * @description by name; values with names of their own may be written by these
+             */
+            fields: {
+                [key: string]: number | string;
+            } | null;
+            /**
+             * Unit
+             * @description for readers: what `value` counts in
+             * @default
+             */
+            unit: string;
         };
         /** RegisterReading */
         RegisterReading: {
@@ -7186,7 +7941,7 @@ export interface components {
          *     }
          */
         ScriptOrder: {
-            document: components["schemas"]["ProfileDocument"];
+            document: components["schemas"]["ProfileDocument-Input"];
             /**
              * Language
              * @enum {string}
@@ -7332,7 +8087,7 @@ export interface components {
              */
             clock_hz?: number | null;
             /** Axes */
-            axes?: components["schemas"]["AxisConfig-Input"][] | null;
+            axes?: components["schemas"]["AxisConfig"][] | null;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
@@ -7785,10 +8540,24 @@ export interface components {
             reference?: boolean | "auto" | null;
         };
         /**
+         * TableDifference
+         * @description How much of a table is not the same; its words are among the differences.
+         */
+        TableDifference: {
+            /** Name */
+            name: string;
+            /** Axis */
+            axis: number | null;
+            /** Differing */
+            differing: number;
+            /** Of */
+            of: number;
+        };
+        /**
          * Tables
          * @description What lies in tables rather than in registers; null where the chip has none, or the profile is silent.
          */
-        Tables: {
+        "Tables-Input": {
             /**
              * Microstep
              * @description TMC428: the quarter wave
@@ -7800,7 +8569,7 @@ export interface components {
              */
             driver_chain?: string[] | null;
             /** Mslut */
-            mslut?: components["schemas"]["MslutPart"][] | null;
+            mslut?: components["schemas"]["MslutPart-Input"][] | null;
             /**
              * User Variables
              * @description PD42-1241: by number; those that are not listed are 0
@@ -7808,6 +8577,39 @@ export interface components {
             user_variables?: {
                 [key: string]: number;
             } | null;
+        };
+        /**
+         * Tables
+         * @description What lies in tables rather than in registers; null where the chip has none, or the profile is silent.
+         */
+        "Tables-Output": {
+            /**
+             * Microstep
+             * @description TMC428: the quarter wave
+             */
+            microstep: number[] | null;
+            /**
+             * Driver Chain
+             * @description TMC428: the chain's RAM, two cells of 6 bits a word
+             */
+            driver_chain: string[] | null;
+            /** Mslut */
+            mslut: components["schemas"]["MslutPart-Output"][] | null;
+            /**
+             * User Variables
+             * @description PD42-1241: by number; those that are not listed are 0
+             */
+            user_variables: {
+                [key: string]: number;
+            } | null;
+        };
+        /**
+         * TakenBack
+         * @description What an unfinished transaction had written, and what is as before now.
+         */
+        TakenBack: {
+            /** Registers */
+            registers: components["schemas"]["RegisterChange"][];
         };
         /**
          * TcpLink
@@ -8373,6 +9175,27 @@ export interface components {
             writes: number;
         };
         /**
+         * UnfinishedProfile
+         * @description A profile that was half applied when the server ended, or whose way back failed.
+         */
+        UnfinishedProfile: {
+            /** Profile */
+            profile: string;
+            /** Model */
+            model: string;
+            /** Started Unix S */
+            started_unix_s: number;
+            /** By */
+            by: string;
+            /**
+             * Crashed
+             * @description whether the server ended in the middle; else the way back failed
+             */
+            crashed: boolean;
+            /** Registers */
+            registers: components["schemas"]["HalfApplied"][];
+        };
+        /**
          * Units
          * @description Chip units and physical units of one axis, either way: give what you know.
          *
@@ -8490,11 +9313,21 @@ export interface components {
          * UnknownPart
          * @description A register that cannot be read, and of which nobody knew what it holds.
          */
-        UnknownPart: {
+        "UnknownPart-Input": {
             /** Name */
             name: string;
             /** Axis */
             axis?: number | null;
+        };
+        /**
+         * UnknownPart
+         * @description A register that cannot be read, and of which nobody knew what it holds.
+         */
+        "UnknownPart-Output": {
+            /** Name */
+            name: string;
+            /** Axis */
+            axis: number | null;
         };
         /** Switches */
         app__api__schemas_axes__Switches: {
@@ -13560,7 +14393,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Profile"];
+                    "application/json": components["schemas"]["ProfileDocument-Output"];
                 };
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
@@ -13610,6 +14443,766 @@ export interface operations {
             };
             /** @description The device did not answer (/problems/no-reply) */
             504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    put_profile: {
+        parameters: {
+            query?: {
+                /** @description only tell what would change: nothing is written */
+                dry_run?: boolean;
+                /** @description apply the profile's soft limits too, when all else is done */
+                limits?: boolean;
+            };
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ProfileIn"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProfileApplied"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); This profile does not fit the device (/problems/profile-misfit); Not applied: all is as it was before (/problems/profile-taken-back); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); This is no profile, or says what cannot be (/problems/unreadable-profile); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply); Not applied, and not all is as it was before (/problems/profile-left) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_apply: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ApplyProgress"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    forget_apply: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    take_back: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TakenBack"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply); Not applied, and not all is as it was before (/problems/profile-left) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_profiles: {
+        parameters: {
+            query?: {
+                /** @description words of name, note, model or device */
+                search?: string;
+                /** @description only those of this model */
+                model?: string;
+            };
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProfileList"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    save_profile: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ProfileSave"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProfileInfo"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); This is no profile, or says what cannot be (/problems/unreadable-profile); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    compare_profiles: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ProfilePair"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["Diff"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This profile does not fit the device (/problems/profile-misfit) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is no profile, or says what cannot be (/problems/unreadable-profile); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_profile_kept: {
+        parameters: {
+            query?: {
+                /** @description file: the document alone, one register a line, to be saved */
+                format?: "json" | "file";
+            };
+            header?: never;
+            path: {
+                /** @description as in the list */
+                profile: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProfileDetail"];
+                    "text/plain": string;
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is no profile, or says what cannot be (/problems/unreadable-profile); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    delete_profile: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description as in the list */
+                profile: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    edit_profile: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description as in the list */
+                profile: number;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ProfileLabel"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProfileInfo"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
                 headers: {
                     [name: string]: unknown;
                 };
