@@ -28,6 +28,7 @@ from app.calc.ramp import RampParameters, exact_ramp
 from app.clock import Clock, WallClock
 from app.devices.config import AxisSettings
 from app.devices.device import Device
+from app.devices.found_moving import FoundMoving
 from app.devices.manager import DeviceChange, DeviceManager
 from app.emulators.build import build_emulator, options_of, warm_up
 from app.links.emulator import EmulatorPort
@@ -96,10 +97,12 @@ def create_app(
     def changed() -> None:
         hub.sync(manager.devices)
         endless.sync(manager.devices)
+        found_moving.sync(manager.devices)
         if opened.is_set():  # what comes from the disk need not go back there, and the demo is nobody's doing
             saver.request()
             ear.sync(manager.devices)
 
+    found_moving = FoundMoving(clock)
     manager = DeviceManager(kinds, clock, on_change=changed)
     saver = Saver(store, manager.configs)
     positions = PositionStore(settings.data_dir)
@@ -183,6 +186,7 @@ def create_app(
             await bench.probing.abort()
             await profiles.close()
             await stop_motors(bench)
+            await found_moving.close()
             await bench.twin.off()
             await desk.close()  # behind the stops, which belong to what is recorded
             await endless.close()

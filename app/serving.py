@@ -5,8 +5,10 @@ from __future__ import annotations
 import contextlib
 import logging
 import re
+import signal
 import socket
 from collections.abc import Callable, MutableMapping
+from types import FrameType
 from urllib.parse import urlencode
 
 import uvicorn
@@ -30,6 +32,7 @@ def serve(settings: Settings, announce: Callable[[str], None]) -> None:
     app = create_app(settings)
     ready = f"stepscope is at {_address(app, settings, port)}  (Ctrl-C stops the motors and ends it)"
     server = BenchServer(app, settings, on_ready=lambda: announce(ready))
+    end_with_the_terminal(server)
     with contextlib.suppress(KeyboardInterrupt):  # uvicorn ends properly, then raises the signal once more
         server.run(sockets=[listener])
 
@@ -65,6 +68,21 @@ class BenchServer(uvicorn.Server):
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
         await stop_motors(self._bench)
         await super().shutdown(sockets)
+
+
+def end_with_the_terminal(server: uvicorn.Server) -> None:
+    """A terminal that is closed, or whose connection broke, ends the server as Ctrl-C does: with its motors stopped.
+
+    Without this it would die on the spot. Under nohup it goes on.
+    """
+    hang_up = getattr(signal, "SIGHUP", None)  # not on Windows
+    if hang_up is not None and signal.getsignal(hang_up) is not signal.SIG_IGN:
+
+        def end(number: int, frame: FrameType | None) -> None:
+            del number, frame
+            server.should_exit = True
+
+        signal.signal(hang_up, end)
 
 
 def serve_with_reload(settings: Settings, environment: MutableMapping[str, str]) -> None:

@@ -154,6 +154,7 @@ class DeviceInfo(Answer):
     clock_hz: float
     state: DeviceState
     problem: Problem | None
+    notes: list[str] = Field(description="what a user has to know now: motors that were found moving")
     emulated: bool
     demo: bool = Field(description="made by --demo; not kept")
     axes: list[AxisInfo]

@@ -140,6 +140,8 @@ class Device(ABC):
         """How many commands each axis got from this session that may move or stop it."""
         self._state: DeviceState = "disconnected"
         self._problem: BenchError | None = None
+        self.notes: tuple[str, ...] = ()
+        """What a user has to know of this device at present: see `found_moving`."""
         self._listeners: list[Callable[[DeviceEvent], None]] = []
 
     # --- who it is ------------------------------------------------------------------------------

@@ -4,15 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import json
-import os
-import re
 import signal
 import socket
-import subprocess
-import sys
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
 import httpx
@@ -23,38 +17,10 @@ from app.emulators.options import EmulatorPatch
 from app.emulators.server import serve_tcp
 from app.links import datagram32
 from tests.api.live import live_server
-
-STEPSCOPE = [sys.executable, "-c", "from app.cli import main; main()"]
+from tests.api.processes import address, running
 
 SOON_S = 12.0
 """It takes 0.6 s alone on a machine; tests share theirs with others. What would hold it up here takes 30 s."""
-
-
-@contextmanager
-def running(*arguments: str) -> Iterator[tuple[subprocess.Popen[str], str]]:
-    """A process that has said that it is ready, and how; that kernels are compiled first is not yet that."""
-    process = subprocess.Popen(
-        [*STEPSCOPE, *arguments], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, env=environment()
-    )
-    assert process.stdout is not None
-    try:
-        line = process.stdout.readline()
-        yield process, process.stdout.readline() if line.startswith("WARNING") else line
-    finally:
-        if process.poll() is None:
-            process.kill()
-        process.wait()
-        process.stdout.close()
-
-
-def environment() -> dict[str, str]:
-    return {name: value for name, value in os.environ.items() if not name.startswith("STEPSCOPE_")}
-
-
-def address(line: str) -> str:
-    found = re.search(r"http://\S+", line)
-    assert found is not None, line
-    return found.group()
 
 
 def test_it_prints_the_url_when_it_is_ready_and_ends_soon_after_ctrl_c(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ import httpx
 import pytest
 import trustme
 
-from tests.api.test_serving import running
+from tests.api.processes import running
 
 
 def test_https_with_a_token_for_a_network(tmp_path: Path) -> None:
