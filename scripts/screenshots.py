@@ -50,6 +50,7 @@ PAGES = {
     "single-console": ("/console", ONE_AXIS),
     "rotary": ("/rotary", ONE_AXIS),
     "bench-rotary": ("/rotary", "bench"),
+    "audit": ("/audit", "bench"),
     "connections": ("/connections", "bench"),
 }
 """Page by name: its path, and the device that it shows."""

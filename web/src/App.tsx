@@ -21,6 +21,7 @@ const COMPONENTS: Record<string, ComponentType> = {
   "/currents": lazy(() => import("./pages/currents/CurrentsPage")),
   "/rotary": lazy(() => import("./pages/rotary/RotaryPage")),
   "/twin": lazy(() => import("./pages/twin/TwinPage")),
+  "/audit": lazy(() => import("./pages/audit/AuditPage")),
   "/console": lazy(() => import("./pages/console/ConsolePage")),
   "/connections": lazy(() => import("./pages/connections/ConnectionsPage")),
 };

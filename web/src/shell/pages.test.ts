@@ -15,6 +15,7 @@ describe("pages", () => {
       "Rotary",
       "3D",
       "Console",
+      "Audit log",
       "Connections",
     ]);
     expect(names("pmul")).toEqual([
@@ -26,6 +27,7 @@ describe("pages", () => {
       "Rotary",
       "3D",
       "Console",
+      "Audit log",
       "Connections",
     ]);
     expect(names("sixpoint")).toEqual([
@@ -39,6 +41,7 @@ describe("pages", () => {
       "Rotary",
       "3D",
       "Console",
+      "Audit log",
       "Connections",
     ]);
     for (const own of [
@@ -49,6 +52,7 @@ describe("pages", () => {
       "Input filters",
       "Microsteps",
       "Console",
+      "Audit log",
       "Connections",
     ])
       expect(names("sramp")).toContain(own);
@@ -62,6 +66,7 @@ describe("pages", () => {
       "Currents",
       "Microsteps",
       "Driver chain",
+      "Audit log",
       "Connections",
     ])
       expect(names(null)).toContain(alone);

@@ -7,6 +7,7 @@ import {
   IconCube,
   IconFilter,
   IconGauge,
+  IconHistory,
   IconPlugConnected,
   IconRotate360,
   IconRotateClockwise2,
@@ -91,6 +92,7 @@ export const PAGES: readonly PageEntry[] = [
   page("/rotary", "Rotary", "Rotary", IconRotate360, {}),
   page("/twin", "3D", "3D", IconCube, {}),
   page("/console", "Console", "Console", IconTerminal2, {}),
+  page("/audit", "Audit log", "Audit", IconHistory, { alone: true }),
   page("/connections", "Connections", "Links", IconPlugConnected, { alone: true }),
 ];
 

@@ -32,7 +32,7 @@ export default function ParametersPage() {
   const { device, axis } = useSelection();
   const phone = usePhone();
   const [paused, setPaused] = useState(false);
-  const [query, setQuery] = useState("");
+  const [query, setQuery] = useState(() => new URLSearchParams(window.location.search).get("find") ?? "");
   const [folded, setFolded] = useState<Record<string, boolean>>({});
   const search = useRef<HTMLInputElement>(null);
   useHotkeys([["/", () => search.current?.focus()]]);

@@ -29,7 +29,7 @@ export default function RegistersPage() {
   const phone = usePhone();
   const [allAxes, setAllAxes] = useLocalStorage({ key: "stepscope.registers.all-axes", defaultValue: false });
   const [paused, setPaused] = useState(false);
-  const [query, setQuery] = useState("");
+  const [query, setQuery] = useState(() => new URLSearchParams(window.location.search).get("find") ?? "");
   const [folded, setFolded] = useState<Record<string, boolean>>({});
   const search = useRef<HTMLInputElement>(null);
   useHotkeys([["/", () => search.current?.focus()]]);

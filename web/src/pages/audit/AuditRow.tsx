@@ -1,0 +1,77 @@
+import { IconBan, IconHelpCircle } from "@tabler/icons-react";
+import { memo } from "react";
+import { Link } from "wouter";
+import type { Device } from "../../api/queries";
+import { familyOf } from "../../lib/family";
+import classes from "./audit.module.css";
+import type { Entry } from "./filters";
+import { detailText, hasFields, outcomeOf, timeText, valueText } from "./words";
+
+interface Props {
+  entry: Entry;
+  /** the device it was done to, where there is one of that name now */
+  device: Device | undefined;
+  onSelect: (device: string, axis: number) => void;
+}
+
+/** One entry; on a phone two lines. */
+export const AuditRow = memo(function AuditRow({ entry, device, onSelect }: Props) {
+  const { kind, why } = outcomeOf(entry);
+  const axis = entry.axis === null ? "" : (device?.axes[entry.axis]?.name ?? `axis ${entry.axis}`);
+  const many = device === undefined || device.axes.length > 1;
+  const fields = hasFields(entry);
+  const [old, now] = [valueText(entry.old), valueText(entry.new)];
+  return (
+    <tr data-outcome={kind} data-testid="audit-entry">
+      <td className={`num ${classes.time}`}>
+        <time dateTime={entry.time} title={new Date(entry.time).toLocaleString("en-GB")}>
+          {timeText(entry.time)}
+        </time>
+      </td>
+      <td className={classes.who} title={[entry.kind, entry.address].filter(Boolean).join(", ")}>
+        {entry.who}
+      </td>
+      <td className={classes.device}>
+        {entry.device ?? ""} {many && axis !== "" && <span className={classes.dim}>{axis}</span>}
+      </td>
+      <td className={classes.action}>{entry.action}</td>
+      <td className={classes.what}>
+        <Subject entry={entry} device={device} onSelect={onSelect} />
+        {entry.detail !== "" && <span className={classes.detail}>{detailText(entry.detail)}</span>}
+      </td>
+      <td className={`num ${classes.values}`} title={fields ? `${old} → ${now}` : undefined}>
+        {!fields && (old !== "" || now !== "") && (
+          <>
+            {old !== "" && <span className={classes.dim}>{old} </span>}
+            <span className={classes.dim}>→ </span>
+            {now === "" ? <span className={classes.dim}>nothing</span> : now}
+          </>
+        )}
+      </td>
+      <td className={classes.outcome}>
+        {kind === "done" ? (
+          <span className={classes.dim}>done</span>
+        ) : (
+          <b>
+            {kind === "refused" ? <IconBan size={13} aria-hidden /> : <IconHelpCircle size={13} aria-hidden />} {kind}
+          </b>
+        )}
+        {why !== "" && <span className={classes.why}>{why}</span>}
+      </td>
+    </tr>
+  );
+});
+
+function Subject({ entry, device, onSelect }: Props) {
+  if (entry.action !== "write" || device === undefined) return <>{entry.subject}</>;
+  const page = familyOf(device.model) === "module" ? "/parameters" : "/registers";
+  return (
+    <Link
+      href={`${page}?find=${encodeURIComponent(entry.subject)}`}
+      className={classes.link}
+      onClick={() => onSelect(device.id, entry.axis ?? 0)}
+    >
+      {entry.subject}
+    </Link>
+  );
+}
