@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import html
+import mimetypes
 import os
 from pathlib import Path
 
@@ -36,6 +37,8 @@ HEADERS = {
 }
 HASHED = "public, max-age=31536000, immutable"
 REVALIDATED = "no-cache"
+GZIP = ".gz"
+"""What the build has packed lies beside its file, under its name and this (`scripts/web.py`)."""
 
 MISSING = """<!doctype html><html lang="en"><meta charset="utf-8"><title>stepscope</title>
 <body><h1>stepscope runs, its web page was not built</h1>
@@ -60,22 +63,22 @@ class WebUi:
             raise HTTPException(404, "no such call")
         if scope["method"] not in ("GET", "HEAD"):
             raise HTTPException(405, headers={"Allow": "GET, HEAD"})
-        response = self._response(path)
+        response = self._response(path, _takes_gzip(scope))
         if isinstance(response, FileResponse) and _unchanged(response, scope):
             response = NotModifiedResponse(response.headers)
         await response(scope, receive, send)
 
-    def _response(self, path: str) -> Response:
+    def _response(self, path: str, gzip: bool) -> Response:
         found = self._file(path)
         if found is not None:
-            return self._send(found, HASHED if path.startswith("/assets/") else REVALIDATED)
+            return self._send(path, found, HASHED if path.startswith("/assets/") else REVALIDATED, gzip)
         if "." in path.rpartition("/")[2]:
             raise HTTPException(404, "no such file")
         index = self._file("/index.html")
         if index is None:
             page = MISSING.format(directory=html.escape(str(self._directory)))
             return HTMLResponse(page, 503, headers={**HEADERS, "cache-control": "no-store"})
-        return self._send(index, REVALIDATED)
+        return self._send("/index.html", index, REVALIDATED, gzip)
 
     def _file(self, path: str) -> Path | None:
         """The file under the directory that `path` names, or None; `..` and links never lead out."""
@@ -88,9 +91,26 @@ class WebUi:
         except OSError:  # names longer than the file system takes
             return None
 
-    @staticmethod
-    def _send(path: Path, cache: str) -> FileResponse:
-        return FileResponse(path, stat_result=os.stat(path), headers={**HEADERS, "cache-control": cache})
+    def _send(self, path: str, found: Path, cache: str, gzip: bool) -> FileResponse:
+        headers = {**HEADERS, "cache-control": cache}
+        kind = mimetypes.guess_type(found.name)[0] or "application/octet-stream"
+        packed = self._file(path + GZIP)
+        if packed is not None:
+            headers["vary"] = "Accept-Encoding"
+            if gzip:
+                # Of another length and time than the plain file, so with another ETag.
+                headers["content-encoding"] = "gzip"
+                found = packed
+        return FileResponse(found, stat_result=os.stat(found), media_type=kind, headers=headers)
+
+
+def _takes_gzip(scope: Scope) -> bool:
+    said = ",".join(value.decode("latin-1") for key, value in scope["headers"] if key == b"accept-encoding")
+    weights: dict[str, str] = {}
+    for choice in said.lower().replace(" ", "").split(","):
+        name, _, weight = choice.partition(";q=")
+        weights[name] = weight or "1"
+    return weights.get("gzip", weights.get("*", "0")).strip("0.") != ""
 
 
 def _unchanged(response: Response, scope: Scope) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 from pathlib import Path
 
 import httpx
@@ -35,6 +36,52 @@ async def test_what_has_not_changed_is_not_sent_again(pages: httpx.AsyncClient) 
     again = await pages.get("/", headers={"if-none-match": first.headers["etag"]})
     assert again.status_code == 304
     assert again.content == b""
+
+
+@pytest.fixture
+def packed(settings: Settings) -> bytes:
+    """A script that the build has packed."""
+    plain = b"export const answer = 42;\n" * 100
+    for name, content in (("big-abc123.js", plain), ("big-abc123.js.gz", gzip.compress(plain))):
+        (settings.web_dir / "assets" / name).write_bytes(content)
+    return plain
+
+
+async def test_what_is_packed_goes_packed_to_who_takes_it(pages: httpx.AsyncClient, packed: bytes) -> None:
+    answer = await pages.get("/assets/big-abc123.js", headers={"accept-encoding": "gzip, deflate, br, zstd"})
+    assert (answer.headers["content-encoding"], answer.headers["vary"]) == ("gzip", "Accept-Encoding")
+    assert answer.headers["content-type"].startswith("text/javascript")
+    assert "immutable" in answer.headers["cache-control"]
+    assert "script-src 'self'" in answer.headers["content-security-policy"]
+    assert int(answer.headers["content-length"]) < len(packed) / 5
+    assert answer.content == packed
+    tag = answer.headers["etag"]
+    again = await pages.get("/assets/big-abc123.js", headers={"accept-encoding": "gzip", "if-none-match": tag})
+    assert again.status_code == 304
+    plain = await pages.get("/assets/big-abc123.js", headers={"accept-encoding": "identity", "if-none-match": tag})
+    assert plain.status_code == 200
+
+
+@pytest.mark.parametrize("accepted", ["identity", "", "br", "gzip;q=0", "gzip; q=0.0, br", "*;q=0", "*, gzip;q=0"])
+async def test_who_takes_no_gzip_gets_the_file_itself(pages: httpx.AsyncClient, packed: bytes, accepted: str) -> None:
+    answer = await pages.get("/assets/big-abc123.js", headers={"accept-encoding": accepted})
+    assert "content-encoding" not in answer.headers
+    assert answer.headers["vary"] == "Accept-Encoding"
+    assert answer.content == packed
+
+
+@pytest.mark.parametrize("accepted", ["gzip;q=0.5", "br, GZIP", "*", "identity;q=0.1, *;q=1"])
+async def test_other_words_for_gzip(pages: httpx.AsyncClient, packed: bytes, accepted: str) -> None:
+    answer = await pages.get("/assets/big-abc123.js", headers={"accept-encoding": accepted})
+    assert (answer.headers["content-encoding"], answer.content) == ("gzip", packed)
+
+
+async def test_the_page_itself_is_packed_too(pages: httpx.AsyncClient, settings: Settings) -> None:
+    (settings.web_dir / "index.html.gz").write_bytes(gzip.compress(b"<title>the packed page</title>"))
+    answer = await pages.get("/registers", headers={"accept-encoding": "gzip"})
+    assert (answer.headers["content-encoding"], answer.headers["cache-control"]) == ("gzip", "no-cache")
+    assert answer.headers["content-type"].startswith("text/html")
+    assert "the packed page" in answer.text
 
 
 @pytest.mark.parametrize("path", ["/missing.js", "/assets/old-123.css", "/favicon.ico"])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gzip
 from pathlib import Path
 
 import pytest
@@ -106,3 +107,13 @@ def test_this_machine_has_a_node_that_runs() -> None:
     program = node.program("node")
     assert program is not None
     assert web._probe(Path(program).parent) == node
+
+
+def test_what_shrinks_lies_packed_beside_itself(sources: Path) -> None:
+    page = "<p>the same again</p>" * 100
+    (sources / "dist").mkdir()
+    (sources / "dist" / "small.js").write_text("// nothing to gain")
+    (sources / "dist" / "logo.png").write_bytes(bytes(5000))
+    finish(sources, page)
+    assert gzip.decompress((web.TARGET / "index.html.gz").read_bytes()).decode() == page
+    assert [path.name for path in web.TARGET.glob("*.gz")] == ["index.html.gz"]
