@@ -5,6 +5,7 @@ import { OtherFamily } from "./lib/OtherFamily";
 import { insteadOf, PAGES, type PageEntry } from "./shell/pages";
 import { Shell } from "./shell/Shell";
 
+const Recordings = lazy(() => import("./pages/recordings/RecordingsPage"));
 const COMPONENTS: Record<string, ComponentType> = {
   "/": lazy(() => import("./pages/bench/BenchPage")),
   "/registers": lazy(() => import("./pages/registers/RegistersPage")),
@@ -22,6 +23,7 @@ const COMPONENTS: Record<string, ComponentType> = {
   "/rotary": lazy(() => import("./pages/rotary/RotaryPage")),
   "/twin": lazy(() => import("./pages/twin/TwinPage")),
   "/audit": lazy(() => import("./pages/audit/AuditPage")),
+  "/recordings": Recordings,
   "/console": lazy(() => import("./pages/console/ConsolePage")),
   "/connections": lazy(() => import("./pages/connections/ConnectionsPage")),
 };
@@ -43,6 +45,7 @@ export function App() {
               <Entry entry={entry} />
             </Route>
           ))}
+          <Route path="/recordings/*" component={Recordings} />
           <Route path="/bench/plots" component={PlotSpeed} />
           <Route>
             <Redirect to="/" replace />

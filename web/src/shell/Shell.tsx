@@ -9,7 +9,7 @@ import { LeaseControl } from "./lease/LeaseControl";
 import { LeaseDialog } from "./lease/LeaseDialog";
 import { LeaseNews } from "./lease/LeaseNews";
 import { PageBoundary } from "./PageBoundary";
-import { PAGES, pagesFor } from "./pages";
+import { isAt, PAGES, pagesFor } from "./pages";
 import { ServerStatus } from "./ServerStatus";
 import { Shortcuts } from "./Shortcuts";
 import { StopAll } from "./StopAll";
@@ -29,7 +29,7 @@ export function Shell({ children }: PropsWithChildren) {
     tab?.scrollIntoView?.({ block: "nearest", inline: "center" });
   }, [location, pages.length]);
   useEffect(() => {
-    const page = PAGES.find((candidate) => candidate.path === location);
+    const page = PAGES.find((candidate) => isAt(candidate.path, location));
     document.title = page ? `${page.label} · stepscope` : "stepscope";
   }, [location]);
 
@@ -74,8 +74,8 @@ export function Shell({ children }: PropsWithChildren) {
                 component={Link}
                 href={path}
                 label={label}
-                active={location === path}
-                aria-current={location === path ? "page" : undefined}
+                active={isAt(path, location)}
+                aria-current={isAt(path, location) ? "page" : undefined}
                 leftSection={<Icon size={18} stroke={1.6} aria-hidden />}
               />
             ))}
@@ -93,7 +93,7 @@ export function Shell({ children }: PropsWithChildren) {
                 href={path}
                 className={classes.tab}
                 aria-label={label}
-                aria-current={location === path ? "page" : undefined}
+                aria-current={isAt(path, location) ? "page" : undefined}
               >
                 <Icon size={20} stroke={1.6} aria-hidden />
                 {short}

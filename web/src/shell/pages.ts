@@ -8,6 +8,7 @@ import {
   IconFilter,
   IconGauge,
   IconHistory,
+  IconPlayerRecord,
   IconPlugConnected,
   IconRotate360,
   IconRotateClockwise2,
@@ -91,6 +92,7 @@ export const PAGES: readonly PageEntry[] = [
   page("/stallguard", "StallGuard", "Stall", IconGauge, { families: ["sixpoint", "module"] }),
   page("/rotary", "Rotary", "Rotary", IconRotate360, {}),
   page("/twin", "3D", "3D", IconCube, {}),
+  page("/recordings", "Recordings", "Records", IconPlayerRecord, { alone: true }),
   page("/console", "Console", "Console", IconTerminal2, {}),
   page("/audit", "Audit log", "Audit", IconHistory, { alone: true }),
   page("/connections", "Connections", "Links", IconPlugConnected, { alone: true }),
@@ -115,6 +117,11 @@ export function pagesFor(family: Family | null): PageEntry[] {
 
 export function pageAt(path: string): PageEntry | undefined {
   return PAGES.find((entry) => entry.path === path);
+}
+
+/** Whether somebody is on the page of that path: on it, or on one below it. */
+export function isAt(path: string, location: string): boolean {
+  return location === path || (path !== "/" && location.startsWith(`${path}/`));
 }
 
 /** Where somebody with a device of that family goes from a page that is not for it. */

@@ -29,7 +29,10 @@ export function RecordingPlots({ detail, window, onWindow, hidden }: Props) {
   const phone = usePhone();
   const { id, channels } = detail;
   const lanes = useMemo(
-    () => lanesOf(channels, scheme).map((lane) => shown(lane, hidden)).filter((lane) => lane.columns.length > 0),
+    () =>
+      lanesOf(channels, scheme)
+        .map((lane) => shown(lane, hidden))
+        .filter((lane) => lane.columns.length > 0),
     [channels, scheme, hidden],
   );
   const handles = useRef(new Map<string, PlotHandle | null>());
@@ -41,25 +44,11 @@ export function RecordingPlots({ detail, window, onWindow, hidden }: Props) {
   const latestLanes = useRef(lanes);
   latestLanes.current = lanes;
 
-  const extent = useCallback((whole: Piece | null): Window => [whole?.x[0] ?? 0, whole?.x.at(-1) ?? 1], []);
-
-  const data = useMemo(() => {
-    const made: ZoomData = new ZoomData(
-      (part, points) => fetchPiece(id, part, points),
-      () => {
-        setProblem(made.problem);
-        setLoaded(made.overview);
-        draw(made);
-      },
-    );
-    return made;
-  }, [id]);
-
   // Past React: a wheel turns faster than pages render.
-  function draw(from: ZoomData) {
+  const draw = useCallback((from: ZoomData) => {
     const whole = from.overview;
     if (whole === null) return;
-    const view = at.current ?? extent(whole);
+    const view = at.current ?? extentOf(whole);
     const piece = from.best(view) ?? whole;
     const again = drawn.current.piece !== piece || drawn.current.lanes !== latestLanes.current;
     drawn.current = { piece, lanes: latestLanes.current };
@@ -73,7 +62,19 @@ export function RecordingPlots({ detail, window, onWindow, hidden }: Props) {
       pixels = Math.max(pixels, handle.uplot?.over.clientWidth ?? 0);
     }
     from.show(view, pixels || 800);
-  }
+  }, []);
+
+  const data = useMemo(() => {
+    const made: ZoomData = new ZoomData(
+      (part, points) => fetchPiece(id, part, points),
+      () => {
+        setProblem(made.problem);
+        setLoaded(made.overview);
+        draw(made);
+      },
+    );
+    return made;
+  }, [id, draw]);
 
   const rows = detail.rows ?? 0;
   // biome-ignore lint/correctness/useExhaustiveDependencies: as often as it has grown
@@ -92,9 +93,9 @@ export function RecordingPlots({ detail, window, onWindow, hidden }: Props) {
 
   const zero = detail.zero_s ?? 0;
   const flags = useMemo(() => flagsOf(detail.marks, zero, scheme), [detail.marks, zero, scheme]);
-  const limit = extent(loaded);
+  const limit = extentOf(loaded);
   const changeWindow = (change: WindowChange): boolean => {
-    const [first, last] = extent(data.overview);
+    const [first, last] = extentOf(data.overview);
     const next: Window | null =
       change === "reset" || (change.min <= first && change.max >= last) ? null : [change.min, change.max];
     at.current = next;
@@ -104,9 +105,7 @@ export function RecordingPlots({ detail, window, onWindow, hidden }: Props) {
   };
 
   if (problem !== null && loaded === null)
-    return (
-      <ProblemAlert error={problem} doing="Reading the recording" retry={() => void data.load(OVERVIEW_POINTS)} />
-    );
+    return <ProblemAlert error={problem} doing="Reading the recording" retry={() => void data.load(OVERVIEW_POINTS)} />;
   if (loaded === null)
     return (
       <div className={classes.loading}>
@@ -154,6 +153,10 @@ export function RecordingPlots({ detail, window, onWindow, hidden }: Props) {
       })}
     </div>
   );
+}
+
+function extentOf(whole: Piece | null): Window {
+  return [whole?.x[0] ?? 0, whole?.x.at(-1) ?? 1];
 }
 
 function shown(lane: Lane, hidden: ReadonlySet<string>): Lane {

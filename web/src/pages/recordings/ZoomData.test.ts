@@ -14,7 +14,10 @@ function server() {
       const last = Math.min(END, to);
       const rows = Math.round((last - first) * 1000);
       const count = Math.min(rows, points);
-      const x = Float64Array.from({ length: count }, (_, row) => first + ((last - first) * row) / Math.max(1, count - 1));
+      const x = Float64Array.from(
+        { length: count },
+        (_, row) => first + ((last - first) * row) / Math.max(1, count - 1),
+      );
       const piece = { from, to, x, columns: [x], exact: rows <= points };
       asked.push({ window, points, answer: () => resolve(piece), fail: () => reject(new Error("gone")) });
     });

@@ -1,5 +1,5 @@
 import { useQuery, useQueryClient } from "@tanstack/react-query";
-import { api, ApiError, problemOf, type Schemas, unwrap } from "../../api/client";
+import { ApiError, api, problemOf, type Schemas, unwrap } from "../../api/client";
 import { decodeFrame } from "../../live/frames";
 import type { Piece } from "./ZoomData";
 
@@ -20,8 +20,7 @@ export function isRunning({ state }: { state: Recording["state"] }): boolean {
 export function useRecordings(search = "") {
   return useQuery({
     queryKey: ["recordings", search],
-    queryFn: async () =>
-      unwrap(await api.GET("/api/v1/recordings", search ? { params: { query: { search } } } : {})),
+    queryFn: async () => unwrap(await api.GET("/api/v1/recordings", search ? { params: { query: { search } } } : {})),
     refetchInterval: (query) => (query.state.data?.recordings.some(isRunning) ? 1000 : 4000),
     placeholderData: (before) => before,
   });
@@ -31,12 +30,12 @@ export function useRecordings(search = "") {
 export function useRecording(id: string) {
   return useQuery({
     queryKey: ["recording", id],
-    queryFn: async () =>
+    queryFn: async (): Promise<RecordingDetail> =>
       unwrap(
         await api.GET("/api/v1/recordings/{recording}", {
           params: { path: { recording: id }, query: { figures: false } },
         }),
-      ),
+      ) as RecordingDetail, // without `format` it is no file
     refetchInterval: (query) => (query.state.data && isRunning(query.state.data) ? 1000 : false),
     retry: false,
   });
@@ -97,7 +96,8 @@ export function useChanges() {
       void queries.invalidateQueries({ queryKey: ["recordings"] });
       if (answer.error !== undefined) throw new ApiError(problemOf(answer.error));
     },
-    replay: async (id: string) => done(await api.POST("/api/v1/recordings/{recording}/replay", { ...path(id), body: {} })),
+    replay: async (id: string) =>
+      done(await api.POST("/api/v1/recordings/{recording}/replay", { ...path(id), body: {} })),
   };
 }
 

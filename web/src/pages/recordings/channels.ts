@@ -34,11 +34,7 @@ const PLOTS: readonly (readonly [id: string, title: string, quantities: readonly
   ["angle", "Load angle", ["load_angle"]],
   ["current", "Current scale", ["actual_current_scale", "current_scale"]],
   ["coils", "Coil currents", ["current_a", "current_b"]],
-  [
-    "switches",
-    "Switches",
-    ["switch_left", "switch_right", "switch_reference", "switch_home", "position_reached"],
-  ],
+  ["switches", "Switches", ["switch_left", "switch_right", "switch_reference", "switch_home", "position_reached"]],
 ];
 const LOGIC = "switches";
 /** Dashes tell further axes apart: a quantity keeps its colour on every page. */

@@ -15,6 +15,7 @@ import type { Device } from "../../../api/queries";
 import { namesOf } from "../../../lib/choices";
 import { scaleOf, symbolOf, unitsFor } from "../../../lib/units";
 import { LiveText } from "../../../live/LiveText";
+import { RecordButton } from "../../recordings/RecordButton";
 import { type AxisRef, rowsOf } from "./model";
 import type { RowId } from "./rows";
 import classes from "./scope.module.css";
@@ -184,6 +185,7 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
           </Stack>
         </Popover.Dropdown>
       </Popover>
+      {device && <RecordButton device={device} axis={main.axis} rateHz={settings.rateHz} />}
       <LiveText
         className={classes.triggerState}
         read={() => (scope.view.waiting ? "waiting for a move" : "")}

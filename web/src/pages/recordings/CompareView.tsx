@@ -1,0 +1,283 @@
+import { Group, Loader, SegmentedControl, Text } from "@mantine/core";
+import { useDebouncedValue } from "@mantine/hooks";
+import { IconArrowsDiff } from "@tabler/icons-react";
+import { keepPreviousData, useQuery } from "@tanstack/react-query";
+import { useMemo, useState } from "react";
+import { Link, useSearch } from "wouter";
+import { api, unwrap } from "../../api/client";
+import { EmptyState } from "../../lib/EmptyState";
+import { compact, fixed } from "../../lib/format";
+import { ProblemAlert } from "../../lib/ProblemAlert";
+import { Page, Section } from "../../lib/Section";
+import { useScheme } from "../../lib/useScheme";
+import { Plot } from "../../plots/Plot";
+import type { Overlay, WindowChange } from "../../plots/types";
+import type { Comparison } from "./api";
+import { colorOfQuantity, labelOf, severalAxes, unitText } from "./channels";
+import { channelsOf, idsOf, SIDE_DASHES } from "./compare";
+import { FiguresTable } from "./FiguresTable";
+import classes from "./recordings.module.css";
+import { SpectrumSection } from "./SpectrumSection";
+import type { Window } from "./ZoomData";
+
+type Align = "trigger" | "start" | "move";
+
+/** Recordings laid on each other: what they share, and where they differ. */
+export function CompareView() {
+  const ids = idsOf(useSearch());
+  const [align, setAlign] = useState<Align>("trigger");
+  const [view, setView] = useState<"overlay" | "difference">("overlay");
+  const [window, setWindow] = useState<Window | null>(null);
+  const [settled] = useDebouncedValue(window, 120);
+  const query = useQuery({
+    queryKey: ["compare", ids, align, settled],
+    queryFn: async () =>
+      unwrap(
+        await api.POST("/api/v1/recordings/compare", {
+          body: {
+            recordings: ids,
+            align,
+            points: 3000,
+            from_s: settled ? settled[0] - (settled[1] - settled[0]) / 2 : null,
+            to_s: settled ? settled[1] + (settled[1] - settled[0]) / 2 : null,
+          },
+        }),
+      ),
+    enabled: ids.length > 1,
+    placeholderData: keepPreviousData,
+    retry: false,
+  });
+  const [whole, setWhole] = useState<Window | null>(null);
+  const { data } = query;
+  if (data && settled === null && (whole?.[0] !== data.from_s || whole[1] !== data.to_s) && !query.isPlaceholderData)
+    setWhole([data.from_s, data.to_s]);
+
+  if (ids.length < 2)
+    return (
+      <EmptyState title="Nothing to compare" icon={<IconArrowsDiff size={22} />}>
+        <Text size="sm">
+          Pick two or more in the{" "}
+          <Link href="/recordings" className={classes.link}>
+            list of recordings
+          </Link>
+          .
+        </Text>
+      </EmptyState>
+    );
+  return (
+    <Page name="Comparison of recordings">
+      <Section
+        title="Comparison"
+        note={data && <Sides comparison={data} />}
+        actions={
+          <>
+            <Link href="/recordings" className={classes.link}>
+              All recordings
+            </Link>
+            <SegmentedControl
+              size="xs"
+              aria-label="Laid on each other at"
+              data={[
+                { value: "trigger", label: "Trigger" },
+                { value: "move", label: "First move" },
+                { value: "start", label: "Start" },
+              ]}
+              value={align}
+              onChange={(value) => {
+                setAlign(value as Align);
+                setWindow(null);
+              }}
+            />
+            <SegmentedControl
+              size="xs"
+              aria-label="Show"
+              data={[
+                { value: "overlay", label: "Overlay" },
+                { value: "difference", label: "Difference" },
+              ]}
+              value={view}
+              onChange={(value) => setView(value as typeof view)}
+            />
+          </>
+        }
+      >
+        <ProblemAlert error={query.error} doing="Comparing" retry={() => void query.refetch()} />
+        {data === undefined && query.error === null && (
+          <Group justify="center" py="xl">
+            <Loader aria-label="Comparing" />
+          </Group>
+        )}
+        {data?.notes.map((note) => (
+          <p key={note} className={classes.caution}>
+            {note}
+          </p>
+        ))}
+        {data && whole && (
+          <ComparePlots
+            comparison={data}
+            difference={view === "difference"}
+            whole={whole}
+            window={window}
+            onWindow={setWindow}
+          />
+        )}
+      </Section>
+      {data && (
+        <div className={classes.column}>
+          <Differences comparison={data} />
+          <Section title="Figures side by side" {...(settled ? { note: "of the part around what is shown" } : {})}>
+            <FiguresTable
+              channels={channelsOf(data)}
+              sides={data.recordings.map((side) => ({
+                id: side.id,
+                name: side.name || side.id,
+                figures: side.figures,
+              }))}
+              stale={query.isPlaceholderData}
+            />
+          </Section>
+          <SpectrumSection recordings={data.recordings} channels={channelsOf(data)} window={window} />
+        </div>
+      )}
+    </Page>
+  );
+}
+
+function Sides({ comparison }: { comparison: Comparison }) {
+  return (
+    <span className={classes.sides}>
+      {comparison.recordings.map((side, index) => (
+        <span key={side.id} className={classes.side}>
+          <svg width={26} height={6} aria-hidden>
+            <title>dash</title>
+            <line
+              x1={0}
+              x2={26}
+              y1={3}
+              y2={3}
+              stroke="currentColor"
+              strokeWidth={1.6}
+              strokeDasharray={(SIDE_DASHES[index % SIDE_DASHES.length] ?? []).join(" ")}
+            />
+          </svg>
+          <Link href={`/recordings/${side.id}`} className={classes.link}>
+            {side.name || side.id}
+          </Link>
+        </span>
+      ))}
+    </span>
+  );
+}
+
+interface PlotsProps {
+  comparison: Comparison;
+  difference: boolean;
+  whole: Window;
+  window: Window | null;
+  onWindow: (window: Window | null) => void;
+}
+
+function ComparePlots({ comparison, difference, whole, window, onWindow }: PlotsProps) {
+  const scheme = useScheme();
+  const channels = channelsOf(comparison);
+  const several = severalAxes(channels);
+  const view = window ?? whole;
+  // The x column of each plot is only where its window is; what is drawn lies over it with times of its own.
+  const frame = useMemo(
+    () =>
+      [
+        [view[0], view[1]],
+        [null, null],
+      ] as const,
+    [view[0], view[1]],
+  );
+  const change = (next: WindowChange) => {
+    onWindow(next === "reset" || (next.min <= whole[0] && next.max >= whole[1]) ? null : [next.min, next.max]);
+    return true;
+  };
+  return (
+    <div className={classes.plots} data-testid="compare-plots">
+      {comparison.channels.map((compared, index) => {
+        const channel = channels[index];
+        if (channel === undefined) return null;
+        const color = colorOfQuantity(channel.quantity, scheme);
+        const shown = difference ? compared.differences : compared.curves;
+        const overlays: Overlay[] = shown.map(({ recording, time_s, values }) => ({
+          x: time_s,
+          y: values.map((value) => value ?? Number.NaN),
+          color,
+          dash: SIDE_DASHES[comparison.recordings.findIndex(({ id }) => id === recording) % SIDE_DASHES.length] ?? [],
+        }));
+        const label = labelOf(channel, several);
+        return (
+          <Plot
+            key={channel.name}
+            label={
+              difference ? `${label}: difference to the first recording` : `${label} of ${shown.length} recordings`
+            }
+            series={[{ label: difference ? `Δ ${label}` : label, color, unit: channel.unit }]}
+            data={frame}
+            x={{ label: "time", unit: "s", axis: index === comparison.channels.length - 1 }}
+            scales={{ y: { unit: channel.unit } }}
+            height={Math.max(150, Math.round(560 / Math.max(1, comparison.channels.length)))}
+            group="compare"
+            legend
+            limit={whole}
+            overlays={overlays}
+            onWindow={change}
+          />
+        );
+      })}
+    </div>
+  );
+}
+
+function Differences({ comparison }: { comparison: Comparison }) {
+  const names = new Map(comparison.recordings.map(({ id, name }) => [id, name || id]));
+  const channels = channelsOf(comparison);
+  const several = severalAxes(channels);
+  const rows = comparison.channels.flatMap((compared, index) =>
+    compared.differences.map((difference) => ({ channel: channels[index], ...difference })),
+  );
+  if (rows.length === 0) return null;
+  return (
+    <Section
+      title="Differences"
+      note={`to ${names.get(comparison.recordings[0]?.id ?? "")}, at its times, along straight lines between samples`}
+    >
+      <div className={classes.scroll}>
+        <table className={classes.table} data-testid="differences">
+          <thead>
+            <tr>
+              <th>Channel</th>
+              <th>Recording</th>
+              {["Peak", "at", "Mean", "RMS", "Samples"].map((label) => (
+                <th key={label} className={classes.right}>
+                  {label}
+                </th>
+              ))}
+            </tr>
+          </thead>
+          <tbody>
+            {rows.map(({ channel, recording, figures }) => (
+              <tr key={`${channel?.name}/${recording}`}>
+                <th scope="row">
+                  {channel && labelOf(channel, several)}{" "}
+                  <span className={classes.faint}>{unitText(channel?.unit ?? "")}</span>
+                </th>
+                <td className={classes.faint}>{names.get(recording)}</td>
+                <td className={`num ${classes.right}`}>{compact(figures.peak, 5)}</td>
+                <td className={`num ${classes.right}`}>
+                  {figures.peak_at_s === null ? "–" : `${fixed(figures.peak_at_s, 3)} s`}
+                </td>
+                <td className={`num ${classes.right}`}>{compact(figures.mean, 5)}</td>
+                <td className={`num ${classes.right}`}>{compact(figures.rms, 5)}</td>
+                <td className={`num ${classes.right}`}>{fixed(figures.samples)}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
+    </Section>
+  );
+}

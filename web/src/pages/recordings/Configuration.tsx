@@ -1,0 +1,66 @@
+import { Text, TextInput } from "@mantine/core";
+import { useMemo, useState } from "react";
+import { fixed } from "../../lib/format";
+import { Section } from "../../lib/Section";
+import type { RecordingDetail } from "./api";
+import classes from "./recordings.module.css";
+
+interface Register {
+  name: string;
+  axis: number | null;
+  value: number;
+}
+
+function registersOf(detail: RecordingDetail): Register[] {
+  const found = detail.configuration?.registers;
+  return Array.isArray(found) ? (found as Register[]) : [];
+}
+
+/** How the device was set when the recording began. */
+export function Configuration({ detail }: { detail: RecordingDetail }) {
+  const [text, setText] = useState("");
+  const registers = useMemo(() => registersOf(detail), [detail]);
+  const words = text.trim().toLocaleLowerCase();
+  const found = registers.filter(({ name }) => name.toLocaleLowerCase().includes(words));
+  return (
+    <Section
+      title="Configuration at the start"
+      note={registers.length > 0 ? `${registers.length} registers` : undefined}
+      actions={
+        registers.length > 0 && (
+          <TextInput
+            size="xs"
+            type="search"
+            aria-label="Search the configuration"
+            placeholder="register"
+            value={text}
+            onChange={(event) => setText(event.currentTarget.value)}
+          />
+        )
+      }
+    >
+      {registers.length === 0 ? (
+        <Text size="xs" c="dimmed">
+          It could not be read when the recording began.
+        </Text>
+      ) : (
+        // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, with the keys too
+        <section className={classes.registers} tabIndex={0} aria-label="Registers at the start">
+          <table className={classes.table}>
+            <tbody>
+              {found.map(({ name, axis, value }) => (
+                <tr key={`${name}/${axis}`}>
+                  <th scope="row">
+                    {name}
+                    <span className={classes.faint}>{axis === null ? "" : `.${axis}`}</span>
+                  </th>
+                  <td className={`num ${classes.right}`}>{fixed(value)}</td>
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        </section>
+      )}
+    </Section>
+  );
+}

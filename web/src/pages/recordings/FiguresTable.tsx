@@ -1,0 +1,94 @@
+import { compact, duration, fixed } from "../../lib/format";
+import { useScheme } from "../../lib/useScheme";
+import type { Figures } from "./api";
+import { type Channel, colorOfQuantity, labelOf, severalAxes, unitText } from "./channels";
+import classes from "./recordings.module.css";
+
+interface Side {
+  id: string;
+  name: string;
+  figures: Readonly<Record<string, Figures>>;
+}
+
+interface Props {
+  channels: readonly Channel[];
+  sides: readonly Side[];
+  stale?: boolean;
+}
+
+const COLUMNS: readonly { label: string; title: string; of: (figures: Figures) => string }[] = [
+  { label: "Peak", title: "the value farthest from 0", of: ({ peak }) => compact(peak, 5) },
+  { label: "Lowest", title: "", of: ({ minimum }) => compact(minimum, 5) },
+  { label: "Highest", title: "", of: ({ maximum }) => compact(maximum, 5) },
+  { label: "Mean", title: "", of: ({ mean }) => compact(mean, 5) },
+  { label: "RMS", title: "root of the mean square", of: ({ rms }) => compact(rms, 5) },
+  {
+    label: "Overshoot",
+    title: "beyond the last value; of what ends elsewhere than it began",
+    of: ({ overshoot }) => compact(overshoot, 4),
+  },
+  {
+    label: "Settling",
+    title: "until it stays within 2 % of the way of its last value",
+    of: ({ settling_s }) => duration(settling_s),
+  },
+  { label: "Missing", title: "samples that should be there", of: ({ missing }) => fixed(missing) },
+];
+
+/** Figures of each channel; of several recordings under each other. */
+export function FiguresTable({ channels, sides, stale = false }: Props) {
+  const scheme = useScheme();
+  const several = severalAxes(channels);
+  const known = new Map(channels.map((channel) => [channel.name, channel]));
+  const names = [...new Set(sides.flatMap(({ figures }) => Object.keys(figures)))];
+  return (
+    <div className={classes.scroll}>
+      <table className={`${classes.table} ${stale ? "stale" : ""}`} data-testid="figures">
+        <thead>
+          <tr>
+            <th>Channel</th>
+            {sides.length > 1 && <th>Recording</th>}
+            {COLUMNS.map(({ label, title }) => (
+              <th key={label} className={classes.right} title={title || undefined}>
+                {label}
+              </th>
+            ))}
+          </tr>
+        </thead>
+        <tbody>
+          {names.flatMap((name) => {
+            const channel = known.get(name) ?? derived(name, known);
+            const having = sides.filter(({ figures }) => figures[name] !== undefined);
+            return having.map((side, index) => (
+              <tr key={`${name}/${side.id}`}>
+                {index === 0 && (
+                  <th scope="row" rowSpan={having.length}>
+                    <span
+                      className={classes.swatch}
+                      style={{ background: colorOfQuantity(channel.quantity, scheme) }}
+                      aria-hidden
+                    />
+                    {labelOf(channel, several)} <span className={classes.faint}>{unitText(channel.unit)}</span>
+                  </th>
+                )}
+                {sides.length > 1 && <td className={classes.faint}>{side.name}</td>}
+                {COLUMNS.map(({ label, of }) => (
+                  <td key={label} className={`num ${classes.right}`}>
+                    {of(side.figures[name] as Figures)}
+                  </td>
+                ))}
+              </tr>
+            ));
+          })}
+        </tbody>
+      </table>
+    </div>
+  );
+}
+
+/** What the server has worked out of two channels: in the unit of the axis's position. */
+function derived(name: string, known: ReadonlyMap<string, Channel>): Channel {
+  const at = name.lastIndexOf(".");
+  const axis = Number(name.slice(at + 1));
+  return { name, quantity: name.slice(0, at), axis, unit: known.get(`position.${axis}`)?.unit ?? "" };
+}

@@ -1,0 +1,244 @@
+import { Button, Checkbox, Drawer, Group, Loader, Progress, Text, TextInput, UnstyledButton } from "@mantine/core";
+import { useDebouncedValue, useDisclosure } from "@mantine/hooks";
+import { IconArrowsDiff, IconPlayerRecord, IconPlayerStop, IconSearch } from "@tabler/icons-react";
+import { useMemo, useState } from "react";
+import { Link, useLocation } from "wouter";
+import { EmptyState } from "../../lib/EmptyState";
+import { ProblemAlert } from "../../lib/ProblemAlert";
+import { Page, Section } from "../../lib/Section";
+import { isRunning, type Recording, titleOf, useChanges, useRecordings } from "./api";
+import { RowMenu } from "./RowMenu";
+import classes from "./recordings.module.css";
+import { StartForm } from "./StartForm";
+import { order, type Sort, type SortKey, sizeText, stateText, whenText } from "./words";
+
+const COLUMNS: readonly { key: SortKey; label: string; wide?: boolean; right?: boolean }[] = [
+  { key: "name", label: "Name" },
+  { key: "device", label: "Device", wide: true },
+  { key: "started_unix_s", label: "When" },
+  { key: "channels", label: "Channels", wide: true },
+  { key: "size_bytes", label: "Size", right: true },
+  { key: "state", label: "State", wide: true },
+];
+const COMPARED_MAX = 8;
+
+/** All recordings: found again, put side by side, started and ended. */
+export function ListView() {
+  const [text, setText] = useState("");
+  const [search] = useDebouncedValue(text.trim(), 200);
+  const list = useRecordings(search);
+  const [sort, setSort] = useState<Sort>({ key: "started_unix_s", down: true });
+  const [picked, setPicked] = useState<ReadonlySet<string>>(new Set());
+  const [starting, { open, close }] = useDisclosure();
+  const [problem, setProblem] = useState<{ doing: string; error: unknown } | null>(null);
+  const [, go] = useLocation();
+  const changes = useChanges();
+  const found = list.data?.recordings;
+  const sorted = useMemo(() => (found ? order(found, sort) : []), [found, sort]);
+  const chosen = sorted.filter(({ id }) => picked.has(id));
+
+  const attempt = (doing: string, work: () => Promise<unknown>) => {
+    setProblem(null);
+    work().catch((error: unknown) => setProblem({ doing, error }));
+  };
+  const pick = (id: string, on: boolean) =>
+    setPicked((before) => {
+      const after = new Set(before);
+      if (on) after.add(id);
+      else after.delete(id);
+      return after;
+    });
+
+  return (
+    <Page name="Recordings">
+      {problem && <ProblemAlert {...problem} onClose={() => setProblem(null)} />}
+      <Section
+        title="Recordings"
+        note={list.data && <DiskUse {...list.data} />}
+        actions={
+          <>
+            <TextInput
+              size="xs"
+              type="search"
+              aria-label="Search recordings"
+              placeholder="name, note, device, model"
+              leftSection={<IconSearch size={14} aria-hidden />}
+              value={text}
+              onChange={(event) => setText(event.currentTarget.value)}
+            />
+            <Button
+              size="xs"
+              variant="default"
+              leftSection={<IconArrowsDiff size={15} aria-hidden />}
+              disabled={chosen.length < 2 || chosen.length > COMPARED_MAX}
+              title={chosen.length > COMPARED_MAX ? `at most ${COMPARED_MAX}` : "pick two or more below"}
+              onClick={() => go(`/recordings/compare?of=${chosen.map(({ id }) => id).join(",")}`)}
+            >
+              Compare{chosen.length > 0 ? ` ${chosen.length}` : ""}
+            </Button>
+            <Button size="xs" leftSection={<IconPlayerRecord size={15} aria-hidden />} onClick={open}>
+              Record
+            </Button>
+          </>
+        }
+      >
+        {list.isError && list.data === undefined ? (
+          <ProblemAlert error={list.error} doing="Reading the list" retry={() => void list.refetch()} />
+        ) : list.data === undefined ? (
+          <Group justify="center" py="xl">
+            <Loader aria-label="Reading the list" />
+          </Group>
+        ) : sorted.length === 0 ? (
+          <EmptyState
+            title={search ? `Nothing has “${search}” in its name, note, device or model` : "Nothing is recorded yet"}
+            icon={<IconPlayerRecord size={22} />}
+          >
+            {search ? (
+              <Button size="sm" variant="default" onClick={() => setText("")}>
+                Show all
+              </Button>
+            ) : (
+              <>
+                <Text size="sm">
+                  A recording keeps channels of a device, what was done meanwhile, and how it was set.
+                </Text>
+                <Button size="sm" onClick={open}>
+                  Record
+                </Button>
+              </>
+            )}
+          </EmptyState>
+        ) : (
+          <table className={classes.table} data-testid="recordings">
+            <thead>
+              <tr>
+                <th className={classes.tick}>
+                  <span className={classes.unseen}>Compare</span>
+                </th>
+                {COLUMNS.map(({ key, label, wide, right }) => (
+                  <th
+                    key={key}
+                    className={`${wide ? classes.wide : ""} ${right ? classes.right : ""}`}
+                    aria-sort={sort.key === key ? (sort.down ? "descending" : "ascending") : "none"}
+                  >
+                    <UnstyledButton
+                      className={classes.sort ?? ""}
+                      onClick={() => setSort({ key, down: sort.key === key ? !sort.down : key !== "name" })}
+                    >
+                      {label}
+                      <span aria-hidden>{sort.key === key ? (sort.down ? " ↓" : " ↑") : ""}</span>
+                    </UnstyledButton>
+                  </th>
+                ))}
+                <th>
+                  <span className={classes.unseen}>Actions</span>
+                </th>
+              </tr>
+            </thead>
+            <tbody>
+              {sorted.map((recording) => (
+                <Row
+                  key={recording.id}
+                  recording={recording}
+                  picked={picked.has(recording.id)}
+                  onPick={(on) => pick(recording.id, on)}
+                  onStop={() => attempt("Ending the recording", () => changes.stop(recording.id))}
+                  attempt={attempt}
+                />
+              ))}
+            </tbody>
+          </table>
+        )}
+      </Section>
+      <Drawer opened={starting} onClose={close} position="right" title="New recording" size="sm">
+        <StartForm
+          onStarted={(id) => {
+            close();
+            go(`/recordings/${id}`);
+          }}
+        />
+      </Drawer>
+    </Page>
+  );
+}
+
+interface RowProps {
+  recording: Recording;
+  picked: boolean;
+  onPick: (on: boolean) => void;
+  onStop: () => void;
+  attempt: (doing: string, work: () => Promise<unknown>) => void;
+}
+
+function Row({ recording, picked, onPick, onStop, attempt }: RowProps) {
+  const title = titleOf(recording);
+  const readable = recording.device !== null;
+  return (
+    <tr data-running={isRunning(recording)} data-testid={recording.id}>
+      <td className={classes.tick}>
+        <Checkbox
+          size="xs"
+          aria-label={`Compare ${title}`}
+          checked={picked}
+          disabled={!readable}
+          onChange={(event) => onPick(event.currentTarget.checked)}
+        />
+      </td>
+      <td className={classes.name}>
+        {readable ? (
+          <Link href={`/recordings/${recording.id}`} className={classes.link}>
+            {title}
+          </Link>
+        ) : (
+          title
+        )}
+        {recording.note && <div className={classes.rowNote}>{recording.note}</div>}
+        {recording.message && <div className={classes.rowNote}>{recording.message}</div>}
+      </td>
+      <td className={classes.wide}>
+        {recording.device ?? "–"} <span className={classes.faint}>{recording.model}</span>
+      </td>
+      <td className="num">{whenText(recording.started_unix_s)}</td>
+      <td className={classes.wide} title={recording.channels.map(({ name }) => name).join(", ")}>
+        {recording.channels.length} <span className={classes.faint}>at {recording.rate_hz ?? "–"} Hz</span>
+      </td>
+      <td className={`num ${classes.right}`}>{sizeText(recording.size_bytes)}</td>
+      <td className={classes.wide}>{stateText(recording)}</td>
+      <td className={classes.actions}>
+        {isRunning(recording) && (
+          <Button
+            size="compact-xs"
+            variant="default"
+            leftSection={<IconPlayerStop size={13} aria-hidden />}
+            onClick={onStop}
+          >
+            End
+          </Button>
+        )}
+        <RowMenu recording={recording} attempt={attempt} />
+      </td>
+    </tr>
+  );
+}
+
+function DiskUse({
+  size_bytes,
+  free_bytes,
+  room_bytes,
+}: {
+  size_bytes: number;
+  free_bytes: number;
+  room_bytes: number;
+}) {
+  const share = (100 * size_bytes) / Math.max(1, size_bytes + free_bytes);
+  const low = room_bytes < Math.max(1e9, 0.02 * (size_bytes + free_bytes));
+  return (
+    <span className={classes.disk} data-low={low}>
+      <span className="num">{sizeText(size_bytes)}</span> kept, <span className="num">{sizeText(room_bytes)}</span> room
+      <Progress value={share} size={5} w={64} aria-label="Share of the disk" />
+      {low && (
+        <span>{room_bytes === 0 ? "The disk is full: nothing can be recorded." : "The disk is nearly full."}</span>
+      )}
+    </span>
+  );
+}

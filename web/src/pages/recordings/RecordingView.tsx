@@ -1,0 +1,276 @@
+import { Button, Chip, Group, Loader, Progress, SegmentedControl, Text, TextInput } from "@mantine/core";
+import { useDebouncedValue } from "@mantine/hooks";
+import { IconArrowsDiff, IconFlag, IconPlayerStop, IconRepeat } from "@tabler/icons-react";
+import { useCallback, useState } from "react";
+import { Link, useLocation } from "wouter";
+import { duration, fixed } from "../../lib/format";
+import { ProblemAlert } from "../../lib/ProblemAlert";
+import { Page, Section } from "../../lib/Section";
+import { useScheme } from "../../lib/useScheme";
+import { isRunning, type RecordingDetail, titleOf, useChanges, useFigures, useRecording } from "./api";
+import { Configuration } from "./Configuration";
+import { colorOfQuantity, labelOf, severalAxes } from "./channels";
+import { FiguresTable } from "./FiguresTable";
+import { MarkList } from "./MarkList";
+import { RecordingPlots } from "./RecordingPlots";
+import { RowMenu } from "./RowMenu";
+import classes from "./recordings.module.css";
+import { SpectrumSection } from "./SpectrumSection";
+import { useReplay } from "./useReplay";
+import { sizeText, stateText, whenText } from "./words";
+import type { Window } from "./ZoomData";
+
+/** One recording: its plots, what happened, its figures, and how the device was set. */
+export function RecordingView({ id }: { id: string }) {
+  const recording = useRecording(id);
+  if (recording.data === undefined)
+    return recording.isError ? (
+      <Page name="Recording">
+        <ProblemAlert error={recording.error} doing="Reading the recording" retry={() => void recording.refetch()} />
+        <Text size="sm">
+          <Link href="/recordings" className={classes.link}>
+            All recordings
+          </Link>
+        </Text>
+      </Page>
+    ) : (
+      <Group justify="center" py="xl">
+        <Loader aria-label="Reading the recording" />
+      </Group>
+    );
+  return <Loaded detail={recording.data} />;
+}
+
+function Loaded({ detail }: { detail: RecordingDetail }) {
+  const scheme = useScheme();
+  const [window, setWindow] = useState<Window | null>(null);
+  const [hidden, setHidden] = useState<ReadonlySet<string>>(new Set());
+  const [problem, setProblem] = useState<{ doing: string; error: unknown } | null>(null);
+  const [, go] = useLocation();
+  const running = isRunning(detail);
+  const several = severalAxes(detail.channels);
+  const attempt = useCallback((doing: string, work: () => Promise<unknown>) => {
+    setProblem(null);
+    work().catch((error: unknown) => setProblem({ doing, error }));
+  }, []);
+  const title = titleOf(detail);
+  return (
+    <Page name={`Recording ${title}`}>
+      {problem && <ProblemAlert {...problem} onClose={() => setProblem(null)} />}
+      <Section
+        title={title}
+        note={
+          <span className="num">
+            {detail.device} · {detail.model} · {whenText(detail.started_unix_s)} · {duration(detail.duration_s)} at{" "}
+            {detail.rate_hz} Hz · {sizeText(detail.size_bytes)}
+          </span>
+        }
+        actions={
+          <>
+            <Link href="/recordings" className={classes.link}>
+              All recordings
+            </Link>
+            {running ? <RunningActions detail={detail} attempt={attempt} /> : <ReplayAction detail={detail} />}
+            <RowMenu recording={detail} attempt={attempt} onRemoved={() => go("/recordings")} />
+          </>
+        }
+      >
+        <fieldset className={classes.channels} aria-label="Channels shown">
+          {detail.channels.map((channel) => {
+            const label = labelOf(channel, several);
+            return (
+              <Chip
+                key={channel.name}
+                size="xs"
+                variant="light"
+                color={colorOfQuantity(channel.quantity, scheme)}
+                checked={!hidden.has(label)}
+                onChange={(on) => {
+                  const next = new Set(hidden);
+                  if (on) next.delete(label);
+                  else next.add(label);
+                  setHidden(next);
+                }}
+              >
+                {label}
+              </Chip>
+            );
+          })}
+          <span className={classes.range} data-testid="range">
+            {window
+              ? `${fixed(window[0], 3)} to ${fixed(window[1], 3)} s`
+              : running
+                ? stateText(detail)
+                : "all of it: wheel, drag or + zoom in"}
+          </span>
+          {window && (
+            <Button size="compact-xs" variant="default" onClick={() => setWindow(null)}>
+              Show all
+            </Button>
+          )}
+        </fieldset>
+        {detail.message && <Text size="sm">{detail.message}</Text>}
+        <RecordingPlots detail={detail} window={window} onWindow={setWindow} hidden={hidden} />
+      </Section>
+      <div className={classes.below}>
+        <div className={classes.column}>
+          <FiguresSection detail={detail} window={window} />
+          <SpectrumSection recordings={[detail]} channels={detail.channels} window={window} running={running} />
+        </div>
+        <div className={classes.column}>
+          <MarkList detail={detail} onGo={setWindow} />
+          {detail.note && (
+            <Section title="Note">
+              <Text size="sm" className={classes.note}>
+                {detail.note}
+              </Text>
+            </Section>
+          )}
+          <Configuration detail={detail} />
+        </div>
+      </div>
+    </Page>
+  );
+}
+
+interface ActionProps {
+  detail: RecordingDetail;
+  attempt: (doing: string, work: () => Promise<unknown>) => void;
+}
+
+function RunningActions({ detail, attempt }: ActionProps) {
+  const changes = useChanges();
+  const [text, setText] = useState("");
+  return (
+    <>
+      <form
+        className={classes.marking}
+        onSubmit={(event) => {
+          event.preventDefault();
+          const words = text.trim();
+          if (words === "") return;
+          setText("");
+          attempt("Marking", () => changes.mark(detail.id, words));
+        }}
+      >
+        <TextInput
+          size="xs"
+          aria-label="Mark this moment"
+          placeholder="mark this moment"
+          maxLength={400}
+          leftSection={<IconFlag size={14} aria-hidden />}
+          value={text}
+          onChange={(event) => setText(event.currentTarget.value)}
+        />
+      </form>
+      <Button
+        size="xs"
+        leftSection={<IconPlayerStop size={15} aria-hidden />}
+        onClick={() => attempt("Ending the recording", () => changes.stop(detail.id))}
+      >
+        End recording
+      </Button>
+    </>
+  );
+}
+
+/** Live through it once more on an emulator; then both are laid on each other. */
+function ReplayAction({ detail }: { detail: RecordingDetail }) {
+  const { start, replay, problem, dismiss } = useReplay(detail.id);
+  const [, go] = useLocation();
+  if (problem !== null) return <ProblemAlert error={problem} doing="Replaying" onClose={dismiss} />;
+  if (replay?.state === "running")
+    return (
+      <span className={classes.replaying} role="status">
+        Replaying {fixed(replay.done_s, 1)} of {fixed(replay.duration_s, 1)} s
+        <Progress
+          value={(100 * replay.done_s) / Math.max(replay.duration_s, 1e-9)}
+          size={6}
+          w={90}
+          aria-label="Replayed"
+        />
+      </span>
+    );
+  const compared = detail.replay_of
+    ? `${detail.replay_of},${detail.id}`
+    : replay?.state === "done" && replay.recording
+      ? `${detail.id},${replay.recording}`
+      : null;
+  return (
+    <>
+      {replay?.state === "failed" && <span className={classes.caution}>Not replayed: {replay.message}</span>}
+      {compared && (
+        <Button
+          size="xs"
+          variant="light"
+          leftSection={<IconArrowsDiff size={15} aria-hidden />}
+          onClick={() => go(`/recordings/compare?of=${compared}`)}
+        >
+          Compare with its {detail.replay_of ? "original" : "replay"}
+        </Button>
+      )}
+      {!detail.replay_of && (
+        <Button
+          size="xs"
+          variant="default"
+          leftSection={<IconRepeat size={15} aria-hidden />}
+          onClick={start}
+          title="The same configuration and commands on an emulator of its own; nothing on the bench moves"
+        >
+          {replay ? "Replay again" : "Replay on an emulator"}
+        </Button>
+      )}
+      {replay?.state === "done" && replay.left_out.length > 0 && (
+        <details className={classes.leftOut}>
+          <summary>
+            {replay.left_out.length} {replay.left_out.length === 1 ? "thing was" : "things were"} not replayed
+          </summary>
+          <ul>
+            {replay.left_out.map((line) => (
+              <li key={line}>{line}</li>
+            ))}
+          </ul>
+        </details>
+      )}
+    </>
+  );
+}
+
+function FiguresSection({ detail, window }: { detail: RecordingDetail; window: Window | null }) {
+  const [of, setOf] = useState("shown");
+  const [settled] = useDebouncedValue(of === "shown" ? window : null, 250);
+  const figures = useFigures(detail.id, settled, detail.rows ?? 0);
+  return (
+    <Section
+      title="Figures"
+      note={
+        figures.data && (
+          <span className="num">
+            {fixed(figures.data.from_s, 3)} to {fixed(figures.data.to_s, 3)} s
+          </span>
+        )
+      }
+      actions={
+        <SegmentedControl
+          size="xs"
+          aria-label="Figures of"
+          data={[
+            { value: "shown", label: "What is shown" },
+            { value: "all", label: "All of it" },
+          ]}
+          value={of}
+          onChange={setOf}
+        />
+      }
+    >
+      <ProblemAlert error={figures.error} doing="Figures" />
+      {figures.data && (
+        <FiguresTable
+          channels={detail.channels}
+          sides={[{ id: detail.id, name: "", figures: figures.data.figures }]}
+          stale={figures.isPlaceholderData}
+        />
+      )}
+    </Section>
+  );
+}

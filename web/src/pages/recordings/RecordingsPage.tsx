@@ -1,0 +1,18 @@
+import { Redirect, Route, Switch } from "wouter";
+import { CompareView } from "./CompareView";
+import { ListView } from "./ListView";
+import { RecordingView } from "./RecordingView";
+
+/** What was recorded: all of it, one, or several on each other. */
+export default function RecordingsPage() {
+  return (
+    <Switch>
+      <Route path="/recordings" component={ListView} />
+      <Route path="/recordings/compare" component={CompareView} />
+      <Route path="/recordings/:id">{({ id }) => <RecordingView key={id} id={id} />}</Route>
+      <Route>
+        <Redirect to="/recordings" replace />
+      </Route>
+    </Switch>
+  );
+}

@@ -1,0 +1,133 @@
+import { ActionIcon, Button, Group, Menu, Modal, Stack, Text, Textarea, TextInput } from "@mantine/core";
+import { useDisclosure } from "@mantine/hooks";
+import { IconDotsVertical, IconDownload, IconPencil, IconTrash } from "@tabler/icons-react";
+import { useState } from "react";
+import { downloadHref, isRunning, type Recording, titleOf, useChanges } from "./api";
+import { sizeText } from "./words";
+
+interface Props {
+  recording: Recording;
+  attempt: (doing: string, work: () => Promise<unknown>) => void;
+  /** after it is gone */
+  onRemoved?: () => void;
+}
+
+/** What can be done with a recording that is there: taken along, called otherwise, deleted. */
+export function RowMenu({ recording, attempt, onRemoved }: Props) {
+  const [naming, naming_] = useDisclosure();
+  const [deleting, deleting_] = useDisclosure();
+  const changes = useChanges();
+  const title = titleOf(recording);
+  const readable = recording.device !== null;
+  return (
+    <>
+      <Menu position="bottom-end" shadow="md" withinPortal>
+        <Menu.Target>
+          <ActionIcon variant="subtle" color="gray" size={26} aria-label={`More for ${title}`}>
+            <IconDotsVertical size={16} />
+          </ActionIcon>
+        </Menu.Target>
+        <Menu.Dropdown>
+          {readable &&
+            (["csv", "parquet"] as const).map((format) => (
+              <Menu.Item
+                key={format}
+                component="a"
+                href={downloadHref(recording.id, format)}
+                download
+                leftSection={<IconDownload size={15} aria-hidden />}
+              >
+                {format === "csv" ? "CSV" : "Parquet"}
+              </Menu.Item>
+            ))}
+          <Menu.Item leftSection={<IconPencil size={15} aria-hidden />} onClick={naming_.open}>
+            Name and note
+          </Menu.Item>
+          <Menu.Item
+            color="red"
+            leftSection={<IconTrash size={15} aria-hidden />}
+            disabled={isRunning(recording)}
+            onClick={deleting_.open}
+          >
+            Delete
+          </Menu.Item>
+        </Menu.Dropdown>
+      </Menu>
+      <Modal opened={naming} onClose={naming_.close} title="Name and note" size="sm">
+        <LabelForm
+          recording={recording}
+          onDone={(label) => {
+            naming_.close();
+            attempt("Renaming", () => changes.label(recording.id, label));
+          }}
+        />
+      </Modal>
+      <Modal opened={deleting} onClose={deleting_.close} title={`Delete ${title}?`} size="sm">
+        <Stack gap="sm">
+          <Text size="sm">
+            {sizeText(recording.size_bytes)} of samples and marks go for good; there is no way back.
+          </Text>
+          <Group justify="flex-end" gap="xs">
+            <Button size="xs" variant="default" onClick={deleting_.close} data-autofocus>
+              Keep it
+            </Button>
+            <Button
+              size="xs"
+              color="red"
+              onClick={() => {
+                deleting_.close();
+                attempt(`Deleting ${title}`, () => changes.remove(recording.id).then(() => onRemoved?.()));
+              }}
+            >
+              Delete
+            </Button>
+          </Group>
+        </Stack>
+      </Modal>
+    </>
+  );
+}
+
+function LabelForm({
+  recording,
+  onDone,
+}: {
+  recording: Recording;
+  onDone: (label: { name: string; note: string }) => void;
+}) {
+  const [name, setName] = useState(recording.name);
+  const [note, setNote] = useState(recording.note);
+  return (
+    <form
+      onSubmit={(event) => {
+        event.preventDefault();
+        onDone({ name: name.trim(), note });
+      }}
+    >
+      <Stack gap="sm">
+        <TextInput
+          label="Name"
+          data-autofocus
+          maxLength={100}
+          value={name}
+          placeholder={recording.id}
+          onChange={(event) => setName(event.currentTarget.value)}
+        />
+        <Textarea
+          label="Note"
+          autosize
+          minRows={3}
+          maxRows={12}
+          maxLength={4000}
+          value={note}
+          onChange={(event) => setNote(event.currentTarget.value)}
+        />
+        <Group justify="flex-end">
+          <Button size="xs" type="submit">
+            Save
+          </Button>
+        </Group>
+      </Stack>
+    </form>
+  );
+}

@@ -1,0 +1,194 @@
+import { Button, Checkbox, Group, Loader, Select, Text } from "@mantine/core";
+import { useQueries } from "@tanstack/react-query";
+import { useMemo, useState } from "react";
+import { api, type Schemas, unwrap } from "../../api/client";
+import { compact, frequency } from "../../lib/format";
+import { ProblemAlert } from "../../lib/ProblemAlert";
+import { Section } from "../../lib/Section";
+import { useScheme } from "../../lib/useScheme";
+import { Plot } from "../../plots/Plot";
+import type { Overlay, PlotSeries } from "../../plots/types";
+import { titleOf } from "./api";
+import { type Channel, colorOfQuantity, unitText } from "./channels";
+import { SIDE_DASHES } from "./compare";
+import classes from "./recordings.module.css";
+import type { Window } from "./ZoomData";
+
+type WindowName = NonNullable<NonNullable<Ask["window"]>>;
+type Detrend = NonNullable<NonNullable<Ask["detrend"]>>;
+interface Ask {
+  window?: "hann" | "flattop" | "blackman" | "none";
+  detrend?: "mean" | "line" | "none";
+}
+type Spectrum = Schemas["Spectrum"];
+
+const WINDOWS: { value: WindowName; label: string }[] = [
+  { value: "hann", label: "Hann" },
+  { value: "flattop", label: "Flat top: amplitudes" },
+  { value: "blackman", label: "Blackman" },
+  { value: "none", label: "none" },
+];
+const DETRENDS: { value: Detrend; label: string }[] = [
+  { value: "line", label: "without its slope" },
+  { value: "mean", label: "without its mean" },
+  { value: "none", label: "as it is" },
+];
+const POINTS = 2000;
+
+interface Props {
+  recordings: readonly { id: string; name: string }[];
+  channels: readonly Channel[];
+  window: Window | null;
+  /** what it would show changes with every second */
+  running?: boolean;
+}
+
+/** What a channel swings at, of one recording or several. Worked out when it is asked for. */
+export function SpectrumSection({ recordings, channels, window, running = false }: Props) {
+  const scheme = useScheme();
+  const [on, setOn] = useState(false);
+  const [name, setName] = useState<string | null>(null);
+  const [shape, setShape] = useState<WindowName>("hann");
+  const [detrend, setDetrend] = useState<Detrend>("line");
+  const [density, setDensity] = useState(false);
+  const channel = channels.find((each) => each.name === name) ?? preferred(channels);
+  const queries = useQueries({
+    queries: recordings.map(({ id }) => ({
+      queryKey: ["spectrum", id, channel?.name, window, shape, detrend],
+      queryFn: async (): Promise<Spectrum> =>
+        unwrap(
+          await api.GET("/api/v1/recordings/{recording}/spectrum", {
+            params: {
+              path: { recording: id },
+              query: {
+                channel: channel?.name ?? "",
+                window: shape,
+                detrend,
+                points: POINTS,
+                ...(window ? { from_s: window[0], to_s: window[1] } : {}),
+              },
+            },
+          }),
+        ),
+      enabled: on && channel !== undefined,
+      staleTime: running ? 0 : Number.POSITIVE_INFINITY,
+      retry: false,
+    })),
+  });
+  const problem = queries.find(({ error }) => error !== null)?.error ?? null;
+  const spectra = queries.flatMap(({ data }, index) => (data ? [{ index, ...data }] : []));
+  const [first, ...others] = spectra;
+  const color = colorOfQuantity(channel?.quantity ?? "", scheme);
+  const values = (spectrum: Spectrum) => (density ? spectrum.density : spectrum.amplitude);
+  const data = useMemo(
+    () => (first ? ([first.frequency_hz, density ? first.density : first.amplitude] as const) : undefined),
+    [first, density],
+  );
+  const overlays: Overlay[] = others.map((spectrum) => ({
+    x: spectrum.frequency_hz,
+    y: values(spectrum),
+    color,
+    dash: SIDE_DASHES[spectrum.index % SIDE_DASHES.length] ?? [],
+  }));
+  const unit = channel?.unit ?? "";
+  const series: PlotSeries[] = [{ label: density ? "power density" : "amplitude", color, unit }];
+  if (channel === undefined) return null;
+  return (
+    <Section
+      title="Spectrum"
+      note={first && `${first.samples} samples, lines every ${frequency(first.line_hz)}`}
+      actions={
+        on ? (
+          <>
+            <Select
+              size="xs"
+              w={170}
+              aria-label="Channel of the spectrum"
+              data={channels.map((each) => each.name)}
+              value={channel.name}
+              allowDeselect={false}
+              onChange={setName}
+            />
+            <Select
+              size="xs"
+              w={150}
+              aria-label="Window function"
+              data={WINDOWS}
+              value={shape}
+              allowDeselect={false}
+              onChange={(value) => value && setShape(value as WindowName)}
+            />
+            <Select
+              size="xs"
+              w={140}
+              aria-label="What is taken off first"
+              data={DETRENDS}
+              value={detrend}
+              allowDeselect={false}
+              onChange={(value) => value && setDetrend(value as Detrend)}
+            />
+            <Checkbox
+              size="xs"
+              label="power density"
+              checked={density}
+              onChange={(event) => setDensity(event.currentTarget.checked)}
+            />
+          </>
+        ) : (
+          <Button size="xs" variant="default" onClick={() => setOn(true)}>
+            Work it out
+          </Button>
+        )
+      }
+    >
+      <ProblemAlert error={problem} doing="Spectrum" />
+      {on && first === undefined && problem === null && (
+        <Group justify="center" py="md">
+          <Loader size="sm" aria-label="Working the spectrum out" />
+        </Group>
+      )}
+      {on && first && data && (
+        <div data-testid="spectrum">
+          <Plot
+            label={`Spectrum of ${channel.name}`}
+            {...(first.peak_hz === null
+              ? {}
+              : { summary: `Highest at ${frequency(first.peak_hz)}, ${compact(first.peak)} ${unitText(unit)}` })}
+            series={series}
+            data={data}
+            x={{ label: "frequency", unit: "Hz" }}
+            scales={{ y: { unit: density ? `${unitText(unit) || "1"}²/Hz` : unit, include: [0] } }}
+            overlays={overlays}
+            height={220}
+            legend
+            limit={[0, first.frequency_hz.at(-1) ?? 1]}
+          />
+          <ul className={classes.facts}>
+            {spectra.map((spectrum) => (
+              <li key={spectrum.index}>
+                {recordings.length > 1 && <b>{titleOf(recordings[spectrum.index] ?? { id: "", name: "" })}: </b>}
+                {spectrum.peak_hz === null
+                  ? "nothing swings"
+                  : `highest at ${frequency(spectrum.peak_hz)}: ${compact(spectrum.peak)} ${unitText(unit)}`}
+                {spectrum.resampled && "; times were uneven, read off along straight lines"}
+              </li>
+            ))}
+          </ul>
+        </div>
+      )}
+      {!on && (
+        <Text size="xs" c="dimmed">
+          What a channel swings at, in the part that the plots show.
+        </Text>
+      )}
+    </Section>
+  );
+}
+
+function preferred(channels: readonly Channel[]): Channel | undefined {
+  for (const quantity of ["residual", "deviation", "velocity"]) {
+    const found = channels.find((channel) => channel.quantity === quantity);
+    if (found) return found;
+  }
+  return channels[0];
+}

@@ -1,0 +1,217 @@
+import { Button, Group, MultiSelect, NumberInput, Select, Stack, Text, Textarea, TextInput } from "@mantine/core";
+import { useState } from "react";
+import { type Device, useDevices } from "../../api/queries";
+import { namesOf } from "../../lib/choices";
+import { ProblemAlert } from "../../lib/ProblemAlert";
+import { symbolOf } from "../../lib/units";
+import { useSelection } from "../../live/selection";
+import { type Start, useChanges } from "./api";
+import { usualChannels } from "./usual";
+
+const RATES_HZ = [10, 50, 100, 200, 500, 1000];
+
+interface Props {
+  onStarted: (id: string) => void;
+}
+
+/** What to record, how fast, from when on, and for how long. */
+export function StartForm({ onStarted }: Props) {
+  const devices = useDevices();
+  const selection = useSelection();
+  const [id, setId] = useState<string | null>(null);
+  const device = devices.data?.find((candidate) => candidate.id === id) ?? selection.device;
+  if (device === undefined) return <Text size="sm">There is no device to record yet: add one under Connections.</Text>;
+  return (
+    <Fields
+      key={device.id}
+      device={device}
+      devices={devices.data ?? []}
+      axis={device.id === selection.device?.id ? selection.axis : 0}
+      onDevice={setId}
+      onStarted={onStarted}
+    />
+  );
+}
+
+interface FieldsProps extends Props {
+  device: Device;
+  devices: readonly Device[];
+  axis: number;
+  onDevice: (id: string) => void;
+}
+
+function Fields({ device, devices, axis, onDevice, onStarted }: FieldsProps) {
+  const names = namesOf(devices);
+  const changes = useChanges();
+  const [name, setName] = useState("");
+  const [note, setNote] = useState("");
+  const [channels, setChannels] = useState(() => usualChannels(device, axis));
+  const [rate, setRate] = useState(() => String(Math.min(500, device.rate_max_hz)));
+  const [kind, setKind] = useState<"now" | "move" | "level">("now");
+  const [moved, setMoved] = useState(String(axis));
+  const [channel, setChannel] = useState<string | null>(null);
+  const [level, setLevel] = useState<number | string>(0);
+  const [rising, setRising] = useState("up");
+  const [before, setBefore] = useState<number | string>(0.5);
+  const [seconds, setSeconds] = useState<number | string>("");
+  const [problem, setProblem] = useState<unknown>(null);
+  const [busy, setBusy] = useState(false);
+
+  const crossing = channel !== null && channels.includes(channel) ? channel : (channels[0] ?? null);
+  const rates = [...new Set([...RATES_HZ.filter((each) => each <= device.rate_max_hz), device.rate_max_hz])];
+  const pre_s = Number(before) || 0;
+
+  function body(): Start {
+    const trigger: Start["trigger"] =
+      kind === "move"
+        ? { kind, axis: Number(moved), pre_s }
+        : kind === "level"
+          ? { kind, channel: crossing ?? "", level: Number(level) || 0, rising: rising === "up", pre_s }
+          : { kind };
+    return {
+      device: device.id,
+      channels,
+      rate_hz: Number(rate),
+      duration_s: seconds === "" ? null : Number(seconds),
+      trigger,
+      name: name.trim(),
+      note,
+    };
+  }
+
+  async function start() {
+    setBusy(true);
+    setProblem(null);
+    try {
+      onStarted((await changes.start(body())).id);
+    } catch (error) {
+      setProblem(error);
+    }
+    setBusy(false);
+  }
+
+  return (
+    <form
+      onSubmit={(event) => {
+        event.preventDefault();
+        void start();
+      }}
+    >
+      <Stack gap="sm">
+        <TextInput
+          label="Name"
+          data-autofocus
+          maxLength={100}
+          value={name}
+          onChange={(event) => setName(event.currentTarget.value)}
+        />
+        <Select
+          label="Device"
+          data={devices.map((each) => ({ value: each.id, label: names.get(each.id) ?? each.id }))}
+          value={device.id}
+          allowDeselect={false}
+          onChange={(value) => value && onDevice(value)}
+        />
+        <MultiSelect
+          label="Channels"
+          data={device.channels.map((each) => ({
+            value: each.name,
+            label: each.unit ? `${each.name} [${symbolOf(each.unit)}]` : each.name,
+          }))}
+          value={channels}
+          onChange={setChannels}
+          searchable
+          hidePickedOptions
+          maxDropdownHeight={260}
+          error={channels.length === 0 ? "At least one channel" : undefined}
+        />
+        <Group grow align="flex-start">
+          <Select
+            label="Rate"
+            data={rates.map((each) => ({ value: String(each), label: `${each} Hz` }))}
+            value={rate}
+            allowDeselect={false}
+            onChange={(value) => value && setRate(value)}
+          />
+          <NumberInput
+            label="Duration"
+            placeholder="until it is ended"
+            suffix=" s"
+            min={0.1}
+            max={86_400}
+            value={seconds}
+            onChange={setSeconds}
+          />
+        </Group>
+        <Select
+          label="Begins"
+          data={[
+            { value: "now", label: "at once" },
+            { value: "move", label: "when an axis is sent somewhere" },
+            { value: "level", label: "when a channel crosses a level" },
+          ]}
+          value={kind}
+          allowDeselect={false}
+          onChange={(value) => value && setKind(value as typeof kind)}
+        />
+        {kind === "move" && (
+          <Select
+            label="Axis"
+            data={device.axes.map((each) => ({ value: String(each.index), label: each.name }))}
+            value={moved}
+            allowDeselect={false}
+            onChange={(value) => value && setMoved(value)}
+          />
+        )}
+        {kind === "level" && (
+          <>
+            <Select
+              label="Channel that triggers"
+              data={channels}
+              value={crossing}
+              allowDeselect={false}
+              onChange={setChannel}
+            />
+            <Group grow align="flex-start">
+              <NumberInput label="Level" value={level} onChange={setLevel} />
+              <Select
+                label="Direction"
+                data={[
+                  { value: "up", label: "upwards" },
+                  { value: "down", label: "downwards" },
+                ]}
+                value={rising}
+                allowDeselect={false}
+                onChange={(value) => value && setRising(value)}
+              />
+            </Group>
+          </>
+        )}
+        {kind !== "now" && (
+          <NumberInput
+            label="Kept of before the trigger"
+            suffix=" s"
+            min={0}
+            max={60}
+            step={0.1}
+            value={before}
+            onChange={setBefore}
+          />
+        )}
+        <Textarea
+          label="Note"
+          autosize
+          minRows={2}
+          maxRows={6}
+          maxLength={4000}
+          value={note}
+          onChange={(event) => setNote(event.currentTarget.value)}
+        />
+        <ProblemAlert error={problem} doing="Recording" onClose={() => setProblem(null)} />
+        <Button type="submit" loading={busy} disabled={channels.length === 0}>
+          Start recording
+        </Button>
+      </Stack>
+    </form>
+  );
+}

@@ -1,0 +1,33 @@
+import { useQuery, useQueryClient } from "@tanstack/react-query";
+import { useState } from "react";
+import { api, unwrap } from "../../api/client";
+import { type Replay, useChanges } from "./api";
+
+/** The replay of a recording: begun, looked at while it runs. */
+export function useReplay(id: string) {
+  const changes = useChanges();
+  const queries = useQueryClient();
+  const [problem, setProblem] = useState<unknown>(null);
+  const key = ["replay", id];
+  const query = useQuery<Replay | null>({
+    queryKey: key,
+    queryFn: async () => {
+      const answer = await api.GET("/api/v1/recordings/{recording}/replay", { params: { path: { recording: id } } });
+      if (answer.response.status === 404) return null; // never replayed
+      return unwrap(answer);
+    },
+    refetchInterval: ({ state }) => (state.data?.state === "running" ? 300 : false),
+  });
+  return {
+    replay: query.data ?? null,
+    problem,
+    dismiss: () => setProblem(null),
+    start: () => {
+      setProblem(null);
+      changes.replay(id).then(
+        (replay) => queries.setQueryData(key, replay),
+        (error: unknown) => setProblem(error),
+      );
+    },
+  };
+}
