@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import Literal
 
-from pydantic import ConfigDict, Field
+from pydantic import ConfigDict, Field, JsonValue
 
 from app.api.schemas import Answer, Body
-from app.tuning.profiles.document import ProfileDocument
+from app.api.schemas_profiles import ProfileIn
 
 ScriptLanguage = Literal["python", "tmcl", "c", "curl"]
 
 
-EXAMPLE = {
+EXAMPLE: dict[str, JsonValue] = {
     "language": "tmcl",
     "document": {
         "format": "stepscope-profile",
@@ -30,7 +30,7 @@ class ScriptOrder(Body):
 
     model_config = ConfigDict(extra="forbid", json_schema_extra={"examples": [EXAMPLE]})
 
-    document: ProfileDocument
+    document: ProfileIn
     language: ScriptLanguage
 
 

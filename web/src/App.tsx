@@ -24,6 +24,7 @@ const COMPONENTS: Record<string, ComponentType> = {
   "/twin": lazy(() => import("./pages/twin/TwinPage")),
   "/audit": lazy(() => import("./pages/audit/AuditPage")),
   "/recordings": Recordings,
+  "/profiles": lazy(() => import("./pages/profiles/ProfilesPage")),
   "/console": lazy(() => import("./pages/console/ConsolePage")),
   "/connections": lazy(() => import("./pages/connections/ConnectionsPage")),
 };

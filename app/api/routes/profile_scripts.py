@@ -6,11 +6,23 @@ from fastapi import APIRouter
 
 from app.api.deps import CurrentBench
 from app.api.problems import problems
-from app.api.schemas_scripts import ProfileScript, ScriptOrder
-from app.links.errors import UsageError, WrongState
+from app.api.profile_views import detail
+from app.api.routes.profiles import ProfileId
+from app.api.schemas_scripts import ProfileScript, ScriptLanguage, ScriptOrder
+from app.links.errors import StoreUnavailable, UnknownThing, UsageError, WrongState
 from app.tuning.profile_scripts.errors import ScriptFailed
 
 router = APIRouter(prefix="/profiles", tags=["profiles"])
+
+
+@router.get(
+    "/{profile}/script",
+    responses=problems(UnknownThing, WrongState, ScriptFailed, UsageError, StoreUnavailable),
+)
+async def make_script(bench: CurrentBench, profile: ProfileId, language: ScriptLanguage) -> ProfileScript:
+    """A kept profile as a script, as POST /profiles/script makes it."""
+    document = detail(await bench.profile_store.get(profile)).document
+    return ProfileScript.model_validate(await bench.scripts.make(document, language))
 
 
 @router.post("/script", responses=problems(WrongState, ScriptFailed, UsageError))

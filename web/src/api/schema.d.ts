@@ -1509,6 +1509,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/profiles/{profile}/script": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Make Script
+         * @description A kept profile as a script, as POST /profiles/script makes it.
+         */
+        get: operations["make_script"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/profiles/script": {
         parameters: {
             query?: never;
@@ -6228,7 +6248,7 @@ export interface components {
              * @description registers, parameters and table words that it speaks of
              */
             registers: number;
-            document: components["schemas"]["ProfileDocument-Output"];
+            document: components["schemas"]["ProfileDocument"];
         };
         /**
          * ProfileDocument
@@ -6236,73 +6256,7 @@ export interface components {
          *
          *     Raises ValidationError for what is none; `parse` tells the place in words.
          */
-        "ProfileDocument-Input": {
-            /**
-             * Format
-             * @default stepscope-profile
-             * @constant
-             */
-            format?: "stepscope-profile";
-            /**
-             * Version
-             * @default 1
-             * @constant
-             */
-            version?: 1;
-            /**
-             * Name
-             * @default
-             */
-            name?: string;
-            /**
-             * Note
-             * @default
-             */
-            note?: string;
-            /**
-             * Model
-             * @enum {string}
-             */
-            model: "tmc428" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "pd42-1241";
-            /** Clock Hz */
-            clock_hz: number;
-            /**
-             * Device
-             * @description name of the device that it was taken from
-             * @default
-             */
-            device?: string;
-            /**
-             * Firmware
-             * @description of a module
-             * @default
-             */
-            firmware?: string;
-            /**
-             * Captured Unix S
-             * @default 0
-             */
-            captured_unix_s?: number;
-            /** Axes */
-            axes?: components["schemas"]["AxisPart-Input"][];
-            /** Registers */
-            registers?: components["schemas"]["RegisterPart-Input"][];
-            /** Parameters */
-            parameters?: components["schemas"]["ParameterPart-Input"][];
-            tables?: components["schemas"]["Tables-Input"];
-            /**
-             * Unknown
-             * @description what the profile says nothing of: it could not be read
-             */
-            unknown?: components["schemas"]["UnknownPart-Input"][];
-        };
-        /**
-         * ProfileDocument
-         * @description A device's whole configuration.
-         *
-         *     Raises ValidationError for what is none; `parse` tells the place in words.
-         */
-        "ProfileDocument-Output": {
+        ProfileDocument: {
             /**
              * Format
              * @default stepscope-profile
@@ -7941,7 +7895,7 @@ export interface components {
          *     }
          */
         ScriptOrder: {
-            document: components["schemas"]["ProfileDocument-Input"];
+            document: components["schemas"]["ProfileIn"];
             /**
              * Language
              * @enum {string}
@@ -14393,7 +14347,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["ProfileDocument-Output"];
+                    "application/json": components["schemas"]["ProfileDocument"];
                 };
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
@@ -17076,6 +17030,76 @@ export interface operations {
             };
             /** @description The request does not fit the contract (/problems/invalid-request) */
             422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    make_script: {
+        parameters: {
+            query: {
+                language: "python" | "tmcl" | "c" | "curl";
+            };
+            header?: never;
+            path: {
+                /** @description as in the list */
+                profile: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProfileScript"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); The script did not pass its trial (/problems/script-failed) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
                 headers: {
                     [name: string]: unknown;
                 };

@@ -1,0 +1,136 @@
+import { Switch, Text } from "@mantine/core";
+import { Fragment, useMemo, useState } from "react";
+import { useCatalogModel } from "../../api/queries";
+import { fixed } from "../../lib/format";
+import { RegisterName } from "../../lib/rows/parts";
+import { chipUnit } from "../../lib/rows/physical";
+import { byName, entriesOf, grouped, type Row, rowsOf, sameRows } from "./diff";
+import css from "./profiles.module.css";
+import type { Diff, Profile } from "./useProfiles";
+
+interface Props {
+  diff: Diff;
+  /** what stands on the right: its other numbers are those that are the same */
+  profile: Profile;
+  axisNames: readonly string[];
+}
+
+/** Two sides, register by register and field by field: as the chip has it, and what it comes to. */
+export function DiffTable({ diff, profile, axisNames }: Props) {
+  const catalog = useCatalogModel(diff.model);
+  const [onlyDifferences, setOnlyDifferences] = useState(true);
+  const entries = useMemo(() => entriesOf(profile, byName(catalog.data?.rows ?? [])), [profile, catalog.data]);
+  const different = useMemo(() => rowsOf(diff, entries), [diff, entries]);
+  const same = useMemo(
+    () => (onlyDifferences ? [] : sameRows(different, entries, profile)),
+    [onlyDifferences, different, entries, profile],
+  );
+  const groups = grouped([...different, ...same]);
+  const count = diff.differences.length;
+  return (
+    <div className={css.diff}>
+      <div className={css.diffHead}>
+        <Text size="sm" data-testid="diff-count">
+          {count === 0 ? (
+            <b>No difference</b>
+          ) : (
+            <>
+              <b className="num">{fixed(count)}</b> {count === 1 ? "difference" : "differences"}
+            </>
+          )}
+          , <span className="num">{fixed(diff.same)}</span> the same
+        </Text>
+        <Switch
+          size="xs"
+          label="Only differences"
+          checked={onlyDifferences}
+          onChange={(event) => setOnlyDifferences(event.currentTarget.checked)}
+        />
+      </div>
+      {diff.warnings.map((warning) => (
+        <Text key={warning} className={css.caution}>
+          {warning}
+        </Text>
+      ))}
+      {groups.length > 0 && (
+        // biome-ignore lint/a11y/noNoninteractiveTabindex: what can be scrolled must be reached by keyboard
+        <section className={css.tableBox} tabIndex={0} aria-label="Differences">
+          <table className={css.table}>
+            <thead>
+              <tr>
+                <th scope="col">Register</th>
+                <th scope="col">Field</th>
+                <th scope="col">{diff.left}</th>
+                <th scope="col">{diff.right}</th>
+              </tr>
+            </thead>
+            <tbody>
+              {groups.map(([part, rows]) => (
+                <Fragment key={part}>
+                  <tr className={css.part}>
+                    <th scope="colgroup" colSpan={4}>
+                      {part}
+                    </th>
+                  </tr>
+                  {rows.map((row, index) => (
+                    <Line
+                      key={row.key}
+                      row={row}
+                      again={rows[index - 1]?.name === row.name && rows[index - 1]?.axis === row.axis}
+                      axisName={row.axis === null || axisNames.length < 2 ? "" : (axisNames[row.axis] ?? "")}
+                    />
+                  ))}
+                </Fragment>
+              ))}
+            </tbody>
+          </table>
+        </section>
+      )}
+    </div>
+  );
+}
+
+function Line({ row, again, axisName }: { row: Row; again: boolean; axisName: string }) {
+  return (
+    <tr data-differs={row.differs}>
+      <td>
+        {again ? (
+          <span className={css.again}>{row.name}</span>
+        ) : (
+          <>
+            <RegisterName name={row.name} />
+            {axisName !== "" && <span className={css.axis}> {axisName}</span>}
+          </>
+        )}
+      </td>
+      <td>{row.field ?? ""}</td>
+      <td>
+        <Value value={row.before} unit={row.unit} meaning={row.beforeMeaning} />
+      </td>
+      <td>
+        <Value value={row.after} unit={row.unit} meaning={row.afterMeaning} strong={row.differs} />
+        {row.why !== "" && <span className={css.why}>{row.why}</span>}
+        {row.differs && !row.written && row.why === "" && <span className={css.why}>not written</span>}
+      </td>
+    </tr>
+  );
+}
+
+interface ValueProps {
+  value: number | string | null;
+  unit: string;
+  meaning: string;
+  strong?: boolean;
+}
+
+function Value({ value, unit, meaning, strong = false }: ValueProps) {
+  return (
+    <>
+      <span className="num" data-strong={strong}>
+        {typeof value === "number" ? (Number.isInteger(value) ? fixed(value) : String(value)) : (value ?? "?")}
+      </span>
+      {value !== null && chipUnit(unit) !== "" && <span className={css.unit}> {chipUnit(unit)}</span>}
+      {meaning !== "" && <span className={css.meaning}>{meaning}</span>}
+    </>
+  );
+}

@@ -1,0 +1,35 @@
+import { Text } from "@mantine/core";
+import { IconFileDescription } from "@tabler/icons-react";
+import { useSearchParams } from "wouter";
+import { EmptyState } from "../../lib/EmptyState";
+import { Page, Section } from "../../lib/Section";
+import { ProfileView } from "./ProfileView";
+import css from "./profiles.module.css";
+import { SavedProfiles } from "./SavedProfiles";
+
+/** Whole configurations: kept, compared, applied, handed on. */
+export default function ProfilesPage() {
+  const [parameters, setParameters] = useSearchParams();
+  const given = Number(parameters.get("profile"));
+  const selected = Number.isInteger(given) && given > 0 ? given : null;
+  const select = (id: number | null) => setParameters(id === null ? {} : { profile: String(id) });
+  return (
+    <Page name="Profiles">
+      <div className={css.columns}>
+        <SavedProfiles selected={selected} onSelect={select} />
+        {selected === null ? (
+          <Section title="Profile">
+            <EmptyState title="Choose a profile" icon={<IconFileDescription size={22} />}>
+              <Text size="sm" className={css.dim} maw={430}>
+                It is then compared with the device, can be applied to it as a whole, and becomes a script that was
+                tried on an emulator.
+              </Text>
+            </EmptyState>
+          </Section>
+        ) : (
+          <ProfileView key={selected} id={selected} onGone={() => select(null)} />
+        )}
+      </div>
+    </Page>
+  );
+}

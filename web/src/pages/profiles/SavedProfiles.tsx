@@ -1,0 +1,159 @@
+import { Button, FileButton, Skeleton, Text, TextInput } from "@mantine/core";
+import { useDebouncedValue, useHotkeys } from "@mantine/hooks";
+import { IconCamera, IconFileImport, IconFileStack } from "@tabler/icons-react";
+import { useRef, useState } from "react";
+import { Link } from "wouter";
+import type { Schemas } from "../../api/client";
+import { EmptyState } from "../../lib/EmptyState";
+import { fixed } from "../../lib/format";
+import { ProblemAlert } from "../../lib/ProblemAlert";
+import { Section } from "../../lib/Section";
+import { useSelection } from "../../live/selection";
+import css from "./profiles.module.css";
+import { type Saved, useProfiles, useSave } from "./useProfiles";
+
+interface Props {
+  selected: number | null;
+  onSelect: (id: number) => void;
+}
+
+/** All that are kept, and the two ways to get more: from the device, and from a file. */
+export function SavedProfiles({ selected, onSelect }: Props) {
+  const { device } = useSelection();
+  const [search, setSearch] = useState("");
+  const [asked] = useDebouncedValue(search.trim(), 150);
+  const profiles = useProfiles(asked);
+  const save = useSave();
+  const [unreadable, setUnreadable] = useState<Error | null>(null);
+  const field = useRef<HTMLInputElement>(null);
+  useHotkeys([["/", () => field.current?.focus()]]);
+
+  const keep = (body: Schemas["ProfileSave"]) =>
+    save.mutate(body, {
+      onSuccess: ({ id }) => {
+        setSearch("");
+        onSelect(id);
+      },
+    });
+  const load = async (file: File | null) => {
+    if (file === null) return;
+    save.reset();
+    setUnreadable(null);
+    try {
+      keep({ document: JSON.parse(await file.text()) as Schemas["ProfileIn"] });
+    } catch (error) {
+      setUnreadable(new Error(`${file.name} is no profile: ${error instanceof Error ? error.message : String(error)}`));
+    }
+  };
+  const connected = device?.state === "connected";
+  const found = profiles.data ?? [];
+  const none = profiles.isSuccess && found.length === 0;
+
+  return (
+    <Section title="Saved profiles" note={profiles.isSuccess && found.length > 0 ? fixed(found.length) : undefined}>
+      <div className={css.tools}>
+        <Button
+          size="xs"
+          leftSection={<IconCamera size={15} aria-hidden />}
+          disabled={!connected}
+          loading={save.isPending && save.variables?.device !== undefined}
+          onClick={() => {
+            setUnreadable(null);
+            if (device) keep({ device: device.id, name: nameFor(device.name, found) });
+          }}
+        >
+          {device ? `Capture ${device.name}` : "Capture"}
+        </Button>
+        <FileButton onChange={(file) => void load(file)} accept=".json,application/json">
+          {(props) => (
+            <Button {...props} size="xs" variant="default" leftSection={<IconFileImport size={15} aria-hidden />}>
+              Import
+            </Button>
+          )}
+        </FileButton>
+      </div>
+      {!connected && (
+        <Text className={css.hint} mb={6}>
+          {device ? (
+            <>
+              {device.name} is {device.state}: its configuration can be captured once it is connected.{" "}
+            </>
+          ) : (
+            <>There is no device to capture. </>
+          )}
+          <Link href="/connections">Connections</Link>
+        </Text>
+      )}
+      {save.isError && <ProblemAlert error={save.error} doing="Keeping the profile" onClose={() => save.reset()} />}
+      {unreadable && <ProblemAlert error={unreadable} doing="Reading the file" onClose={() => setUnreadable(null)} />}
+      <TextInput
+        ref={field}
+        size="xs"
+        mb={8}
+        type="search"
+        aria-label="Search profiles"
+        placeholder="Words of name, note, model or device"
+        value={search}
+        onChange={(event) => setSearch(event.currentTarget.value)}
+      />
+      {profiles.isError && (
+        <ProblemAlert error={profiles.error} doing="Listing profiles" retry={() => void profiles.refetch()} />
+      )}
+      {profiles.isPending && (
+        <div role="status" aria-busy="true" aria-label="Listing profiles">
+          <Skeleton height={44} mb={4} radius="sm" />
+          <Skeleton height={44} radius="sm" />
+        </div>
+      )}
+      {none &&
+        (asked === "" ? (
+          <EmptyState title="No profile yet" icon={<IconFileStack size={22} />}>
+            <Text size="sm" className={css.dim}>
+              A profile is a device's whole configuration: registers, tables, mechanics. Capture one before you change
+              something.
+            </Text>
+          </EmptyState>
+        ) : (
+          <Text size="sm" className={css.dim} role="status">
+            No profile has all of these words.
+          </Text>
+        ))}
+      {found.length > 0 && (
+        <ul className={css.saved} aria-label="Profiles">
+          {found.map((each) => (
+            <li key={each.id}>
+              <Entry profile={each} current={each.id === selected} onSelect={() => onSelect(each.id)} />
+            </li>
+          ))}
+        </ul>
+      )}
+    </Section>
+  );
+}
+
+function Entry({ profile, current, onSelect }: { profile: Saved; current: boolean; onSelect: () => void }) {
+  return (
+    <button type="button" className={css.entry} aria-current={current} onClick={onSelect}>
+      <span className={css.entryName}>{profile.name}</span>
+      <span className={css.entryFacts}>
+        <span>{profile.title}</span>
+        {profile.device !== "" && profile.device !== profile.name && <span>{profile.device}</span>}
+        <span className="num">{dateOf(profile.created_unix_s)}</span>
+      </span>
+      {profile.note !== "" && <span className={css.entryNote}>{profile.note}</span>}
+    </button>
+  );
+}
+
+/** When, as people note it beside a measurement. */
+export function dateOf(unixS: number): string {
+  return new Date(unixS * 1e3).toLocaleString(undefined, { dateStyle: "short", timeStyle: "short" });
+}
+
+/** A device's name, numbered where profiles of that name are there already. */
+function nameFor(name: string, taken: readonly Saved[]): string {
+  const names = new Set(taken.map((each) => each.name));
+  let candidate = name;
+  for (let number = 2; names.has(candidate); number += 1) candidate = `${name} ${number}`;
+  return candidate;
+}

@@ -1,0 +1,20 @@
+/** Gives somebody a file without asking the server again. */
+export function saveText(name: string, text: string, type = "text/plain"): void {
+  const address = URL.createObjectURL(new Blob([text], { type: `${type};charset=utf-8` }));
+  const link = document.createElement("a");
+  link.href = address;
+  link.download = name;
+  link.click();
+  // the browser has it by then
+  setTimeout(() => URL.revokeObjectURL(address), 10_000);
+}
+
+/** A file name of what somebody called a thing: no path, nothing that a file system minds. */
+export function fileName(name: string, ending: string): string {
+  const plain = name
+    .normalize("NFKD")
+    .toLowerCase()
+    .replace(/[^a-z0-9]+/g, "-")
+    .replace(/^-+|-+$/g, "");
+  return `${plain || "profile"}${ending}`;
+}
