@@ -92,12 +92,16 @@ class RampStops(RampWrites):
             raise OutOfRange("position", position, POSITION_MIN, POSITION_MAX, "microsteps")
         self.require_connected()
         rows = self.rows[axis]
+        if self.limiter is not None:
+            self.limiter.require_target(axis, position)
         # No guard: a stop that comes between must not leave v_max at 0, and nothing here sets the motor in motion.
         async with self.queue.turn(Priority.COMMAND) as turn:
             words = Words(turn)
             if await words.value(rows.v_actual) != 0:
                 raise WrongState(f"axis {axis} moves", "stop it first")
             v_max = await words.read(rows.v_max)
+            if self.limiter is not None:  # else it would not come back
+                self.limiter.check_writes([(rows.v_max.address, 0), (rows.v_max.address, v_max)])
             await words.write(rows.v_max, 0)
             self.commanded(axis, "set_position", position=position)
             before = await words.value(rows.x_actual)

@@ -10,6 +10,7 @@ from collections.abc import Callable
 
 from app.clock import Clock
 from app.devices.device import Device, DeviceEvent, MotionCommanded, motion_owner
+from app.devices.limits.watch import RangeWatch
 from app.links.errors import BenchError
 
 log = logging.getLogger("stepscope.tuning")
@@ -70,7 +71,9 @@ class Procedure(ABC):
             and not self._aborting
         ):
             self._taken_over = event.what
-            self.message = f"ended by another command to this axis: {event.what}"
+            # The watch over soft limits says why; of others only what they have sent is known.
+            why = event.by.why if isinstance(event.by, RangeWatch) else ""
+            self.message = f"ended: {why}" if why else f"ended by another command to this axis: {event.what}"
             assert self._task is not None
             self._task.cancel()
 

@@ -74,6 +74,8 @@ class Procedures:
 
         Raises WrongState while another procedure runs there, OutOfRange for what cannot be.
         """
+        if device.limiter is not None:
+            device.limiter.require_target(device.axis(axis).index, 0, what="a search calls its reference 0")
         search: Search
         if isinstance(device, Pd42):
             search = ModuleSearch(
@@ -107,7 +109,11 @@ class Procedures:
 
     def start_shuttle(self, device: Device, axis: int, first: int, second: int, dwell_s: float = 0.3) -> ShuttleState:
         """Raises WrongState while another procedure runs there, OutOfRange for what cannot be."""
-        return self._start(Shuttle(device, axis, self._clock, first, second, dwell_s)).state
+        begun = Shuttle(device, axis, self._clock, first, second, dwell_s)
+        if device.limiter is not None:
+            for target in (first, second):
+                device.limiter.require_target(begun.axis, target)
+        return self._start(begun).state
 
     def shuttle_state(self, device: Device, axis: int) -> ShuttleState:
         """The present shuttle, or the latest. Raises UnknownThing for the axis."""

@@ -128,8 +128,8 @@ class Limiter:
         """Whether a write there can go beyond a limit."""
         return address in self._touched
 
-    def require_target(self, axis: int, target: int, position: int | None = None) -> None:
-        """Raises SoftLimit for a target outside the range, unless it is on the way back into it."""
+    def require_target(self, axis: int, target: int, position: int | None = None, what: str = "") -> None:
+        """Raises SoftLimit for a target outside the range, unless it is on the way back into it; `what` it is for."""
         limits = self.limits[axis]
         beyond = limits.beyond(target)
         if not beyond:
@@ -138,7 +138,7 @@ class Limiter:
         outside = 0 if here is None else limits.beyond(here)
         if beyond * outside > 0 and abs(beyond) <= abs(outside):
             return
-        raise SoftLimit("position", target, target - beyond, axis, UNITS["position"])
+        raise SoftLimit("position", target, target - beyond, axis, UNITS["position"], what)
 
     def require_way(self, axis: int, way: float, position: int | None = None) -> None:
         """Raises SoftLimit where the axis is at the end of its range and is to turn on that way."""

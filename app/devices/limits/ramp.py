@@ -56,9 +56,9 @@ class RampRules(Rules):
 
         def of_dividers(view: View) -> tuple[int, int]:
             word = view(rows.dividers.address)
-            if word is None:  # nobody knows: nothing is faster than without any
-                return 0, 0
-            return min(rows.pulse_div.unpack(word), MAX_DIVIDER), min(rows.ramp_div.unpack(word), MAX_DIVIDER)
+            pulse, ramp = (0, 0) if word is None else (rows.pulse_div.unpack(word), rows.ramp_div.unpack(word))
+            # Where nobody knows, nothing is faster than without any; a divider that no chip has was read wrongly.
+            return pulse if pulse <= MAX_DIVIDER else 0, ramp if ramp <= MAX_DIVIDER else 0
 
         def velocity(view: View) -> float:
             return velocity_unit(of_dividers(view)[0], self.clock_hz)
@@ -66,8 +66,11 @@ class RampRules(Rules):
         def acceleration(view: View) -> float:
             return acceleration_unit(*of_dividers(view), self.clock_hz)
 
-        for row, at_start in ((rows.v_max, True), (rows.v_min, True), (rows.v_target, False), (rows.v_actual, False)):
-            yield Part("velocity", row.name, row.address, row.decode, velocity, MOST, dividers, at_start)
+        for row in (rows.v_max, rows.v_min):
+            yield Part("velocity", row.name, row.address, row.decode, velocity, MOST, dividers)
+        for row in (rows.v_target, rows.v_actual):
+            # What the chip itself sets there is not above v_max, so what nobody knows adds nothing.
+            yield Part("velocity", row.name, row.address, row.decode, velocity, 0, dividers, at_start=False)
         yield Part("acceleration", rows.a_max.name, rows.a_max.address, rows.a_max.decode, acceleration, MOST, dividers)
         full_scale_a = self.limits[axis].current_full_scale_a
         found = self._chip.table.find(CURRENTS, axis)
@@ -94,9 +97,11 @@ class RampRules(Rules):
             velocity = 0 if word is None else rows.v_actual.decode(word)
             held = [part for part in self.parts[axis] if part.quantity == "current" or part.name == rows.v_actual.name]
             return Going(tuple(held), positioning=False, way=sign(velocity), jumps=True) if velocity else None
-        if v_max == 0 or a_max == 0:
+        if a_max == 0:
             return None
         if mode in POSITIONING_MODES:
+            if v_max == 0:
+                return None
             target, counter = view(rows.x_target.address), view(rows.x_actual.address)
             return Going(
                 tuple(parts),
@@ -108,6 +113,8 @@ class RampRules(Rules):
         wanted = None if word is None else rows.v_target.decode(word)
         if wanted == 0:
             return None
+        by = {rows.v_max.name, rows.v_min.name}  # it turns by v_target instead
+        parts = [part for part in parts if part.name not in by]
         if wanted is not None:
             parts += [part for part in self.parts[axis] if part.name == rows.v_target.name]
         return Going(tuple(parts), positioning=False, way=0 if wanted is None else sign(wanted))

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
-from app.calc.tmc4361_formats import CLOCK_HZ_MIN, FORMATS, Units
+from app.calc.tmc4361_formats import CLOCK_HZ_MAX, CLOCK_HZ_MIN, FORMATS, Units
 from app.devices.limits.axis_limits import AxisLimits
 from app.devices.limits.frames import decoder_of, moves_by_board, refuse_board
 from app.devices.limits.parts import Going, Part, Place, Quantity, View, position_of, sign
@@ -118,6 +118,8 @@ class SRampRules(Rules):
         if told_hz is None:
             told_hz = rows.CLK_FREQ.reset
         told_hz = rows.CLK_FREQ.decode(told_hz or 0)
+        if told_hz > CLOCK_HZ_MAX:  # no chip has that: it was read wrongly, and the least may be right
+            told_hz = round(CLOCK_HZ_MIN)
         return self.clock_hz / told_hz if told_hz else float("inf")
 
     def _velocity(self, view: View) -> float:

@@ -96,6 +96,8 @@ class Stops(Moves):
         if not LOWEST <= position <= HIGHEST:
             raise OutOfRange("position", position, LOWEST, HIGHEST, "microsteps")
         self.require_connected()
+        if self.limiter is not None:
+            self.limiter.require_target(axis, position)
         # No guard: a stop that comes between changes nothing here, and nothing here sets the motor in motion.
         async with self.queue.turn(Priority.COMMAND) as turn:
             words = self.words(turn)

@@ -56,6 +56,8 @@ class Mover(Followed):
 
     async def set_off(self, target: int) -> None:
         """Go to `target`, as the track counts. Raises BenchError; what may have set off then was stopped again."""
+        if self.device.limiter is not None:  # told at once, and not at the piece of the way that leads out
+            self.device.limiter.require_target(self.axis, target, self.track.followed)
         await self._begin(Journey(self.track.counter, self.track.followed, target, None))
 
     async def set_off_from_rest(self, find: Callable[[int], int]) -> None:

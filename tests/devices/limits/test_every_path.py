@@ -1,0 +1,135 @@
+"""No word beyond a limit reaches an emulated chip, whichever register it is written to and by whichever path."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Iterator
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from app.devices.device import Device
+from app.devices.results import WriteItem
+from app.links import datagram32, datagram40
+from app.links.errors import BenchError, SoftLimit
+from app.links.tmcl import Request
+from app.registers.catalog import MODELS
+from app.registers.model import Register, Space
+from app.registers.tmcl import Opcode
+from tests.devices.limits.bench import ALL_MODELS, Bench, bench, limits_of
+from tests.devices.limits.oracle import Oracle
+
+PATHS = ("value", "field", "batch", "raw", "queue")
+REGISTER_MODELS = tuple(model for model in ALL_MODELS if model != "pd42-1241")
+
+
+def frame_of(device: Device, register: Register, word: int) -> bytes:
+    """The frame that writes a word, made here and not by the driver."""
+    if device.model in ("tmc428", "tmc4210"):
+        return datagram32.write(register.address, word & 0xFF_FFFF)
+    if device.model == "pd42-1241":
+        signed = word - (1 << 32) if word >> 31 else word
+        return Request(1, Opcode.SAP, register.address, 0, signed).encode()
+    return datagram40.write(register.address, word)
+
+
+def items_of(register: Register, word: int) -> list[WriteItem]:
+    """The fields of a word one by one, where it has some."""
+    fields = {part.name: part.unpack(word) for part in register.fields if part.access.writable and not part.when}
+    return [WriteItem(register.name, register.axis, fields={name: value}) for name, value in fields.items()]
+
+
+async def put(device: Device, register: Register, word: int, path: str) -> SoftLimit | None:
+    """Write by one of the paths; the refusal, where it is one by a limit."""
+    value = register.decode(word)
+    items = items_of(register, word) or [WriteItem(register.name, register.axis, value)]
+    try:
+        if path == "value":
+            await device.write(register.name, register.axis, value)
+        elif path == "field":
+            for item in items:
+                await device.write(item.name, item.axis, item.value, item.fields)
+        elif path == "batch":
+            await device.write_many(items)
+        elif path == "raw":
+            await device.exchange(frame_of(device, register, word))
+        else:
+            await device.queue.exchange(frame_of(device, register, word))
+    except SoftLimit as refused:
+        return refused
+    except BenchError:
+        pass  # refused by somebody else, for another reason
+    return None
+
+
+def writable(model: str) -> list[Register]:
+    """Every register or axis parameter that can be written at its address."""
+    table = MODELS[model].table
+    wanted = Space.AXIS if model == "pd42-1241" else Space.REGISTER
+    return [row for row in table if row.access.writable and row.space is wanted and not row.when]
+
+
+def words_of(register: Register, chance: random.Random) -> Iterator[int]:
+    """Great ones, small ones and one by chance."""
+    width = (1 << register.width) - 1
+    yield from (width, width >> 1, (width >> 1) + 1, register.encode(register.maximum), chance.randint(0, width))
+
+
+async def at_rest_within(made: Bench, model: str) -> Oracle:
+    """Limits on a chip that holds nothing beyond them: what it does hold after power-on is written first."""
+    limits = limits_of(model)
+    oracle = Oracle(model, limits)
+    await made.device.refresh()
+    if model == "pd42-1241":
+        for number, value in ((4, 1000), (5, 100_000), (15, 100_000), (17, 100_000), (18, 100_000), (6, 60), (7, 8)):
+            await made.device.write(f"ap{number}", 0, value)
+        for number in (194, 195):
+            await made.device.write(f"ap{number}", 0, 500)
+        for row in writable(model):
+            oracle.words[row.address] = (await made.device.read(row.name, row.axis)).value
+    oracle.heard(made.port.frames)
+    await made.limit(limits)
+    if model == "tmc428":
+        for axis in range(3):
+            await made.device.write("is_agtat_is_aleat_is_v0_a_threshold", axis, 0x222000)
+    made.port.frames.clear()
+    assert [meaning for meaning in oracle.beyond() if meaning.quantity != "current"] == []
+    return oracle
+
+
+@pytest.mark.parametrize("model", ALL_MODELS)
+async def test_no_word_beyond_a_limit_reaches_the_chip_by_any_path(model: str) -> None:
+    chance = random.Random(model)
+    refused: set[str] = set()
+    async with bench(model) as made:
+        oracle = await at_rest_within(made, model)
+        for register in writable(model):
+            for path in PATHS:
+                for word in words_of(register, chance):
+                    refusal = await put(made.device, register, word, path)
+                    oracle.heard(made.port.frames)
+                    made.port.frames.clear()
+                    assert oracle.beyond() == [], (register.name, hex(word), path)
+                    if refusal is not None:
+                        refused.add(refusal.quantity)
+    wanted = {"position", "velocity", "acceleration", "current"} - ({"current"} if model == "tmc4210" else set())
+    assert refused == wanted  # none of the limits has gone untried
+
+
+@pytest.mark.parametrize("model", REGISTER_MODELS)
+@settings(max_examples=12, deadline=None, suppress_health_check=list(HealthCheck))
+@given(data=st.data())
+async def test_nor_does_a_sequence_of_writes_that_change_what_others_mean(model: str, data: st.DataObject) -> None:
+    rows = [row for row in writable(model) if "RAM" not in row.group and "LUT" not in row.name]
+    async with bench(model) as made:
+        oracle = await at_rest_within(made, model)
+        for _ in range(25):
+            register = data.draw(st.sampled_from(rows))
+            word = data.draw(
+                st.one_of(st.integers(0, (1 << register.width) - 1), st.integers(0, min(1 << register.width, 4000) - 1))
+            )
+            await put(made.device, register, word, data.draw(st.sampled_from(PATHS)))
+            oracle.heard(made.port.frames)
+            made.port.frames.clear()
+            assert oracle.beyond() == []
