@@ -20,6 +20,7 @@ from tests.bench import (
     motor,
     mslut,
     planner,
+    profile_faults,
     recording_kills,
     serving,
     tmcl_link,
@@ -43,6 +44,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "mslut": lambda quick: [mslut.measure(quick=quick)],
     "endless": endless.measure,
     "recordings": recording_kills.measure,
+    "profiles": profile_faults.measure,
     "hostile": hostile.measure,
     "day": long_run.measure,
 }

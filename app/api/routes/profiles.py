@@ -109,11 +109,12 @@ async def list_profiles(
 )
 async def save_profile(bench: CurrentBench, body: ProfileSave) -> ProfileInfo:
     """Keep a document, or what a device holds now. A document that no device could take is refused."""
-    if body.document is not None:
+    document: ProfileDocument
+    if body.document is None:
+        document = await capture(bench.manager.get(body.device or ""))
+    else:
         document = body.document
         wants_of(document)
-    else:
-        document = await capture(bench.manager.get(body.device or ""))
     name = body.name or document.name or document.title
     note = document.note if body.note is None else body.note
     return info(await bench.profile_store.add(name, note, plain(document)))
@@ -133,10 +134,7 @@ async def _document(bench: Bench, given: ProfileDocument | int) -> ProfileDocume
 
 @router.get(
     "/profiles/{profile}",
-    responses={
-        **problems(UnknownThing, UnreadableProfile, StoreUnavailable),
-        200: {"content": {"text/plain": {"schema": {"type": "string"}}}},
-    },
+    responses=problems(UnknownThing, UnreadableProfile, StoreUnavailable),
 )
 async def get_profile_kept(
     bench: CurrentBench,

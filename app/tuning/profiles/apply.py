@@ -87,6 +87,8 @@ class Transaction:
     progress: Progress = field(default_factory=Progress)
     journal: Journal | None = None
     _disturbed: str = ""
+    _now: dict[Key, int] = field(default_factory=dict)
+    """What was read back of the registers that are written; a module may hold a number that is a little off."""
 
     async def run(self) -> Applied:
         """Apply it.
@@ -128,22 +130,21 @@ class Transaction:
         if self.journal is not None:
             await self.journal.begin(steps)
         try:
-            now = await self._forward(held, steps)
+            await self._forward(held, steps)
         except _Failed as failure:
             reached = steps[: failure.index + failure.sent]
-            back = _WayBack(self.device, reached, failure.step if failure.sent else None, self.progress)
+            back = _WayBack(self.device, reached, failure.step if failure.sent else None, self._now, self.progress)
             left = await back.run(held)
             if self.journal is not None:
                 await self.journal.end(left)
-            raise self._told(failure, steps, prepared, left) from failure.error
+            raise self._told(failure, steps, prepared, left, back.unchecked) from failure.error
         if self.journal is not None:
             await self.journal.end([])
-        return [change_of(step, back) for step, back in zip(steps, now, strict=True)]
+        return [change_of(step, self._now[step.item.key]) for step in steps]
 
-    async def _forward(self, held: Held, steps: Sequence[Step]) -> list[int]:
-        """Write all of it; the words that were read back. Raises _Failed."""
+    async def _forward(self, held: Held, steps: Sequence[Step]) -> None:
+        """Write all of it. Raises _Failed."""
         self.progress.phase = "writing"
-        now: list[int] = []
         for index, step in enumerate(steps):
             self.progress.done, self.progress.place = index, step.place
             sent = False
@@ -153,15 +154,15 @@ class Transaction:
                 if self.journal is not None:
                     self.journal.reached(index)
                 sent = True
-                now.append(await write_item(self.device, step.item, step.write(), step.word, step.mask))
+                word = await write_item(self.device, step.item, step.write(), step.word, step.mask)
+                self._now[step.item.key] = word
             except Exception as error:
                 raise _Failed(_told_of(error, step), step, index, sent=sent) from error
         self.progress.done, self.progress.phase, self.progress.place = len(steps), "checking", ""
         try:
-            await self._check(held, steps, now)
+            await self._check(held, steps)
         except Exception as error:
             raise _Failed(_told_of(error, None), None, len(steps), sent=False) from error
-        return now
 
     def _require_undisturbed(self) -> None:
         if self._disturbed:
@@ -179,9 +180,9 @@ class Transaction:
             "somebody else writes here, or the line flips bits",
         )
 
-    async def _check(self, held: Held, steps: Sequence[Step], now: Sequence[int]) -> None:
+    async def _check(self, held: Held, steps: Sequence[Step]) -> None:
         """Whether all is as it should be: what was written, and what was not."""
-        expected = dict(held.words) | {step.item.key: word for step, word in zip(steps, now, strict=True)}
+        expected = {**held.words, **self._now}
         restated = any(not step.steady for step in steps)
         after = await read_held(self.device)
         for item, was, is_ in await unexpected(self.device, expected, after):
@@ -190,7 +191,7 @@ class Transaction:
             raise WriteRefused(item.row.name, was, is_, "it changed while other registers were written")
 
     def _told(
-        self, failure: _Failed, steps: Sequence[Step], prepared: list[str], left: list[Change]
+        self, failure: _Failed, steps: Sequence[Step], prepared: list[str], left: list[Change], unchecked: str
     ) -> ProfileTakenBack:
         step = failure.step
         failed = (
@@ -209,8 +210,11 @@ class Transaction:
         where = step.place if step is not None else "the check of all registers"
         done, of = failure.index, len(steps)
         text = f"{where} failed after {done} of {of} writes: {failure.error}"
+        if unchecked:
+            text = f"{text}; {unchecked}"
         if not left:
-            return ProfileTakenBack(f"not applied, all is as it was before: {text}", failed, done, of, prepared)
+            back = "all that was written is as it was before" if unchecked else "all is as it was before"
+            return ProfileTakenBack(f"not applied, {back}: {text}", failed, done, of, prepared)
         names = ", ".join(place for place in (_place(change) for change in left[:4])) + ", ..." * (len(left) > 4)
         return ProfileLeft(
             f"not applied, and {len(left)} registers are not as they were ({names}): {text}",
@@ -229,16 +233,24 @@ class _WayBack:
     """What was written goes back, the latest first; what does not is told."""
 
     def __init__(
-        self, device: Device, steps: Sequence[Step], uncertain: Step | None, progress: Progress | None = None
+        self,
+        device: Device,
+        steps: Sequence[Step],
+        uncertain: Step | None,
+        now: Mapping[Key, int],
+        progress: Progress | None = None,
     ) -> None:
         self._device = device
         self._steps = list(reversed(steps))
         # In which units a module counts goes back first: what was read before was read in them.
         self._steps.sort(key=lambda step: step.register.name != "unit_mode")
         self._uncertain = uncertain
+        self._now = now
         self._progress = progress or Progress()
         self._silent = 0
         self._down = False
+        self.unchecked = ""
+        """Why it was not looked at everything again in the end; "" where it was."""
 
     async def run(self, before: Held | None) -> list[Change]:
         """Write all of it back; what is not as it was then. With `before` all else is looked at too. Never raises."""
@@ -251,14 +263,18 @@ class _WayBack:
             left.pop(step.item.key, None)
             if change is not None:
                 left[step.item.key] = change
-        if before is not None and not self._down:
+        if self._down:
+            self.unchecked = "the link is gone, so nothing else was looked at"
+        elif before is not None:
             await self._look_over(before, left)
         return list(left.values())
 
     async def _one(self, step: Step) -> Change | None:
-        is_ = None if step is self._uncertain else step.word
+        is_ = None if step is self._uncertain else self._now.get(step.item.key, step.word)
         if self._down:
-            return change_of(step, is_, "the link is gone, so it was not written back")
+            # Of numbers whose unit has changed only 0 is what it was.
+            same = is_ is not None and step.was == is_ and (step.steady or is_ == 0)
+            return None if same else change_of(step, is_, "the link is gone, so it was not written back")
         back = step.way_back()
         try:
             if step.register.access.readable:
@@ -300,7 +316,8 @@ class _WayBack:
             after = await read_held(self._device)
             astray = await unexpected(self._device, before.words, after)
         except BenchError as error:
-            log.warning("%s: whether all is as before could not be read: %s", self._device.name, error)
+            self.unchecked = f"whether all else is as before could not be read: {error}"
+            log.warning("%s: %s", self._device.name, self.unchecked)
             return
         for item, was, is_ in astray:
             if item.key in left:
@@ -318,7 +335,7 @@ async def way_back(device: Device, steps: Sequence[Step], progress: Progress | N
     """
     states = await require_rest(device)
     await hold_still(device, states, list(steps))
-    return await _WayBack(device, steps, None, progress).run(None)
+    return await _WayBack(device, steps, None, {}, progress).run(None)
 
 
 # --- one register -----------------------------------------------------------------------------------
