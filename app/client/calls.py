@@ -167,7 +167,8 @@ def _axis(axis: int | None) -> dict[str, str | int | list[str]]:
 
 
 def _device(answer: Json) -> Device:
-    return record(Device, {**answer, "axes": tuple(answer["axes"]), "channels": tuple(answer["channels"])})
+    lists = {name: tuple(answer[name]) for name in ("notes", "axes", "channels")}
+    return record(Device, {**answer, **lists})
 
 
 def _lease(answer: Json) -> LeaseState:

@@ -31,6 +31,8 @@ class Device:
     state: str
     """"connected", "connecting", "disconnected" or "failed"."""
     problem: Json | None
+    notes: tuple[str, ...]
+    """What to know of it now: motors that were moving before stepscope was there."""
     emulated: bool
     axes: tuple[Json, ...]
     channels: tuple[Json, ...]

@@ -22,6 +22,9 @@ def devices(url: Url = None, token: Token = None, as_json: AsJson = False) -> No
             ("id", "model", "axes", "state", "link"),
             [(each.id, each.title, str(len(each.axes)), each.state, str(each.link.get("kind", ""))) for each in found],
         )
+        for each in found:
+            for note in each.notes:
+                typer.secho(f"stepscope: {each.id}: {note}", fg="yellow", err=True)
 
 
 def read(

@@ -14978,7 +14978,6 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["ProfileDetail"];
-                    "text/plain": string;
                 };
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */

@@ -49,6 +49,11 @@ function DeviceGroup({ device, selected, unit, onSelect }: Omit<TreeProps, "devi
           {device.problem.detail} <Link href="/connections">Connections</Link>
         </Text>
       )}
+      {device.notes.map((note) => (
+        <Text key={note} size="xs" px="xs" pb={4} role="status">
+          Note: {note}.
+        </Text>
+      ))}
       {device.axes.map((axis) => (
         <AxisRow
           key={axis.index}

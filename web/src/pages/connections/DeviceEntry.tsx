@@ -101,6 +101,11 @@ export function DeviceEntry({ device, selected, edited, onUse, onEdit, onRemoved
         ))}
       </ul>
       {device.problem && <ProblemAlert error={device.problem} />}
+      {device.notes.map((note) => (
+        <Text key={note} size="xs" role="status">
+          Note: {note}.
+        </Text>
+      ))}
       {link.isError && <ProblemAlert error={link.error} onClose={() => link.reset()} />}
       <Text size="xs" className={css.links}>
         {selected ? (
