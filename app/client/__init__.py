@@ -21,6 +21,7 @@ may have moved a motor.
 from app.client.asynchronous import AsyncBench
 from app.client.blocking import Bench
 from app.client.errors import BenchNotTaken, BenchTaken, ClientError, MoveEnded, NoAnswer, NoServer, Refused
+from app.client.profiles import SavedProfile
 from app.client.records import AxisState, Device, LeaseState, MoveStarted, Reading, Recording, Samples, Written
 
 __all__ = [
@@ -40,5 +41,6 @@ __all__ = [
     "Recording",
     "Refused",
     "Samples",
+    "SavedProfile",
     "Written",
 ]

@@ -14,7 +14,7 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
 from websockets.typing import Subprotocol
 
-from app.client import calls
+from app.client import calls, profiles
 from app.client.arrival import LOOK_EVERY_S, Arrival
 from app.client.calls import Call
 from app.client.errors import ClientError, NoServer
@@ -31,6 +31,7 @@ from app.client.http import (
     told,
 )
 from app.client.lease import AsyncLease, OnVanish
+from app.client.profiles import SavedProfile
 from app.client.records import AxisState, Device, Json, LeaseState, MoveStarted, Reading, Recording, Samples, Written
 from app.client.stream import SUBPROTOCOL, Collector, samples_of
 
@@ -263,9 +264,67 @@ class AsyncBench:
             raise told(error, self.url) from error
         return content_of(response)
 
-    async def _send(self, call: Call[T]) -> T:
+    # --- profiles -------------------------------------------------------------------------------
+
+    async def profile(self, device: str) -> Json:
+        """The device's whole configuration as a document, as it is now."""
+        return await self._send(profiles.capture(device))
+
+    async def apply_profile(self, device: str, document: Json, *, dry_run: bool = False, limits: bool = False) -> Json:
+        """Bring the device to what `document` says, all of it or nothing; with `dry_run` only tell what would change.
+
+        Soft limits only with `limits`. Raises Refused: its `facts` say what failed, and what is `left` where the way
+        back failed too. The server goes on though nobody waits: `profile_progress`.
+        """
+        call = profiles.apply(device, document, dry_run=dry_run, limits=limits)
+        return await self._send(call, profiles.APPLY_TIMEOUT_S)
+
+    async def profile_progress(self, device: str) -> Json:
+        """How far a profile is that is being applied, or what an earlier one has left unfinished."""
+        return await self._send(profiles.progress(device))
+
+    async def take_profile_back(self, device: str) -> Json:
+        """Bring back what an unfinished profile has written."""
+        return await self._send(profiles.way_back(device), profiles.APPLY_TIMEOUT_S)
+
+    async def forget_profile(self, device: str) -> None:
+        """Leave the device as an unfinished profile has left it."""
+        await self._send(profiles.forget(device))
+
+    async def profiles(self, search: str = "", model: str = "") -> list[SavedProfile]:
+        """Kept profiles, the latest first; with `search` those with these words in name, note, model or device."""
+        return await self._send(profiles.kept(search, model))
+
+    async def saved_profile(self, profile: int) -> Json:
+        """The document of a kept profile."""
+        return await self._send(profiles.get(profile))
+
+    async def save_profile(
+        self,
+        document: Json | None = None,
+        *,
+        device: str | None = None,
+        name: str | None = None,
+        note: str | None = None,
+    ) -> SavedProfile:
+        """Keep a document, or what `device` holds now."""
+        return await self._send(profiles.save(document, device, name, note))
+
+    async def edit_profile(self, profile: int, name: str | None = None, note: str | None = None) -> SavedProfile:
+        """Another name or note."""
+        return await self._send(profiles.edit(profile, name, note))
+
+    async def delete_profile(self, profile: int) -> None:
+        """Delete a kept profile for good."""
+        await self._send(profiles.delete(profile))
+
+    async def compare_profiles(self, left: Json | int, right: Json | int) -> Json:
+        """What differs between two profiles, each a document or the id of a kept one."""
+        return await self._send(profiles.compare(left, right))
+
+    async def _send(self, call: Call[T], timeout_s: float | None = None) -> T:
         try:
-            response = await self._http.request(**options(call))
+            response = await self._http.request(**options(call, timeout_s))
         except httpx.TransportError as error:
             raise told(error, self.url) from error
         return answer_of(call, response)

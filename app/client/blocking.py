@@ -14,7 +14,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 from websockets.typing import Subprotocol
 
-from app.client import calls
+from app.client import calls, profiles
 from app.client.arrival import LOOK_EVERY_S, Arrival
 from app.client.calls import Call
 from app.client.errors import ClientError, NoServer
@@ -31,6 +31,7 @@ from app.client.http import (
     told,
 )
 from app.client.lease import Lease, OnVanish
+from app.client.profiles import SavedProfile
 from app.client.records import AxisState, Device, Json, LeaseState, MoveStarted, Reading, Recording, Samples, Written
 from app.client.stream import SUBPROTOCOL, Collector, samples_of
 
@@ -261,9 +262,67 @@ class Bench:
             raise told(error, self.url) from error
         return content_of(response)
 
-    def _send(self, call: Call[T]) -> T:
+    # --- profiles -------------------------------------------------------------------------------
+
+    def profile(self, device: str) -> Json:
+        """The device's whole configuration as a document, as it is now."""
+        return self._send(profiles.capture(device))
+
+    def apply_profile(self, device: str, document: Json, *, dry_run: bool = False, limits: bool = False) -> Json:
+        """Bring the device to what `document` says, all of it or nothing; with `dry_run` only tell what would change.
+
+        Soft limits only with `limits`. Raises Refused: its `facts` say what failed, and what is `left` where the way
+        back failed too. The server goes on though nobody waits: `profile_progress`.
+        """
+        call = profiles.apply(device, document, dry_run=dry_run, limits=limits)
+        return self._send(call, profiles.APPLY_TIMEOUT_S)
+
+    def profile_progress(self, device: str) -> Json:
+        """How far a profile is that is being applied, or what an earlier one has left unfinished."""
+        return self._send(profiles.progress(device))
+
+    def take_profile_back(self, device: str) -> Json:
+        """Bring back what an unfinished profile has written."""
+        return self._send(profiles.way_back(device), profiles.APPLY_TIMEOUT_S)
+
+    def forget_profile(self, device: str) -> None:
+        """Leave the device as an unfinished profile has left it."""
+        self._send(profiles.forget(device))
+
+    def profiles(self, search: str = "", model: str = "") -> list[SavedProfile]:
+        """Kept profiles, the latest first; with `search` those with these words in name, note, model or device."""
+        return self._send(profiles.kept(search, model))
+
+    def saved_profile(self, profile: int) -> Json:
+        """The document of a kept profile."""
+        return self._send(profiles.get(profile))
+
+    def save_profile(
+        self,
+        document: Json | None = None,
+        *,
+        device: str | None = None,
+        name: str | None = None,
+        note: str | None = None,
+    ) -> SavedProfile:
+        """Keep a document, or what `device` holds now."""
+        return self._send(profiles.save(document, device, name, note))
+
+    def edit_profile(self, profile: int, name: str | None = None, note: str | None = None) -> SavedProfile:
+        """Another name or note."""
+        return self._send(profiles.edit(profile, name, note))
+
+    def delete_profile(self, profile: int) -> None:
+        """Delete a kept profile for good."""
+        self._send(profiles.delete(profile))
+
+    def compare_profiles(self, left: Json | int, right: Json | int) -> Json:
+        """What differs between two profiles, each a document or the id of a kept one."""
+        return self._send(profiles.compare(left, right))
+
+    def _send(self, call: Call[T], timeout_s: float | None = None) -> T:
         try:
-            response = self._http.request(**options(call))
+            response = self._http.request(**options(call, timeout_s))
         except httpx.TransportError as error:
             raise told(error, self.url) from error
         return answer_of(call, response)

@@ -51,11 +51,13 @@ def socket_url(url: str, path: str) -> str:
     return urlunsplit(("wss" if scheme == "https" else "ws", netloc, base + address, query, ""))
 
 
-def options(call: Call[T]) -> dict[str, Any]:
-    """The call as arguments of httpx's `request`."""
+def options(call: Call[T], timeout_s: float | None = None) -> dict[str, Any]:
+    """The call as arguments of httpx's `request`; with `timeout_s` it waits so long for the answer [s]."""
     given: dict[str, Any] = {"method": call.method, "url": call.path, "params": dict(call.query)}
     if call.body is not None:
         given["json"] = dict(call.body)
+    if timeout_s is not None:
+        given["timeout"] = timeout(timeout_s)
     return given
 
 

@@ -18,6 +18,7 @@ from app.commands.devices import devices, read, write
 from app.commands.lease import lease
 from app.commands.measuring import record, recordings, watch
 from app.commands.motion import axis, move, rotate, stop
+from app.commands.profiles import profile
 
 COMMANDS: Sequence[Callable[..., None]] = (
     devices,
@@ -35,5 +36,5 @@ COMMANDS: Sequence[Callable[..., None]] = (
 )
 WITHOUT_ARGUMENTS = frozenset({"devices", "recordings", "stop"})
 """Commands that do something when nothing follows; the others show their help then."""
-GROUPS: Sequence[typer.Typer] = (lease,)
+GROUPS: Sequence[typer.Typer] = (lease, profile)
 """Subjects with commands of their own, as `stepscope SUBJECT COMMAND`."""
