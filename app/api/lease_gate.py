@@ -43,6 +43,7 @@ FREE = frozenset(
         ("PATCH", "/recordings/{recording}"),
         ("POST", "/recordings/{recording}/stop"),
         ("POST", "/recordings/{recording}/marks"),
+        ("POST", "/recordings/{recording}/replay"),
         ("POST", "/recordings/compare"),
         # Saved documents, likewise.
         ("POST", "/profiles"),

@@ -11,7 +11,7 @@ from typing import Any
 
 from app.clock import Clock
 from app.devices.device import Device
-from app.links.errors import BenchError, UnknownThing, UsageError, WrongState
+from app.links.errors import BenchError, UsageError, WrongState
 from app.links.port import FramePort
 from app.links.registry import Link, PortFactory
 from app.store.recordings.head import Column, Head
@@ -199,12 +199,10 @@ class RecordingDesk:
         task.add_done_callback(self._replaying.discard)
         return replay.progress
 
-    def progress(self, recording: str) -> Progress:
-        """How the latest replay of a recording goes. Raises UnknownThing where there was none."""
+    def progress(self, recording: str) -> Progress | None:
+        """How the latest replay of a recording goes; None where there was none. Raises UnknownThing."""
         replay = self._replays.get(self.library.entry(recording).id)
-        if replay is None:
-            raise UnknownThing("replay of recording", recording, list(self._replays))
-        return replay.progress
+        return None if replay is None else replay.progress
 
     async def close(self) -> None:
         """End all of them: the server goes."""

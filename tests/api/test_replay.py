@@ -110,6 +110,7 @@ async def test_a_recording_without_rows_and_without_replay(client: httpx.AsyncCl
     await client.post(f"recordings/{recording}/stop")
     answer = await client.post(f"recordings/{recording}/replay", json={})
     assert (answer.status_code, "no rows" in answer.text) == (409, True)
-    assert (await client.get(f"recordings/{recording}/replay")).status_code == 404
+    assert (await client.get(f"recordings/{recording}/replay")).json() is None
+    assert (await client.get("recordings/20200101-000000-0000/replay")).status_code == 404
     unlike = await client.post(f"recordings/{recording}/replay", json={"device": "nobody"})
     assert unlike.status_code == 404

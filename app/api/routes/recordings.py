@@ -245,9 +245,10 @@ async def replay_recording(bench: CurrentBench, recording: RecordingId, body: Re
 
 
 @router.get("/{recording}/replay", responses=problems(UnknownThing))
-async def get_replay(bench: CurrentBench, recording: RecordingId) -> Replay:
-    """How the latest replay of this recording goes, or went."""
-    return Replay.model_validate(bench.desk.progress(recording))
+async def get_replay(bench: CurrentBench, recording: RecordingId) -> Replay | None:
+    """How the latest replay of this recording goes, or went; null where this server has made none."""
+    progress = bench.desk.progress(recording)
+    return None if progress is None else Replay.model_validate(progress)
 
 
 @router.post("/{recording}/marks", responses=problems(UnknownThing, WrongState))

@@ -1472,7 +1472,7 @@ export interface paths {
         };
         /**
          * Get Replay
-         * @description How the latest replay of this recording goes, or went.
+         * @description How the latest replay of this recording goes, or went; null where this server has made none.
          */
         get: operations["get_replay"];
         put?: never;
@@ -16844,7 +16844,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["Replay"];
+                    "application/json": components["schemas"]["Replay"] | null;
                 };
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
@@ -16928,7 +16928,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            /** @description Not possible now (/problems/wrong-state) */
             409: {
                 headers: {
                     [name: string]: unknown;

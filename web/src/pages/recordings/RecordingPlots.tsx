@@ -36,7 +36,7 @@ export function RecordingPlots({ detail, window, onWindow, hidden }: Props) {
     [channels, scheme, hidden],
   );
   const handles = useRef(new Map<string, PlotHandle | null>());
-  const drawn = useRef<{ piece: Piece | null; lanes: readonly Lane[] | null }>({ piece: null, lanes: null });
+  const drawn = useRef(new Map<string, { handle: PlotHandle; piece: Piece; lane: Lane }>());
   const [loaded, setLoaded] = useState<Piece | null>(null);
   const [problem, setProblem] = useState<unknown>(null);
   const at = useRef<Window | null>(window);
@@ -50,15 +50,15 @@ export function RecordingPlots({ detail, window, onWindow, hidden }: Props) {
     if (whole === null) return;
     const view = at.current ?? extentOf(whole);
     const piece = from.best(view) ?? whole;
-    const again = drawn.current.piece !== piece || drawn.current.lanes !== latestLanes.current;
-    drawn.current = { piece, lanes: latestLanes.current };
     let pixels = 0;
     for (const lane of latestLanes.current) {
       const handle = handles.current.get(lane.id);
       if (!handle) continue;
-      if (again)
+      const before = drawn.current.get(lane.id);
+      if (before?.handle !== handle || before.piece !== piece || before.lane !== lane) {
+        drawn.current.set(lane.id, { handle, piece, lane });
         handle.setData([piece.x, ...lane.columns.map((column) => piece.columns[column] ?? [])], [view[0], view[1]]);
-      else handle.setWindow(view[0], view[1]);
+      } else handle.setWindow(view[0], view[1]);
       pixels = Math.max(pixels, handle.uplot?.over.clientWidth ?? 0);
     }
     from.show(view, pixels || 800);

@@ -7,6 +7,8 @@ const NAMED_MAX = 24;
 /** More lines than this would be a grey wall. */
 const DRAWN_MAX = 300;
 const TEXT_MAX = 26;
+/** A flag takes so much of the plot's width, about. */
+const APART = 0.11;
 
 const COLORS: Record<string, readonly [light: string, dark: string]> = {
   trigger: ["#1c6dd0", "#4d94e8"],
@@ -36,12 +38,17 @@ export function flagsOf(marks: readonly Mark[], zero: number, scheme: "light" | 
     const within = all.filter(({ x }) => x >= from && x <= to);
     const few = within.length <= NAMED_MAX;
     const drawn = within.length <= DRAWN_MAX ? within : within.filter(({ important }) => important).slice(0, DRAWN_MAX);
+    // Flags that would lie on each other: what matters first, then what comes first.
+    const names = new Map<string, number>();
+    if (named)
+      for (const { id, x } of [...drawn].sort((one, other) => Number(other.important) - Number(one.important)))
+        if ([...names.values()].every((other) => Math.abs(other - x) > (to - from) * APART)) names.set(id, x);
     return drawn.map(({ id, x, color, text, important }) => ({
       id,
       x,
       color,
       fixed: true,
-      ...(named && (few || important) ? { label: text } : {}),
+      ...(names.has(id) && (few || important) ? { label: text } : {}),
     }));
   };
 }

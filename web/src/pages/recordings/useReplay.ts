@@ -11,11 +11,8 @@ export function useReplay(id: string) {
   const key = ["replay", id];
   const query = useQuery<Replay | null>({
     queryKey: key,
-    queryFn: async () => {
-      const answer = await api.GET("/api/v1/recordings/{recording}/replay", { params: { path: { recording: id } } });
-      if (answer.response.status === 404) return null; // never replayed
-      return unwrap(answer);
-    },
+    queryFn: async () =>
+      unwrap(await api.GET("/api/v1/recordings/{recording}/replay", { params: { path: { recording: id } } })),
     refetchInterval: ({ state }) => (state.data?.state === "running" ? 300 : false),
   });
   return {

@@ -78,6 +78,12 @@ describe("flags", () => {
     expect(flags([0, 5], false).every(({ label }) => label === undefined)).toBe(true);
   });
 
+  it("do not lie on each other: what matters is named", () => {
+    const together = [mark("command", 5), mark("trigger", 5), mark("move", 5.1), mark("write", 8)];
+    const named = flagsOf(together, 0, "light")([0, 10], true).filter(({ label }) => label !== undefined);
+    expect(named.map(({ label }) => label)).toEqual(["trigger", "write"]);
+  });
+
   it("lose their words where there are too many, but for those that matter", () => {
     const many = Array.from({ length: 1000 }, (_, index) => mark("write", index / 100));
     const flags = flagsOf([...many, mark("trigger", 5)], 0, "light")([0, 10], true);
