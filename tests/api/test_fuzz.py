@@ -24,6 +24,7 @@ SIXPOINT = "sixpoint"
 ADDED = {MODULE: "pd42-1241", CHIP40: "tmc4361", SIXPOINT: "tmc5072"}
 RUNS = {
     "new": ("add_device", "test_link"),
+    "lease": ("take_lease", "keep_lease", "give_lease_back", "ask_for_lease", "hand_lease_over"),
     "destructive": (
         "edit_device",
         "remove_device",
@@ -33,7 +34,8 @@ RUNS = {
         "delete_recording",
     ),
 }
-"""Calls that get a server of their own: they add devices of any name, or leave the others nothing to talk to."""
+"""Calls that get a server of their own: they add devices of any name, take the bench, or leave the others nothing to
+talk to."""
 ALL_RUNS = tuple(name for names in RUNS.values() for name in names)
 
 CONFIG = """

@@ -75,6 +75,15 @@ async def test_a_session_that_only_looks_is_refused_too(app: FastAPI, pages: htt
         assert "POST /lease" in answer.json()["way_out"]
 
 
+def test_nothing_is_free_that_is_not_there(app: FastAPI) -> None:
+    there = {(method, shape(path)) for method, path in unsafe_routes(app)}
+    for method, path in FREE:
+        if path == "/calc/{subject}":
+            assert ("POST", f"{BASE}/calc/units") in there
+        else:
+            assert (method, shape(BASE + path)) in there, f"{method} {path}"
+
+
 def test_every_refusal_is_in_the_schema(app: FastAPI) -> None:
     for path, operations in app.openapi()["paths"].items():
         for method, operation in operations.items():
