@@ -2,13 +2,14 @@
 
 One origin, one port, one login: the guard against foreign pages and the token stand before this as before everything
 else. viser itself listens on the loopback address alone, and what a browser may do with its page is written here: run
-the two scripts that the page is made of, decode with WebAssembly in a worker, and talk to this server; nothing else is
+the scripts that the page is made of, decode with WebAssembly in a worker, and talk to this server; nothing else is
 loaded from anywhere.
 """
 
 from __future__ import annotations
 
 import asyncio
+import base64
 import contextlib
 import gzip
 import hashlib
@@ -44,15 +45,16 @@ CONNECT_WITHIN_S = 10.0
 
 # viser's own panel is a developer's tool, and its messages about graphics would hide the picture: the page around it
 # tells what there is to tell.
-STYLE = (
-    "<style>[data-floating-window],[data-dock-edge],.mantine-Notifications-root,[data-bottom-panel]"
-    "{display:none!important}</style>"
-)
+STYLE = "<style>.mantine-Paper-root,.mantine-Notifications-root{display:none!important}</style>"
+# Its sorter of splats, of which there are none here, wants to compile strings. The policy forbids that, and what it
+# then complains of is no error of ours.
+QUIET = "addEventListener('unhandledrejection',e=>{if(e.reason instanceof EvalError)e.preventDefault()})"
+QUIET_HASH = "sha256-" + base64.b64encode(hashlib.sha256(QUIET.encode()).digest()).decode()
 
 
 def policy(scripts: Sequence[str]) -> str:
     """Content security policy of viser's page, whose `scripts` are named by their hashes; none: any inline script."""
-    allowed = " ".join(f"'{script}'" for script in scripts) or "'unsafe-inline'"
+    allowed = " ".join(f"'{script}'" for script in (QUIET_HASH, *scripts)) if scripts else "'unsafe-inline'"
     return "; ".join(
         (
             "default-src 'none'",
@@ -122,7 +124,8 @@ class TwinProxy:
         address = self._twin.address
         if self._page is None or self._page[0] != address:
             plain = await asyncio.to_thread(_fetched, address)
-            plain = plain.replace(b"</head>", STYLE.encode() + b"</head>", 1)
+            # Before viser's own: it has to be there when that begins.
+            plain = plain.replace(b"<head>", f"<head>{STYLE}<script>{QUIET}</script>".encode(), 1)
             packed = await asyncio.to_thread(gzip.compress, plain, 6)
             tag = f'"{hashlib.sha256(plain).hexdigest()[:32]}"'
             self._page = (address, plain, packed, tag)

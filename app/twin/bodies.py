@@ -86,15 +86,15 @@ def scenery(*, linear: bool) -> Scenery:
         "/dial/field": (0.0, 0.0, 0.0),
         "/dial/rotor": (0.0, 0.0, 0.0),
         "/dial/load": (0.0, 0.0, 0.0),
-        "/dial/a": (0.0, 0.0, 0.0),
-        "/dial/b": (0.0, 0.0, 0.0),
+        "/dial/sine": (0.0, 0.0, 0.0),
+        "/dial/cosine": (0.0, 0.0, 0.0),
     }
     parts = [*_motor(), *_dial()]
     x, y, z = DIAL_AT
     reach = DIAL_RADIUS + 0.34
     labels = [
-        Label("/dial/label_a", "A", (0.0, 0.0, reach)),
-        Label("/dial/label_b", "B", (reach, 0.0, 0.0)),
+        Label("/dial/label_sine", "", (0.0, 0.0, reach)),
+        Label("/dial/label_cosine", "", (reach, 0.0, 0.0)),
         Label("/slips", "", (x, y, z - DIAL_RADIUS - 0.42)),
     ]
     if linear:
@@ -137,9 +137,9 @@ def _motor() -> list[Part]:
         Part("/motor/marks", merged(marks).facing(), "line"),
         Part("/motor/yoke", ring(1.62, 1.75, -1.3, 1.38).facing(), "lamination"),
         Part("/motor/poles", merged([pole.turned(turn) for turn in turns]).facing(), "lamination"),
-        # Coil B lies at 0 and coil A at 90 degrees of the field, as in the dial; of eight poles each has every second.
-        Part("/motor/coils_b", merged([coil.turned(turn) for turn in turns[::2]]).facing(), "coil"),
-        Part("/motor/coils_a", merged([coil.turned(turn) for turn in turns[1::2]]).facing(), "coil"),
+        # Of eight poles each coil has every second.
+        Part("/motor/coils_cosine", merged([coil.turned(turn) for turn in turns[::2]]).facing(), "coil"),
+        Part("/motor/coils_sine", merged([coil.turned(turn) for turn in turns[1::2]]).facing(), "coil"),
         Part("/motor/rotor/front_cup", cup.facing(), "rotor"),
         # The rear cup stands half a tooth off: that is what makes a hybrid motor.
         Part("/motor/rotor/rear_cup", cup.moved(0.0, 0.0, -1.45).turned(180.0 / TEETH).facing(), "rotor"),
@@ -179,19 +179,19 @@ def _dial() -> list[Part]:
     slide = merged([prism([(-0.2, 0.0), (0.0, -0.2), (0.2, 0.0), (0.0, 0.2)], 0.03, 0.09)])
     track = box((-FIELD_LENGTH, FIELD_LENGTH), (-0.035, 0.035), (0.0, 0.03))
     arrows = {
-        "a": slide,
-        "b": slide,
+        "sine": slide,
+        "cosine": slide,
         "field": arrow(FIELD_LENGTH, 0.08, 0.3, 0.08).moved(0.0, 0.0, 0.2),
         "rotor": arrow(ROTOR_LENGTH, 0.16, 0.36, 0.05).moved(0.0, 0.0, 0.13),
     }
-    colours = {"a": "current_a", "b": "current_b", "field": "field", "rotor": "encoder_position"}
+    colours = {"sine": "coil", "cosine": "coil", "field": "field", "rotor": "encoder_position"}
     return [
         Part("/dial/face", disc(radius, -0.12, -0.02, 96).facing(), "face"),
         Part("/dial/rim", ring(radius - 0.04, radius + 0.05, -0.14, 0.05).facing(), "line"),
         Part("/dial/ticks", merged(ticks).facing(), "line"),
         Part("/dial/hub", disc(0.12, 0.0, 0.28, 32).facing(), "line"),
-        Part("/dial/track_a", track.turned(90.0).facing(), "current_a"),
-        Part("/dial/track_b", track.facing(), "current_b"),
+        Part("/dial/track_sine", track.turned(90.0).facing(), "coil"),
+        Part("/dial/track_cosine", track.facing(), "coil"),
         Part("/dial/load/arc", arc(0.0, 1.0, *ARC_RADII, 0.1, 0.16).facing(), "load_angle", visible=False),
         Part("/dial/slip", ring(radius + 0.07, radius + 0.2, -0.1, 0.05).facing(), "fault", visible=False),
         *(Part(f"/dial/{name}/arrow", each.facing(), colours[name]) for name, each in arrows.items()),

@@ -31,7 +31,7 @@ NICENESS = 5
 """A picture may come late; a stop command may not."""
 FOV_DEG = 30.0
 LOOK_AT = (DIAL_AT[0] / 2, 0.0, -1.2)
-CAMERA = (DIAL_AT[0] / 2 + 3.2, -17.6, 4.8)
+CAMERA = (DIAL_AT[0] / 2 + 3.0, -16.4, 4.4)
 
 
 class Viewer(viser.ViserServer):
@@ -173,9 +173,10 @@ def _hash(script: bytes) -> str:
 
 def main() -> None:
     """Draw until standard input ends."""
-    # What viser prints goes where errors go; the lines to the server keep a way of their own.
+    # What viser prints of itself is for nobody; the lines to the server keep a way of their own.
     answers = os.fdopen(os.dup(sys.stdout.fileno()), "wb")
-    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())
+    with open(os.devnull, "wb") as nowhere:
+        os.dup2(nowhere.fileno(), sys.stdout.fileno())
     os.nice(NICENESS)
     viewer = Viewer(host="127.0.0.1", port=0, label="stepscope", verbose=False)
     page = (Path(viser.__file__).parent / "client" / "build" / "index.html").read_text(encoding="utf-8")

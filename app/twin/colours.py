@@ -37,7 +37,7 @@ MATERIALS: dict[str, tuple[str, str]] = {
     "face": ("#f1f3f5", "#2e3338"),
     "field": ("#23292f", "#f1f3f5"),
     "coil": ("#d5d2cc", "#4b4d50"),
-    "missing": ("#b9bec5", "#565c63"),
+    "missing": ("#b9bec5", "#656c74"),
     "fault": ("#d02828", "#d92d2d"),
 }
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from app.twin.bodies import ARC_RADII, FIELD_LENGTH, IDENTITY, RAIL, STAGE_SWITCHES, Vector
 from app.twin.colours import Rgb, Scheme, between, rgb
 from app.twin.geometry import Mesh, arc
-from app.twin.shape import FIELD_LEAST, Look, Shape, Travel
+from app.twin.shape import FIELD_LEAST, Coil, Look, Shape, Travel
 
 Quaternion = tuple[float, float, float, float]
 
@@ -50,7 +50,7 @@ def half_turn(degrees: float) -> float:
 
 def placements(shape: Shape, look: Look, scheme: Scheme) -> dict[str, Placement]:
     """Every node that may differ from one look to the next."""
-    placed = _motor(look, scheme) | _dial(look, scheme)
+    placed = _motor(look, scheme) | _dial(look, scheme) | _coils(shape, look, scheme)
     placed |= _stage(look, scheme) if shape.linear else _table(look, scheme)
     return placed | {"/slips": Placement(text=slips_text(look))}
 
@@ -76,36 +76,37 @@ def _motor(look: Look, scheme: Scheme) -> dict[str, Placement]:
     steel = rgb("fault", scheme) if flashing(look) else rgb("rotor", scheme)
     # Without an encoder the rotor stands where the counter says: grey, for nobody has looked.
     colour = steel if measured else rgb("missing", scheme)
-    placed = {
+    return {
         "/motor/rotor": Placement(wxyz=seen(rotor_deg or 0.0)),
         "/motor/rotor/front_cup": Placement(colour=colour),
         "/motor/rotor/rear_cup": Placement(colour=colour),
         "/motor/commanded": Placement(wxyz=seen(look.commanded_deg or 0.0), visible=look.commanded_deg is not None),
         "/motor/measured": Placement(wxyz=seen(look.measured_deg or 0.0), visible=measured),
     }
-    for name, current in (("a", look.current_a), ("b", look.current_b)):
-        if current is None:
-            glow = rgb("missing", scheme)
-        else:
-            glow = between(rgb("coil", scheme), rgb(f"current_{name}", scheme), min(1.0, abs(current)))
+
+
+def _coils(shape: Shape, look: Look, scheme: Scheme) -> dict[str, Placement]:
+    """Both coils: how they glow in the motor, and where their currents are on the axes of the dial."""
+    placed: dict[str, Placement] = {}
+    other: Coil = "b" if shape.sine_coil == "a" else "a"
+    for name, coil, x, z in (("sine", shape.sine_coil, 0.0, 1.0), ("cosine", other, 1.0, 0.0)):
+        current: float | None = getattr(look, f"current_{coil}")
+        colour = rgb("missing" if current is None else f"current_{coil}", scheme)
+        amount = current or 0.0
+        glow = colour if current is None else between(rgb("coil", scheme), colour, min(1.0, abs(amount)))
+        way = FIELD_LENGTH * amount
         placed[f"/motor/coils_{name}"] = Placement(colour=glow)
+        placed[f"/dial/{name}"] = Placement(position=(way * x, 0.0, way * z), visible=current is not None)
+        placed[f"/dial/{name}/arrow"] = Placement(colour=colour)
+        placed[f"/dial/track_{name}"] = Placement(colour=colour, opacity=DIM)
+        placed[f"/dial/label_{name}"] = Placement(
+            text=coil.upper() if current is not None else f"{coil.upper()}: not told"
+        )
     return placed
 
 
 def _dial(look: Look, scheme: Scheme) -> dict[str, Placement]:
     placed: dict[str, Placement] = {}
-    for name, current, along in (("a", look.current_a, 90.0), ("b", look.current_b, 0.0)):
-        way = FIELD_LENGTH * (current or 0.0)
-        angle = math.radians(along)
-        placed[f"/dial/{name}"] = Placement(
-            position=(way * math.cos(angle), 0.0, way * math.sin(angle)), visible=current is not None
-        )
-        placed[f"/dial/track_{name}"] = Placement(
-            colour=rgb("missing" if current is None else f"current_{name}", scheme), opacity=DIM
-        )
-        placed[f"/dial/label_{name}"] = Placement(
-            text=name.upper() if current is not None else f"{name.upper()}: not told"
-        )
     field_deg, rotor_deg = look.field_deg, look.rotor_deg
     dead = look.field_share is not None and look.field_share < FIELD_LEAST
     placed["/dial/field"] = Placement(wxyz=seen(field_deg or 0.0), visible=field_deg is not None and not dead)

@@ -12,7 +12,7 @@ import contextlib
 import logging
 from collections import deque
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -28,14 +28,14 @@ from app.twin.colours import Scheme
 from app.twin.process import Address, DrawingProcess, Renderer, StartRenderer, TwinFailed
 from app.twin.recorded import RecordedAxis
 from app.twin.scene import flashing
-from app.twin.shape import CHANNELS, Look, Shape, look_of
+from app.twin.shape import CHANNELS, Look, Shape, look_of, sine_coil_of
 from app.twin.watch import Watches
 
 log = logging.getLogger("stepscope.twin")
 
 UPDATES_PER_S = 30.0
 """At most."""
-IDLE_S = 45.0
+IDLE_S = 30.0
 """How long the process lives on while nobody looks [s]: a reload of a page must not cost a new start."""
 UNSEEN_BEAT_S = 0.25
 """How often samples are looked through for lost steps while nobody looks [s]."""
@@ -73,8 +73,15 @@ class TwinInfo:
 class Twin:
     """One 3D view for everybody: one axis at a time."""
 
-    def __init__(self, clock: Clock, hub: TelemetryHub, start: StartRenderer = DrawingProcess.start) -> None:
+    def __init__(
+        self,
+        clock: Clock,
+        hub: TelemetryHub,
+        start: StartRenderer = DrawingProcess.start,
+        idle_s: float = IDLE_S,
+    ) -> None:
         self._clock = clock
+        self._idle_s = idle_s
         self._hub = hub
         self._start = start
         self._state: State = "off"
@@ -210,7 +217,7 @@ class Twin:
     async def _feed(self, renderer: Renderer) -> None:
         """Keep the picture up to date until nobody has looked for a while."""
         due_s = self._clock.now()
-        while self._viewers or self._clock.now() < self._seen_s + IDLE_S:
+        while self._viewers or self._clock.now() < self._seen_s + self._idle_s:
             await self._update(renderer)
             beat_s = 1 / UPDATES_PER_S if self._viewers else UNSEEN_BEAT_S
             # A beat that was missed is not made up for: 30 a second are the most, not the mean.
@@ -228,10 +235,12 @@ class Twin:
         if self._told != (shape, self._scheme):
             await renderer.show({"shape": shape.message(), "scheme": self._scheme})
             self._told, self._look = (shape, self._scheme), None
-        if look == self._look and not (self._look is not None and flashing(look)):
+        before, self._look = self._look, look
+        # That time goes on is nothing to see, but for the end of a flash.
+        same = before is not None and replace(before, time_s=None) == replace(look, time_s=None)
+        if before is not None and same and flashing(before) == flashing(look):
             return
         await renderer.show({"look": look.message()})
-        self._look = look
         self._shown_s.append(self._clock.now())
 
 
@@ -261,6 +270,7 @@ class _Source:
             microsteps=self.axis.microsteps_per_full_step,
             gear_ratio=settings.gear_ratio,
             travel_mm_per_rev=settings.travel_mm_per_rev,
+            sine_coil=sine_coil_of(self.device.model),
             limits=(limits.position_min, limits.position_max),
             channels=frozenset(
                 channel.quantity

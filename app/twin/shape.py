@@ -12,6 +12,7 @@ from dataclasses import asdict, dataclass, field, fields
 from typing import Any, Literal
 
 FieldSource = Literal["mscnt", "currents", "position"]
+Coil = Literal["a", "b"]
 LoadSource = Literal["load_angle", "deviation"]
 CURRENT_FULL = 256.0
 """What the channels `current_a` and `current_b` count a full coil current as."""
@@ -36,6 +37,11 @@ CHANNELS = (
 """Quantities that the twin shows, of whichever an axis has."""
 
 
+def sine_coil_of(model: str) -> Coil:
+    """The coil that carries the sine: B of a TMC5xxx (its CUR_B), A of all others."""
+    return "b" if model.startswith("tmc5") else "a"
+
+
 @dataclass(frozen=True, slots=True)
 class Shape:
     """One axis from the motor to the load.
@@ -44,6 +50,7 @@ class Shape:
     gear_ratio : motor revolutions per output revolution [-]
     travel_mm_per_rev : travel per output revolution [mm]; None: a rotary table
     limits : soft limits of the position [microsteps]; None where there is none
+    sine_coil : the coil whose current is the sine of the microstep counter; the other one's is the cosine
     channels : the quantities that this axis has at all
     """
 
@@ -55,6 +62,7 @@ class Shape:
     gear_ratio: float = 1.0
     travel_mm_per_rev: float | None = None
     limits: tuple[float | None, float | None] = (None, None)
+    sine_coil: Coil = "a"
     channels: frozenset[str] = frozenset()
 
     @property
@@ -221,13 +229,14 @@ def _field(
 ) -> tuple[float | None, FieldSource | None, float | None]:
     """Direction of the stator's field [electrical degrees], what tells it, and its length where currents do.
 
-    Coil A carries the sine of the microstep counter and coil B its cosine, so B lies along 0 and A along 90 degrees.
+    One coil carries the sine of the microstep counter and the other one its cosine: this lies along 0, that along 90.
     """
     share = None if current_a is None or current_b is None else math.hypot(current_a, current_b)
     if mscnt is not None:
         return mscnt * 360.0 / MSCNT_TURN % 360.0, "mscnt", share
     if current_a is not None and current_b is not None and share is not None and share >= FIELD_LEAST:
-        return math.degrees(math.atan2(current_a, current_b)) % 360.0, "currents", share
+        sine, cosine = (current_a, current_b) if shape.sine_coil == "a" else (current_b, current_a)
+        return math.degrees(math.atan2(sine, cosine)) % 360.0, "currents", share
     electrical = shape.electrical_deg(position)
     return (None, None, share) if electrical is None else (electrical % 360.0, "position", share)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +15,7 @@ from hypothesis import strategies as st
 from app.twin.bodies import FIELD_LENGTH, RAIL, scenery
 from app.twin.colours import CHANNEL_SHADES, MATERIALS, Scheme, between, rgb
 from app.twin.scene import FLASH_S, Placement, about, half_turn, placements, seen
-from app.twin.shape import Look, Shape, Slips, Travel, look_of
+from app.twin.shape import Look, Shape, Slips, Travel, look_of, sine_coil_of
 
 STAGE = Shape("bench", 0, "X", microsteps=16, travel_mm_per_rev=8.0)
 TABLE = Shape("pair", 1, "turn", microsteps=16)
@@ -66,19 +67,24 @@ def test_arrows_point_where_the_numbers_say() -> None:
     assert direction(placed, "/dial/field") == pytest.approx(45.0)
     assert direction(placed, "/dial/rotor") == pytest.approx(0.0, abs=1e-6)  # a half step of load is 45 degrees
     shift = FIELD_LENGTH * 175.0 / 256.0
-    assert placed["/dial/a"].position == pytest.approx((0.0, 0.0, shift))
-    assert placed["/dial/b"].position == pytest.approx((shift, 0.0, 0.0))
+    assert placed["/dial/sine"].position == pytest.approx((0.0, 0.0, shift))
+    assert placed["/dial/cosine"].position == pytest.approx((shift, 0.0, 0.0))
 
 
-def test_the_field_is_the_sum_of_both_currents() -> None:
+@pytest.mark.parametrize(
+    ("model", "sine", "cosine"), [("tmc4361", "current_a", "current_b"), ("tmc5160", "current_b", "current_a")]
+)
+def test_the_field_is_the_sum_of_both_currents(model: str, sine: str, cosine: str) -> None:
+    shape = replace(STAGE, sine_coil=sine_coil_of(model))
     for turn in range(0, 360, 15):
-        amounts = {"current_a": 256 * math.sin(math.radians(turn)), "current_b": 256 * math.cos(math.radians(turn))}
-        placed = placements(STAGE, look_of(STAGE, 0.0, amounts), "dark")
+        amounts = {sine: 256 * math.sin(math.radians(turn)), cosine: 256 * math.cos(math.radians(turn))}
+        placed = placements(shape, look_of(shape, 0.0, amounts), "dark")
         assert half_turn(direction(placed, "/dial/field") - turn) == pytest.approx(0.0, abs=1e-6)
-        a, b = placed["/dial/a"].position, placed["/dial/b"].position
-        assert a is not None
-        assert b is not None
-        assert math.degrees(math.atan2(a[2], b[0])) % 360.0 == pytest.approx(turn, abs=1e-6)
+        up, right = placed["/dial/sine"].position, placed["/dial/cosine"].position
+        assert up is not None
+        assert right is not None
+        assert half_turn(math.degrees(math.atan2(up[2], right[0])) - turn) == pytest.approx(0.0, abs=1e-6)
+        assert placed["/dial/label_sine"].text == sine[-1].upper()
 
 
 def test_the_arc_reaches_from_the_rotor_to_the_field() -> None:
@@ -95,9 +101,22 @@ def test_the_arc_reaches_from_the_rotor_to_the_field() -> None:
 def test_what_is_not_measured_is_grey_and_hidden() -> None:
     placed = placements(STAGE, look_of(STAGE, 1.0, {"position": 3200.0}, travel=TRAVEL), "light")
     grey = rgb("missing", "light")
-    for name in ("/motor/coils_a", "/motor/coils_b", "/motor/rotor/front_cup", "/dial/field/arrow", "/dial/track_a"):
+    for name in (
+        "/motor/coils_sine",
+        "/motor/coils_cosine",
+        "/motor/rotor/front_cup",
+        "/dial/field/arrow",
+        "/dial/track_sine",
+    ):
         assert placed[name].colour == grey
-    for name in ("/motor/measured", "/dial/a", "/dial/b", "/dial/rotor", "/dial/load/arc", "/stage/carriage/pointer"):
+    for name in (
+        "/motor/measured",
+        "/dial/sine",
+        "/dial/cosine",
+        "/dial/rotor",
+        "/dial/load/arc",
+        "/stage/carriage/pointer",
+    ):
         assert placed[name].visible is False
     assert placed["/slips"].text == "no encoder: lost steps are not seen"
     assert placed["/motor/commanded"].visible is True
@@ -113,8 +132,8 @@ def test_with_nothing_at_all_nothing_moves() -> None:
 def test_coils_glow_with_their_current_whichever_way_it_flows() -> None:
     for amount in (-256.0, 256.0):
         placed = placements(STAGE, look_of(STAGE, 0.0, {"current_a": amount, "current_b": 0.0}), "dark")
-        assert placed["/motor/coils_a"].colour == rgb("current_a", "dark")
-        assert placed["/motor/coils_b"].colour == rgb("coil", "dark")
+        assert placed["/motor/coils_sine"].colour == rgb("current_a", "dark")
+        assert placed["/motor/coils_cosine"].colour == rgb("coil", "dark")
 
 
 def test_the_shaft_turns_with_the_encoder_and_the_thin_hand_with_the_counter() -> None:

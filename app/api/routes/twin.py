@@ -19,7 +19,7 @@ from app.links.errors import UnknownThing, WrongState
 from app.twin.process import TwinFailed
 from app.twin.recorded import RecordedAxis
 from app.twin.service import UPDATES_PER_S, TwinInfo
-from app.twin.shape import CHANNELS, Shape
+from app.twin.shape import CHANNELS, Shape, sine_coil_of
 
 router = APIRouter(prefix="/twin", tags=["twin"])
 
@@ -87,6 +87,7 @@ def _recorded(bench: Bench, recording: str) -> RecordedAxis:
         microsteps=microsteps,
         gear_ratio=settings.gear_ratio,
         travel_mm_per_rev=settings.travel_mm_per_rev,
+        sine_coil=sine_coil_of(head.model),
     )
     rows = opened.read(0, opened.rows)
     columns = {

@@ -107,15 +107,13 @@ function AxisTwin({ device, axis }: { device: Device; axis: Device["axes"][numbe
             }
           >
             <TwinNumbers state={state} />
-            {stroboscope(state) !== null && (
-              <Text size="sm" c="dimmed">
-                {stroboscope(state)}
+            <div className={classes.words}>
+              {stroboscope(state) !== null && <Text size="sm">{stroboscope(state)}</Text>}
+              <Text size="xs" c="dimmed">
+                Grey is what this device does not tell. Drag turns the picture, the wheel comes closer. The stage is a
+                scheme: it is always drawn as long as what was travelled.
               </Text>
-            )}
-            <Text size="xs" c="dimmed">
-              Grey is what this device does not tell. Drag turns the picture, the wheel comes closer. The stage is a
-              scheme: it is always drawn as long as what was travelled.
-            </Text>
+            </div>
           </Section>
         </div>
       ) : twin.busy || state?.state === "starting" ? (

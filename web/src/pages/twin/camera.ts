@@ -2,8 +2,8 @@ type Vector = readonly [number, number, number];
 
 /** Where the server's own camera is, which suits pictures half as wide again as high (app/twin/child.py). */
 const LOOK_AT: Vector = [2.55, 0, -1.2];
-const CAMERA: Vector = [5.75, -17.6, 4.8];
-const SUITS = 1.35;
+const CAMERA: Vector = [5.55, -16.4, 4.4];
+const SUITS = 1.2;
 
 /** Address of the picture: dark or light, and in a narrow frame from further away, so that all of it is in. */
 export function viewOf(path: string, scheme: "light" | "dark", aspect: number): string {
