@@ -98,7 +98,7 @@ class RampChip(RegisterChip):
             return
         self._known[register.address] = word
         if self.limiter is not None:
-            self.limiter.saw(register.address, word)
+            self.limiter.saw(register.address, word, register.width)
         axis = register.axis
         if axis is not None and register is self.rows[axis].dividers:
             rows, known = self.rows[axis], self.axes[axis]

@@ -222,7 +222,7 @@ class RegisterChip(Device):
             for register, word in zip(some, held, strict=True):
                 self._saw_word(register, word)
                 if self.limiter is not None:
-                    self.limiter.saw(register.address, word)
+                    self.limiter.saw(register.address, word, register.width)
 
     # --- turns ----------------------------------------------------------------------------------
 

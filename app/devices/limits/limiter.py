@@ -40,6 +40,7 @@ class Limiter:
         self._touched: dict[int, list[int]] = {}
         """Which axes a write to an address matters to."""
         self._by_address: list[dict[int, list[Part]]] = []
+        self._depends = {address for parts in rules.parts for part in parts for address in (part.address, *part.others)}
         for axis, parts in enumerate(rules.parts):
             by_address: dict[int, list[Part]] = {}
             for part in parts:
@@ -58,16 +59,26 @@ class Limiter:
 
     # --- what is known --------------------------------------------------------------------------
 
-    def saw(self, address: int, word: int) -> None:
-        """For drivers: the register was read."""
-        self._held[address] = word
+    def saw(self, address: int, word: int, width: int = 32) -> None:
+        """For drivers: the register of `width` bits was read."""
+        # Bits above it read 0. Where they do not, nobody drives the line, and a great number must excuse nothing.
+        self._held[address] = None if word >> width > 0 else word
 
     def at(self, axis: int, position: int) -> None:
         """For drivers: the counter was read [microsteps]."""
         self.positions[axis] = position
 
     def forget(self) -> None:
-        """It may be another chip, or the same after a reset."""
+        """It may be another chip, or the same after a reset: what can be read has to be read again.
+
+        What cannot, the driver knows as far as anybody does; what may have arrived or not stays unknown.
+        """
+        doubtful = {address for address, word in self._held.items() if word is None}
+        self._held = dict.fromkeys(doubtful | {address for address in self._depends if self.rules.readable(address)})
+        self.positions.clear()
+
+    def reset(self) -> None:
+        """The chip was reset, and the driver knows it: what went out is true no more."""
         self._held.clear()
         self.positions.clear()
 

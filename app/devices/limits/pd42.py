@@ -199,6 +199,9 @@ class ModuleRules(Rules):
 
     # --- what is known --------------------------------------------------------------------------
 
+    def readable(self, address: int) -> bool:
+        return address < SEARCH
+
     def remembered(self, address: int) -> int | None:
         return self._module.remembered_word(address)
 

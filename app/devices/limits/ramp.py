@@ -133,6 +133,10 @@ class RampRules(Rules):
 
     # --- what is known --------------------------------------------------------------------------
 
+    def readable(self, address: int) -> bool:
+        row = self._chip.table.at(address, write=True)
+        return row is not None and row.access.readable
+
     def remembered(self, address: int) -> int | None:
         return self._chip.remembered_word(address)
 

@@ -83,6 +83,10 @@ class Rules(ABC):
     def remembered(self, address: int) -> int | None:
         """What the driver knows the register to hold."""
 
+    @abstractmethod
+    def readable(self, address: int) -> bool:
+        """Whether what is held there can be read."""
+
     def accepted(self, frame: bytes, reply: bytes) -> bool:
         """Whether the answer says that the frame was done; True where answers say nothing of that."""
         return True

@@ -84,7 +84,7 @@ class Chip(KeepingChip):
         self._known.clear()
         self._blind.clear()
         if self.limiter is not None:
-            self.limiter.forget()
+            self.limiter.reset()
         self._fresh = True
         self.cruise.forget()
         self._book.end(self.device_time_s(), "the chip was reset")

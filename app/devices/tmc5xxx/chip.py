@@ -123,7 +123,7 @@ class Chip(KeepingChip):
         self._blind.clear()
         self._overwritten.clear()
         if self.limiter is not None:
-            self.limiter.forget()
+            self.limiter.reset()
         self._fresh = True
         for book in self._books:
             book.end(self.device_time_s(), "the chip was reset")
