@@ -27,6 +27,8 @@ RATE_HZ = 200.0
 LATE_MAX_S = 0.02
 """A move whose prediction is off by more, as time at full speed, was not understood: a wire has its delays [s]."""
 SERVER_WITHIN_S = 120.0
+LEASE_WAIT_S = 60.0
+"""Somebody may have the bench in a browser; they are asked for it so long [s]."""
 
 Write = tuple[str, int | dict[str, int | str]]
 Log = Callable[[str], None]
@@ -297,7 +299,8 @@ def main() -> int:
     with Bench(os.environ.get("STEPSCOPE_URL")) as bench:
         wait_for_server(bench, log)
         entries = json.loads(given.bench.read_text())
-        outcomes = [tune(bench, entry, given.emulators, log) for entry in entries]
+        with bench.lease("tuning session", wait_s=LEASE_WAIT_S):
+            outcomes = [tune(bench, entry, given.emulators, log) for entry in entries]
     given.report.mkdir(parents=True, exist_ok=True)
     (given.report / "report.json").write_text(json.dumps([asdict(outcome) for outcome in outcomes], indent=1))
     report = markdown(outcomes)

@@ -19,7 +19,8 @@ def main() -> None:
     parser.add_argument("--url", help="default: STEPSCOPE_URL, or this machine")
     arguments = parser.parse_args()
     device, axis = arguments.device, arguments.axis
-    with Bench(arguments.url) as bench:
+    # It writes and moves for a while: nobody else should in between.
+    with Bench(arguments.url) as bench, bench.lease("find the fastest ramp", wait_s=60.0):
         ramp_div = bench.read(device, "ramp_div", axis).value
         pulse_div = bench.read(device, "pulse_div", axis).value
         best_s, a_max, way = float("inf"), 50, 1
