@@ -110,13 +110,14 @@ class Transaction:
             return Applied(difference, [], [])
         await device.check_writes([step.write() for step in steps])
         self.progress.total = len(steps)
-        motion_owner.set(self)
+        owner = motion_owner.set(self)
         unlisten = device.listen(self._heard)
         try:
             prepared = await hold_still(device, states, steps)
             written = await self._all(held, steps, prepared)
         finally:
             unlisten()
+            motion_owner.reset(owner)
             self.progress.phase = "over"
         return Applied(difference, written, prepared)
 

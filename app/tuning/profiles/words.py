@@ -100,11 +100,14 @@ def _item(document: ProfileDocument, name: str, axis: int | None, place: str) ->
     axes = MODELS[document.model].axes
     if axis is not None and axis >= axes:
         raise UnreadableProfile(f"{place}.axis", f"a {document.title} has axes 0..{axes - 1}, no axis {axis}")
-    found = MODELS[document.model].table.find(name, 0 if axis is None and axes == 1 else axis)
-    if found is None or found[1] is not None or (axis is not None and found[0].axis is None):
-        many = axis is None and MODELS[document.model].table.find(name, 0) is not None
-        why = "it belongs to an axis: say which" if many else f"a {document.title} has no {place_of(name, axis)}"
-        raise UnreadableProfile(f"{place}.axis" if many else f"{place}.name", why)
+    table = MODELS[document.model].table
+    found = table.find(name, 0 if axis is None and axes == 1 else axis)
+    if found is None and axis is None and table.find(name, 0) is not None:
+        raise UnreadableProfile(f"{place}.axis", f"{name} belongs to an axis: say which, 0..{axes - 1}")
+    if found is None or (axis is not None and found[0].axis is None):
+        raise UnreadableProfile(f"{place}.name", f"a {document.title} has no {place_of(name, axis)}")
+    if found[1] is not None:
+        raise UnreadableProfile(f"{place}.name", f"{name} is a field of {found[0].name}: tell it among its fields")
     item = items_by_key(document.model).get((found[0].space, found[0].address))
     if item is None or item.row is not found[0]:
         also = f"; its address is told as {item.row.name}" if item is not None else ""
