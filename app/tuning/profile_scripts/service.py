@@ -43,6 +43,8 @@ class Checked:
     """How many were written and compared."""
     took_s: float
     how: How
+    differences: tuple[str, ...] = ()
+    """None: where there was one, the script is not offered."""
 
 
 @dataclass(frozen=True, slots=True)
