@@ -19,6 +19,7 @@ may have moved a motor.
 """
 
 from app.client.asynchronous import AsyncBench
+from app.client.audit import AuditEntry
 from app.client.blocking import Bench
 from app.client.errors import BenchNotTaken, BenchTaken, ClientError, MoveEnded, NoAnswer, NoServer, Refused
 from app.client.profiles import SavedProfile
@@ -26,6 +27,7 @@ from app.client.records import AxisState, Device, LeaseState, MoveStarted, Readi
 
 __all__ = [
     "AsyncBench",
+    "AuditEntry",
     "AxisState",
     "Bench",
     "BenchNotTaken",

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import time
 from collections.abc import Callable, Mapping, Sequence
+from datetime import datetime
 from types import TracebackType
 from typing import Any, Self, TypeVar
 
@@ -14,8 +15,9 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 from websockets.typing import Subprotocol
 
-from app.client import calls, profiles
+from app.client import audit, calls, profiles
 from app.client.arrival import LOOK_EVERY_S, Arrival
+from app.client.audit import AuditEntry
 from app.client.calls import Call
 from app.client.errors import ClientError, NoServer
 from app.client.http import (
@@ -118,6 +120,23 @@ class Bench:
         stay away: "nothing", "stop" or "hold". The end of the `with` leaves motors alone.
         """
         return Lease(self._send, self._http.headers, name, wait_s, on_vanish)
+
+    def audit(
+        self,
+        text: str = "",
+        *,
+        device: str = "",
+        who: str = "",
+        action: str = "",
+        since: datetime | None = None,
+        limit: int = 200,
+        before: int | None = None,
+    ) -> list[AuditEntry]:
+        """Who did what, the newest first: entries with all words of `text`, at most 2000; older ones with `before`.
+
+        `before` is the id of the last entry that is known. A time without a zone is this machine's.
+        """
+        return self._send(audit.entries(text, device, who, action, since, limit, before))
 
     # --- registers ------------------------------------------------------------------------------
 

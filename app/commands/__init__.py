@@ -13,6 +13,7 @@ from collections.abc import Callable, Sequence
 
 import typer
 
+from app.commands.audit import audit
 from app.commands.calls import api, calc
 from app.commands.devices import devices, read, write
 from app.commands.lease import lease
@@ -31,10 +32,11 @@ COMMANDS: Sequence[Callable[..., None]] = (
     watch,
     record,
     recordings,
+    audit,
     calc,
     api,
 )
-WITHOUT_ARGUMENTS = frozenset({"devices", "recordings", "stop"})
+WITHOUT_ARGUMENTS = frozenset({"audit", "devices", "recordings", "stop"})
 """Commands that do something when nothing follows; the others show their help then."""
 GROUPS: Sequence[typer.Typer] = (lease, profile)
 """Subjects with commands of their own, as `stepscope SUBJECT COMMAND`."""

@@ -137,3 +137,23 @@ async def test_a_reader_that_has_seen_enough_ends_it_quietly(server: str) -> Non
     os.close(writing)
     _, said = await process.communicate()
     assert (process.returncode, said) == (0, b"")
+
+
+async def test_the_audit_log(server: str) -> None:
+    said(await run(server, "write", "bench", "V_MAX=1300", "--axis", "0"))
+    said(await run(server, "write", "bench", "V_MAX=1301", "--axis", "0"))
+    refused = await run(server, "write", "bench", "V_MAX=99999", "--axis", "0")
+    assert refused.exit_code == 1
+    entries = json.loads(said(await run(server, "audit", "--q", "v_max", "--limit", "2", "--json")))
+    assert [(entry["old"], entry["new"], entry["outcome"].partition(":")[0]) for entry in entries] == [
+        (None, 99999, "refused"),
+        (1300, 1301, "done"),
+    ]
+    shown = said(await run(server, "audit", "--action", "write", "--device", "bench", "--since", "5min"))
+    assert "v_max 1300 -> 1301" in shown
+    rows = list(csv.DictReader(said(await run(server, "audit", "--q", "1301", "--csv")).splitlines()))
+    assert [(row["subject"], row["new"]) for row in rows] == [("v_max", "1301")]
+    assert json.loads(said(await run(server, "audit", "--who", "nobody", "--json"))) == []
+    wrong = await run(server, "audit", "--since", "yesterday")
+    assert wrong.exit_code == 2
+    assert "how long ago" in wrong.output
