@@ -14,7 +14,7 @@ import typer
 from app import __version__
 from app.commands import COMMANDS, GROUPS, WITHOUT_ARGUMENTS
 from app.links.errors import BenchError
-from app.settings import LogLevel, Settings
+from app.settings import LogLevel, OnVanish, Settings
 
 # The server's own imports (FastAPI, numpy, numba) cost half a second: each command brings only what it needs.
 
@@ -69,6 +69,13 @@ def serve(
     ] = None,
     tls_cert: Annotated[Path | None, typer.Option(help="Certificate (PEM): serve https.")] = None,
     tls_key: Annotated[Path | None, typer.Option(help="Key of the certificate (PEM).")] = None,
+    on_vanish: Annotated[
+        OnVanish | None,
+        typer.Option(help="What happens to moving motors when who has the bench vanishes. [default: stop]"),
+    ] = None,
+    vanish_after_s: Annotated[
+        float | None, typer.Option("--vanish-after", help="Without a sign for so long [s]. [default: 15]")
+    ] = None,
     log_level: Annotated[LogLevel | None, typer.Option(help="[default: info]")] = None,
     reload: Annotated[
         bool, typer.Option("--reload", help="Start again when the source changes (for developers).")
@@ -86,6 +93,8 @@ def serve(
         "token": token,
         "tls_cert": tls_cert,
         "tls_key": tls_key,
+        "on_vanish": on_vanish,
+        "vanish_after_s": vanish_after_s,
         "log_level": log_level,
     }
     with _told():

@@ -190,6 +190,22 @@ async def test_guessing_is_slow_and_shuts_nobody_else_out(door: Door, clock: Vir
         assert answer.status_code == 200
 
 
+async def test_a_stop_gets_through_past_guesses_and_past_somebody_elses_lease(door: Door) -> None:
+    bearer = {"authorization": f"Bearer {TOKEN}"}
+    async with (
+        door.visitor(**bearer, **{"stepscope-session": "session-of-anna-0001"}) as anna,
+        door.visitor("10.0.0.66") as thief,
+        door.visitor("10.0.0.66") as neighbour,
+    ):
+        await neighbour.get("/", params={"token": TOKEN})
+        assert (await anna.post("/api/v1/lease", json={"name": "Anna"})).json()["mine"]
+        for guess in range(GUESSES + 1):
+            refused = await thief.post("/api/v1/stop", headers={"authorization": f"Bearer {guess}"})
+        assert refused.status_code == 429
+        assert (await neighbour.post("/api/v1/devices", json={})).json()["type"] == "/problems/bench-taken"
+        assert (await neighbour.post("/api/v1/stop")).status_code == 200
+
+
 def test_many_addresses_cost_little_memory(clock: VirtualClock) -> None:
     guesses = Guesses(clock)
     for number in range(ADDRESSES_MAX + 100):

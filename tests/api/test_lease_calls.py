@@ -78,6 +78,9 @@ async def test_one_who_takes_it_waits_for_calls_that_have_begun(client: httpx.As
     assert not taking.done()
     bench.calls.end(call)
     assert (await taking).json()["mine"]
+    own = bench.calls.begin()
+    assert (await client.post("lease", json={"name": "Anna B."}, headers=ANNA)).json()["holder"] == "Anna B."
+    bench.calls.end(own)
 
 
 async def test_asking_and_handing_over(client: httpx.AsyncClient, bench: Bench) -> None:
