@@ -7,13 +7,15 @@ import classes from "./recordings.module.css";
 
 interface Register {
   name: string;
-  axis: number | null;
-  value: number;
+  axis?: number | null;
+  /** Null where some of its fields are what the motor was told to do, and not configuration. */
+  value: number | null;
 }
 
+/** Registers of a chip, or parameters of a module. */
 function registersOf(detail: RecordingDetail): Register[] {
-  const found = detail.configuration?.registers;
-  return Array.isArray(found) ? (found as Register[]) : [];
+  const { registers, parameters } = detail.configuration ?? {};
+  return [registers, parameters].flatMap((each) => (Array.isArray(each) ? (each as Register[]) : []));
 }
 
 /** How the device was set when the recording began. */
@@ -52,9 +54,9 @@ export function Configuration({ detail }: { detail: RecordingDetail }) {
                 <tr key={`${name}/${axis}`}>
                   <th scope="row">
                     {name}
-                    <span className={classes.faint}>{axis === null ? "" : `.${axis}`}</span>
+                    <span className={classes.faint}>{axis === null || axis === undefined ? "" : `.${axis}`}</span>
                   </th>
-                  <td className={`num ${classes.right}`}>{fixed(value)}</td>
+                  <td className={`num ${classes.right}`}>{value === null ? "" : fixed(value)}</td>
                 </tr>
               ))}
             </tbody>

@@ -1,61 +1,94 @@
-import { useEffect, useMemo, useRef } from "react";
+import { type Ref, useEffect, useImperativeHandle, useMemo, useRef, useState } from "react";
 import { useScheme } from "../../lib/useScheme";
 import { Plot } from "../../plots/Plot";
 import type { Mark, PlotHandle } from "../../plots/types";
-import { type Band, usePlotBands } from "../../plots/usePlotBands";
 import type { Lane } from "./channels";
+import classes from "./recordings.module.css";
 import type { Piece, Window } from "./ZoomData";
+
+export interface OverviewHandle {
+  /** The plots show this part now; null: all. */
+  show: (window: Window | null) => void;
+}
 
 interface Props {
   piece: Piece;
   lane: Lane | undefined;
-  window: Window | null;
+  handle: Ref<OverviewHandle>;
   onWindow: (window: Window | null) => void;
 }
 
 /** All of a recording in a strip, with the part that the plots below show; its ends can be dragged. */
-export function Overview({ piece, lane, window, onWindow }: Props) {
+export function Overview({ piece, lane, handle: outer, onWindow }: Props) {
   const scheme = useScheme();
   const handle = useRef<PlotHandle>(null);
   const first = piece.x[0] ?? 0;
   const last = piece.x.at(-1) ?? 1;
-  const shade = scheme === "dark" ? "rgba(255, 255, 255, 0.09)" : "rgba(15, 23, 42, 0.08)";
-  const bands: Band[] = window ? [{ from: window[0], to: window[1], color: shade }] : [];
-  usePlotBands(handle, bands);
+  const part = useRef<HTMLDivElement>(null);
+  const [window, setWindow] = useState<Window | null>(null);
+  const settling = useRef(0);
+  // A shade over the strip that moves with every frame: the strip itself is not drawn again.
+  const place = (next: Window | null) => {
+    const plot = handle.current?.uplot;
+    const { current } = part;
+    if (!current || !plot) return;
+    current.hidden = next === null;
+    if (next === null) return;
+    const left = plot.over.offsetLeft + plot.valToPos(Math.max(first, next[0]), "x");
+    const right = plot.over.offsetLeft + plot.valToPos(Math.min(last, next[1]), "x");
+    current.style.transform = `translateX(${left}px)`;
+    current.style.width = `${Math.max(2, right - left)}px`;
+  };
+  useImperativeHandle(outer, () => ({
+    show(next) {
+      place(next);
+      // the ends that can be dragged come when it stands still
+      clearTimeout(settling.current);
+      settling.current = globalThis.setTimeout(() => setWindow(next), 200) as unknown as number;
+    },
+  }));
+  useEffect(() => () => clearTimeout(settling.current), []);
   const data = useMemo(
     () => [piece.x, ...(lane?.columns ?? []).map((column) => piece.columns[column] ?? [])] as const,
     [piece, lane],
   );
   useEffect(() => handle.current?.setData(data, [first, last]), [data, first, last]);
   const color = scheme === "dark" ? "#4d94e8" : "#1c6dd0";
-  const marks: Mark[] = window
-    ? [
-        { id: "from", x: window[0], color },
-        { id: "to", x: window[1], color },
-      ]
-    : [];
+  const marks = useMemo<Mark[]>(
+    () =>
+      window
+        ? [
+            { id: "from", x: window[0], color },
+            { id: "to", x: window[1], color },
+          ]
+        : [],
+    [window, color],
+  );
   if (lane === undefined) return null;
   return (
-    <Plot
-      label={`The whole recording: ${lane.title}`}
-      series={lane.series}
-      x={{ axis: false }}
-      scales={{ y: { unit: lane.unit, ticks: (values) => values.map(() => "") } }}
-      height={64}
-      legend={false}
-      limit={[first, last]}
-      handle={handle}
-      marks={marks}
-      onMark={(id, x) => {
-        if (window === null) return;
-        const [from, to] = id === "from" ? [x, window[1]] : [window[0], x];
-        onWindow(from < to ? [from, to] : [to, from]);
-      }}
-      // what is dragged over here is what the plots below show; a wheel over it zooms them
-      onWindow={(change) => {
-        onWindow(change === "reset" ? null : [Math.max(first, change.min), Math.min(last, change.max)]);
-        return true;
-      }}
-    />
+    <div className={classes.overview}>
+      <Plot
+        label={`The whole recording: ${lane.title}`}
+        series={lane.series}
+        x={{ axis: false }}
+        scales={{ y: { unit: lane.unit, ticks: (values) => values.map(() => "") } }}
+        height={64}
+        legend={false}
+        limit={[first, last]}
+        handle={handle}
+        marks={marks}
+        onMark={(id, x) => {
+          if (window === null) return;
+          const [from, to] = id === "from" ? [x, window[1]] : [window[0], x];
+          onWindow(from < to ? [from, to] : [to, from]);
+        }}
+        // what is dragged over here is what the plots below show; a wheel over it zooms them
+        onWindow={(change) => {
+          onWindow(change === "reset" ? null : [Math.max(first, change.min), Math.min(last, change.max)]);
+          return true;
+        }}
+      />
+      <div ref={part} className={classes.part} hidden />
+    </div>
   );
 }

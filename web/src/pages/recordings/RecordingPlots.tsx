@@ -1,19 +1,21 @@
 import { Loader } from "@mantine/core";
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { recordingCursor } from "../../lib/cursor";
+import { fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { usePhone } from "../../lib/usePhone";
 import { useScheme } from "../../lib/useScheme";
+import { LiveText } from "../../live/LiveText";
 import { Plot } from "../../plots/Plot";
 import type { PlotHandle, WindowChange } from "../../plots/types";
 import { fetchPiece, isRunning, type RecordingDetail } from "./api";
 import { type Lane, lanesOf, unitText } from "./channels";
 import { flagsOf } from "./flags";
-import { Overview } from "./Overview";
+import { Overview, type OverviewHandle } from "./Overview";
 import classes from "./recordings.module.css";
 import { type Piece, type Window, ZoomData } from "./ZoomData";
 
-const OVERVIEW_POINTS = 4000;
+const OVERVIEW_POINTS = 3000;
 
 interface Props {
   detail: RecordingDetail;
@@ -21,10 +23,15 @@ interface Props {
   window: Window | null;
   onWindow: (window: Window | null) => void;
   hidden: ReadonlySet<string>;
+  /** the first plot stands: what else takes a reading of the file may begin */
+  onReady: () => void;
 }
 
+/** A wheel turns faster than pages render: the page hears of a window when it has stood still for so long. */
+const SETTLED_MS = 150;
+
 /** The plots of one recording, which zoom together, above them where in the whole they are. */
-export function RecordingPlots({ detail, window, onWindow, hidden }: Props) {
+export function RecordingPlots({ detail, window, onWindow, hidden, onReady }: Props) {
   const scheme = useScheme();
   const phone = usePhone();
   const { id, channels } = detail;
@@ -40,7 +47,13 @@ export function RecordingPlots({ detail, window, onWindow, hidden }: Props) {
   const [loaded, setLoaded] = useState<Piece | null>(null);
   const [problem, setProblem] = useState<unknown>(null);
   const at = useRef<Window | null>(window);
-  at.current = window;
+  const heard = useRef(window);
+  if (heard.current !== window) {
+    heard.current = window;
+    at.current = window;
+  }
+  const overview = useRef<OverviewHandle>(null);
+  const settling = useRef(0);
   const latestLanes = useRef(lanes);
   latestLanes.current = lanes;
 
@@ -61,6 +74,7 @@ export function RecordingPlots({ detail, window, onWindow, hidden }: Props) {
       } else handle.setWindow(view[0], view[1]);
       pixels = Math.max(pixels, handle.uplot?.over.clientWidth ?? 0);
     }
+    overview.current?.show(at.current);
     from.show(view, pixels || 800);
   }, []);
 
@@ -84,23 +98,40 @@ export function RecordingPlots({ detail, window, onWindow, hidden }: Props) {
   useEffect(
     () => () => {
       data.end();
+      clearTimeout(settling.current);
       recordingCursor.set(null);
     },
     [data],
   );
   // biome-ignore lint/correctness/useExhaustiveDependencies: drawn when the window or the plots are others
   useEffect(() => draw(data), [data, window, lanes, loaded]);
+  const latestReady = useRef(onReady);
+  latestReady.current = onReady;
+  useEffect(() => {
+    if (loaded !== null) latestReady.current();
+  }, [loaded]);
 
   const zero = detail.zero_s ?? 0;
   const flags = useMemo(() => flagsOf(detail.marks, zero, scheme), [detail.marks, zero, scheme]);
   const limit = extentOf(loaded);
+  const latestFlags = useRef({ flags, limit });
+  latestFlags.current = { flags, limit };
+  // Always the same functions: a plot draws anew for other ones.
+  const [named, unnamed] = useMemo(() => {
+    const marks = (words: boolean) => () => latestFlags.current.flags(at.current ?? latestFlags.current.limit, words);
+    return [marks(true), marks(false)];
+  }, []);
   const changeWindow = (change: WindowChange): boolean => {
     const [first, last] = extentOf(data.overview);
     const next: Window | null =
       change === "reset" || (change.min <= first && change.max >= last) ? null : [change.min, change.max];
     at.current = next;
     draw(data);
-    onWindow(next);
+    clearTimeout(settling.current);
+    settling.current = globalThis.setTimeout(() => {
+      heard.current = next;
+      onWindow(next);
+    }, SETTLED_MS) as unknown as number;
     return true;
   };
 
@@ -120,10 +151,18 @@ export function RecordingPlots({ detail, window, onWindow, hidden }: Props) {
     );
   return (
     <div className={classes.plots} data-testid="recording-plots" data-loaded={loaded.x.length}>
+      <LiveText
+        className={`num ${classes.range}`}
+        data-testid="range"
+        read={() => {
+          const [from, to] = at.current ?? limit;
+          return `${fixed(from, 3)} to ${fixed(to, 3)} s${at.current === null ? ", all of it" : ""}`;
+        }}
+      />
       <Overview
         piece={loaded}
         lane={lanes[0]}
-        window={window}
+        handle={overview}
         onWindow={(next) => changeWindow(next === null ? "reset" : { min: next[0], max: next[1] })}
       />
       {problem !== null && <ProblemAlert error={problem} doing="Zooming" retry={() => draw(data)} />}
@@ -143,7 +182,7 @@ export function RecordingPlots({ detail, window, onWindow, hidden }: Props) {
             handle={(handle) => {
               handles.current.set(lane.id, handle);
             }}
-            marks={() => flags(at.current ?? limit, index === 0)}
+            marks={index === 0 ? named : unnamed}
             onWindow={changeWindow}
             onCursor={(cursor) => {
               if (cursor !== null) recordingCursor.set({ recording: id, time_s: cursor.x });

@@ -46,6 +46,7 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
   const [window, setWindow] = useState<Window | null>(null);
   const [hidden, setHidden] = useState<ReadonlySet<string>>(new Set());
   const [problem, setProblem] = useState<{ doing: string; error: unknown } | null>(null);
+  const [ready, setReady] = useState(false);
   const [, go] = useLocation();
   const running = isRunning(detail);
   const several = severalAxes(detail.channels);
@@ -60,7 +61,7 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
       <Section
         title={title}
         note={
-          <span className="num">
+          <span className={classes.told}>
             {detail.device} · {detail.model} · {whenText(detail.started_unix_s)} · {duration(detail.duration_s)} at{" "}
             {detail.rate_hz} Hz · {sizeText(detail.size_bytes)}
           </span>
@@ -96,13 +97,7 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
               </Chip>
             );
           })}
-          <span className={classes.range} data-testid="range">
-            {window
-              ? `${fixed(window[0], 3)} to ${fixed(window[1], 3)} s`
-              : running
-                ? stateText(detail)
-                : "all of it: wheel, drag or + zoom in"}
-          </span>
+          {running && <span className={classes.faint}>{stateText(detail)}</span>}
           {window && (
             <Button size="compact-xs" variant="default" onClick={() => setWindow(null)}>
               Show all
@@ -110,11 +105,17 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
           )}
         </fieldset>
         {detail.message && <Text size="sm">{detail.message}</Text>}
-        <RecordingPlots detail={detail} window={window} onWindow={setWindow} hidden={hidden} />
+        <RecordingPlots
+          detail={detail}
+          window={window}
+          onWindow={setWindow}
+          hidden={hidden}
+          onReady={() => setReady(true)}
+        />
       </Section>
       <div className={classes.below}>
         <div className={classes.column}>
-          <FiguresSection detail={detail} window={window} />
+          <FiguresSection detail={detail} window={window} ready={ready} />
           <SpectrumSection recordings={[detail]} channels={detail.channels} window={window} running={running} />
         </div>
         <div className={classes.column}>
@@ -236,10 +237,10 @@ function ReplayAction({ detail }: { detail: RecordingDetail }) {
   );
 }
 
-function FiguresSection({ detail, window }: { detail: RecordingDetail; window: Window | null }) {
+function FiguresSection({ detail, window, ready }: { detail: RecordingDetail; window: Window | null; ready: boolean }) {
   const [of, setOf] = useState("shown");
   const [settled] = useDebouncedValue(of === "shown" ? window : null, 250);
-  const figures = useFigures(detail.id, settled, detail.rows ?? 0);
+  const figures = useFigures(detail.id, settled, detail.rows ?? 0, ready);
   return (
     <Section
       title="Figures"

@@ -96,7 +96,7 @@ export function SpectrumSection({ recordings, channels, window, running = false 
   return (
     <Section
       title="Spectrum"
-      note={first && `${first.samples} samples, lines every ${frequency(first.line_hz)}`}
+      note={on && first && `${first.samples} samples, lines every ${frequency(first.line_hz)}`}
       actions={
         on ? (
           <>

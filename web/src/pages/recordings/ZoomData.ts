@@ -38,6 +38,7 @@ export class ZoomData {
 
   /** The whole of it, anew for a recording that has grown. */
   async load(points: number): Promise<void> {
+    this.ended = false; // a page may come back to it
     await this.run(async () => {
       const whole = await this.fetch(null, points);
       // Pieces of before end where the recording ended then: those that reach it know less than there is now.

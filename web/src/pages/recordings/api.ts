@@ -41,7 +41,7 @@ export function useRecording(id: string) {
   });
 }
 
-export function useFigures(id: string, window: readonly [number, number] | null, revision: number) {
+export function useFigures(id: string, window: readonly [number, number] | null, revision: number, enabled: boolean) {
   const query = window ? { from_s: window[0], to_s: window[1] } : {};
   return useQuery({
     queryKey: ["figures", id, window, revision],
@@ -52,6 +52,7 @@ export function useFigures(id: string, window: readonly [number, number] | null,
           signal,
         }),
       ),
+    enabled,
     placeholderData: (before) => before,
     staleTime: Number.POSITIVE_INFINITY,
     retry: false,

@@ -37,8 +37,8 @@ const PLOTS: readonly (readonly [id: string, title: string, quantities: readonly
   ["switches", "Switches", ["switch_left", "switch_right", "switch_reference", "switch_home", "position_reached"]],
 ];
 const LOGIC = "switches";
-/** Dashes tell further axes apart: a quantity keeps its colour on every page. */
-const DASHES: readonly (number[] | undefined)[] = [undefined, [6, 3], [2, 2], [9, 3, 2, 3]];
+/** Further axes are paler: a quantity keeps its colour. Dashes, of thousands of points, cost a browser its frames. */
+const PALER = ["", "a6", "73", "59"];
 
 export function labelOf({ quantity, axis }: Channel, several: boolean): string {
   const words = quantity.replaceAll("_", " ");
@@ -79,12 +79,9 @@ export function lanesOf(channels: readonly Channel[], scheme: "light" | "dark"):
     };
     const series: PlotSeries = {
       label: labelOf(channel, several),
-      color: colorOfQuantity(channel.quantity, scheme),
+      color: `${colorOfQuantity(channel.quantity, scheme)}${PALER[axes.indexOf(channel.axis) % PALER.length]}`,
       unit: channel.unit,
     };
-    const dash = DASHES[axes.indexOf(channel.axis) % DASHES.length];
-    if (dash) series.dash = dash;
-    else if (channel.quantity.startsWith("target_")) series.dash = [4, 3];
     if (lane.logic || channel.quantity.startsWith("target_")) series.stepped = true;
     const rank = plot?.[2].indexOf(channel.quantity) ?? 0;
     const place = lane.ranks.filter((other) => other <= rank).length;

@@ -63,9 +63,8 @@ describe("plots", () => {
       ["humidity", [4]],
     ]);
     const [planned, first, second] = lanes[0]?.series ?? [];
-    expect(first?.color).toBe(second?.color);
+    expect(second?.color).toBe(`${first?.color}a6`);
     expect(planned?.color).not.toBe(first?.color);
-    expect([first?.dash, second?.dash !== undefined]).toEqual([undefined, true]);
   });
 });
 
