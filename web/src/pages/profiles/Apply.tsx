@@ -60,7 +60,7 @@ export function Apply({ profile, device, dry }: Props) {
           </Text>
         )}
       </div>
-      {running && state.data && state.data.phase && (
+      {running && state.data?.phase && (
         <div role="status" aria-live="polite">
           <Text size="sm" mt={8}>
             {PHASES[state.data.phase]}

@@ -1,3 +1,4 @@
+import { withUnit } from "../../lib/format";
 import { enumName, type FieldRow, type RegisterRow, toRaw, unpackField } from "../../lib/rows/bits";
 import { derived, physicalText, scalesOf } from "../../lib/rows/physical";
 import type { AxisScale } from "../../lib/units";
@@ -170,8 +171,8 @@ export function rowsOf(diff: Diff, entries: readonly Entry[]): Row[] {
       unit,
       before: left,
       after: right,
-      beforeMeaning: difference.left_physical ?? "",
-      afterMeaning: difference.right_physical ?? "",
+      beforeMeaning: physical(difference.left_physical),
+      afterMeaning: physical(difference.right_physical),
       differs: true,
       written: difference.written,
       why: difference.why,
@@ -189,6 +190,12 @@ export function rowsOf(diff: Diff, entries: readonly Entry[]): Row[] {
     }));
   });
   return different;
+}
+
+/** The server's "1.67638e+06 pps^2" as numbers are written on the page. */
+function physical(text: string | null): string {
+  const [, number, unit] = /^(\S+)(?: (.*))?$/.exec(text ?? "") ?? [];
+  return number === undefined || Number.isNaN(Number(number)) ? (text ?? "") : withUnit(Number(number), unit ?? "");
 }
 
 /** What both sides agree in: everything else that the profile says. */
