@@ -19,6 +19,7 @@ from app.store.recordings.library import NAME_MAX, Label, Library
 from app.store.recordings.sink import FileSink, megabytes
 from app.telemetry.hub import TelemetryHub
 from app.telemetry.recorder import Recorder, Trigger
+from app.tuning.profiles.capture import capture
 from app.tuning.replay import Progress, Replay, plan_of
 
 log = logging.getLogger("stepscope.recordings")
@@ -237,15 +238,8 @@ def options_of(device: Device) -> dict[str, Any] | None:
 async def configuration_of(device: Device) -> dict[str, Any] | None:
     """The device's profile for the head of a recording; None where it cannot be read now."""
     try:
-        document = await device.profile()
+        document = await capture(device)
     except BenchError as error:
         log.warning("the configuration of %s is not in the recording: %s", device.id, error)
         return None
-    return {
-        "registers": [
-            {"name": entry.name, "axis": entry.axis, "raw": entry.raw, "value": entry.value}
-            for entry in document.registers
-        ],
-        "microstep_table": document.microstep_table,
-        "driver_chain": document.driver_chain,
-    }
+    return document.model_dump(mode="json")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import ConfigDict, Field, StringConstraints, model_validator
+from pydantic import ConfigDict, Field, JsonValue, StringConstraints, model_validator
 
 from app.api.schemas import Answer, Body, ModelName
 from app.tuning.profiles.diff import Diff, Difference
@@ -12,7 +12,7 @@ from app.tuning.profiles.document import NAME_MAX, NOTE_MAX, ProfileDocument
 
 ProfileName = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=NAME_MAX, strip_whitespace=True)]
 ProfileNote = Annotated[str, StringConstraints(strict=True, max_length=NOTE_MAX)]
-EXAMPLE = {
+EXAMPLE: dict[str, JsonValue] = {
     "format": "stepscope-profile",
     "version": 1,
     "name": "quiet",

@@ -29,7 +29,6 @@ from app.devices.results import (
     HeldMslut,
     MotionEnd,
     MoveStarted,
-    ProfileDocument,
     RawExchange,
     RegisterReading,
     RegisterWritten,
@@ -471,10 +470,6 @@ class Device(ABC):
     @abstractmethod
     def sample_plan(self, channels: Sequence[str]) -> SamplePlan:
         """What to ask for these channels, and how to read the answers. Raises UnknownThing."""
-
-    @abstractmethod
-    async def profile(self) -> ProfileDocument:
-        """All readable configuration registers and tables."""
 
     async def read_microstep_table(self) -> list[int]:
         """The 64 values. Raises WrongState where the chip has no table."""

@@ -224,27 +224,6 @@ class ChainContents:
     lsmd: int
 
 
-@dataclass(slots=True)
-class ProfileEntry:
-    """One register in a profile."""
-
-    name: str
-    axis: int | None
-    raw: int
-    value: int
-    fields: dict[str, int]
-
-
-@dataclass(slots=True)
-class ProfileDocument:
-    """A device's whole configuration."""
-
-    registers: list[ProfileEntry]
-    microstep_table: list[int] | None
-    driver_chain: list[int] | None
-    """The 32 RAM words; LSMD is in the global register."""
-
-
 @dataclass(frozen=True, slots=True)
 class HeldMslut:
     """A table of one-bit differences as the chip holds it, and what it shows of it at this moment.

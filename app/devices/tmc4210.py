@@ -7,9 +7,7 @@ import numpy as np
 from app.clock import Clock
 from app.devices.axis_rows import AxisRows
 from app.devices.config import DeviceConfig
-from app.devices.profile import read_profile
 from app.devices.ramp_samples import Frames, IntArray, RampSamples
-from app.devices.results import ProfileDocument
 from app.devices.sample_plan import Decoder, FloatArray
 from app.devices.words import Words, read_once_more
 from app.links.datagram32 import STATUS_TMC4210
@@ -104,6 +102,3 @@ class Tmc4210(RampSamples):
     def compare_register(self, axis: int) -> str | None:
         self.axis(axis)
         return "POS_COMP_4210"
-
-    async def profile(self) -> ProfileDocument:
-        return ProfileDocument(await read_profile(self), None, None)

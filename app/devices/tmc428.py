@@ -11,9 +11,8 @@ from app.clock import Clock
 from app.devices.axis_rows import AxisRows
 from app.devices.changes import register_changed
 from app.devices.config import DeviceConfig
-from app.devices.profile import read_profile
 from app.devices.ramp_samples import Frames, IntArray, RampSamples
-from app.devices.results import ChainContents, ProfileDocument
+from app.devices.results import ChainContents
 from app.devices.sample_plan import Decoder, FloatArray
 from app.devices.words import Words, read_once_more
 from app.links.datagram32 import STATUS_TMC428
@@ -231,9 +230,3 @@ class Tmc428(RampSamples):
                     raise WriteRefused(register.name, word, back, "write the table again")
                 if word != old:
                     self._tell(register_changed(register, old, word, words.time_s, part_of=table))
-
-    async def profile(self) -> ProfileDocument:
-        registers = await read_profile(self)
-        table = await self.read_microstep_table()
-        chain = await self.read_driver_chain()
-        return ProfileDocument(registers, table, chain.ram_words)

@@ -24,6 +24,8 @@ from app.store.recordings.head import Head
 from app.store.recordings.marks import Mark
 from app.telemetry.hub import TelemetryHub
 from app.telemetry.recorder import Recorder, Sink, Trigger
+from app.tuning.profiles.apply import Transaction
+from app.tuning.profiles.document import FORMAT, parse
 
 BEAT_S = 0.05
 """How far time goes on at once [s]: less than a reader's queue holds, more than a beat of the telemetry."""
@@ -175,7 +177,11 @@ class Replay:
                 with self._told(f"the position of axis {number}"):
                     await device.set_position(number, int(axis["position"]))
         configuration = self._plan.head.configuration or {}
-        for entry in configuration.get("registers", ()):
+        if configuration.get("format") == FORMAT:
+            with self._told("the configuration at the start"):
+                await Transaction(device, parse(configuration)).run()
+            return
+        for entry in configuration.get("registers", ()):  # of a recording that is older than profiles
             name, axis, value = entry["name"], entry["axis"], entry["value"]
             held = None
             with contextlib.suppress(BenchError):  # write-only registers are written in any case

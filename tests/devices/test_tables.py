@@ -8,9 +8,7 @@ import pytest
 
 from app.calc.driver_chain import build_chain
 from app.calc.microstep_table import design_table
-from app.devices.profile import is_configuration
 from app.devices.start_up import AxisStart, start_up
-from app.links import datagram32
 from app.links.errors import OutOfRange, UsageError, WriteRefused, WrongState
 from app.registers.catalog import CHIPS_32
 from tests.devices.bench import bench
@@ -83,31 +81,6 @@ async def test_a_tmc4210_has_neither() -> None:
             await b.device.read_driver_chain()
         with pytest.raises(WrongState, match="no chain"):
             await b.device.write_driver_chain([0], 0)
-
-
-@pytest.mark.parametrize("model", list(CHIPS_32))
-async def test_a_profile_written_to_another_chip_makes_it_the_same(model: str) -> None:
-    async with bench(model) as source, bench(model, started=False, seed=1) as target:
-        await source.device.write("dx_ref_tolerance", 0, value=77)
-        profile = await source.device.profile()
-        names = {entry.name.casefold() for entry in profile.registers}
-        assert {"v_max", "a_max", "pmul_pdiv", "dx_ref_tolerance"} <= names
-        assert not names & {"x_actual", "v_actual", "x_target", "power_down", "x_latched"}
-        for entry in profile.registers:
-            if entry.fields:
-                await target.device.write(entry.name, entry.axis, fields=dict(entry.fields))
-            else:
-                await target.device.write(entry.name, entry.axis, value=entry.value)
-        if profile.microstep_table is not None and profile.driver_chain is not None:
-            await target.device.write_microstep_table(profile.microstep_table)
-            await target.device.write_driver_chain(profile.driver_chain, 2)
-        for register in source.device.table:
-            if is_configuration(register) and register.name != "cover_pos_cover_len":
-                words = [b.wire.exchange(datagram32.read(register.address))[1:] for b in (source, target)]
-                assert words[0] == words[1], register.name
-        copy = await target.device.profile()
-        assert copy.microstep_table == profile.microstep_table
-        assert copy.driver_chain == profile.driver_chain
 
 
 @pytest.mark.sheet("001", "13")

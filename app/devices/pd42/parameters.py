@@ -13,15 +13,13 @@ from app.devices.pd42.module import Module
 from app.devices.pd42.refusals import limits, unit_of
 from app.devices.results import (
     BatchResult,
-    ProfileDocument,
-    ProfileEntry,
     RegisterReading,
     RegisterWritten,
     WriteItem,
 )
 from app.links.errors import BadReply, BenchError, LinkTimeout, OutOfRange, UsageError, WriteRefused, WrongState
 from app.links.tmcl import Request
-from app.registers.model import Access, Register, Space, to_raw
+from app.registers.model import Register, Space, to_raw
 from app.registers.tmcl import COORDINATES_IN_EEPROM, Opcode
 
 CHUNK_S = 0.02
@@ -32,8 +30,6 @@ GETS_BACK = frozenset({Opcode.RSGP, Opcode.GCO})
 """Commands that make RAM what EEPROM holds."""
 ADDRESS, SUPPRESS_REPLY = 66, 255
 """Global parameters of bank 0 whose write changes how the module answers."""
-NO_CONFIGURATION = frozenset({0, 1, 2, 209, 210, 216})
-"""Axis parameters that are where the motor is or what happens once."""
 
 
 class Parameters(Module):
@@ -279,19 +275,6 @@ class Parameters(Module):
             self._tell(register_changed(register, *bits, self.port.last_exchange_s))
         return self._reading(register, value)
 
-    # --- profile --------------------------------------------------------------------------------
-
-    async def profile(self) -> ProfileDocument:
-        """Everything that can be written and is not where the motor is; user variables that are 0 are left out."""
-        self.require_connected()
-        kept = [row for row in self.table if row.access is Access.RW and not _is_state(row)]
-        entries = [
-            ProfileEntry(row.name, row.axis, value & row.mask, value, {})
-            for row, value in zip(kept, await self._values(kept), strict=True)
-            if value is not None and (value or row.space is not Space.GLOBAL_2)
-        ]
-        return ProfileDocument(entries, None, None)
-
     def _request(self, register: Register, value: int) -> Request:
         return writing(self.address, register, value)
 
@@ -301,9 +284,3 @@ async def _value_or_none(calls: Calls, register: Register) -> int | None:
         return await calls.get(register)
     except UsageError:
         return None
-
-
-def _is_state(row: Register) -> bool:
-    return (row.space is Space.AXIS and row.address in NO_CONFIGURATION) or (
-        row.space is Space.GLOBAL_0 and row.address >= 128
-    )

@@ -1,14 +1,12 @@
-"""The microstep table, and the whole configuration as a document.
+"""The microstep table, which lies in registers that cannot be read.
 
-Both lie in registers that cannot be read. What they hold is what was written through this connection since the chip's
-reset, else what the chip has after a reset.
+What they hold is what was written through this connection since the chip's reset, else what the chip has after a reset.
 """
 
 from __future__ import annotations
 
 from app.calc.mslut import MslutRegisters
-from app.devices.kept_profile import KeptProfile
-from app.devices.results import HeldMslut, ProfileDocument
+from app.devices.results import HeldMslut
 from app.devices.tmc4361 import rows
 from app.devices.tmc4361.raw import Raw
 from app.links.errors import BadReply
@@ -17,13 +15,8 @@ from app.links.queue import Priority
 TABLE = (*rows.MSLUT, rows.MSLUTSEL, rows.MSLUTSTART)
 
 
-class Tables(Raw, KeptProfile):
+class Tables(Raw):
     """A TMC4361 with its tables."""
-
-    STATE_NAMES = frozenset(
-        ("XACTUAL", "XTARGET", "ENC_POS", "RESET_CLK_GATING", *(f"X_PIPE{index}" for index in range(8)), "X_HOME")
-    )
-    ONCE = frozenset(("COVER_LOW", "COVER_HIGH", "ADDR_TO_ENC", "DATA_TO_ENC"))
 
     async def read_mslut(self, axis: int = rows.AXIS) -> HeldMslut:
         self.axis(axis)
@@ -55,6 +48,3 @@ class Tables(Raw, KeptProfile):
         if not arrived:
             raise BadReply(self.port.name, "a word of the microstep table may have arrived otherwise", b"")
         return await self.read_mslut()
-
-    async def profile(self) -> ProfileDocument:
-        return ProfileDocument(await self.kept_profile(), None, None)

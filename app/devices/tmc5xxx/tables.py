@@ -1,6 +1,6 @@
-"""Microstep tables, and the whole configuration as a document.
+"""Microstep tables, which lie in registers that cannot be read.
 
-Most of it lies in registers that cannot be read. What they hold is what was written through this connection since the
+What they hold is what was written through this connection since the
 chip's reset, else what the chip has after a reset. The two axes of a TMC5031 and a TMC5062 have a table each, those of
 a TMC5072 share one.
 """
@@ -8,19 +8,14 @@ a TMC5072 share one.
 from __future__ import annotations
 
 from app.calc.mslut import MslutRegisters
-from app.devices.kept_profile import KeptProfile
-from app.devices.results import HeldMslut, ProfileDocument
+from app.devices.results import HeldMslut
 from app.devices.tmc5xxx.raw import Raw
 from app.links.errors import BadReply
 from app.links.queue import Priority
-from app.registers.model import Register
 
 
-class Tables(Raw, KeptProfile):
+class Tables(Raw):
     """A TMC5xxx with its tables."""
-
-    STATE_NAMES = frozenset({"XACTUAL", "XTARGET", "X_ENC"})
-    ONCE = frozenset({"OTP_PROG"})
 
     async def read_mslut(self, axis: int = 0) -> HeldMslut:
         """The table of an axis, and what the chip shows of it."""
@@ -51,10 +46,3 @@ class Tables(Raw, KeptProfile):
         if not arrived:
             raise BadReply(self.port.name, "a word of the microstep table may have arrived otherwise", b"")
         return await self.read_mslut(axis or 0)
-
-    async def profile(self) -> ProfileDocument:
-        return ProfileDocument(await self.kept_profile(), None, None)
-
-    def _wanted_word(self, register: Register) -> int | None:
-        # Of VMAX and AMAX what the user wants: a stop may have written something else over it.
-        return self._overwritten.get(register.address, super()._wanted_word(register))

@@ -233,14 +233,6 @@ async def test_a_batch_ends_at_its_first_failure() -> None:
         assert isinstance(result.failed, OutOfRange)
 
 
-async def test_the_profile_is_what_can_be_written_and_is_not_where_the_motor_is() -> None:
-    async with bench() as b:
-        await b.device.write("user_variable_5", value=4)
-        names = {entry.name for entry in (await b.device.profile()).registers}
-        assert {"maximum_positioning_speed", "serial_address", "user_variable_5"} <= names
-        assert not names & {"actual_position", "target_position", "target_speed", "user_variable_6", "actual_speed"}
-
-
 async def test_a_silent_module_is_asked_three_times_and_told_of() -> None:
     async with bench() as b:
         b.patch(faults={"silence": True})

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from app.calc.mslut import POWER_ON, decode, encode
-from app.devices.device import Device
 from tests.devices.tmc4361.bench import bench
 
 
@@ -31,23 +30,3 @@ async def test_the_dac_offset_beside_the_table_stays() -> None:
     async with bench() as b:
         await b.device.write("START_SIN___START_SIN90_120___DAC_OFFSET", 0, fields={"DAC_OFFSET": 5})
         assert (await b.device.write_mslut(POWER_ON)).registers.start >> 24 == 5
-
-
-async def test_a_profile_makes_another_chip_behave_like_this_one() -> None:
-    async with bench() as one, bench(None) as other:
-        await one.device.write("PID_P", 0, 4321)
-        document = await one.device.profile()
-        entries = {entry.name: entry for entry in document.registers}
-        assert entries["PID_P"].value == 4321
-        assert entries["ENC_IN_RES"].fields["ENC_IN_RES"] == 40_000
-        assert not {"XACTUAL", "XTARGET", "ENC_POS", "EVENTS", "X_PIPE0"} & entries.keys()
-        for entry in document.registers:
-            await _put(other.device, entry.name, entry.raw)
-        again = {entry.name: entry.raw for entry in (await other.device.profile()).registers}
-        assert again == {name: entry.raw for name, entry in entries.items()}
-
-
-async def _put(device: Device, name: str, raw: int) -> None:
-    from app.registers.tmc4361 import TMC4361
-
-    await device.write(name, 0, TMC4361.get(name, 0).decode(raw))
