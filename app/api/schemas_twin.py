@@ -34,6 +34,7 @@ class TwinCursor(Body):
 
     recording: RecordingName | None
     time_s: Seconds = Field(default=0.0, description="since the recording's zero, as its plot counts [s]")
+    scheme: Literal["light", "dark"] | None = Field(default=None, description="of the page; null leaves it as it is")
 
 
 class TwinSlips(Answer):

@@ -134,6 +134,10 @@ def along_rail(travel: Travel, place_mm: float) -> float:
     return RAIL[0] + (RAIL[1] - RAIL[0]) * max(-0.02, min(1.02, share))
 
 
+def _mm(place: float) -> str:
+    return f"{place:g} mm".replace("-", "\N{MINUS SIGN}")
+
+
 def _stage(look: Look, scheme: Scheme) -> dict[str, Placement]:
     travel = look.travel
     carriage = look.place_measured if look.place_measured is not None else look.place_commanded
@@ -152,8 +156,8 @@ def _stage(look: Look, scheme: Scheme) -> dict[str, Placement]:
             visible=travel is not None and look.place_commanded is not None,
         ),
         "/stage/spindle": Placement(wxyz=about((1.0, 0.0, 0.0), motor_deg or 0.0)),
-        "/stage/label_from": Placement(text="" if travel is None else f"{travel.from_mm:g} mm"),
-        "/stage/label_to": Placement(text="" if travel is None else f"{travel.to_mm:g} mm"),
+        "/stage/label_from": Placement(text="" if travel is None else _mm(travel.from_mm)),
+        "/stage/label_to": Placement(text="" if travel is None else _mm(travel.to_mm)),
     }
     ends = {"switch_left": RAIL[0] - 0.95, "switch_right": RAIL[1] + 0.95, "switch_home": sum(RAIL) / 2}
     places = (

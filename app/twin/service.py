@@ -86,6 +86,7 @@ class Twin:
         self._start = start
         self._state: State = "off"
         self._task: asyncio.Task[None] | None = None
+        self._begun: asyncio.Future[None] | None = None
         self._renderer: Renderer | None = None
         self._source: _Source | None = None
         self._scheme: Scheme = "light"
@@ -136,23 +137,19 @@ class Twin:
                 self._source.close()
             self._source = _Source(self._hub, device, wanted, self._clock)
             self._look = None
-        self._seen_s = self._clock.now()
-        if self._task is None or self._task.done():
-            self._problem, self._state = None, "starting"
-            begun: asyncio.Future[None] = asyncio.get_running_loop().create_future()
-            self._task = asyncio.create_task(self._run(begun), name="twin")
-            self._begun = begun
-        await asyncio.shield(self._begun)
+        await self._running()
 
-    def scrub(self, recorded: RecordedAxis, since_zero_s: float) -> None:
-        """Show a recording at that time since its zero [s], until `follow`. Raises WrongState while the view is off."""
-        self._require_on()
+    async def scrub(self, recorded: RecordedAxis, since_zero_s: float, scheme: Scheme | None = None) -> None:
+        """Show a recording at that time since its zero [s], until `follow`. No device is needed. Raises TwinFailed."""
         self._recorded, self._recorded_s = recorded, since_zero_s
+        self._scheme = scheme or self._scheme
+        await self._running()
 
-    def follow(self) -> None:
-        """Show what happens now again. Raises WrongState while the view is off."""
-        self._require_on()
+    async def follow(self) -> None:
+        """Show what happens now again, where something was shown before the recording; else end the view."""
         self._recorded = None
+        if self._source is None:
+            await self.off()
 
     def recorded(self, recording: str) -> RecordedAxis | None:
         """The recording that is shown, where it is that one: it need not be read again for each move of a cursor."""
@@ -185,6 +182,16 @@ class Twin:
             raise WrongState("the 3D view is off", "start it: POST /api/v1/twin")
 
     # --- while it is on -------------------------------------------------------------------------
+
+    async def _running(self) -> None:
+        """Return when the process draws; starts it where it does not. Raises TwinFailed."""
+        self._seen_s = self._clock.now()
+        if self._task is None or self._task.done():
+            self._problem, self._state = None, "starting"
+            self._begun = asyncio.get_running_loop().create_future()
+            self._task = asyncio.create_task(self._run(self._begun), name="twin")
+        if self._begun is not None:
+            await asyncio.shield(self._begun)
 
     async def _run(self, begun: asyncio.Future[None]) -> None:
         renderer: Renderer | None = None
@@ -227,11 +234,13 @@ class Twin:
 
     async def _update(self, renderer: Renderer) -> None:
         source, recorded = self._source, self._recorded
-        if source is None:
+        live = source.take() if source is not None else Look()
+        if recorded is not None:
+            shape, look = recorded.shape, recorded.at(self._recorded_s)
+        elif source is not None:
+            shape, look = source.shape, live
+        else:
             return
-        live = source.take()
-        shape = recorded.shape if recorded else source.shape
-        look = recorded.at(self._recorded_s) if recorded else live
         if self._told != (shape, self._scheme):
             await renderer.show({"shape": shape.message(), "scheme": self._scheme})
             self._told, self._look = (shape, self._scheme), None

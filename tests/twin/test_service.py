@@ -192,24 +192,32 @@ def a_recording() -> RecordedAxis:
 
 async def test_a_cursor_shows_the_recording_and_then_what_happens_now_again(rig: Rig) -> None:
     recorded = a_recording()
-    with pytest.raises(WrongState):
-        rig.twin.scrub(recorded, 0.0)
     await rig.twin.show(rig.device, 0)
     with rig.twin.looking():
-        rig.twin.scrub(recorded, 0.1)
+        await rig.twin.scrub(recorded, 0.1)
         await rig.clock.advance(0.3)
         assert rig.renderer.look["position"] == pytest.approx(350 * 51.2)
         assert rig.renderer.look["slips"]["lost_full_steps"] == 0
         assert (rig.twin.info.following, rig.twin.info.recording, rig.twin.info.recording_s) == ("recording", "r1", 0.1)
-        rig.twin.scrub(recorded, 0.5)
+        await rig.twin.scrub(recorded, 0.5)
         await rig.clock.advance(0.1)
         assert rig.renderer.look["slips"]["lost_full_steps"] == 4
         assert rig.twin.recorded("r1") is recorded
         assert rig.twin.recorded("r2") is None
-        rig.twin.follow()
+        await rig.twin.follow()
         await rig.clock.advance(0.2)
         assert rig.renderer.look["position"] == 0.0
         assert rig.twin.info.following == "telemetry"
+
+
+async def test_a_recording_needs_no_device(rig: Rig) -> None:
+    await rig.twin.scrub(a_recording(), 0.1, "dark")
+    with rig.twin.looking():
+        await rig.clock.advance(0.3)
+        assert rig.renderer.look["position"] == pytest.approx(350 * 51.2)
+        assert rig.hub.readers == 0
+    await rig.twin.follow()  # there is nothing to follow
+    assert rig.twin.info.state == "off"
 
 
 def test_a_recording_answers_for_any_time() -> None:

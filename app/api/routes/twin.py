@@ -44,17 +44,17 @@ async def end_twin(bench: CurrentBench) -> TwinState:
     return _state(bench.twin.info)
 
 
-@router.post("/cursor", responses=problems(UnknownThing, WrongState))
+@router.post("/cursor", responses=problems(UnknownThing, WrongState, TwinFailed))
 async def scrub_twin(bench: CurrentBench, body: TwinCursor) -> TwinState:
-    """Show a moment of a recording, or with null what happens now."""
+    """Show a moment of a recording, for which the view is started where it is off; or with null what happens now."""
     if body.recording is None:
-        bench.twin.follow()
+        await bench.twin.follow()
         return _state(bench.twin.info)
     recorded = bench.twin.recorded(body.recording)
     if recorded is None or body.time_s > recorded.span_s[1]:  # one that is being written has grown meanwhile
         asked = body.recording
         recorded = await asyncio.to_thread(lambda: _recorded(bench, asked))
-    bench.twin.scrub(recorded, body.time_s)
+    await bench.twin.scrub(recorded, body.time_s, body.scheme)
     return _state(bench.twin.info)
 
 

@@ -1591,7 +1591,7 @@ export interface paths {
         put?: never;
         /**
          * Scrub Twin
-         * @description Show a moment of a recording, or with null what happens now.
+         * @description Show a moment of a recording, for which the view is started where it is off; or with null what happens now.
          */
         post: operations["scrub_twin"];
         delete?: never;
@@ -8886,6 +8886,11 @@ export interface components {
              * @default 0
              */
             time_s?: number;
+            /**
+             * Scheme
+             * @description of the page; null leaves it as it is
+             */
+            scheme?: ("light" | "dark") | null;
         };
         /**
          * TwinLook
@@ -17391,6 +17396,15 @@ export interface operations {
             };
             /** @description The request does not fit the contract (/problems/invalid-request) */
             422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The 3D view cannot be shown (/problems/twin-failed) */
+            503: {
                 headers: {
                     [name: string]: unknown;
                 };

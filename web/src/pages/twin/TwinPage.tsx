@@ -10,6 +10,7 @@ import { DeviceNotice } from "../../lib/rows/DeviceNotice";
 import { Page, Section } from "../../lib/Section";
 import { useScheme } from "../../lib/useScheme";
 import { useSelection } from "../../live/selection";
+import { NoWebGl } from "./NoWebGl";
 import { stroboscope } from "./numbers";
 import { TwinFrame } from "./TwinFrame";
 import { TwinNumbers } from "./TwinNumbers";
@@ -58,7 +59,7 @@ function AxisTwin({ device, axis }: { device: Device; axis: Device["axes"][numbe
   const known = state !== undefined;
   // Somebody else may look at another axis: what is theirs is not taken away because this page was opened.
   const others = state !== undefined && othersAxis(state, device.id, axis.index) && asked.current === "";
-  const wants = known && !others && sessionStorage.getItem(OFF) === null && hasWebGl();
+  const wants = known && !others && sessionStorage.getItem(OFF) === null;
 
   function start() {
     sessionStorage.removeItem(OFF);
@@ -152,17 +153,6 @@ export function Updates({ state }: { state: TwinState }) {
     <span className="num">
       {still ? "at rest" : `${fixed(state.updates_per_s)} of ${fixed(state.updates_per_s_max)} updates/s`}
     </span>
-  );
-}
-
-function NoWebGl() {
-  return (
-    <Alert variant="light" color="gray" p="sm" role="status" title="This browser cannot draw 3D">
-      <Text size="sm">
-        WebGL is missing or switched off. The numbers below need none: switch hardware acceleration on in the browser's
-        settings to see the picture, too.
-      </Text>
-    </Alert>
   );
 }
 

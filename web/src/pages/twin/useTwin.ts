@@ -4,7 +4,7 @@ import { api, type Schemas, unwrap } from "../../api/client";
 export type TwinState = Schemas["TwinState"];
 export type TwinLook = Schemas["TwinLook"];
 
-const KEY = ["twin"];
+export const TWIN_KEY = ["twin"];
 /** The numbers beside the picture, for people to read: faster would only flicker [ms]. */
 const READ_MS = 400;
 const LOOK_MS = 2000;
@@ -23,15 +23,15 @@ export interface Twin {
 export function useTwin(): Twin {
   const queries = useQueryClient();
   const query = useQuery({
-    queryKey: KEY,
+    queryKey: TWIN_KEY,
     queryFn: async () => unwrap(await api.GET("/api/v1/twin")),
     refetchInterval: ({ state }) => (state.data?.state === "on" ? READ_MS : LOOK_MS),
   });
-  const seen = (state: TwinState) => queries.setQueryData(KEY, state);
+  const seen = (state: TwinState) => queries.setQueryData(TWIN_KEY, state);
   const show = useMutation({
     mutationFn: async (body: Schemas["TwinShow"]) => unwrap(await api.POST("/api/v1/twin", { body })),
     onSuccess: seen,
-    onError: () => void queries.invalidateQueries({ queryKey: KEY }),
+    onError: () => void queries.invalidateQueries({ queryKey: TWIN_KEY }),
   });
   const end = useMutation({
     mutationFn: async () => unwrap(await api.DELETE("/api/v1/twin")),
