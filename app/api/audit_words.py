@@ -45,6 +45,8 @@ BY_EVENTS = frozenset(
 """What registers hold afterwards, drivers tell: only what they have not told is entered for these."""
 PARTLY = frozenset({("POST", "devices/{}/registers"), ("POST", "devices/{}/axes/{}/start-up"), ("POST", "stop")})
 """Answers that are a success as a whole and may hold failures."""
+WHOLE = frozenset({("PUT", "devices/{}/profile"), ("POST", "devices/{}/profile/apply/way-back")})
+"""Many writes that are one thing: entered as such too, when one of them has failed and the drivers have told of it."""
 TEXT_MAX = 200
 
 
@@ -256,6 +258,8 @@ WORDS: Mapping[tuple[str, str], Callable[[Call], Said]] = {
     ("PUT", "devices/{}/microstep-table"): lambda _: Said("write table", "microstep table"),
     ("PUT", "devices/{}/driver-chain"): lambda call: Said("write table", "driver chain", detail=compact(call.body)),
     ("PUT", "devices/{}/profile"): lambda call: Said("apply profile", str(call.body.get("name", ""))),
+    ("POST", "devices/{}/profile/apply/way-back"): lambda _: Said("take profile back"),
+    ("DELETE", "devices/{}/profile/apply"): lambda _: Said("forget half a profile"),
     ("POST", "devices/{}/axes/{}/move"): _move,
     ("POST", "devices/{}/move"): _moves,
     ("POST", "devices/{}/axes/{}/rotate"): _rotate,

@@ -13,7 +13,18 @@ from typing import Any
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.api.audit_words import BY_EVENTS, PARTLY, Call, Said, in_words, is_silent, only_reads, taken_apart, value_of
+from app.api.audit_words import (
+    BY_EVENTS,
+    PARTLY,
+    WHOLE,
+    Call,
+    Said,
+    in_words,
+    is_silent,
+    only_reads,
+    taken_apart,
+    value_of,
+)
 from app.api.guard import SAFE_METHODS
 from app.devices.changes import DONE
 from app.devices.config import DeviceConfig
@@ -78,7 +89,7 @@ class Auditing:
         if done and before is not None:
             self._edited(call, before)
             return
-        if not done and request.failures:
+        if not done and request.failures and call.key not in WHOLE:
             return  # told by the driver already, and better
         if done and call.key in BY_EVENTS and not outcomes and (request.changes or only_reads(call)):
             return

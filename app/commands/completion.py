@@ -47,6 +47,11 @@ def complete_recording(ctx: typer.Context, incomplete: str) -> list[str]:
     return list(_found(ctx, incomplete, lambda bench: (recording.id for recording in bench.recordings())))
 
 
+def complete_profile(ctx: typer.Context, incomplete: str) -> list[str]:
+    """Numbers of kept profiles, the latest first."""
+    return list(_found(ctx, incomplete, lambda bench: (str(profile.id) for profile in bench.profiles())))
+
+
 def _found(ctx: typer.Context, incomplete: str, ask: Callable[[Bench], Iterable[str]]) -> Iterator[str]:
     from app.client import Bench, ClientError
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from app.commands.completion import complete_profile
 from app.commands.shared import AsJson, DeviceName, Token, Url, connected, print_json, print_table, progress
 
 if TYPE_CHECKING:
@@ -29,8 +30,16 @@ profile = typer.Typer(
     name="profile", no_args_is_help=True, help="A device's whole configuration: keep it, compare it, bring it back."
 )
 
-Which = Annotated[str, typer.Argument(metavar="PROFILE", help="A file, or the number of a kept profile.")]
-Number = Annotated[int, typer.Argument(metavar="NUMBER", help="Of a kept profile, as `profile list` shows it.", min=1)]
+Which = Annotated[
+    str,
+    typer.Argument(metavar="PROFILE", help="A file, or the number of a kept profile.", autocompletion=complete_profile),
+]
+Number = Annotated[
+    int,
+    typer.Argument(
+        metavar="NUMBER", help="Of a kept profile, as `list` shows it.", min=1, autocompletion=complete_profile
+    ),
+]
 Name = Annotated[str | None, typer.Option(help="What to call it.")]
 Note = Annotated[str | None, typer.Option(help="What to remember of it.")]
 Out = Annotated[Path | None, typer.Option(help="A file for it. [default: the terminal]")]

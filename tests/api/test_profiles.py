@@ -7,8 +7,11 @@ from typing import Any
 
 import httpx
 import pytest
+from fastapi import FastAPI
 
 from app.clock import VirtualClock
+from app.links.emulator import EmulatorPort
+from app.main import bench_of
 
 
 async def profile_of(client: httpx.AsyncClient, device: str = "bench") -> dict[str, Any]:
@@ -101,34 +104,64 @@ async def test_another_model_or_clock_is_refused_with_the_reason(client: httpx.A
     assert "8 MHz" in refused.json()["detail"]
 
 
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
+async def test_what_is_wrong_with_a_document_is_told_with_its_place(client: httpx.AsyncClient) -> None:
+    """Every kind of mistake is in tests/tuning/profiles; here, how one arrives."""
+    document = await profile_of(client)
+    before = await value(client, "v_max")
+    for change, words in (
         ({"version": 2}, "newer"),
-        ({"format": "other"}, "no profile of stepscope"),
         ({"color": 1}, "color"),
         ({"registers": [{"name": "v_max", "axis": 0, "value": "12"}]}, "registers.0.value"),
         ({"registers": [{"name": "v_macs", "axis": 0, "value": 12}]}, "registers[0].name"),
-        ({"registers": [{"name": "v_max", "value": 12}]}, "registers[0].axis"),
-        ({"registers": [{"name": "v_max", "axis": 7, "value": 12}]}, "registers[0].axis"),
-        ({"registers": [{"name": "v_max", "axis": 0, "value": 5000}]}, "registers[0]"),
-        ({"registers": [{"name": "v_max", "axis": 0, "value": 1}] * 2}, "registers[1]"),
-        ({"registers": [{"name": "pmul_pdiv", "axis": 0, "fields": {"pdif": 1}}]}, "registers[0].fields.pdif"),
         ({"registers": [{"name": "pmul_pdiv", "axis": 0, "value": 4, "fields": {"pdiv": 5}}]}, "pdiv 4 or 5"),
-        ({"registers": [{"name": "x_actual", "axis": 0, "value": 1}]}, "not configuration"),
-        ({"tables": {"mslut": []}}, "tables.mslut"),
-        ({"parameters": [{"name": "ap4", "value": 1}]}, "parameters[0]"),
-    ],
-)
-async def test_what_is_wrong_with_a_document_is_told_with_its_place(
-    client: httpx.AsyncClient, change: dict[str, Any], words: str
+    ):
+        refused = await client.put("devices/bench/profile", json=document | change)
+        assert refused.status_code == 422, refused.text
+        assert words in refused.json()["detail"]
+    del document["version"]
+    assert "version is missing" in (await client.put("devices/bench/profile", json=document)).json()["detail"]
+    assert await value(client, "v_max") == before
+
+
+async def test_what_is_left_is_in_the_problem_and_can_be_brought_back(
+    client: httpx.AsyncClient, app: FastAPI, clock: VirtualClock
 ) -> None:
     document = await profile_of(client)
-    before = await value(client, "v_max")
-    refused = await client.put("devices/bench/profile", json=document | change)
-    assert refused.status_code == 422, refused.text
-    assert words in refused.json()["detail"]
-    assert await value(client, "v_max") == before
+    for axis in range(3):
+        await client.put("devices/bench/registers/v_max", params={"axis": axis}, json={"value": 700})
+    port = bench_of(app).manager.get("bench").port
+    assert isinstance(port, EmulatorPort)
+    far_end = port.wire
+
+    class Unplugging:
+        """Gone before the third write."""
+
+        model, clock = far_end.model, far_end.clock
+        writes = 0
+
+        def exchange(self, frame: bytes, at_s: float | None = None) -> bytes:
+            self.writes += frame[0] & 1 == 0
+            if self.writes >= 3:
+                raise ConnectionError("unplugged")
+            return far_end.exchange(frame, at_s)
+
+    port.wire = Unplugging()
+    answer = await client.put("devices/bench/profile", json=document)
+    assert (answer.status_code, answer.json()["type"]) == (502, "/problems/profile-left")
+    facts = answer.json()["facts"]
+    assert (facts["failed"]["name"], facts["failed"]["axis"]) == ("v_max", 2)
+    assert [(each["axis"], each["was"]) for each in facts["left"]] == [(2, 700), (1, 700), (0, 700)]
+    assert facts["left"][0]["now"] is None, "written or not, nobody knows"
+    assert (await client.get("devices/bench/profile/apply")).json()["unfinished"]["crashed"] is False
+    audited = (await client.get("audit", params={"action": "apply profile"})).json()["entries"]
+    assert ["refused" in entry["outcome"] or "not proven" in entry["outcome"] for entry in audited] == [True]
+
+    port.wire = far_end
+    await clock.advance(5.0)
+    back = await client.post("devices/bench/profile/apply/way-back")
+    assert back.status_code == 200, back.text
+    assert [await value(client, "v_max", axis) for axis in range(3)] == [700] * 3
+    assert (await client.get("devices/bench/profile/apply")).json()["state"] == "idle"
 
 
 async def test_profiles_are_kept_found_renamed_and_deleted(client: httpx.AsyncClient) -> None:
