@@ -96,7 +96,8 @@ class AuditLog:
         """`add` what happens now, by `by`, else by whoever this task works for."""
         who = by or actor.get()
         whose = who.name, who.kind, who.address
-        self.add(Entry(self._unix_s(), *whose, device, axis, action, subject, old, new, outcome, detail))
+        at_unix_s = round(self._unix_s(), 6)  # as far as a date can tell: asked for by it, it is found
+        self.add(Entry(at_unix_s, *whose, device, axis, action, subject, old, new, outcome, detail))
 
     def add(self, entry: Entry) -> None:
         """Keep it. Returns at once, and raises nothing: what cannot be kept is told in the log."""
