@@ -1,7 +1,7 @@
-import { Button, Chip, Group, Loader, Progress, SegmentedControl, Text, TextInput } from "@mantine/core";
+import { Button, Group, Loader, Progress, SegmentedControl, Text, TextInput, UnstyledButton } from "@mantine/core";
 import { useDebouncedValue } from "@mantine/hooks";
 import { IconArrowsDiff, IconFlag, IconPlayerStop, IconRepeat } from "@tabler/icons-react";
-import { useCallback, useState } from "react";
+import { lazy, Suspense, useCallback, useState } from "react";
 import { Link, useLocation } from "wouter";
 import { duration, fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
@@ -19,6 +19,8 @@ import { SpectrumSection } from "./SpectrumSection";
 import { useReplay } from "./useReplay";
 import { sizeText, stateText, whenText } from "./words";
 import type { Window } from "./ZoomData";
+
+const RecordingTwin = lazy(() => import("../twin/RecordingTwin"));
 
 /** One recording: its plots, what happened, its figures, and how the device was set. */
 export function RecordingView({ id }: { id: string }) {
@@ -80,21 +82,23 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
           {detail.channels.map((channel) => {
             const label = labelOf(channel, several);
             return (
-              <Chip
+              <UnstyledButton
                 key={channel.name}
-                size="xs"
-                variant="light"
-                color={colorOfQuantity(channel.quantity, scheme)}
-                checked={!hidden.has(label)}
-                onChange={(on) => {
+                className={classes.channel ?? ""}
+                aria-pressed={!hidden.has(label)}
+                onClick={() => {
                   const next = new Set(hidden);
-                  if (on) next.delete(label);
-                  else next.add(label);
+                  if (!next.delete(label)) next.add(label);
                   setHidden(next);
                 }}
               >
+                <span
+                  className={classes.swatch}
+                  style={{ background: colorOfQuantity(channel.quantity, scheme) }}
+                  aria-hidden
+                />
                 {label}
-              </Chip>
+              </UnstyledButton>
             );
           })}
           {running && <span className={classes.faint}>{stateText(detail)}</span>}
@@ -113,6 +117,9 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
           onReady={() => setReady(true)}
         />
       </Section>
+      <Suspense>
+        <RecordingTwin recording={detail.id} />
+      </Suspense>
       <div className={classes.below}>
         <div className={classes.column}>
           <FiguresSection detail={detail} window={window} ready={ready} />
