@@ -24,6 +24,7 @@ from app.client.blocking import Bench
 from app.client.errors import BenchNotTaken, BenchTaken, ClientError, MoveEnded, NoAnswer, NoServer, Refused
 from app.client.profiles import SavedProfile
 from app.client.records import AxisState, Device, LeaseState, MoveStarted, Reading, Recording, Samples, Written
+from app.client.scripts import Script
 
 __all__ = [
     "AsyncBench",
@@ -44,5 +45,6 @@ __all__ = [
     "Refused",
     "Samples",
     "SavedProfile",
+    "Script",
     "Written",
 ]

@@ -15,7 +15,7 @@ from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
 from websockets.typing import Subprotocol
 
-from app.client import audit, calls, profiles
+from app.client import audit, calls, profiles, scripts
 from app.client.arrival import LOOK_EVERY_S, Arrival
 from app.client.audit import AuditEntry
 from app.client.calls import Call
@@ -35,6 +35,7 @@ from app.client.http import (
 from app.client.lease import AsyncLease, OnVanish
 from app.client.profiles import SavedProfile
 from app.client.records import AxisState, Device, Json, LeaseState, MoveStarted, Reading, Recording, Samples, Written
+from app.client.scripts import Script
 from app.client.stream import SUBPROTOCOL, Collector, samples_of
 
 T = TypeVar("T")
@@ -336,6 +337,13 @@ class AsyncBench:
     async def delete_profile(self, profile: int) -> None:
         """Delete a kept profile for good."""
         await self._send(profiles.delete(profile))
+
+    async def profile_script(self, profile: Json | int, language: str = "python") -> Script:
+        """A profile, a document or the number of a kept one, as a program: "python", "curl", "c" or "tmcl".
+
+        It was tried on an emulator. Raises Refused where the trial failed, with the differences.
+        """
+        return await self._send(scripts.script(profile, language), scripts.SCRIPT_TIMEOUT_S)
 
     async def compare_profiles(self, left: Json | int, right: Json | int) -> Json:
         """What differs between two profiles, each a document or the id of a kept one."""

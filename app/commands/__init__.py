@@ -19,6 +19,7 @@ from app.commands.devices import devices, read, write
 from app.commands.lease import lease
 from app.commands.measuring import record, recordings, watch
 from app.commands.motion import axis, move, rotate, stop
+from app.commands.profile_scripts import script
 from app.commands.profiles import profile
 
 COMMANDS: Sequence[Callable[..., None]] = (
@@ -38,5 +39,6 @@ COMMANDS: Sequence[Callable[..., None]] = (
 )
 WITHOUT_ARGUMENTS = frozenset({"audit", "devices", "recordings", "stop"})
 """Commands that do something when nothing follows; the others show their help then."""
+profile.command(no_args_is_help=True)(script)
 GROUPS: Sequence[typer.Typer] = (lease, profile)
 """Subjects with commands of their own, as `stepscope SUBJECT COMMAND`."""

@@ -121,7 +121,7 @@ def list_(
 def show(which: Which, url: Url = None, token: Token = None, as_json: AsJson = False) -> None:
     """Show what a profile says."""
     with connected(url, token) as bench:
-        document = _document(bench, which)
+        document = document_of(bench, which)
         if as_json:
             print_json(document)
             return
@@ -155,9 +155,9 @@ def diff(
 ) -> None:
     """Show what a profile would change in a device, or what differs between two; ends with 1 where anything does."""
     with connected(url, token) as bench:
-        document = _document(bench, which)
+        document = document_of(bench, which)
         if _is_profile(device_or_profile):
-            found = bench.compare_profiles(_document(bench, device_or_profile), document)
+            found = bench.compare_profiles(document_of(bench, device_or_profile), document)
         else:
             found = bench.apply_profile(device_or_profile, document, dry_run=True)
         _print_diff(found, as_json=as_json)
@@ -177,7 +177,7 @@ def apply(
 ) -> None:
     """Bring a device to what a profile says: all of it, or as it was before."""
     with connected(url, token) as bench:
-        document = _document(bench, which)
+        document = document_of(bench, which)
         if dry_run:
             _print_diff(bench.apply_profile(device, document, dry_run=True), as_json=as_json)
             return
@@ -231,7 +231,7 @@ def _is_profile(text: str) -> bool:
     return text.isdecimal() or text.endswith(".json") or Path(text).is_file()
 
 
-def _document(bench: Bench, which: str) -> Mapping[str, Any]:
+def document_of(bench: Bench, which: str) -> Mapping[str, Any]:
     """The profile that `which` names. Raises OSError, ValueError for a file that is none."""
     return bench.saved_profile(int(which)) if which.isdecimal() else _read(Path(which))
 
