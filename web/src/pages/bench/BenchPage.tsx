@@ -7,13 +7,13 @@ import { Link } from "wouter";
 import { type Device, useDevices } from "../../api/queries";
 import { EmptyState } from "../../lib/EmptyState";
 import { familyOf } from "../../lib/family";
+import { later } from "../../lib/later";
 import { useSelection } from "../../live/selection";
-import { EventsTimeline } from "../events/EventsTimeline";
 import { eventRegisters } from "../events/useEvents";
 import { AxisTree } from "./AxisTree";
 import classes from "./bench.module.css";
 import { DemoBanner } from "./DemoBanner";
-import { EmulatorPanel } from "./EmulatorPanel";
+import { LimitLine } from "./LimitLine";
 import { BenchLive, useLiveAxis } from "./live";
 import { MotionCard } from "./motion/MotionCard";
 import { useSearch } from "./motion/useSearch";
@@ -21,6 +21,9 @@ import { StageDrawing } from "./StageDrawing";
 import { ScopeCard } from "./scope/ScopeCard";
 import { useScopeSettings } from "./scope/settings";
 import { useEmulator } from "./useEmulator";
+
+const EmulatorPanel = later(() => import("./EmulatorPanel").then((part) => part.EmulatorPanel));
+const EventsTimeline = later(() => import("../events/EventsTimeline").then((part) => part.EventsTimeline));
 
 /** All axes at a glance, one in the hand, and the scope on it. */
 export default function BenchPage() {
@@ -90,6 +93,7 @@ function Bench({ devices, lost }: BenchProps) {
                 onToggle={toggle}
               />
             )}
+            <Limits key={`limits/${device.id}/${axis}`} device={asKnown(device)} axis={entry} unit={settings.unit} />
             <ScopeCard devices={devices} main={main} axisName={`${device.name} ${entry.name}`}>
               {(scope) =>
                 eventRegisters(device.model).length > 0 && (
@@ -113,6 +117,10 @@ function Bench({ devices, lost }: BenchProps) {
       )}
     </div>
   );
+}
+
+function Limits({ device, axis, unit }: { device: Device; axis: Device["axes"][number]; unit: string }) {
+  return <LimitLine device={device} axis={axis} live={useLiveAxis(device.id, axis.index)} unit={unit} />;
 }
 
 interface StageProps {

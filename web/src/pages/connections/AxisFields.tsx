@@ -17,7 +17,7 @@ export function AxesFields({ draft, problems, strict, onChange }: AxesProps) {
   const stepDir = draft.model === "tmc4210";
   const set = (index: number, change: Partial<AxisDraft>) =>
     onChange(draft.axes.map((axis, at) => (at === index ? { ...axis, ...change } : axis)));
-  const of = (index: number, part: keyof AxisDraft) => {
+  const of = (index: number, part: AxisText) => {
     const text = draft.axes[index]?.[part] ?? "";
     return strict || text !== "" ? problems[`axes.${index}.${part}`] : undefined;
   };
@@ -95,7 +95,10 @@ export function AxesFields({ draft, problems, strict, onChange }: AxesProps) {
   );
 }
 
-const AXIS_PARTS: [keyof AxisDraft, string][] = [
+/** What is typed of an axis itself. */
+type AxisText = Exclude<keyof AxisDraft, "limits">;
+
+const AXIS_PARTS: [AxisText, string][] = [
   ["name", "name"],
   ["fullSteps", "full steps"],
   ["driverMicrosteps", "driver microsteps"],

@@ -3,11 +3,13 @@ import { IconX } from "@tabler/icons-react";
 import { type FormEvent, useState } from "react";
 import type { Device } from "../../api/queries";
 import { ProblemAlert } from "../../lib/ProblemAlert";
+import { scaleOf } from "../../lib/units";
 import { AxesFields } from "./AxisFields";
 import { ChipLinkFields } from "./ChipLinkFields";
 import css from "./connections.module.css";
-import { type Draft, linkOf, moduleKind, problemsOf, withModel } from "./draft";
+import { axisConfigs, type Draft, linkOf, moduleKind, problemsOf, withModel } from "./draft";
 import { EmulatorOptions } from "./EmulatorOptions";
+import { LimitFields } from "./LimitFields";
 import { ModuleLinkFields } from "./ModuleLinkFields";
 import { axesOf, isModule, type Kind, kindsOf, type Model } from "./models";
 import { TestResult } from "./TestResult";
@@ -38,6 +40,11 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
   const model = draft.model;
   const kind = moduleKind(draft);
   const link = JSON.stringify([draft.model, linkOf(draft)]);
+  // How a device counts its microsteps is known once it has answered; the mechanics are those that are typed.
+  const scales = axisConfigs(draft).map((typed, index) => {
+    const axis = device?.axes[index];
+    return axis === undefined ? undefined : scaleOf({ ...axis, ...typed, limits: axis.limits }, device?.clock_hz);
+  });
   const [testedLink, setTestedLink] = useState("");
   const interrupts = device?.state === "connected" && JSON.stringify([initial.model, linkOf(initial)]) !== link;
 
@@ -142,6 +149,7 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
         )}
       </fieldset>
       <AxesFields draft={draft} problems={all} strict={tried} onChange={(axes) => set({ axes })} />
+      <LimitFields draft={draft} problems={all} scales={scales} onChange={(axes) => set({ axes })} />
       <div className={css.results}>
         <TestResult
           test={test.data}

@@ -17,6 +17,7 @@ import { type Json, type Limits, numberOf, numberProblem, said } from "./limits"
 import { axesOf, isModule, type Kind, kindsOf, type Model } from "./models";
 import { type ModuleDraft, type ModuleKind, moduleLink, moduleOf, moduleProblems, newModule } from "./module";
 import { emulatorLink, optionProblems, optionsIn } from "./options";
+import { limitDraftOf, limitProblems, limitsOf, NO_LIMITS, type SoftLimitDraft } from "./softLimits";
 
 export type Link = Schemas["DeviceCreate"]["link"];
 export type AxisConfig = Schemas["AxisConfig"];
@@ -28,6 +29,7 @@ export interface AxisDraft {
   driverMicrosteps: string;
   gear: string;
   travelMm: string;
+  limits: SoftLimitDraft;
 }
 
 export interface StageDraft {
@@ -73,7 +75,7 @@ export const AXIS_LIMITS = {
 const EMPTY_STAGE: StageDraft = { left: "", right: "", refFrom: "", refTo: "", start: "" };
 
 function emptyAxis(name: string): AxisDraft {
-  return { name, fullSteps: "", driverMicrosteps: "", gear: "", travelMm: "" };
+  return { name, fullSteps: "", driverMicrosteps: "", gear: "", travelMm: "", limits: NO_LIMITS };
 }
 
 const AXIS_NAMES = ["X", "Y", "Z"];
@@ -144,6 +146,7 @@ export function draftOf(device: Device): Draft {
         driverMicrosteps: String(axis.driver_microsteps),
         gear: String(axis.gear_ratio),
         travelMm: axis.travel_mm_per_rev === null ? "" : String(axis.travel_mm_per_rev),
+        limits: limitDraftOf(axis.limits),
       })),
       module: isModule(device.model) ? moduleOf(link) : { ...newModule(), serialPort: linePortOf(link) },
       uart: uartOf(link),
@@ -178,6 +181,7 @@ export function problemsOf(draft: Draft, others: readonly string[] = []): Record
     else if (axis.name.trim().length > 60) note(`axes.${index}.name`, "At most 60 characters");
     for (const part of ["fullSteps", "driverMicrosteps", "gear", "travelMm"] as const)
       note(`axes.${index}.${part}`, numberProblem(axis[part], AXIS_LIMITS[part]));
+    for (const [part, problem] of limitProblems(axis.limits, model)) note(`axes.${index}.limits.${part}`, problem);
   });
   return found;
 }
@@ -206,6 +210,7 @@ export function axisConfigs(draft: Draft): AxisConfig[] {
     driver_microsteps: numberOf(axis.driverMicrosteps) ?? AXIS_LIMITS.driverMicrosteps.fallback,
     gear_ratio: numberOf(axis.gear) ?? AXIS_LIMITS.gear.fallback,
     travel_mm_per_rev: numberOf(axis.travelMm) ?? null,
+    limits: limitsOf(axis.limits),
   }));
 }
 
