@@ -245,7 +245,8 @@ function Differences({ comparison }: { comparison: Comparison }) {
       title="Differences"
       note={`to ${names.get(comparison.recordings[0]?.id ?? "")}, at its times, along straight lines between samples`}
     >
-      <div className={classes.scroll}>
+      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: on a phone it scrolls sideways, with the keys too */}
+      <section className={classes.scroll} tabIndex={0} aria-label="Differences by channel">
         <table className={classes.table} data-testid="differences">
           <thead>
             <tr>
@@ -277,7 +278,7 @@ function Differences({ comparison }: { comparison: Comparison }) {
             ))}
           </tbody>
         </table>
-      </div>
+      </section>
     </Section>
   );
 }

@@ -42,7 +42,8 @@ export function FiguresTable({ channels, sides, stale = false }: Props) {
   const known = new Map(channels.map((channel) => [channel.name, channel]));
   const names = [...new Set(sides.flatMap(({ figures }) => Object.keys(figures)))];
   return (
-    <div className={classes.scroll}>
+    // biome-ignore lint/a11y/noNoninteractiveTabindex: on a phone it scrolls sideways, with the keys too
+    <section className={classes.scroll} tabIndex={0} aria-label="Figures by channel">
       <table className={`${classes.table} ${stale ? "stale" : ""}`} data-testid="figures">
         <thead>
           <tr>
@@ -82,7 +83,7 @@ export function FiguresTable({ channels, sides, stale = false }: Props) {
           })}
         </tbody>
       </table>
-    </div>
+    </section>
   );
 }
 

@@ -48,12 +48,14 @@ export function RecordingPlots({ detail, window, onWindow, hidden, onReady }: Pr
   const [problem, setProblem] = useState<unknown>(null);
   const at = useRef<Window | null>(window);
   const heard = useRef(window);
+  const overview = useRef<OverviewHandle>(null);
+  const settling = useRef(0);
   if (heard.current !== window) {
+    // set from outside, after what was zoomed here
+    clearTimeout(settling.current);
     heard.current = window;
     at.current = window;
   }
-  const overview = useRef<OverviewHandle>(null);
-  const settling = useRef(0);
   const latestLanes = useRef(lanes);
   latestLanes.current = lanes;
 
