@@ -58,11 +58,6 @@ def get(profile: int) -> Call[Json]:
     return Call("GET", f"{BASE}/profiles/{profile}", lambda answer: dict(answer["document"]))
 
 
-def file(profile: int) -> str:
-    """Path and query of the document as a file."""
-    return f"{BASE}/profiles/{profile}?format=file"
-
-
 def save(document: Json | None, device: str | None, name: str | None, note: str | None) -> Call[SavedProfile]:
     body = {"document": document, "device": device, "name": name, "note": note}
     return Call("POST", f"{BASE}/profiles", _saved, {key: value for key, value in body.items() if value is not None})

@@ -189,7 +189,7 @@ async def test_profiles_are_kept_found_renamed_and_deleted(client: httpx.AsyncCl
 
 async def test_an_exported_file_comes_back_as_it_was(client: httpx.AsyncClient) -> None:
     saved = (await client.post("profiles", json={"device": "bench", "name": "round"})).json()
-    file = await client.get(f"profiles/{saved['id']}", params={"format": "file"})
+    file = await client.get(f"profiles/{saved['id']}/file")
     assert "attachment" in file.headers["content-disposition"]
     lines = file.text.splitlines()
     assert sum('"name": "v_max"' in line for line in lines) == 3, "one register a line"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from fastapi import APIRouter, Path, Query
 from fastapi.responses import Response
@@ -33,7 +33,8 @@ from app.tuning.profiles.words import wants_of
 router = APIRouter(tags=["profiles"])
 
 ProfileId = Annotated[int, Path(description="as in the list", ge=1, le=1 << 53)]
-FILE = "application/json"
+FILE = "application/vnd.stepscope.profile+json"
+"""A file of one profile: JSON in the form that `POST /profiles` takes as a document."""
 
 # --- of a device ------------------------------------------------------------------------------------
 
@@ -132,32 +133,34 @@ async def _document(bench: Bench, given: ProfileDocument | int) -> ProfileDocume
     return detail(await bench.profile_store.get(given)).document
 
 
+@router.get("/profiles/{profile:int}", responses=problems(UnknownThing, UnreadableProfile, StoreUnavailable))
+async def get_profile_kept(bench: CurrentBench, profile: ProfileId) -> ProfileDetail:
+    """A kept profile with its document."""
+    return detail(await bench.profile_store.get(profile))
+
+
 @router.get(
-    "/profiles/{profile}",
-    responses=problems(UnknownThing, UnreadableProfile, StoreUnavailable),
+    "/profiles/{profile:int}/file",
+    response_class=Response,
+    responses={
+        **problems(UnknownThing, UnreadableProfile, StoreUnavailable),
+        200: {"content": {FILE: {"schema": {"type": "string", "format": "binary"}}}},
+    },
 )
-async def get_profile_kept(
-    bench: CurrentBench,
-    profile: ProfileId,
-    format: Annotated[  # noqa: A002
-        Literal["json", "file"], Query(description="file: the document alone, one register a line, to be saved")
-    ] = "json",
-) -> ProfileDetail:
-    """A kept profile with its document; or with `format=file` the document as a file."""
+async def get_profile_file(bench: CurrentBench, profile: ProfileId) -> Response:
+    """The document alone as a file to be saved, one register a line: any tool shows what differs between two."""
     found = detail(await bench.profile_store.get(profile))
-    if format == "file":
-        named = {"content-disposition": f'attachment; filename="profile-{profile}.json"'}
-        return Response(text_of(found.document), media_type=FILE, headers=named)  # type: ignore[return-value]  # a file
-    return found
+    named = {"content-disposition": f'attachment; filename="profile-{profile}.json"'}
+    return Response(text_of(found.document), media_type=FILE, headers=named)
 
 
-@router.patch("/profiles/{profile}", responses=problems(UnknownThing, OutOfRange, StoreUnavailable))
+@router.patch("/profiles/{profile:int}", responses=problems(UnknownThing, OutOfRange, StoreUnavailable))
 async def edit_profile(bench: CurrentBench, profile: ProfileId, body: ProfileLabel) -> ProfileInfo:
     """Another name or note."""
     return info(await bench.profile_store.edit(profile, body.name, body.note))
 
 
-@router.delete("/profiles/{profile}", status_code=204, responses=problems(UnknownThing, StoreUnavailable))
+@router.delete("/profiles/{profile:int}", status_code=204, responses=problems(UnknownThing, StoreUnavailable))
 async def delete_profile(bench: CurrentBench, profile: ProfileId) -> None:
     """Delete it for good."""
     await bench.profile_store.delete(profile)

@@ -970,7 +970,7 @@ export interface paths {
         };
         /**
          * Get Profile Kept
-         * @description A kept profile with its document; or with `format=file` the document as a file.
+         * @description A kept profile with its document.
          */
         get: operations["get_profile_kept"];
         put?: never;
@@ -987,6 +987,26 @@ export interface paths {
          * @description Another name or note.
          */
         patch: operations["edit_profile"];
+        trace?: never;
+    };
+    "/api/v1/profiles/{profile}/file": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Profile File
+         * @description The document alone as a file to be saved, one register a line: any tool shows what differs between two.
+         */
+        get: operations["get_profile_file"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
         trace?: never;
     };
     "/api/v1/devices/{device}/emulator": {
@@ -14963,10 +14983,7 @@ export interface operations {
     };
     get_profile_kept: {
         parameters: {
-            query?: {
-                /** @description file: the document alone, one register a line, to be saved */
-                format?: "json" | "file";
-            };
+            query?: never;
             header?: never;
             path: {
                 /** @description as in the list */
@@ -15151,6 +15168,65 @@ export interface operations {
                 };
             };
             /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_profile_file: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description as in the list */
+                profile: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/vnd.stepscope.profile+json": string;
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description This is no profile, or says what cannot be (/problems/unreadable-profile); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;

@@ -63,8 +63,8 @@ export function useRemove(id: number) {
 
 /** The document as a file: one register a line. */
 export async function fileOf(id: number): Promise<string> {
-  const answer = await api.GET("/api/v1/profiles/{profile}", {
-    params: { path: { profile: id }, query: { format: "file" } },
+  const answer = await api.GET("/api/v1/profiles/{profile}/file", {
+    params: { path: { profile: id } },
     parseAs: "text",
   });
   return unwrap(answer) as unknown as string;
