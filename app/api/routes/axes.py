@@ -26,7 +26,7 @@ from app.api.schemas_axes import (
 from app.api.schemas_events import AxisEvents
 from app.devices.results import AxisMove
 from app.devices.tmc5xxx.start_up import start_items
-from app.links.errors import OutOfRange, UnknownThing, WrongState
+from app.links.errors import OutOfRange, SoftLimit, UnknownThing, WrongState
 
 router = APIRouter(prefix="/devices/{device}", tags=["axes"])
 
@@ -37,20 +37,20 @@ async def get_axis(device: CurrentDevice, axis: CurrentAxis) -> AxisStateOut:
     return AxisStateOut.model_validate(await device.axis_state(axis.index))
 
 
-@router.post("/axes/{axis}/move", responses=problems(*DEVICE_PROBLEMS))
+@router.post("/axes/{axis}/move", responses=problems(*DEVICE_PROBLEMS, SoftLimit))
 async def move_axis(device: CurrentDevice, axis: CurrentAxis, body: Move) -> MoveStarted:
     """Start a move to a position, or by a distance. Answers when it has started, not when it has arrived."""
     return MoveStarted.model_validate(await device.move(axis.index, body.target, body.relative, body.unit))
 
 
-@router.post("/move", responses=problems(*DEVICE_PROBLEMS))
+@router.post("/move", responses=problems(*DEVICE_PROBLEMS, SoftLimit))
 async def move_axes(device: CurrentDevice, body: Moves) -> list[MoveStarted]:
     """Start several axes together: everything is prepared first, then all targets go out in successive datagrams."""
     moves = [AxisMove(move.axis, move.target, move.relative, move.unit) for move in body.moves]
     return [MoveStarted.model_validate(started) for started in await device.move_together(moves)]
 
 
-@router.post("/axes/{axis}/rotate", responses=problems(*DEVICE_PROBLEMS))
+@router.post("/axes/{axis}/rotate", responses=problems(*DEVICE_PROBLEMS, SoftLimit))
 async def rotate_axis(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis, body: Rotate) -> Rotating:
     """Turn on and on at a velocity, until told otherwise; with `hold_s` only for as long as it is kept up."""
     if body.hold_s is None:
@@ -65,7 +65,7 @@ async def keep_rotating(bench: CurrentBench, device: CurrentDevice, axis: Curren
     return Rotating.model_validate(bench.procedures.keep_rotating(device, axis.index, body.hold_s))
 
 
-@router.post("/axes/{axis}/start-up", responses=problems(*DEVICE_PROBLEMS))
+@router.post("/axes/{axis}/start-up", responses=problems(*DEVICE_PROBLEMS, SoftLimit))
 async def start_axis_up(
     device: CurrentSixPointDevice, axis: CurrentAxis, body: StartUp | None = None
 ) -> RegisterBatchResult:

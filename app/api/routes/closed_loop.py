@@ -14,12 +14,12 @@ from app.api.schemas_closed_loop import (
     ResponseState,
     StepResponseStart,
 )
-from app.links.errors import OutOfRange, UnknownThing, UsageError, WrongState
+from app.links.errors import OutOfRange, SoftLimit, UnknownThing, UsageError, WrongState
 
 router = APIRouter(prefix="/devices/{device}/axes/{axis}", tags=["closed loop"])
 
 LOOK = problems(UnknownThing)
-START = problems(UnknownThing, WrongState, UsageError, OutOfRange)
+START = problems(UnknownThing, WrongState, UsageError, OutOfRange, SoftLimit)
 
 
 @router.get("/closed-loop-calibration", responses=LOOK)

@@ -11,7 +11,7 @@ from app.api.schemas import DeviceInfo, LinkTest
 from app.api.schemas_devices import DeviceChange, DeviceCreate, DeviceTrial
 from app.devices import manager
 from app.devices.config import DeviceConfig
-from app.links.errors import OutOfRange, UnknownThing, UsageError, WrongState
+from app.links.errors import OutOfRange, SoftLimit, UnknownThing, UsageError, WrongState
 
 router = APIRouter(prefix="/devices", tags=["devices"])
 
@@ -61,7 +61,7 @@ async def get_device(device: CurrentDevice) -> DeviceInfo:
     return device_info(device)
 
 
-@router.patch("/{device}", responses=problems(UnknownThing, UsageError))
+@router.patch("/{device}", responses=problems(UnknownThing, UsageError, SoftLimit))
 async def edit_device(device: DeviceId, body: DeviceChange, bench: CurrentBench) -> DeviceInfo:
     """Change a connection. A new name gives a new id; only a new link interrupts the device."""
     model = bench.manager.get(device).model

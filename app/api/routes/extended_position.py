@@ -13,7 +13,7 @@ from app.api.deps import CurrentAxis, CurrentBench, CurrentDevice
 from app.api.problems import DEVICE_PROBLEMS, problems
 from app.api.schemas_extended import ExtendedHistory, ExtendedPosition, ExtendedPositionChange, LatchedPosition
 from app.devices.device import Device
-from app.links.errors import UnknownThing, UsageError, WrongState
+from app.links.errors import SoftLimit, UnknownThing, UsageError, WrongState
 
 router = APIRouter(prefix="/devices/{device}/axes/{axis}/extended-position", tags=["extended position"])
 
@@ -24,7 +24,7 @@ async def get_extended_position(bench: CurrentBench, device: CurrentDevice, axis
     return extended_out(await bench.endless.state(device, axis.index), device.device_time_s())
 
 
-@router.put("", responses=problems(*DEVICE_PROBLEMS))
+@router.put("", responses=problems(*DEVICE_PROBLEMS, SoftLimit))
 async def put_extended_position(
     bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis, body: ExtendedPositionChange
 ) -> ExtendedPosition:

@@ -8,12 +8,12 @@ from app.api.deps import CurrentAxis, CurrentBench, CurrentDevice
 from app.api.problems import problems
 from app.api.schemas_axes import ReferenceSearchStart, ReferenceSearchState, ShuttleStart, ShuttleState
 from app.devices.device import Device
-from app.links.errors import OutOfRange, UnknownThing, UsageError, WrongState
+from app.links.errors import OutOfRange, SoftLimit, UnknownThing, UsageError, WrongState
 
 router = APIRouter(prefix="/devices/{device}/axes/{axis}", tags=["procedures"])
 
 LOOK = problems(UnknownThing)
-START = problems(UnknownThing, WrongState, UsageError, OutOfRange)
+START = problems(UnknownThing, WrongState, UsageError, OutOfRange, SoftLimit)
 
 
 @router.get("/reference-search", responses=LOOK)

@@ -20,7 +20,7 @@ from app.api.schemas import (
     RegisterWritten,
 )
 from app.devices.results import WriteItem
-from app.links.errors import WriteRefused
+from app.links.errors import SoftLimit, WriteRefused
 
 router = APIRouter(prefix="/devices/{device}", tags=["registers"])
 
@@ -45,7 +45,7 @@ async def list_registers(
     return [RegisterReading.model_validate(reading) for reading in readings]
 
 
-@router.post("/registers", responses=problems(*DEVICE_PROBLEMS))
+@router.post("/registers", responses=problems(*DEVICE_PROBLEMS, SoftLimit))
 async def write_registers(device: CurrentDevice, body: RegisterBatch) -> RegisterBatchResult:
     """Write several in order; the first that fails ends it, and the answer says how far it came."""
     items = [WriteItem(item.name, item.axis, item.value, item.fields) for item in body.writes]
@@ -61,7 +61,7 @@ async def read_register(
     return RegisterReading.model_validate(await device_of(request, device).read(name, axis))
 
 
-@router.put("/registers/{name}", responses=problems(*DEVICE_PROBLEMS, WriteRefused))
+@router.put("/registers/{name}", responses=problems(*DEVICE_PROBLEMS, SoftLimit, WriteRefused))
 async def write_register(
     device: CurrentDevice, name: RegisterName, body: RegisterWrite, axis: AxisQuery = None
 ) -> RegisterWritten:
@@ -81,7 +81,7 @@ async def restore_register(device: CurrentStoringDevice, name: RegisterName, axi
     return RegisterReading.model_validate(await device.restore(name, axis))
 
 
-@router.post("/exchange", responses=problems(*DEVICE_PROBLEMS))
+@router.post("/exchange", responses=problems(*DEVICE_PROBLEMS, SoftLimit))
 async def exchange_frame(device: CurrentDevice, body: Exchange) -> ExchangeReply:
     """Send one raw datagram as it is, past every check but its length."""
     raw = await device.exchange(bytes.fromhex(body.frame))

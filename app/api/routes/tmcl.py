@@ -8,11 +8,12 @@ from app.api.abilities import CurrentTmclDevice
 from app.api.problems import DEVICE_PROBLEMS, problems
 from app.api.schemas_tmcl import TmclCommand, TmclReply
 from app.api.tmcl_text import command_of
+from app.links.errors import SoftLimit
 
 router = APIRouter(prefix="/devices/{device}", tags=["tmcl"])
 
 
-@router.post("/tmcl", responses=problems(*DEVICE_PROBLEMS))
+@router.post("/tmcl", responses=problems(*DEVICE_PROBLEMS, SoftLimit))
 async def send_tmcl(device: CurrentTmclDevice, body: TmclCommand) -> TmclReply:
     """Send one command once, as it is. An error status of the module is an answer, not an error of this call."""
     opcode, type_, motor, value = command_of(body)

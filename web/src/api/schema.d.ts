@@ -10257,7 +10257,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
@@ -10443,7 +10443,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
@@ -10706,7 +10706,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
@@ -10886,7 +10886,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
@@ -10985,7 +10985,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
@@ -11086,7 +11086,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
@@ -11270,7 +11270,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
@@ -12353,7 +12353,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            /** @description The request asks for what cannot be (/problems/unusable-request); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
@@ -12606,7 +12606,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
@@ -12981,7 +12981,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request asks for what cannot be (/problems/unusable-request); A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            /** @description The request asks for what cannot be (/problems/unusable-request); A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
@@ -13168,7 +13168,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request asks for what cannot be (/problems/unusable-request); A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            /** @description The request asks for what cannot be (/problems/unusable-request); A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
@@ -13355,7 +13355,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request asks for what cannot be (/problems/unusable-request); A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            /** @description The request asks for what cannot be (/problems/unusable-request); A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
@@ -13542,7 +13542,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request asks for what cannot be (/problems/unusable-request); A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            /** @description The request asks for what cannot be (/problems/unusable-request); A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
@@ -13729,7 +13729,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description The request asks for what cannot be (/problems/unusable-request); A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            /** @description The request asks for what cannot be (/problems/unusable-request); A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
@@ -13967,7 +13967,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
             422: {
                 headers: {
                     [name: string]: unknown;
