@@ -292,7 +292,7 @@ class Device(ABC):
             listener(event)
 
     def commanded(self, axis: int, what: str, **asked: int | str) -> None:
-        """For drivers: something that may move or stop `axis` is on its way to the chip; `asked` as the event has it."""
+        """For drivers: something that may move or stop `axis` is on its way to the chip; `asked` as in the event."""
         self.motion_commands[axis] += 1
         self._tell(MotionCommanded(axis, what, motion_owner.get(), asked))
         if self.writes_counter(what):
