@@ -268,6 +268,26 @@ class Bench:
         """Marks, figures and the configuration at the start."""
         return self._send(calls.recording(recording))
 
+    def recording_info(self, recording: str) -> Recording:
+        """Its line of the list: how far one is that runs."""
+        return self._send(calls.recording_info(recording))
+
+    def compare(self, recordings: Sequence[str], channels: Sequence[str] = (), align: str = "trigger") -> Json:
+        """Recordings laid on each other at their "trigger", "start" or first "move": curves, differences to the first
+        one, figures; of `channels`, or of all that two of them have."""
+        return self._send(calls.compare(recordings, channels, align))
+
+    def replay(self, recording: str, device: str | None = None) -> Json:
+        """Begin to live through it once more on an emulator, with the motor and stage of `device` where one is named.
+
+        `replay_progress` tells how it goes; its "recording" is the new one, as soon as that is there.
+        """
+        return self._send(calls.replay(recording, device))
+
+    def replay_progress(self, recording: str) -> Json:
+        """How the latest replay of a recording goes: its "state" is "running", "done" or "failed"."""
+        return self._send(calls.replay_look(recording))
+
     def recorded(self, recording: str) -> Samples:
         """The rows of a recording as arrays."""
         head = self._send(calls.recording(recording))

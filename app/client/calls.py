@@ -107,6 +107,23 @@ def recording(recording: str) -> Call[Json]:
     return Call("GET", _recorded(recording), _as_it_is)
 
 
+def recording_info(recording: str) -> Call[Recording]:
+    return Call("GET", f"{_recorded(recording)}/info", _recording)
+
+
+def compare(recordings: Sequence[str], channels: Sequence[str], align: str) -> Call[Json]:
+    body = {"recordings": list(recordings), "channels": list(channels) or None, "align": align}
+    return Call("POST", f"{BASE}/recordings/compare", _as_it_is, body)
+
+
+def replay(recording: str, device: str | None) -> Call[Json]:
+    return Call("POST", f"{_recorded(recording)}/replay", _as_it_is, {} if device is None else {"device": device})
+
+
+def replay_look(recording: str) -> Call[Json]:
+    return Call("GET", f"{_recorded(recording)}/replay", _as_it_is)
+
+
 def recording_file(recording: str, kind: str) -> str:
     """Path and query of all rows as a file."""
     return f"{_recorded(recording)}?format={quote(kind, safe='')}"

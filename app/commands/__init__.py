@@ -17,7 +17,7 @@ from app.commands.audit import audit
 from app.commands.calls import api, calc
 from app.commands.devices import devices, read, write
 from app.commands.lease import lease
-from app.commands.measuring import record, recordings, watch
+from app.commands.measuring import compare, record, recordings, replay, watch
 from app.commands.motion import axis, move, rotate, stop
 from app.commands.profile_scripts import script
 from app.commands.profiles import profile
@@ -33,6 +33,8 @@ COMMANDS: Sequence[Callable[..., None]] = (
     watch,
     record,
     recordings,
+    replay,
+    compare,
     audit,
     calc,
     api,

@@ -1,4 +1,4 @@
-"""Commands that measure: `watch`, `record`, `recordings`."""
+"""Commands that measure: `watch`, `record`, `recordings`, `replay`, `compare`."""
 
 from __future__ import annotations
 
@@ -6,14 +6,16 @@ import contextlib
 import csv
 import sys
 import time
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from app.commands.shared import AsJson, Channels, DeviceName, Token, Url, connected, print_json, print_table, progress
 
+RecordingName = Annotated[str, typer.Argument(metavar="RECORDING", help="Its id, as `stepscope recordings` lists it.")]
 LOOK_EVERY_S = 0.2
 """How often a progress bar asks [s]."""
 
@@ -72,7 +74,7 @@ def record(
                 task = bar.add_task(done.id, total=None if seconds is None else seconds)
                 while done.state in ("waiting", "recording"):
                     time.sleep(LOOK_EVERY_S)
-                    done = next(each for each in bench.recordings() if each.id == done.id)
+                    done = bench.recording_info(done.id)
                     said = "waits for its trigger" if done.state == "waiting" else f"{done.rows} rows"
                     shown_s = (done.rows or 0) / (done.rate_hz or rate_hz)
                     bar.update(task, completed=shown_s, description=said)
@@ -103,3 +105,67 @@ def recordings(
             (each.id, each.name, each.device or "", each.state, f"{each.size_bytes / 1e6:.2f} MB") for each in found
         ]
         print_table(heads, rows)
+
+
+def replay(
+    recording: RecordingName,
+    device: Annotated[
+        str | None, typer.Option(help="An emulated device whose motor and stage it gets.", metavar="DEVICE")
+    ] = None,
+    url: Url = None,
+    token: Token = None,
+    as_json: AsJson = False,
+) -> None:
+    """Live through a recording once more on an emulator of its own, and record that; nothing on the bench moves."""
+    with connected(url, token) as bench:
+        done = bench.replay(recording, device)
+        with progress() as bar:
+            task = bar.add_task(recording, total=done["duration_s"])
+            while done["state"] == "running":
+                time.sleep(LOOK_EVERY_S)
+                done = bench.replay_progress(recording)
+                bar.update(task, completed=done["done_s"])
+        if as_json:
+            print_json(dict(done))
+        else:
+            typer.echo(f"{done['recording']}: {done['played']} of {done['commands']} commands and writes")
+            for line in done["left_out"]:
+                typer.secho(f"stepscope: {line}", fg="yellow", err=True)
+        if done["state"] == "failed":
+            typer.secho(f"stepscope: {done['message']}", fg="red", err=True)
+            raise typer.Exit(1)
+
+
+def compare(
+    recordings: Annotated[
+        list[str], typer.Argument(metavar="RECORDING...", help="The first is what the others differ from.")
+    ],
+    channel: Annotated[list[str] | None, typer.Option(help="Only these. [default: all that two of them have]")] = None,
+    align: Annotated[str, typer.Option(help="trigger, start or move.")] = "trigger",
+    url: Url = None,
+    token: Token = None,
+    as_json: AsJson = False,
+) -> None:
+    """Lay recordings on each other: how far each is from the first, at its times."""
+    with connected(url, token) as bench:
+        found = bench.compare(recordings, channel or (), align)
+        if as_json:
+            print_json(dict(found))
+            return
+        for note in found["notes"]:
+            typer.secho(f"stepscope: {note}", fg="yellow", err=True)
+        names = {each["id"]: each["name"] for each in found["recordings"]}
+        rows = [
+            (names[each["recording"]], compared["channel"], compared["unit"], *map(_figure, _told(each["figures"])))
+            for compared in found["channels"]
+            for each in compared["differences"]
+        ]
+        print_table(("recording", "channel", "unit", "peak", "at [s]", "mean", "rms"), rows)
+
+
+def _told(figures: Mapping[str, Any]) -> list[Any]:
+    return [figures[name] for name in ("peak", "peak_at_s", "mean", "rms")]
+
+
+def _figure(value: float | None) -> str:
+    return "" if value is None else f"{value:.6g}"

@@ -31,6 +31,9 @@ BEAT_S = 0.05
 """How far time goes on at once [s]: less than a reader's queue holds, more than a beat of the telemetry."""
 TOLD_MAX = 40
 """So many of what could not be replayed are told one by one."""
+MOVING = ("move", "rotate")
+SOON_S = 0.1
+"""A start within this time behind a command is that command's [s]."""
 DOING = ("move", "rotate", "stop", "set_position", "write")
 
 
@@ -89,7 +92,7 @@ def plan_of(head: Head, marks: Sequence[Mark], first_s: float | None, last_s: fl
                 continue
             left_out.append(f"{at}: the recording does not say enough to do it again")
         else:
-            steps.append(Step(mark.time_s - first_s, mark.axis, at, detail))
+            steps.append(Step(_done_s(mark, marks) - first_s, mark.axis, at, detail))
     for number, axis in enumerate(head.axes):
         if axis.get("velocity_pps"):
             left_out.append(f"axis {number} was turning already when the recording began; here it begins at rest")
@@ -99,7 +102,17 @@ def plan_of(head: Head, marks: Sequence[Mark], first_s: float | None, last_s: fl
         left_out.append("the configuration at the start was not read: the emulator has its own")
     if head.emulator is None:
         left_out.append("the motor, its load and its switches: those of an emulator with the usual ones")
+    steps.sort(key=lambda step: step.at_s)
     return Plan(head, tuple(steps), last_s - first_s, zero_s - first_s, tuple(left_out))
+
+
+def _done_s(command: Mark, marks: Sequence[Mark]) -> float:
+    """When a command reached the chip [s]: its mark is of a moment before, a start is marked exactly."""
+    starts = [mark.time_s for mark in marks if mark.kind == "move" and mark.axis == command.axis]
+    return min(
+        (at for at in starts if (command.detail or {}).get("do") in MOVING and 0 <= at - command.time_s < SOON_S),
+        default=command.time_s,
+    )
 
 
 def _is_write_of(other: Mark, command: Mark) -> bool:

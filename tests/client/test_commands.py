@@ -116,6 +116,12 @@ async def test_recording_and_what_was_recorded(server: str, tmp_path: Path) -> N
     assert file.stat().st_size > 0
     assert recorded["id"] in said(await run(server, "recordings", "still"))
     assert recorded["id"] not in said(await run(server, "recordings", "moving"))
+    again = json.loads(said(await run(server, "replay", recorded["id"], "--json")))
+    assert (again["state"], again["of"]) == ("done", recorded["id"])
+    difference = said(await run(server, "compare", recorded["id"], again["recording"]))
+    assert "position.0" in difference
+    alone = await run(server, "compare", recorded["id"])
+    assert (alone.exit_code, "two recordings" in alone.output) == (1, True)
     refused = await run(server, "record", "bench", "position.0", "--seconds", "1", "--out", str(tmp_path / "x.txt"))
     assert (refused.exit_code, ".parquet" in refused.output) == (2, True)
 

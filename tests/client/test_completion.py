@@ -31,7 +31,7 @@ async def completed(server: str, line: str) -> list[str]:
 
 
 async def test_commands_and_devices(server: str) -> None:
-    assert await completed(server, "stepscope re") == ["read", "record", "recordings"]
+    assert await completed(server, "stepscope re") == ["read", "record", "recordings", "replay"]
     assert await completed(server, "stepscope axis ") == ["bench", "slider"]
     assert await completed(server, "stepscope move be") == ["bench"]
 
