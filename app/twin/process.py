@@ -58,6 +58,10 @@ class Renderer(Protocol):
         """Have a message shown; returns when it is, so that a slow one is not given more than it can show."""
         ...
 
+    async def ended(self) -> TwinFailed:
+        """Wait until it has ended by itself, and tell why."""
+        ...
+
     async def close(self) -> None:
         """End it; nothing of it is left on return. A second call does nothing."""
         ...
@@ -122,6 +126,10 @@ class DrawingProcess:
             raise await self._ended() from error
         if "look" in message:
             await self._answer(ANSWER_WITHIN_S)
+
+    async def ended(self) -> TwinFailed:
+        await self._process.wait()
+        return await self._ended()
 
     async def close(self) -> None:
         if self._process.stdin is not None:

@@ -222,15 +222,22 @@ class Twin:
                 await renderer.close()
 
     async def _feed(self, renderer: Renderer) -> None:
-        """Keep the picture up to date until nobody has looked for a while."""
-        due_s = self._clock.now()
-        while self._viewers or self._clock.now() < self._seen_s + self._idle_s:
-            await self._update(renderer)
-            beat_s = 1 / UPDATES_PER_S if self._viewers else UNSEEN_BEAT_S
-            # A beat that was missed is not made up for: 30 a second are the most, not the mean.
-            now_s = self._clock.now()
-            due_s = max(due_s + beat_s, now_s + beat_s / 2)
-            await self._clock.sleep(due_s - now_s)
+        """Keep the picture up to date until nobody has looked for a while. Raises TwinFailed."""
+        # An axis at rest tells nothing new: nobody would notice that there is no process any more.
+        ended = asyncio.create_task(renderer.ended(), name="twin process ends")
+        try:
+            while self._viewers or self._clock.now() < self._seen_s + self._idle_s:
+                if ended.done():
+                    raise ended.result()
+                begun_s = self._clock.now()
+                await self._update(renderer)
+                beat_s = 1 / UPDATES_PER_S if self._viewers else UNSEEN_BEAT_S
+                # Counted from the latest picture, and nothing missed is made up for: 30 are the most, not the mean.
+                since_s = max(begun_s, self._shown_s[-1] if self._shown_s else begun_s)
+                await self._clock.sleep(since_s + beat_s - self._clock.now())
+        finally:
+            ended.cancel()
+            await asyncio.gather(ended, return_exceptions=True)
 
     async def _update(self, renderer: Renderer) -> None:
         source, recorded = self._source, self._recorded
@@ -249,8 +256,8 @@ class Twin:
         same = before is not None and replace(before, time_s=None) == replace(look, time_s=None)
         if before is not None and same and flashing(before) == flashing(look):
             return
-        await renderer.show({"look": look.message()})
         self._shown_s.append(self._clock.now())
+        await renderer.show({"look": look.message()})
 
 
 class _Source:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import asyncio
 from collections.abc import AsyncIterator
 from dataclasses import dataclass, field
 from typing import Any
@@ -23,8 +24,9 @@ class Noting:
     clock: VirtualClock
     takes_s: float = 0.0
     told: list[tuple[float, dict[str, Any]]] = field(default_factory=list)
-    ended: bool = False
+    closed: bool = False
     broken: str = ""
+    dead: asyncio.Event = field(default_factory=asyncio.Event)
     address: Address = field(default_factory=lambda: Address(1, ()))
     pid: int = 1
 
@@ -35,8 +37,12 @@ class Noting:
         if self.takes_s and "look" in message:
             await self.clock.sleep(self.takes_s)
 
+    async def ended(self) -> TwinFailed:
+        await self.dead.wait()
+        return TwinFailed("was ended by signal 9")
+
     async def close(self) -> None:
-        self.ended = True
+        self.closed = True
 
     @property
     def looks_s(self) -> list[float]:

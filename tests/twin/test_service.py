@@ -87,14 +87,14 @@ async def test_it_ends_when_nobody_has_looked_for_a_while(rig: Rig) -> None:
     await rig.clock.advance(IDLE_S - 2.0)
     assert rig.twin.info.state == "on"
     await rig.clock.advance(4.0)
-    assert (rig.twin.info.state, rig.renderer.ended, rig.hub.readers) == ("off", True, 0)
+    assert (rig.twin.info.state, rig.renderer.closed, rig.hub.readers) == ("off", True, 0)
 
 
 async def test_it_ends_when_told(rig: Rig) -> None:
     await rig.twin.show(rig.device, 0)
     await rig.twin.off()
     await rig.twin.off()
-    assert (rig.twin.info.state, rig.renderer.ended, rig.hub.readers) == ("off", True, 0)
+    assert (rig.twin.info.state, rig.renderer.closed, rig.hub.readers) == ("off", True, 0)
     await rig.twin.show(rig.device, 0)
     assert (rig.twin.info.state, len(rig.renderers)) == ("on", 2)
 
@@ -129,10 +129,20 @@ async def test_a_process_that_ends_is_told_with_a_way_out(rig: Rig) -> None:
         assert isinstance(info.problem, TwinFailed)
         assert "signal 9" in str(info.problem)
         assert info.problem.way_out
-        assert rig.renderer.ended
+        assert rig.renderer.closed
     await rig.twin.show(rig.device, 0)
     assert rig.twin.info.state == "on"
     assert rig.twin.info.problem is None
+
+
+async def test_its_end_is_noticed_also_while_nothing_changes(rig: Rig) -> None:
+    await rig.twin.show(rig.device, 0)
+    with rig.twin.looking():
+        await rig.clock.advance(1.0)
+        rig.renderer.dead.set()
+        await rig.clock.advance(0.3)
+        assert rig.twin.info.state == "failed"
+        assert "signal 9" in str(rig.twin.info.problem)
 
 
 async def test_one_that_does_not_start_is_told_to_whoever_asked(rig: Rig) -> None:
