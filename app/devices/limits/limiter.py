@@ -35,6 +35,8 @@ class Limiter:
         self.positions: dict[int, int] = {}
         """What the counters showed last [microsteps]."""
         self.watch: RangeWatch | None = None
+        self._writes = rules.decoder()
+        self._concerns = rules.concerns if rules.tells_more else None
         self._held: dict[int, int | None] = {}
         """Words as they went out or were seen, by address; None where a write may have arrived or not."""
         self._touched: dict[int, list[int]] = {}
@@ -101,10 +103,14 @@ class Limiter:
 
     def writes(self, frames: Sequence[bytes]) -> bool:
         """Whether one of the frames writes something that matters here."""
-        rules, touched = self.rules, self._touched
-        return any(
-            any(address in touched for address, _ in rules.writes(frame)) or rules.concerns(frame) for frame in frames
-        )
+        told, touched, concerns = self._writes, self._touched, self._concerns
+        for frame in frames:  # plain loops: this is asked about every reading too
+            for address, _ in told(frame):
+                if address in touched:
+                    return True
+            if concerns is not None and concerns(frame):
+                return True
+        return False
 
     def check(self, frames: Sequence[bytes]) -> None:
         """Raises SoftLimit, or WrongState where a frame does not tell what it comes to. All of them are judged, in

@@ -139,6 +139,10 @@ class ModuleRules(Rules):
                 return ((COORDINATES + frame[2], _value(frame)),)
         return ()
 
+    @property
+    def tells_more(self) -> bool:
+        return True
+
     def concerns(self, frame: bytes) -> bool:
         return len(frame) == FRAME_BYTES and frame[1] in TELLING and frame[0] == self._module.address
 

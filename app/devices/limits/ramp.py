@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from app.calc.units import MAX_DIVIDER, acceleration_hz_s, pulse_rate_hz
 from app.devices.axis_rows import HOLD_MODE, POSITIONING_MODES, AxisRows
 from app.devices.limits.axis_limits import AxisLimits
-from app.devices.limits.frames import spi32_writes
+from app.devices.limits.frames import Decoder, spi32_writes
 from app.devices.limits.parts import Going, Part, Place, View, position_of, sign
 from app.devices.limits.rules import Look, Rules
 from app.devices.words import Words
@@ -123,6 +123,9 @@ class RampRules(Rules):
 
     def writes(self, frame: bytes) -> Sequence[tuple[int, int]]:
         return spi32_writes(frame)
+
+    def decoder(self) -> Decoder:
+        return spi32_writes
 
     def forgotten(self, frame: bytes) -> Iterable[int]:
         """While it positions, the chip itself sets v_target."""

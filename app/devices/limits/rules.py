@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 from app.devices.limits.axis_limits import AxisLimits
@@ -65,6 +65,15 @@ class Rules(ABC):
     @abstractmethod
     def writes(self, frame: bytes) -> Sequence[tuple[int, int]]:
         """(address, word) that a frame writes; none of one that writes nothing."""
+
+    def decoder(self) -> Callable[[bytes], Sequence[tuple[int, int]]]:
+        """`writes`, as directly as can be."""
+        return self.writes
+
+    @property
+    def tells_more(self) -> bool:
+        """Whether `concerns` has to be asked at all."""
+        return False
 
     def concerns(self, frame: bytes) -> bool:
         """Whether a frame matters though `writes` says nothing of it: then `require_told` has to be asked."""

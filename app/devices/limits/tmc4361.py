@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from app.calc.tmc4361_formats import CLOCK_HZ_MAX, CLOCK_HZ_MIN, FORMATS, Units
 from app.devices.limits.axis_limits import AxisLimits
-from app.devices.limits.frames import decoder_of, moves_by_board, refuse_board
+from app.devices.limits.frames import Decoder, decoder_of, moves_by_board, refuse_board
 from app.devices.limits.parts import Going, Part, Place, Quantity, View, position_of, sign
 from app.devices.limits.rules import Look, Rules
 from app.devices.tmc4361 import foresight, rows
@@ -162,6 +162,13 @@ class SRampRules(Rules):
 
     def writes(self, frame: bytes) -> Sequence[tuple[int, int]]:
         return self._decode(frame)
+
+    def decoder(self) -> Decoder:
+        return self._decode
+
+    @property
+    def tells_more(self) -> bool:
+        return self._board
 
     def concerns(self, frame: bytes) -> bool:
         return self._board and moves_by_board(frame)

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 from app.calc.coil_current import CHIPS, SCALER_FULL, SCALER_LEAST, SCALES, CurrentStage
 from app.calc.tmc5xxx_units import ACCELERATION_MAX, VELOCITY_MAX, acceleration_unit_pps2, velocity_unit_pps
 from app.devices.limits.axis_limits import AxisLimits
-from app.devices.limits.frames import decoder_of, moves_by_board, refuse_board
+from app.devices.limits.frames import Decoder, decoder_of, moves_by_board, refuse_board
 from app.devices.limits.parts import Going, Part, Place, View, position_of
 from app.devices.limits.rules import Look, Rules
 from app.devices.tmc5xxx import rows as r
@@ -113,6 +113,13 @@ class SixPointRules(Rules):
 
     def writes(self, frame: bytes) -> Sequence[tuple[int, int]]:
         return self._decode(frame)
+
+    def decoder(self) -> Decoder:
+        return self._decode
+
+    @property
+    def tells_more(self) -> bool:
+        return self._board
 
     def concerns(self, frame: bytes) -> bool:
         return self._board and moves_by_board(frame)
