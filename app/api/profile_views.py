@@ -17,12 +17,12 @@ from app.api.schemas_profiles import (
 )
 from app.registers.catalog import MODELS
 from app.store.profiles import SavedProfile
-from app.tuning.profiles.apply import Progress
 from app.tuning.profiles.diff import Diff
 from app.tuning.profiles.document import parse
 from app.tuning.profiles.errors import Change
 from app.tuning.profiles.journal import Unfinished
 from app.tuning.profiles.service import Outcome
+from app.tuning.profiles.writing import Progress
 
 
 def dry_run(diff: Diff) -> ProfileApplied:

@@ -9,40 +9,21 @@ Nothing is tried a second time but readings.
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal, Protocol
+from typing import Protocol
 
 from app.devices.device import Device, DeviceEvent, MotionCommanded, motion_owner
-from app.devices.results import WriteItem
-from app.links.errors import BenchError, LinkDown, LinkTimeout, WriteRefused, WrongState
-from app.registers.model import to_raw
-from app.tuning.profiles.capture import Held, as_configured, read_held, read_item
+from app.links.errors import WriteRefused, WrongState
+from app.tuning.profiles.capture import Held, read_held, read_item
 from app.tuning.profiles.diff import Diff, difference_of, require_fit
 from app.tuning.profiles.document import ProfileDocument
 from app.tuning.profiles.errors import Change, ProfileLeft, ProfileTakenBack
-from app.tuning.profiles.items import Item, items_by_key
 from app.tuning.profiles.standing import hold_still, require_rest
 from app.tuning.profiles.steps import Step, steps_between
+from app.tuning.profiles.way_back import WayBack
 from app.tuning.profiles.words import Key, Want, wants_of
-
-log = logging.getLogger("stepscope.profiles")
-
-SILENT = 2
-"""So many writes in a row without an answer, and the way back gives the link up: each costs a timeout."""
-
-Phase = Literal["comparing", "writing", "checking", "way back", "over"]
-
-
-@dataclass(slots=True)
-class Progress:
-    """How far it is. Written by the transaction, looked at by whoever asks."""
-
-    phase: Phase = "comparing"
-    done: int = 0
-    total: int = 0
-    place: str = ""
+from app.tuning.profiles.writing import Progress, change_of, told_of, unexpected, write_item
 
 
 class Journal(Protocol):
@@ -134,7 +115,7 @@ class Transaction:
             await self._forward(held, steps)
         except _Failed as failure:
             reached = steps[: failure.index + failure.sent]
-            back = _WayBack(self.device, reached, failure.step if failure.sent else None, self._now, self.progress)
+            back = WayBack(self.device, reached, failure.step if failure.sent else None, self._now, self.progress)
             left = await back.run(held)
             if self.journal is not None:
                 await self.journal.end(left)
@@ -158,12 +139,12 @@ class Transaction:
                 word = await write_item(self.device, step.item, step.write(), step.word, step.mask)
                 self._now[step.item.key] = word
             except Exception as error:
-                raise _Failed(_told_of(error, step), step, index, sent=sent) from error
+                raise _Failed(told_of(error, step), step, index, sent=sent) from error
         self.progress.done, self.progress.phase, self.progress.place = len(steps), "checking", ""
         try:
             await self._check(held, steps)
         except Exception as error:
-            raise _Failed(_told_of(error, None), None, len(steps), sent=False) from error
+            raise _Failed(told_of(error, None), None, len(steps), sent=False) from error
 
     def _require_undisturbed(self) -> None:
         if self._disturbed:
@@ -227,171 +208,6 @@ class Transaction:
         )
 
 
-# --- the way back -----------------------------------------------------------------------------------
-
-
-class _WayBack:
-    """What was written goes back, the latest first; what does not is told."""
-
-    def __init__(
-        self,
-        device: Device,
-        steps: Sequence[Step],
-        uncertain: Step | None,
-        now: Mapping[Key, int],
-        progress: Progress | None = None,
-    ) -> None:
-        self._device = device
-        self._steps = list(reversed(steps))
-        # In which units a module counts goes back first: what was read before was read in them.
-        self._steps.sort(key=lambda step: step.register.name != "unit_mode")
-        self._uncertain = uncertain
-        self._now = now
-        self._progress = progress or Progress()
-        self._silent = 0
-        self._down = False
-        self.unchecked = ""
-        """Why it was not looked at everything again in the end; "" where it was."""
-
-    async def run(self, before: Held | None) -> list[Change]:
-        """Write all of it back; what is not as it was then. With `before` all else is looked at too. Never raises."""
-        self._progress.phase, self._progress.done, self._progress.total = "way back", 0, len(self._steps)
-        left: dict[Key, Change] = {}
-        for index, step in enumerate(self._steps):
-            self._progress.done, self._progress.place = index, step.place
-            change = await self._one(step)
-            # Of a register that is written twice the last word counts.
-            left.pop(step.item.key, None)
-            if change is not None:
-                left[step.item.key] = change
-        if self._down:
-            self.unchecked = "the link is gone, so nothing else was looked at"
-        elif before is not None:
-            await self._look_over(before, left)
-        return list(left.values())
-
-    async def _one(self, step: Step) -> Change | None:
-        is_ = None if step is self._uncertain else self._now.get(step.item.key, step.word)
-        if self._down:
-            # Of numbers whose unit has changed only 0 is what it was.
-            same = is_ is not None and step.was == is_ and (step.steady or is_ == 0)
-            return None if same else change_of(step, is_, "the link is gone, so it was not written back")
-        back = step.way_back()
-        try:
-            if step.register.access.readable:
-                is_ = await read_item(self._device, step.item)
-                if is_ is not None and step.was is not None and not (is_ ^ step.was) & step.item.mask:
-                    self._silent = 0
-                    return None  # it never took the write: nothing to do
-            if back is None or step.was is None:
-                return change_of(step, is_, "it cannot be read, and nobody knew what it held before")
-            is_ = None  # from here on either
-            await write_item(self._device, step.item, back, step.was, step.mask)
-        except Exception as error:
-            self._gone(error)
-            if isinstance(error, WriteRefused):
-                is_ = as_configured(self._device, step.item, error.read_back)
-            elif is_ is None and step.register.access.readable and not self._down:
-                is_ = await self._look(step.item)
-            if is_ is not None and step.was is not None and not (is_ ^ step.was) & step.item.mask:
-                return None
-            return change_of(step, is_, str(_told_of(error, step)))
-        self._silent = 0
-        return None
-
-    def _gone(self, error: Exception) -> None:
-        if isinstance(error, LinkTimeout):
-            self._silent += 1
-        self._down = isinstance(error, LinkDown) or self._silent >= SILENT
-
-    async def _look(self, item: Item) -> int | None:
-        try:
-            return await read_item(self._device, item)
-        except BenchError as error:
-            self._gone(error)
-            return None
-
-    async def _look_over(self, before: Held, left: dict[Key, Change]) -> None:
-        """Whether everything else is as before too: on a line without checksums a write may have gone astray."""
-        try:
-            after = await read_held(self._device)
-            astray = await unexpected(self._device, before.words, after)
-        except BenchError as error:
-            self.unchecked = f"whether all else is as before could not be read: {error}"
-            log.warning("%s: %s", self._device.name, self.unchecked)
-            return
-        for item, was, is_ in astray:
-            if item.key in left:
-                continue
-            step = Step(item, is_, item.mask, was)
-            change = await self._one(step)
-            if change is not None:
-                left[item.key] = change
-
-
-async def way_back(device: Device, steps: Sequence[Step], progress: Progress | None = None) -> list[Change]:
-    """Bring back what an earlier transaction has left; what is still not as it was. The motor has to stand.
-
-    Raises WrongState where it moves, BenchError.
-    """
-    states = await require_rest(device)
-    await hold_still(device, states, list(steps))
-    return await _WayBack(device, steps, None, {}, progress).run(None)
-
-
-# --- one register -----------------------------------------------------------------------------------
-
-
-async def write_item(device: Device, item: Item, write: WriteItem, word: int, mask: int) -> int:
-    """Write a register once and see to it that it is there; the word that it holds.
-
-    Raises WriteRefused where it is not, and what the driver raises.
-    """
-    done = await device.write(write.name, write.axis, write.value, write.fields)
-    if not item.row.access.readable:
-        return word  # the driver raises where the link shows that it did not arrive
-    now = as_configured(device, item, done.raw)
-    if (now ^ word) & mask and done.verified is not True:
-        raise WriteRefused(item.row.name, word, now, done.note or "it holds something else than was written")
-    return now
-
-
-async def unexpected(device: Device, expected: Mapping[Key, int | None], after: Held) -> list[tuple[Item, int, int]]:
-    """Registers that hold something else than expected, each looked at twice: what was expected, and what is."""
-    found = []
-    for key, item in items_by_key(after.model).items():
-        was, is_ = expected.get(key), after.words.get(key)
-        if was is None or is_ is None or not (was ^ is_) & item.mask:
-            continue
-        again = await read_item(device, item)
-        if again is not None and (was ^ again) & item.mask:
-            found.append((item, was, again))
-    return found
-
-
-def change_of(step: Step, now: int | None, why: str = "") -> Change:
-    """A step as it is told."""
-    decode = step.register.decode
-    return Change(
-        step.register.name,
-        step.register.axis,
-        step.item.table,
-        None if step.was is None else decode(step.was),
-        None if now is None else decode(now),
-        step.value,
-        why,
-    )
-
-
-def restored(document_model: str, change: Change) -> Step | None:
-    """The step that a told change was, to go back on it; None where the model has no such register any more."""
-    for item in items_by_key(document_model).values():
-        if (item.row.name, item.row.axis) == (change.name, change.axis):
-            was = None if change.was is None else to_raw(change.was, item.row.width) & item.mask
-            return Step(item, to_raw(change.wanted, item.row.width) & item.mask, item.mask, was)
-    return None
-
-
 def _keys(difference: Diff, wants: Mapping[Key, Want]) -> list[Key]:
     differing = {(entry.name, entry.axis) for entry in difference.differences if entry.kind not in SETTINGS}
     return [key for key, want in wants.items() if (want.item.row.name, want.item.row.axis) in differing]
@@ -402,9 +218,3 @@ SETTINGS = frozenset({"mechanics", "limits", "clock"})
 
 def _place(change: Change) -> str:
     return change.name if change.axis is None else f"{change.name} of axis {change.axis}"
-
-
-def _told_of(error: Exception, step: Step | None) -> Exception:
-    if not isinstance(error, BenchError):
-        log.exception("writing %s failed by a mistake of ours", step.place if step is not None else "a profile")
-    return error

@@ -24,10 +24,10 @@ from app.devices.actor import actor
 from app.devices.device import Device
 from app.links.errors import WrongState
 from app.registers.catalog import MODELS
-from app.tuning.profiles.apply import change_of, restored
 from app.tuning.profiles.document import ProfileDocument
 from app.tuning.profiles.errors import Change
 from app.tuning.profiles.steps import Step
+from app.tuning.profiles.writing import change_of, restored
 
 log = logging.getLogger("stepscope.profiles")
 

@@ -15,11 +15,13 @@ from app.devices.device import Device
 from app.devices.limits.axis_limits import AxisLimits
 from app.links.errors import WrongState
 from app.tuning.profiles import journal
-from app.tuning.profiles.apply import Applied, Progress, Transaction, way_back
+from app.tuning.profiles.apply import Applied, Transaction
 from app.tuning.profiles.diff import Difference
 from app.tuning.profiles.document import ProfileDocument
 from app.tuning.profiles.errors import Change, ProfileLeft
 from app.tuning.profiles.journal import FileJournal, Unfinished
+from app.tuning.profiles.way_back import way_back
+from app.tuning.profiles.writing import Progress
 
 log = logging.getLogger("stepscope.profiles")
 

@@ -9,10 +9,11 @@ import pytest
 
 from app.links.errors import WrongState
 from app.tuning.profiles import journal
-from app.tuning.profiles.apply import Transaction, way_back
+from app.tuning.profiles.apply import Transaction
 from app.tuning.profiles.errors import ProfileLeft
 from app.tuning.profiles.journal import FileJournal
 from app.tuning.profiles.service import ProfileService
+from app.tuning.profiles.way_back import way_back
 from tests.tuning.profiles.bench import FAMILIES, Bench, bench, by_place
 from tests.tuning.profiles.faults import target_of
 
