@@ -3,7 +3,7 @@ import { useDebouncedValue, useHotkeys } from "@mantine/hooks";
 import { IconCamera, IconFileImport, IconFileStack } from "@tabler/icons-react";
 import { useRef, useState } from "react";
 import { Link } from "wouter";
-import type { Schemas } from "../../api/client";
+import type { Problem, Schemas } from "../../api/client";
 import { EmptyState } from "../../lib/EmptyState";
 import { fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
@@ -24,7 +24,8 @@ export function SavedProfiles({ selected, onSelect }: Props) {
   const [asked] = useDebouncedValue(search.trim(), 150);
   const profiles = useProfiles(asked);
   const save = useSave();
-  const [unreadable, setUnreadable] = useState<Error | null>(null);
+  const [unreadable, setUnreadable] = useState<Problem | null>(null);
+  const again = useRef<() => void>(null);
   const field = useRef<HTMLInputElement>(null);
   useHotkeys([["/", () => field.current?.focus()]]);
 
@@ -37,12 +38,13 @@ export function SavedProfiles({ selected, onSelect }: Props) {
     });
   const load = async (file: File | null) => {
     if (file === null) return;
+    again.current?.(); // the same file may be chosen again, after somebody has mended it
     save.reset();
     setUnreadable(null);
     try {
       keep({ document: JSON.parse(await file.text()) as Schemas["ProfileIn"] });
     } catch (error) {
-      setUnreadable(new Error(`${file.name} is no profile: ${error instanceof Error ? error.message : String(error)}`));
+      setUnreadable(notRead(file.name, error));
     }
   };
   const connected = device?.state === "connected";
@@ -64,7 +66,7 @@ export function SavedProfiles({ selected, onSelect }: Props) {
         >
           {device ? `Capture ${device.name}` : "Capture"}
         </Button>
-        <FileButton onChange={(file) => void load(file)} accept=".json,application/json">
+        <FileButton resetRef={again} onChange={(file) => void load(file)} accept=".json,application/json">
           {(props) => (
             <Button {...props} size="xs" variant="default" leftSection={<IconFileImport size={15} aria-hidden />}>
               Import
@@ -85,7 +87,7 @@ export function SavedProfiles({ selected, onSelect }: Props) {
         </Text>
       )}
       {save.isError && <ProblemAlert error={save.error} doing="Keeping the profile" onClose={() => save.reset()} />}
-      {unreadable && <ProblemAlert error={unreadable} doing="Reading the file" onClose={() => setUnreadable(null)} />}
+      {unreadable && <ProblemAlert error={unreadable} doing="Importing" onClose={() => setUnreadable(null)} />}
       <TextInput
         ref={field}
         size="xs"
@@ -148,6 +150,18 @@ function Entry({ profile, current, onSelect }: { profile: Saved; current: boolea
 /** When, as people note it beside a measurement. */
 export function dateOf(unixS: number): string {
   return new Date(unixS * 1e3).toLocaleString(undefined, { dateStyle: "short", timeStyle: "short" });
+}
+
+function notRead(file: string, error: unknown): Problem {
+  return {
+    type: "/problems/unreadable-file",
+    title: "That is no profile",
+    status: 0,
+    detail: `${file} cannot be read: ${error instanceof Error ? error.message : String(error)}`,
+    instance: null,
+    way_out: "Choose a file that was exported here, or by `stepscope profile export`.",
+    facts: {},
+  };
 }
 
 /** A device's name, numbered where profiles of that name are there already. */

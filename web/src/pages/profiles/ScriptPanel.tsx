@@ -19,10 +19,10 @@ export function ScriptPanel({ profile }: { profile: Saved }) {
   const languages = (Object.keys(NAMES) as Language[]).filter(
     (language) => language !== "tmcl" || familyOf(profile.model) === "module",
   );
-  const [language, setLanguage] = useState<Language>("python");
+  const [language, setLanguage] = useState<Language | null>(null);
   return (
     <Section title="Script" note="tried on an emulator before you get it">
-      <Tabs value={language} onChange={(value) => setLanguage(value as Language)} keepMounted={false}>
+      <Tabs value={language} onChange={(value) => setLanguage(value as Language | null)} keepMounted={false}>
         <Tabs.List aria-label="Language">
           {languages.map((each) => (
             <Tabs.Tab key={each} value={each}>
@@ -30,6 +30,12 @@ export function ScriptPanel({ profile }: { profile: Saved }) {
             </Tabs.Tab>
           ))}
         </Tabs.List>
+        {language === null && (
+          <Text className={css.hint} mt={8}>
+            Choose a language. The script is made and tried on an emulator of a {profile.title}, which takes some
+            seconds; after that it is at hand.
+          </Text>
+        )}
         {languages.map((each) => (
           <Tabs.Panel key={each} value={each} pt="xs">
             <OneScript profile={profile} language={each} />
