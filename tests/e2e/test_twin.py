@@ -161,7 +161,7 @@ def test_the_cursor_of_a_plot_scrubs_its_recording(page: Page, api: httpx.Client
     page.get_by_role("button", name="Show in 3D").click()
     drawn(page)
     assert twin(api)["following"] == "recording"
-    plot = page.locator(".u-over").first
+    plot = page.get_by_test_id("recording-plots").locator(".u-over").last  # the first one is the overview
     plot.scroll_into_view_if_needed()
     plot.hover(position={"x": 200, "y": 20})
     expect(page.get_by_text("at 0.000 s")).to_have_count(0)
