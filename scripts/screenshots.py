@@ -51,6 +51,7 @@ PAGES = {
     "rotary": ("/rotary", ONE_AXIS),
     "bench-rotary": ("/rotary", "bench"),
     "audit": ("/audit", "bench"),
+    "recordings": ("/recordings", "bench"),
     "connections": ("/connections", "bench"),
 }
 """Page by name: its path, and the device that it shows."""
