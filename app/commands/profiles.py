@@ -46,15 +46,22 @@ Out = Annotated[Path | None, typer.Option(help="A file for it. [default: the ter
 
 
 @profile.command(no_args_is_help=True)
-def capture(device: DeviceName, out: Out = None, name: Name = None, url: Url = None, token: Token = None) -> None:
-    """Read a device's whole configuration, as a document."""
+def capture(
+    device: DeviceName,
+    out: Out = None,
+    name: Name = None,
+    url: Url = None,
+    token: Token = None,
+    as_json: AsJson = False,
+) -> None:
+    """Read a device's whole configuration, as a document: one register a line, or with --json every key in full."""
     from app.tuning.profiles.document import parse, text_of
 
     with connected(url, token) as bench:
         document = dict(bench.profile(device))
         if name is not None:
             document["name"] = name
-        _put_out(text_of(parse(document)), out)
+        _put_out(json.dumps(document, indent=1) + "\n" if as_json else text_of(parse(document)), out)
 
 
 @profile.command(no_args_is_help=True)
@@ -86,12 +93,13 @@ def import_(
 
 
 @profile.command(no_args_is_help=True)
-def export(number: Number, out: Out = None, url: Url = None, token: Token = None) -> None:
-    """Write a kept profile to a file, one register a line."""
+def export(number: Number, out: Out = None, url: Url = None, token: Token = None, as_json: AsJson = False) -> None:
+    """Write a kept profile to a file, one register a line, or with --json every key in full."""
     from app.tuning.profiles.document import parse, text_of
 
     with connected(url, token) as bench:
-        _put_out(text_of(parse(bench.saved_profile(number))), out)
+        document = bench.saved_profile(number)
+        _put_out(json.dumps(document, indent=1) + "\n" if as_json else text_of(parse(document)), out)
 
 
 @profile.command(name="list")

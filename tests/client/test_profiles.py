@@ -27,6 +27,7 @@ async def test_a_session_of_keeping_comparing_and_bringing_back(server: str, tmp
     file = tmp_path / "before.json"
     said(await run(server, "capture", "bench", "--out", str(file), "--name", "before"))
     assert json.loads(file.read_text())["name"] == "before"
+    assert json.loads(said(await run(server, "capture", "bench", "--json")))["tables"]["mslut"] is None
     kept = json.loads(said(await run(server, "save", "bench", "--name", "factory", "--note", "as it came", "--json")))
     assert "as it came" in said(await run(server, "list", "factory"))
     number = str(kept["id"])
