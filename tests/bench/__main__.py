@@ -25,6 +25,7 @@ from tests.bench import (
     recording_view,
     serving,
     tmcl_link,
+    twin,
     uart_link,
 )
 from tests.bench.table import Row, render
@@ -47,6 +48,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "recordings": recording_kills.measure,
     "view": recording_view.measure,
     "profiles": profile_faults.measure,
+    "twin": twin.measure,
     "hostile": hostile.measure,
     "day": long_run.measure,
 }
