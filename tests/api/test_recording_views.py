@@ -79,6 +79,8 @@ async def test_two_moves_lie_on_each_other(client: httpx.AsyncClient, clock: Vir
 
     with_itself = {"recordings": [first, first]}
     assert (await client.post("recordings/compare", json=with_itself)).status_code == 422
+    for method in ("GET", "PUT", "PATCH", "DELETE"):
+        assert (await client.request(method, "recordings/compare", json={})).status_code == 405
     unknown = {"recordings": [first, second], "channels": ["colour.0"]}
     assert (await client.post("recordings/compare", json=unknown)).status_code == 404
 

@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Callable
 from typing import Annotated, Literal, TypeVar
 
-from fastapi import APIRouter, Path, Query
+from fastapi import APIRouter, HTTPException, Path, Query
 from fastapi.responses import Response
 
 from app.api.deps import CurrentBench
@@ -79,6 +79,12 @@ async def list_recordings(
 async def compare_recordings(bench: CurrentBench, body: CompareWith) -> Comparison:
     """Lay recordings on each other: aligned curves, what each is above the first, their figures side by side."""
     return await _aside(lambda: compare(bench.desk.library, body))
+
+
+@router.api_route("/compare", methods=["GET", "PUT", "PATCH", "DELETE"], include_in_schema=False)
+async def no_recording_is_called_compare() -> None:
+    """Keep `/recordings/{recording}` from taking this address for a recording."""
+    raise HTTPException(405, headers={"Allow": "POST"})
 
 
 @router.post("", status_code=201, responses=problems(UnknownThing, WrongState, OutOfRange, UsageError))
