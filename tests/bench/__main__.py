@@ -9,12 +9,14 @@ import sys
 from collections.abc import Callable, Sequence
 
 from tests.bench import (
+    audit_kills,
     browser,
     calculators,
     emulation,
     emulation5xxx,
     emulation4361,
     endless,
+    first_page,
     hostile,
     long_run,
     motor,
@@ -38,6 +40,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "get": lambda quick: [serving.measure_get(quick=quick)],
     "telemetry": lambda quick: serving.measure_telemetry(quick=quick),
     "plots": lambda quick: [browser.measure(quick=quick)],
+    "first page": lambda quick: [first_page.measure(quick=quick)],
     "motor": lambda quick: [motor.measure(quick=quick)],
     "tmcl": tmcl_link.measure,
     "uart": uart_link.measure,
@@ -46,6 +49,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "mslut": lambda quick: [mslut.measure(quick=quick)],
     "endless": endless.measure,
     "recordings": recording_kills.measure,
+    "audit": audit_kills.measure,
     "view": recording_view.measure,
     "profiles": profile_faults.measure,
     "twin": twin.measure,

@@ -1,34 +1,38 @@
 import { Center, Loader } from "@mantine/core";
-import { type ComponentType, lazy, Suspense } from "react";
+import { type ComponentType, Suspense } from "react";
 import { Redirect, Route, Switch } from "wouter";
+import { lazily } from "./lib/later";
 import { OtherFamily } from "./lib/OtherFamily";
+import BenchPage from "./pages/bench/BenchPage";
 import { insteadOf, PAGES, type PageEntry } from "./shell/pages";
 import { Shell } from "./shell/Shell";
 
-const Recordings = lazy(() => import("./pages/recordings/RecordingsPage"));
+const page = (load: () => Promise<{ default: ComponentType }>) => lazily(async () => (await load()).default);
+
+const Recordings = page(() => import("./pages/recordings/RecordingsPage"));
 const COMPONENTS: Record<string, ComponentType> = {
-  "/": lazy(() => import("./pages/bench/BenchPage")),
-  "/registers": lazy(() => import("./pages/registers/RegistersPage")),
-  "/ramps": lazy(() => import("./pages/ramps/RampsPage")),
-  "/sramp": lazy(() => import("./pages/sramp/SRampPage")),
-  "/sixpoint": lazy(() => import("./pages/sixpoint/SixPointPage")),
-  "/closed-loop": lazy(() => import("./pages/closedloop/ClosedLoopPage")),
-  "/filters": lazy(() => import("./pages/filters/FiltersPage")),
-  "/microsteps": lazy(() => import("./pages/microsteps/MicrostepsPage")),
-  "/chain": lazy(() => import("./pages/chain/ChainPage")),
-  "/parameters": lazy(() => import("./pages/parameters/ParametersPage")),
-  "/encoder": lazy(() => import("./pages/encoder/EncoderPage")),
-  "/stallguard": lazy(() => import("./pages/stallguard/StallGuardPage")),
-  "/currents": lazy(() => import("./pages/currents/CurrentsPage")),
-  "/rotary": lazy(() => import("./pages/rotary/RotaryPage")),
-  "/twin": lazy(() => import("./pages/twin/TwinPage")),
-  "/audit": lazy(() => import("./pages/audit/AuditPage")),
+  "/": BenchPage, // where most begin: in one file with the shell it packs better than in dozens that others share
+  "/registers": page(() => import("./pages/registers/RegistersPage")),
+  "/ramps": page(() => import("./pages/ramps/RampsPage")),
+  "/sramp": page(() => import("./pages/sramp/SRampPage")),
+  "/sixpoint": page(() => import("./pages/sixpoint/SixPointPage")),
+  "/closed-loop": page(() => import("./pages/closedloop/ClosedLoopPage")),
+  "/filters": page(() => import("./pages/filters/FiltersPage")),
+  "/microsteps": page(() => import("./pages/microsteps/MicrostepsPage")),
+  "/chain": page(() => import("./pages/chain/ChainPage")),
+  "/parameters": page(() => import("./pages/parameters/ParametersPage")),
+  "/encoder": page(() => import("./pages/encoder/EncoderPage")),
+  "/stallguard": page(() => import("./pages/stallguard/StallGuardPage")),
+  "/currents": page(() => import("./pages/currents/CurrentsPage")),
+  "/rotary": page(() => import("./pages/rotary/RotaryPage")),
+  "/twin": page(() => import("./pages/twin/TwinPage")),
+  "/audit": page(() => import("./pages/audit/AuditPage")),
   "/recordings": Recordings,
-  "/profiles": lazy(() => import("./pages/profiles/ProfilesPage")),
-  "/console": lazy(() => import("./pages/console/ConsolePage")),
-  "/connections": lazy(() => import("./pages/connections/ConnectionsPage")),
+  "/profiles": page(() => import("./pages/profiles/ProfilesPage")),
+  "/console": page(() => import("./pages/console/ConsolePage")),
+  "/connections": page(() => import("./pages/connections/ConnectionsPage")),
 };
-const PlotSpeed = lazy(() => import("./pages/speed/PlotSpeedPage"));
+const PlotSpeed = page(() => import("./pages/speed/PlotSpeedPage"));
 
 export function App() {
   return (

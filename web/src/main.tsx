@@ -1,15 +1,14 @@
 import "@mantine/core/styles.css";
-import "@mantine/notifications/styles.css";
 import "uplot/dist/uPlot.min.css";
 import "./app.css";
 import "./lib/words.css";
 import { MantineProvider } from "@mantine/core";
-import { Notifications } from "@mantine/notifications";
 import { QueryClient, QueryClientProvider } from "@tanstack/react-query";
 import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
 import { App } from "./App";
 import { watchLease } from "./api/lease/bench";
+import { Toasts } from "./shell/Toasts";
 import { cssVariables, theme } from "./theme";
 
 const queries = new QueryClient({
@@ -27,7 +26,7 @@ createRoot(root).render(
   <StrictMode>
     <MantineProvider theme={theme} cssVariablesResolver={cssVariables} defaultColorScheme="auto">
       <QueryClientProvider client={queries}>
-        <Notifications position="bottom-right" limit={4} />
+        <Toasts />
         <App />
       </QueryClientProvider>
     </MantineProvider>

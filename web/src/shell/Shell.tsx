@@ -1,4 +1,4 @@
-import { AppShell, Group, NavLink, ScrollArea, Text } from "@mantine/core";
+import { Group, Text } from "@mantine/core";
 import { useHotkeys } from "@mantine/hooks";
 import { type PropsWithChildren, useEffect, useRef } from "react";
 import { Link, useLocation } from "wouter";
@@ -6,8 +6,8 @@ import { ColorSchemeToggle } from "./ColorSchemeToggle";
 import { ConnectionBanner } from "./ConnectionBanner";
 import { DevicePicker } from "./DevicePicker";
 import { LeaseControl } from "./lease/LeaseControl";
-import { LeaseDialog } from "./lease/LeaseDialog";
 import { LeaseNews } from "./lease/LeaseNews";
+import { LeaseQuestion } from "./lease/LeaseQuestion";
 import { PageBoundary } from "./PageBoundary";
 import { isAt, PAGES, pagesFor } from "./pages";
 import { ServerStatus } from "./ServerStatus";
@@ -38,70 +38,59 @@ export function Shell({ children }: PropsWithChildren) {
       <a className={classes.skip} href="#main">
         Skip to the page
       </a>
-      <LeaseDialog />
+      <LeaseQuestion />
       <LeaseNews />
-      <AppShell
-        header={{ height: 52 }}
-        navbar={{ width: 172, breakpoint: "sm", collapsed: { mobile: true } }}
-        footer={{ height: { base: 54, sm: 0 } }}
-        padding={{ base: "xs", sm: "sm" }}
-      >
-        <AppShell.Header>
-          <Group h="100%" px="sm" gap="sm" wrap="nowrap" justify="space-between">
-            <Link href="/" className={classes.brand} aria-label="stepscope, to the bench">
-              <img src="/favicon.svg" width={24} height={24} alt="" />
-              <Text fw={700} visibleFrom="sm" component="span">
-                stepscope
-              </Text>
+      <header className={classes.header}>
+        <Link href="/" className={classes.brand} aria-label="stepscope, to the bench">
+          <img src="/favicon.svg" width={24} height={24} alt="" />
+          <Text fw={700} visibleFrom="sm" component="span">
+            stepscope
+          </Text>
+        </Link>
+        <Group gap="md" wrap="nowrap">
+          <DevicePicker />
+          <ServerStatus />
+        </Group>
+        <Group gap={6} wrap="nowrap">
+          <LeaseControl />
+          <Shortcuts />
+          <ColorSchemeToggle />
+          <StopAll />
+        </Group>
+      </header>
+      <nav className={classes.navbar} aria-label="Pages">
+        {pages.map(({ path, label, Icon }) => (
+          <Link
+            key={path}
+            href={path}
+            className={classes.link}
+            aria-current={isAt(path, location) ? "page" : undefined}
+          >
+            <Icon size={18} stroke={1.6} aria-hidden />
+            {label}
+          </Link>
+        ))}
+      </nav>
+      <main id="main" tabIndex={-1} className={classes.main}>
+        <ConnectionBanner />
+        <PageBoundary key={location}>{children}</PageBoundary>
+      </main>
+      <footer className={classes.footer}>
+        <nav ref={bar} className={classes.bar} aria-label="Pages">
+          {pages.map(({ path, short, label, Icon }) => (
+            <Link
+              key={path}
+              href={path}
+              className={classes.tab}
+              aria-label={label}
+              aria-current={isAt(path, location) ? "page" : undefined}
+            >
+              <Icon size={20} stroke={1.6} aria-hidden />
+              {short}
             </Link>
-            <Group gap="md" wrap="nowrap">
-              <DevicePicker />
-              <ServerStatus />
-            </Group>
-            <Group gap={6} wrap="nowrap">
-              <LeaseControl />
-              <Shortcuts />
-              <ColorSchemeToggle />
-              <StopAll />
-            </Group>
-          </Group>
-        </AppShell.Header>
-        <AppShell.Navbar p="xs" aria-label="Pages" visibleFrom="sm">
-          <ScrollArea>
-            {pages.map(({ path, label, Icon }) => (
-              <NavLink
-                key={path}
-                component={Link}
-                href={path}
-                label={label}
-                active={isAt(path, location)}
-                aria-current={isAt(path, location) ? "page" : undefined}
-                leftSection={<Icon size={18} stroke={1.6} aria-hidden />}
-              />
-            ))}
-          </ScrollArea>
-        </AppShell.Navbar>
-        <AppShell.Main id="main" tabIndex={-1} className={classes.main}>
-          <ConnectionBanner />
-          <PageBoundary key={location}>{children}</PageBoundary>
-        </AppShell.Main>
-        <AppShell.Footer hiddenFrom="sm">
-          <nav ref={bar} className={classes.bar} aria-label="Pages">
-            {pages.map(({ path, short, label, Icon }) => (
-              <Link
-                key={path}
-                href={path}
-                className={classes.tab}
-                aria-label={label}
-                aria-current={isAt(path, location) ? "page" : undefined}
-              >
-                <Icon size={20} stroke={1.6} aria-hidden />
-                {short}
-              </Link>
-            ))}
-          </nav>
-        </AppShell.Footer>
-      </AppShell>
+          ))}
+        </nav>
+      </footer>
     </>
   );
 }

@@ -1,54 +1,15 @@
-import { ActionIcon, Kbd, Modal, Table, Text } from "@mantine/core";
+import { ActionIcon } from "@mantine/core";
 import { useDisclosure, useHotkeys } from "@mantine/hooks";
 import { IconKeyboard } from "@tabler/icons-react";
+import { useState } from "react";
+import { later } from "../lib/later";
 
-const KEYS: readonly (readonly [string, readonly [keys: string, what: string][]])[] = [
-  [
-    "Everywhere",
-    [
-      ["Esc", "Stop all axes of all devices. Always."],
-      ["?", "This list"],
-      ["Alt 1 … 9", "Go to a page, in the order of the menu"],
-    ],
-  ],
-  [
-    "Jog buttons, when one has the focus",
-    [
-      ["← →", "Move while held, stop on release"],
-      ["Space", "Move in the button's direction while held"],
-    ],
-  ],
-  [
-    "Scope",
-    [
-      ["P", "Pause and run"],
-      ["T", "Trigger: roll, auto, single"],
-      ["C", "Measuring cursors"],
-    ],
-  ],
-  [
-    "Any plot with the focus",
-    [
-      ["← →", "Move the cursor; with Shift farther"],
-      ["+ −", "Zoom"],
-      ["Page ↑ Page ↓", "Pan"],
-      ["0", "Show all, or follow the signal again"],
-      ["Wheel", "Zoom; with Shift pan"],
-      ["Drag", "Zoom into a stretch; with Shift pan"],
-    ],
-  ],
-  [
-    "Number fields",
-    [
-      ["↑ ↓", "Change by one step; with Shift by ten"],
-      ["Enter", "Take the value"],
-    ],
-  ],
-];
+const ShortcutsDialog = later(() => import("./ShortcutsDialog").then((part) => part.ShortcutsDialog));
 
 /** The list of keys, on "?". */
 export function Shortcuts() {
-  const [opened, { open, close }] = useDisclosure();
+  const [wanted, setWanted] = useState(false);
+  const [opened, { open, close }] = useDisclosure(false, { onOpen: () => setWanted(true) });
   useHotkeys([
     ["shift+?", open],
     ["?", open],
@@ -65,27 +26,7 @@ export function Shortcuts() {
       >
         <IconKeyboard size={18} />
       </ActionIcon>
-      <Modal opened={opened} onClose={close} title="Keyboard" size="md" closeButtonProps={{ "aria-label": "Close" }}>
-        {KEYS.map(([group, keys]) => (
-          <div key={group}>
-            <Text size="xs" fw={600} c="dimmed" mt="sm" mb={2}>
-              {group}
-            </Text>
-            <Table verticalSpacing={4} withRowBorders={false}>
-              <Table.Tbody>
-                {keys.map(([key, what]) => (
-                  <Table.Tr key={key}>
-                    <Table.Td w={130}>
-                      <Kbd>{key}</Kbd>
-                    </Table.Td>
-                    <Table.Td>{what}</Table.Td>
-                  </Table.Tr>
-                ))}
-              </Table.Tbody>
-            </Table>
-          </div>
-        ))}
-      </Modal>
+      {wanted && <ShortcutsDialog opened={opened} close={close} />}
     </>
   );
 }

@@ -1,4 +1,4 @@
-import { Button, Group, Menu, Text } from "@mantine/core";
+import { Button, Group, Popover, Stack, Text } from "@mantine/core";
 import { IconChevronDown, IconPlus } from "@tabler/icons-react";
 import { useQueryClient } from "@tanstack/react-query";
 import { api, type Schemas, unwrap } from "../../api/client";
@@ -6,7 +6,7 @@ import type { Device } from "../../api/queries";
 import { familyOf } from "../../lib/family";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useSelection } from "../../live/selection";
-import { useCatalog, usePorts } from "../connections/useConnections";
+import { useCatalog, usePorts } from "../connections/queries";
 import { useAction } from "./motion/useAction";
 
 type Model = Schemas["DeviceCreate"]["model"];
@@ -67,8 +67,8 @@ export function TryModels({ devices }: { devices: readonly Device[] }) {
             {first.title}
           </Button>
         ) : (
-          <Menu key={family} position="bottom-start">
-            <Menu.Target>
+          <Popover key={family} position="bottom-start" trapFocus>
+            <Popover.Target>
               <Button
                 {...LOOK}
                 disabled={action.busy}
@@ -77,18 +77,31 @@ export function TryModels({ devices }: { devices: readonly Device[] }) {
               >
                 {commonTitle(models)}
               </Button>
-            </Menu.Target>
-            <Menu.Dropdown>
-              {models.map((model) => (
-                <Menu.Item key={model.name} aria-label={`Add an emulated ${model.title}`} onClick={() => put(model)}>
-                  {model.title}
-                  <Text span size="xs" c="dimmed" ml={8}>
-                    {model.axes === 1 ? "1 axis" : `${model.axes} axes`}
-                  </Text>
-                </Menu.Item>
-              ))}
-            </Menu.Dropdown>
-          </Menu>
+            </Popover.Target>
+            <Popover.Dropdown p={4} aria-label={`Chips of the ${commonTitle(models)}`}>
+              <Stack gap={0}>
+                {models.map((model) => (
+                  <Button
+                    key={model.name}
+                    size="xs"
+                    variant="subtle"
+                    color="gray"
+                    justify="space-between"
+                    disabled={action.busy}
+                    aria-label={`Add an emulated ${model.title}`}
+                    rightSection={
+                      <Text span size="xs" c="dimmed">
+                        {model.axes === 1 ? "1 axis" : `${model.axes} axes`}
+                      </Text>
+                    }
+                    onClick={() => put(model)}
+                  >
+                    {model.title}
+                  </Button>
+                ))}
+              </Stack>
+            </Popover.Dropdown>
+          </Popover>
         );
       })}
       {action.failure && (

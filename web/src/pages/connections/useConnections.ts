@@ -3,13 +3,7 @@ import { api, type Schemas, unwrap } from "../../api/client";
 import type { Device } from "../../api/queries";
 import { changeBody, createBody, type Draft, linkOf } from "./draft";
 
-export function useCatalog() {
-  return useQuery({
-    queryKey: ["catalog"],
-    queryFn: async () => unwrap(await api.GET("/api/v1/catalog")),
-    staleTime: Number.POSITIVE_INFINITY,
-  });
-}
+export { useCatalog, usePorts } from "./queries";
 
 /** The search for modules on a port: followed closely while it runs. */
 export function useProbe() {
@@ -29,15 +23,6 @@ export function useProbe() {
     onSuccess: keep,
   });
   return { state, start, abort };
-}
-
-/** Ports come and go with cables: looked at every few seconds while the page is open. */
-export function usePorts() {
-  return useQuery({
-    queryKey: ["ports"],
-    queryFn: async () => unwrap(await api.GET("/api/v1/ports")),
-    refetchInterval: 4000,
-  });
 }
 
 function useRefresh() {

@@ -4,10 +4,12 @@ import { IconEye, IconLock, IconSteeringWheel } from "@tabler/icons-react";
 import { desk } from "../../api/lease/bench";
 import type { Lease } from "../../api/lease/LeaseDesk";
 import { savedName } from "../../api/lease/session";
-import { LeasePanel } from "./LeasePanel";
+import { later } from "../../lib/later";
 import classes from "./lease.module.css";
 import { useLease } from "./useLease";
 import { isSilent, lasting } from "./words";
+
+const LeasePanel = later(() => import("./LeasePanel").then((part) => part.LeasePanel));
 
 function takenWords(lease: Lease): string {
   return isSilent(lease)

@@ -5,6 +5,7 @@ import { api, unwrap } from "../../../api/client";
 import type { Device } from "../../../api/queries";
 import { familyOf } from "../../../lib/family";
 import { fixed } from "../../../lib/format";
+import { later } from "../../../lib/later";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { fromSteps, ratesOf, scaleOf, symbolOf, unitsFor } from "../../../lib/units";
 import { LiveText } from "../../../live/LiveText";
@@ -12,13 +13,14 @@ import classes from "../bench.module.css";
 import { Lamps } from "../Lamps";
 import { useLiveAxis } from "../live";
 import { JogSection } from "./JogSection";
-import { ModuleSearch } from "./ModuleSearch";
 import { MoveSection } from "./MoveSection";
-import { ReferenceSection } from "./ReferenceSection";
 import { ShuttleSection } from "./ShuttleSection";
-import { TogetherSection } from "./TogetherSection";
 import { useAction } from "./useAction";
 import { useTopSpeed } from "./useMotionLimits";
+
+const ModuleSearch = later(() => import("./ModuleSearch").then((part) => part.ModuleSearch));
+const ReferenceSection = later(() => import("./ReferenceSection").then((part) => part.ReferenceSection));
+const TogetherSection = later(() => import("./TogetherSection").then((part) => part.TogetherSection));
 
 interface Props {
   device: Device;

@@ -1,4 +1,4 @@
-import { Text, Tooltip } from "@mantine/core";
+import { Text } from "@mantine/core";
 import { fixed } from "../../../lib/format";
 import type { LinkState } from "../../../live/TelemetrySource";
 import classes from "./scope.module.css";
@@ -37,48 +37,50 @@ export function LinkReadout({ name, several, link }: Props) {
           {link.reason}
         </Text>
       )}
-      <Tooltip
-        label={`Achieved, of ${fixed(link.rateHz, 0)} Hz granted and ${fixed(link.requestedRateHz, 0)} Hz asked for`}
+      <span
+        className={classes.figure}
+        data-warn={slow}
+        title={`Achieved, of ${fixed(link.rateHz, 0)} Hz granted and ${fixed(link.requestedRateHz, 0)} Hz asked for`}
       >
-        <span className={classes.figure} data-warn={slow}>
-          <b>{fixed(link.achievedRateHz, 1)}</b> Hz
-        </span>
-      </Tooltip>
-      <Tooltip label="Samples that the server had to leave out because this page was too slow">
-        <span className={classes.figure} data-warn={link.dropped > 0}>
-          drops <b>{fixed(link.dropped)}</b>
-        </span>
-      </Tooltip>
-      <Tooltip
-        label={
+        <b>{fixed(link.achievedRateHz, 1)}</b> Hz
+      </span>
+      <span
+        className={classes.figure}
+        data-warn={link.dropped > 0}
+        title="Samples that the server had to leave out because this page was too slow"
+      >
+        drops <b>{fixed(link.dropped)}</b>
+      </span>
+      <span
+        className={classes.figure}
+        title={
           link.chipTimed
             ? "How unevenly the samples were taken; their times are the device's own"
             : "How unevenly the samples were taken; their times are the server's"
         }
       >
-        <span className={classes.figure}>
-          jitter <b>{fixed(link.jitterMs, 2)}</b> ms
-        </span>
-      </Tooltip>
+        jitter <b>{fixed(link.jitterMs, 2)}</b> ms
+      </span>
       {link.callsPerS !== null && link.callsPerSPossible !== null && (
-        <Tooltip label="Questions on the wire, of those that it carries a second">
-          <span className={classes.figure} data-testid="wire-budget">
-            wire <b>{fixed(link.callsPerS)}</b> of {fixed(link.callsPerSPossible)}/s
-          </span>
-        </Tooltip>
+        <span
+          className={classes.figure}
+          data-testid="wire-budget"
+          title="Questions on the wire, of those that it carries a second"
+        >
+          wire <b>{fixed(link.callsPerS)}</b> of {fixed(link.callsPerSPossible)}/s
+        </span>
       )}
       {link.rowSpreadMs !== null && link.rowSpreadMs > 0 && (
-        <Tooltip label="From the first to the last question of a row: so far apart are its columns">
-          <span className={classes.figure}>
-            spread <b>{fixed(link.rowSpreadMs, 1)}</b> ms
-          </span>
-        </Tooltip>
-      )}
-      <Tooltip label="From the sample to its way out to this page">
-        <span className={classes.figure}>
-          latency <b>{fixed(link.latencyMs, 1)}</b> ms
+        <span
+          className={classes.figure}
+          title="From the first to the last question of a row: so far apart are its columns"
+        >
+          spread <b>{fixed(link.rowSpreadMs, 1)}</b> ms
         </span>
-      </Tooltip>
+      )}
+      <span className={classes.figure} title="From the sample to its way out to this page">
+        latency <b>{fixed(link.latencyMs, 1)}</b> ms
+      </span>
     </section>
   );
 }

@@ -1,18 +1,8 @@
-import {
-  ActionIcon,
-  Button,
-  Checkbox,
-  Divider,
-  Group,
-  Popover,
-  SegmentedControl,
-  Select,
-  Stack,
-  Text,
-} from "@mantine/core";
+import { ActionIcon, Button, Group, Popover, SegmentedControl, Select } from "@mantine/core";
 import { IconAdjustmentsHorizontal, IconPlayerPause, IconPlayerPlay, IconRulerMeasure } from "@tabler/icons-react";
 import type { Device } from "../../../api/queries";
 import { namesOf } from "../../../lib/choices";
+import { later } from "../../../lib/later";
 import { scaleOf, symbolOf, unitsFor } from "../../../lib/units";
 import { LiveText } from "../../../live/LiveText";
 import { RecordButton } from "../../recordings/RecordButton";
@@ -21,6 +11,8 @@ import type { RowId } from "./rows";
 import classes from "./scope.module.css";
 import { keepS, RATES_HZ, type ScopeSettings, SPANS_S, type Trigger } from "./settings";
 import type { Scope } from "./useScope";
+
+const ScopeChoices = later(() => import("./ScopeChoices").then((part) => part.ScopeChoices));
 
 interface Props {
   scope: Scope;
@@ -57,6 +49,12 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
   const toggleRow = (id: RowId) =>
     change({
       rows: settings.rows.includes(id) ? settings.rows.filter((row) => row !== id) : [...settings.rows, id],
+    });
+  const toggleExtra = (ref: AxisRef) =>
+    change({
+      extras: isExtra(ref)
+        ? settings.extras.filter((extra) => extra.device !== ref.device || extra.axis !== ref.axis)
+        : [...settings.extras, { device: ref.device, axis: ref.axis }],
     });
 
   return (
@@ -146,43 +144,14 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
           </ActionIcon>
         </Popover.Target>
         <Popover.Dropdown>
-          <Stack gap={6}>
-            <Text size="xs" fw={600}>
-              Plots
-            </Text>
-            {rowsOf(device, main.axis).map((row) => (
-              <Checkbox
-                key={row.id}
-                size="xs"
-                label={row.title}
-                checked={settings.rows.includes(row.id)}
-                onChange={() => toggleRow(row.id)}
-              />
-            ))}
-            {others.length > 0 && (
-              <>
-                <Divider />
-                <Text size="xs" fw={600}>
-                  Also show
-                </Text>
-              </>
-            )}
-            {others.map((ref) => (
-              <Checkbox
-                key={`${ref.device}/${ref.axis}`}
-                size="xs"
-                label={ref.label}
-                checked={isExtra(ref)}
-                onChange={() =>
-                  change({
-                    extras: isExtra(ref)
-                      ? settings.extras.filter((extra) => extra.device !== ref.device || extra.axis !== ref.axis)
-                      : [...settings.extras, { device: ref.device, axis: ref.axis }],
-                  })
-                }
-              />
-            ))}
-          </Stack>
+          <ScopeChoices
+            rows={rowsOf(device, main.axis).map(({ id, title }) => ({
+              label: title,
+              chosen: settings.rows.includes(id),
+              toggle: () => toggleRow(id),
+            }))}
+            others={others.map((ref) => ({ label: ref.label, chosen: isExtra(ref), toggle: () => toggleExtra(ref) }))}
+          />
         </Popover.Dropdown>
       </Popover>
       {device && <RecordButton device={device} axis={main.axis} rateHz={settings.rateHz} />}
