@@ -122,11 +122,9 @@ class AuditLog:
             log.warning("%d entries of the audit log are lost", len(self._waiting))
 
     async def _write_soon(self) -> None:
-        await self._wait(FLUSH_S)
         while self._waiting and not self._closing:
+            await self._wait(RETRY_S if self._problem else FLUSH_S)
             await self._flush()
-            if self._problem:
-                await self._wait(RETRY_S)
 
     async def _wait(self, seconds: float) -> None:
         # A task of its own: `close` ends the waiting, and never a write that has begun.
