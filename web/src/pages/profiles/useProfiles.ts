@@ -50,14 +50,15 @@ export function useRename(id: number) {
 }
 
 export function useRemove(id: number) {
-  const refresh = useRefresh();
+  const queries = useQueryClient();
   return useMutation({
     mutationFn: async () => {
       const answer = await api.DELETE("/api/v1/profiles/{profile}", { params: { path: { profile: id } } });
       // 204 has no body, which `unwrap` would take for a failure
       if (!answer.response.ok) unwrap(answer);
     },
-    onSettled: refresh,
+    // the list alone: who still shows the profile need not be told that it is gone
+    onSettled: () => queries.invalidateQueries({ queryKey: ["profiles", "list"] }),
   });
 }
 
