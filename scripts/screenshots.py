@@ -52,6 +52,7 @@ PAGES = {
     "bench-rotary": ("/rotary", "bench"),
     "audit": ("/audit", "bench"),
     "recordings": ("/recordings", "bench"),
+    "profiles": ("/profiles", "bench"),
     "connections": ("/connections", "bench"),
 }
 """Page by name: its path, and the device that it shows."""
