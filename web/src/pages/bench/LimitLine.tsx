@@ -99,7 +99,7 @@ function otherLimits(limits: Device["axes"][number]["limits"]): string {
   const { acceleration_max_pps2: acceleration, current_max_a: current } = limits;
   return [
     acceleration === null ? "" : `at most ${withUnit(acceleration, "pps2")}`,
-    current === null ? "" : `at most ${withUnit(current, "A")} rms`,
+    current === null ? "" : `at most ${withUnit(current, "A", 3)} rms`,
   ]
     .filter((text) => text !== "")
     .join(", ");

@@ -40,8 +40,8 @@ const RATE = { minimum: 0, above: true, maximum: 1e12, fallback: null } as const
 const SMALL = { minimum: 0, above: true, maximum: 1000, fallback: null } as const;
 
 const EVERY: Part[] = [
-  { part: "positionMin", key: "position_min", label: "Position from", unit: "µsteps", limits: POSITION },
-  { part: "positionMax", key: "position_max", label: "Position to", unit: "µsteps", limits: POSITION },
+  { part: "positionMin", key: "position_min", label: "From", unit: "µsteps", limits: POSITION },
+  { part: "positionMax", key: "position_max", label: "To", unit: "µsteps", limits: POSITION },
   { part: "velocity", key: "velocity_max_pps", label: "Speed", unit: "pps", limits: RATE },
   { part: "acceleration", key: "acceleration_max_pps2", label: "Acceleration", unit: "pps²", limits: RATE },
   { part: "current", key: "current_max_a", label: "Current", unit: "A rms", limits: RATE },
