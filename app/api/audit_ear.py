@@ -8,12 +8,12 @@ from functools import partial
 from app.api.lease import LeaseEvent
 from app.devices.actor import STEPSCOPE, Actor, actor
 from app.devices.changes import RegisterChanged
-from app.devices.device import Device, DeviceEvent
+from app.devices.device import Device, DeviceEvent, LimitReached
 from app.store.audit import AuditLog
 
 
 class Ear:
-    """Hears of register writes on every device there is."""
+    """Hears of register writes on every device there is, and of axes that were stopped at their limits."""
 
     def __init__(self, audit: AuditLog) -> None:
         self._audit = audit
@@ -28,7 +28,18 @@ class Ear:
                 self._heard[device] = device.listen(partial(self._hear, device))
 
     def _hear(self, device: Device, event: DeviceEvent) -> None:
-        if isinstance(event, RegisterChanged):
+        if isinstance(event, LimitReached):
+            where = f"stopped at {event.position}"
+            self._audit.note(
+                "stop at limit",
+                event.name,
+                device=device.id,
+                axis=event.axis,
+                new=event.limit,
+                detail=where,
+                by=STEPSCOPE,
+            )
+        elif isinstance(event, RegisterChanged):
             self._audit.note(
                 "write",
                 event.register,

@@ -19,6 +19,7 @@ import numpy as np
 from app.clock import Clock
 from app.devices.changes import RegisterChanged
 from app.devices.device import Device, DeviceEvent, MotionCommanded
+from app.devices.marks import MarkKind
 from app.devices.results import ChipEvents, MotionEnd
 from app.links.errors import OutOfRange, UnknownThing
 from app.telemetry.feed import Joined
@@ -30,7 +31,6 @@ BEATS_HZ = 10.0
 """How often rows go to the file: what a crash costs is a tenth of a second."""
 PRE_S_MAX = 60.0
 State = Literal["waiting", "recording", "done", "failed"]
-MarkKind = Literal["note", "move", "stopped", "event", "gap", "command", "write", "trigger"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,6 +16,7 @@ from fastapi import FastAPI
 
 from app.api import audit_words
 from app.api.guard import SAFE_METHODS
+from app.devices.device import LimitReached
 from app.links.errors import LinkTimeout
 from app.main import bench_of, create_app
 from app.settings import Settings
@@ -345,3 +346,9 @@ async def test_no_token_and_no_session_gets_into_log_or_database(
 
 def _contents(folder: Path) -> list[bytes]:
     return [path.read_bytes() for path in folder.rglob("*") if path.is_file()]
+
+
+async def test_a_stop_at_a_limit_is_the_servers_own(app: FastAPI, client: httpx.AsyncClient) -> None:
+    bench_of(app).manager.get("bench").stopped_by_limit(LimitReached(1, "position_max", 5000, 4990))
+    (entry,) = await entries(client, action="stop at limit")
+    assert told(entry, "who", "device", "axis", "subject", "new") == ("stepscope", "bench", 1, "position_max", 5000)

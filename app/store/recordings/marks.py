@@ -6,10 +6,11 @@ import json
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
+
+from app.devices.marks import MarkKind
 
 SUFFIX = ".marks"
-MarkKind = Literal["note", "move", "stopped", "event", "gap", "command", "write", "trigger"]
 
 
 @dataclass(frozen=True, slots=True)
