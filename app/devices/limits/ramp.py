@@ -14,9 +14,10 @@ from typing import TYPE_CHECKING
 from app.calc.units import MAX_DIVIDER, acceleration_hz_s, pulse_rate_hz
 from app.devices.axis_rows import HOLD_MODE, POSITIONING_MODES, AxisRows
 from app.devices.limits.axis_limits import AxisLimits
+from app.devices.limits.chip_rules import ChipRules
 from app.devices.limits.frames import Decoder, spi32_writes
 from app.devices.limits.parts import Going, Part, Place, View, position_of, sign
-from app.devices.limits.rules import Look, Rules
+from app.devices.limits.rules import Look
 from app.devices.words import Words
 from app.registers.model import Register
 
@@ -41,12 +42,12 @@ def acceleration_unit(pulse_div: int, ramp_div: int, clock_hz: float) -> float:
     return acceleration_hz_s(1, pulse_div, ramp_div, clock_hz)
 
 
-class RampRules(Rules):
+class RampRules(ChipRules):
     """`chip` is the driver."""
 
     def __init__(self, chip: RampChip, limits: Sequence[AxisLimits], clock_hz: float) -> None:
         self._chip = chip
-        super().__init__(limits, clock_hz)
+        super().__init__(chip, limits, clock_hz)
 
     # --- the table ------------------------------------------------------------------------------
 
@@ -135,13 +136,6 @@ class RampRules(Rules):
                     yield rows.v_target.address
 
     # --- what is known --------------------------------------------------------------------------
-
-    def readable(self, address: int) -> bool:
-        row = self._chip.table.at(address, write=True)
-        return row is not None and row.access.readable
-
-    def remembered(self, address: int) -> int | None:
-        return self._chip.remembered_word(address)
 
     async def learn(self) -> None:
         for axis, limits in enumerate(self.limits):

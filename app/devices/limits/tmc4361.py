@@ -14,11 +14,10 @@ from typing import TYPE_CHECKING, TypeAlias
 
 from app.calc.tmc4361_formats import CLOCK_HZ_MAX, CLOCK_HZ_MIN, FORMATS, Units
 from app.devices.limits.axis_limits import AxisLimits
-from app.devices.limits.frames import Decoder, decoder_of, moves_by_board, refuse_board
+from app.devices.limits.chip_rules import AccessRules
 from app.devices.limits.parts import Going, Part, Place, Quantity, View, position_of, sign
-from app.devices.limits.rules import Look, Rules
+from app.devices.limits.rules import Look
 from app.devices.tmc4361 import foresight, rows
-from app.links.register_access import LandungsbrueckeAccess
 from app.registers.model import Field, Register, to_signed
 
 if TYPE_CHECKING:
@@ -56,18 +55,16 @@ Unit: TypeAlias = Callable[[View], float]
 """What a count of 1 is, by what registers hold."""
 
 
-class SRampRules(Rules):
+class SRampRules(AccessRules):
     """`chip` is the driver."""
 
     def __init__(self, chip: Chip, limits: Sequence[AxisLimits], clock_hz: float) -> None:
         self._chip = chip
-        self._decode = decoder_of(chip.access)
-        self._board = isinstance(chip.access, LandungsbrueckeAccess)
         self._accelerations = {  # by whether direct units are on, [pps^2] of a 1
             direct: Units(max(clock_hz, CLOCK_HZ_MIN), direct_acceleration=direct).least("AMAX")
             for direct in (False, True)
         }
-        super().__init__(limits, clock_hz)
+        super().__init__(chip, limits, clock_hz)
 
     # --- the table ------------------------------------------------------------------------------
 
@@ -158,33 +155,7 @@ class SRampRules(Rules):
             return Going(parts, positioning=True, target=position, jumps=jumps, counter=counter)
         return Going(parts, positioning=False, way=0 if vmax is None or mode is None else sign(vmax), jumps=jumps)
 
-    # --- frames ---------------------------------------------------------------------------------
-
-    def writes(self, frame: bytes) -> Sequence[tuple[int, int]]:
-        return self._decode(frame)
-
-    def decoder(self) -> Decoder:
-        return self._decode
-
-    @property
-    def tells_more(self) -> bool:
-        return self._board
-
-    def concerns(self, frame: bytes) -> bool:
-        return self._board and moves_by_board(frame)
-
-    def require_told(self, frame: bytes, view: View) -> None:
-        if self._board:
-            refuse_board(frame)
-
     # --- what is known --------------------------------------------------------------------------
-
-    def readable(self, address: int) -> bool:
-        row = self._chip.table.at(address, write=True)
-        return row is not None and row.access.readable
-
-    def remembered(self, address: int) -> int | None:
-        return self._chip.remembered_word(address)
 
     async def learn(self) -> None:
         if not self.limits[0].given:

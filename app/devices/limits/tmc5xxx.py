@@ -15,11 +15,10 @@ from typing import TYPE_CHECKING
 from app.calc.coil_current import CHIPS, SCALER_FULL, SCALER_LEAST, SCALES, CurrentStage
 from app.calc.tmc5xxx_units import ACCELERATION_MAX, VELOCITY_MAX, acceleration_unit_pps2, velocity_unit_pps
 from app.devices.limits.axis_limits import AxisLimits
-from app.devices.limits.frames import Decoder, decoder_of, moves_by_board, refuse_board
+from app.devices.limits.chip_rules import AccessRules
 from app.devices.limits.parts import Going, Part, Place, View, position_of
-from app.devices.limits.rules import Look, Rules
+from app.devices.limits.rules import Look
 from app.devices.tmc5xxx import rows as r
-from app.links.register_access import LandungsbrueckeAccess
 
 if TYPE_CHECKING:
     from app.devices.tmc5xxx.chip import Chip
@@ -31,14 +30,12 @@ BELOW_V1 = ("A1", "D1")
 SCALER = "GLOBAL_SCALER"
 
 
-class SixPointRules(Rules):
+class SixPointRules(AccessRules):
     """`chip` is the driver."""
 
     def __init__(self, chip: Chip, limits: Sequence[AxisLimits], clock_hz: float) -> None:
         self._chip = chip
-        self._decode = decoder_of(chip.access)
-        self._board = isinstance(chip.access, LandungsbrueckeAccess)
-        super().__init__(limits, clock_hz)
+        super().__init__(chip, limits, clock_hz)
 
     # --- the table ------------------------------------------------------------------------------
 
@@ -109,33 +106,7 @@ class SixPointRules(Rules):
         position = None if target is None or kind is None else rows.xtarget.decode(target)
         return Going(tuple(used), kind is not None, position, counter=view(rows.xactual.address))
 
-    # --- frames ---------------------------------------------------------------------------------
-
-    def writes(self, frame: bytes) -> Sequence[tuple[int, int]]:
-        return self._decode(frame)
-
-    def decoder(self) -> Decoder:
-        return self._decode
-
-    @property
-    def tells_more(self) -> bool:
-        return self._board
-
-    def concerns(self, frame: bytes) -> bool:
-        return self._board and moves_by_board(frame)
-
-    def require_told(self, frame: bytes, view: View) -> None:
-        if self._board:
-            refuse_board(frame)
-
     # --- what is known --------------------------------------------------------------------------
-
-    def readable(self, address: int) -> bool:
-        row = self._chip.table.at(address, write=True)
-        return row is not None and row.access.readable
-
-    def remembered(self, address: int) -> int | None:
-        return self._chip.remembered_word(address)
 
     async def learn(self) -> None:
         for axis, limits in enumerate(self.limits):
