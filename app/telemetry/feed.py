@@ -82,11 +82,8 @@ class Feed:
         device = self.device
         plan = device.sample_plan(channels)
         granted_hz = min(rate_hz, device.sample_rate_max_hz(plan))
-        # What is sampled so far goes out first: to the history, and to those who were here before.
-        self.pump()
+        self.flush()
         now_s = self._clock.now()
-        for group in self._groups.values():
-            group.flush(now_s, at_once=True)
         subscription = Subscription(channels, granted_hz, batch_hz)
         group = self._groups.setdefault(subscription, Group(subscription, now_s))
         reader = Reader(len(channels), max(QUEUED_ROWS_LEAST, round(granted_hz * QUEUED_S)))
@@ -106,6 +103,13 @@ class Feed:
                 if not group.readers:
                     del self._groups[subscription]
                     self._replan()
+
+    def flush(self) -> None:
+        """What is sampled so far goes out: to the history, and to the readers, whatever their beat is."""
+        self.pump()
+        now_s = self._clock.now()
+        for group in self._groups.values():
+            group.flush(now_s, at_once=True)
 
     def pump(self) -> None:
         """Take what was sampled and hand it on."""

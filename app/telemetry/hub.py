@@ -54,6 +54,12 @@ class TelemetryHub:
         for feed in self._feeds.values():
             feed.leave(reader)
 
+    def flush(self, device_id: str) -> None:
+        """What was sampled of that device so far goes to its readers now, not with their next beat."""
+        feed = self._feeds.get(device_id)
+        if feed is not None:
+            feed.flush()
+
     async def close(self) -> None:
         """End all readers and everything that runs."""
         for feed in self._feeds.values():

@@ -111,8 +111,10 @@ class Recorder:
         self._task = asyncio.create_task(self._run(), name=f"recording of {self._device.id}")
 
     async def stop(self) -> None:
-        """End it with what is there. A second call does nothing."""
+        """End it with all that was sampled until now. A second call does nothing."""
         if self._task is not None:
+            if self.state in ("waiting", "recording"):
+                self._hub.flush(self._device.id)
             self._task.cancel()
             await asyncio.gather(self._task, return_exceptions=True)
 

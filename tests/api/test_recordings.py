@@ -70,6 +70,15 @@ async def test_a_move_is_recorded_with_everything_around_it(client: httpx.AsyncC
     assert registers["v_max", 0] > 0
 
 
+async def test_a_stop_keeps_what_was_sampled_until_then(client: httpx.AsyncClient, clock: VirtualClock) -> None:
+    recording = await start(client)
+    await run(clock, 1.0)
+    clock.set(clock.now() + 0.09)  # between two beats of the recorder, and of the pump
+    await client.post(f"recordings/{recording}/stop")
+    found = await detail(client, recording)
+    assert found["duration_s"] == pytest.approx(1.09, abs=0.015)
+
+
 @pytest.mark.parametrize(("level", "rising"), [(500.0, True), (1500.0, False)])
 async def test_a_level_triggers_and_what_was_before_is_kept(
     client: httpx.AsyncClient, clock: VirtualClock, level: float, rising: bool
