@@ -87,7 +87,8 @@ def allowed_methods(app: FastAPI) -> Callable[[str], list[str]]:
 
     def methods(path: str) -> list[str]:
         if not table:
-            for template, operations in app.openapi()["paths"].items():
+            # Those with fewer parameters first: /profiles/script is no profile's.
+            for template, operations in sorted(app.openapi()["paths"].items(), key=lambda each: each[0].count("{")):
                 pattern = "[^/]+".join(re.escape(part) for part in re.split(r"{[^}]*}", template))
                 table.append((re.compile(f"{pattern}\\Z"), sorted(method.upper() for method in operations)))
         return next((found for pattern, found in table if pattern.match(path)), [])

@@ -100,7 +100,16 @@ def saved(data_dir: Path) -> bool:
     return file.exists() and '"far"' in file.read_text()
 
 
+@pytest.fixture
+def _hangs_up() -> Iterator[None]:
+    """A program under `nohup` hands on that nobody hears of the terminal's end; a server would rightly go on then."""
+    before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
+    yield
+    signal.signal(signal.SIGHUP, before)
+
+
 @pytest.mark.timeout(300)
+@pytest.mark.usefixtures("_hangs_up")
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP])
 def test_a_server_that_is_ended_ramps_its_motors_down(chip: FarChip, tmp_path: Path, number: signal.Signals) -> None:
     with serving(tmp_path) as (server, api):

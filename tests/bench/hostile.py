@@ -110,7 +110,8 @@ def _state(client: httpx.Client) -> object:
     v_max = client.get("/api/v1/devices/bench/registers/v_max", params={"axis": 0}).raise_for_status().json()
     recordings = client.get("/api/v1/recordings").raise_for_status().json()
     names = [(device["id"], device["state"], device["link"]) for device in devices]
-    return names, axis["position"], axis["moving"], v_max["value"], recordings
+    kept = [recording["id"] for recording in recordings["recordings"]]
+    return names, axis["position"], axis["moving"], v_max["value"], kept
 
 
 def _descriptors(server: ServerProcess) -> int:

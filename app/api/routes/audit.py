@@ -20,8 +20,12 @@ router = APIRouter(prefix="/audit", tags=["audit"])
 
 
 def _moment(given: object) -> object:
-    # A plus sign in an address is a space: `2026-11-21T21:00:00+01:00` arrives as one.
-    return given.replace(" ", "+") if isinstance(given, str) and given[10:11] in ("T", "t") else given
+    if isinstance(given, str):
+        if given[10:11] not in ("T", "t"):
+            raise ValueError("a moment is said in ISO 8601, e.g. 2026-11-21T18:00:00Z")
+        # A plus sign in an address is a space: `2026-11-21T21:00:00+01:00` arrives as one.
+        return given.replace(" ", "+")
+    return given
 
 
 Moment = Annotated[datetime, BeforeValidator(_moment)]
@@ -41,7 +45,7 @@ async def list_audit(
     who: Annotated[str, Query(max_length=200)] = "",
     action: Annotated[str, Query(max_length=100)] = "",
     outcome: Annotated[Outcome | None, Query()] = None,
-    since: Annotated[Moment | None, Query(description="ISO 8601, UTC where it says nothing else; or Unix time")] = None,
+    since: Annotated[Moment | None, Query(description="ISO 8601, UTC where it says nothing else")] = None,
     until: Annotated[Moment | None, Query(description="as `since`; entries before it")] = None,
     after: Annotated[int | None, Query(description="entries with higher ids", ge=0, lt=1 << 63)] = None,
     before: Annotated[int | None, Query(description="entries with lower ids", ge=0, lt=1 << 63)] = None,

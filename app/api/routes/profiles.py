@@ -144,7 +144,7 @@ async def get_profile_kept(bench: CurrentBench, profile: ProfileId) -> ProfileDe
     response_class=Response,
     responses={
         **problems(UnknownThing, UnreadableProfile, StoreUnavailable),
-        200: {"content": {FILE: {"schema": {"type": "string", "format": "binary"}}}},
+        200: {"content": {FILE: {"schema": {"$ref": "#/components/schemas/ProfileDocument"}}}},
     },
 )
 async def get_profile_file(bench: CurrentBench, profile: ProfileId) -> Response:

@@ -15205,7 +15205,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/vnd.stepscope.profile+json": string;
+                    "application/vnd.stepscope.profile+json": components["schemas"]["ProfileDocument"];
                 };
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
@@ -17499,7 +17499,7 @@ export interface operations {
                 who?: string;
                 action?: string;
                 outcome?: ("done" | "not proven" | "refused") | null;
-                /** @description ISO 8601, UTC where it says nothing else; or Unix time */
+                /** @description ISO 8601, UTC where it says nothing else */
                 since?: string | null;
                 /** @description as `since`; entries before it */
                 until?: string | null;
