@@ -200,6 +200,14 @@ def test_who_only_looks_stops_the_motor_and_disturbs_it_not_otherwise(
     wait_for(lambda: shuttles(look), "it goes again")
     bob.keyboard.press("Escape")
     wait_for(lambda: not shuttles(look), "stopped by the key")
+    expect(ann.get_by_test_id("shuttle-toggle")).to_have_text("Start")
+    ann.get_by_test_id("shuttle-toggle").click()
+    wait_for(lambda: shuttles(look), "it goes once more")
+    bob.get_by_role("button", name="Go", exact=True).click()
+    expect(dialog(bob)).to_be_visible()
+    bob.get_by_test_id("stop-all").click()
+    wait_for(lambda: not shuttles(look), "stopped by the button, whatever is asked meanwhile")
+    expect(dialog(bob)).to_be_hidden()
     assert lease(look)["holder"] == "Ann"
 
 
