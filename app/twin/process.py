@@ -172,6 +172,9 @@ class DrawingProcess:
     async def _hear(self) -> None:
         """Keep its last words; it must never wait because nobody reads them."""
         assert self._process.stderr is not None
+        begun = ""  # a line may come in several pieces
         while chunk := await self._process.stderr.read(4096):
-            for line in chunk.decode(errors="replace").splitlines():
-                self._said.append(line.strip()[:SAID_LENGTH])
+            *lines, begun = (begun + chunk.decode(errors="replace")).split("\n")
+            self._said.extend(line.strip()[:SAID_LENGTH] for line in lines)
+            begun = begun[:SAID_LENGTH]
+        self._said.append(begun.strip())

@@ -15205,7 +15205,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/vnd.stepscope.profile+json": components["schemas"]["ProfileDocument"];
+                    "application/vnd.stepscope.profile+json": Record<string, never>;
                 };
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
