@@ -198,6 +198,7 @@ def test_who_only_looks_stops_the_motor_and_disturbs_it_not_otherwise(
     expect(ann.get_by_test_id("shuttle-toggle")).to_have_text("Start")
     ann.get_by_test_id("shuttle-toggle").click()
     wait_for(lambda: shuttles(look), "it goes again")
+    expect(ann.get_by_test_id("shuttle-toggle")).to_have_text("End")  # else a later "Start" may be this one's
     bob.keyboard.press("Escape")
     wait_for(lambda: not shuttles(look), "stopped by the key")
     expect(ann.get_by_test_id("shuttle-toggle")).to_have_text("Start")

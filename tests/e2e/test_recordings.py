@@ -83,7 +83,7 @@ def test_the_list_is_searched_and_sorted(page: Page, moves: tuple[str, str]) -> 
 def test_one_zooms_by_wheel_keys_and_marks(page: Page, moves: tuple[str, str]) -> None:
     opened(page, moves[0])
     whole_s = shown_s(page)
-    assert whole_s == pytest.approx(1.2, abs=0.1)
+    assert 0.95 < whole_s < 1.3  # a second from the move on, and what there was of the 0.2 s before it
     plot = page.get_by_role("img", name=re.compile("^Velocity of the recording"))
     plot.scroll_into_view_if_needed()
     plot.hover()
