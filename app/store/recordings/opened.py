@@ -19,6 +19,8 @@ from app.store.recordings.head import Head, UnreadableRecording
 
 BLOCK = 64
 """Rows of a short stretch."""
+ROWS_AT_ONCE = 16_384
+"""Taken in together: a megabyte or two stays in the processor's cache, and needs no fresh memory from the system."""
 KEPT_BYTES = 256 << 20
 """What all opened recordings may keep in memory: some 80 of ten minutes at 8 x 1 kHz."""
 
@@ -75,27 +77,34 @@ class Opened:
         """Take in what was written since."""
         with self._lock, pa.memory_map(str(self._path)) as source:
             source.seek(self._end)
-            batches = []
+            batches: list[pa.RecordBatch] = []
+            held, parts = 0, [self._blocks]
             for batch, offset, end in whole_batches(source, self._schema):
                 self._end = end
                 if batch.num_rows:
                     batches.append(batch)
+                    held += batch.num_rows
                     self._offsets.append(offset)
                     self._firsts.append(self._rows)
                     self._rows += batch.num_rows
+                if held >= ROWS_AT_ONCE:
+                    parts.append(self._taken(batches))
+                    held, batches = 0, []
             if batches:
-                table = _table(batches, 1 + self.channels)
-                begins = np.cumsum([0, *(batch.num_rows for batch in batches[:-1])])
-                self._times_s += table[0, begins].tolist()
-                self._take(table)
+                parts.append(self._taken(batches))
+            parts = [part for part in parts if len(part)]
+            self._blocks = Stretches.chained(parts) if len(parts) > 1 else parts[0] if parts else self._blocks
 
-    def _take(self, table: FloatArray) -> None:
+    def _taken(self, batches: list[pa.RecordBatch]) -> Stretches:
+        """The whole blocks that there are with `batches`; what is left waits for the next."""
+        table = _table(batches, 1 + self.channels)
+        begins = np.cumsum([0, *(batch.num_rows for batch in batches[:-1])])
+        self._times_s += table[0, begins].tolist()
         self._last_s = float(table[0, -1])
         table = np.concatenate((self._rest, table), axis=1)
         whole = table.shape[1] // BLOCK * BLOCK
         self._rest = table[:, whole:].copy()
-        new = Stretches.of_rows(table[0, :whole], table[1:, :whole]).joined(BLOCK)
-        self._blocks = Stretches.chained((self._blocks, new)) if len(new) else self._blocks
+        return Stretches.of_rows(table[0, :whole], table[1:, :whole]).joined(BLOCK)
 
     def read(self, first: int, last: int) -> Rows:
         """Rows from number `first` up to `last`, without it."""
