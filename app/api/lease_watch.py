@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import logging
 from collections.abc import Awaitable, Callable, Coroutine, Sequence
 from contextvars import copy_context
@@ -14,6 +13,7 @@ from app.api.lease_gate import CallsUnderWay
 from app.clock import Clock
 from app.devices.actor import STEPSCOPE, actor
 from app.devices.device import Device
+from app.devices.own_tasks import OwnTasks
 from app.links.errors import BenchError
 from app.settings import OnVanish
 
@@ -35,7 +35,7 @@ class LeaseWatch:
         self._clock = clock
         self._act = act
         self._changed = asyncio.Event()
-        self._tasks: set[asyncio.Task[None]] = set()
+        self._tasks = OwnTasks()
         lease.listen(self._heard)
 
     def start(self) -> None:
@@ -44,19 +44,12 @@ class LeaseWatch:
 
     async def close(self) -> None:
         """End it, and what it is about to do: the server stops the motors next."""
-        tasks = tuple(self._tasks)
-        for task in tasks:
-            task.cancel()
-        for task in tasks:
-            with contextlib.suppress(asyncio.CancelledError):
-                await task
+        await self._tasks.end()
 
     def _begin(self, work: Coroutine[Any, Any, None], name: str) -> None:
         context = copy_context()
         context.run(actor.set, STEPSCOPE)  # not of whoever happened to notice
-        task = asyncio.create_task(work, name=name, context=context)
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
+        self._tasks.begin(work, name, context)
 
     def _heard(self, event: LeaseEvent) -> None:
         self._changed.set()

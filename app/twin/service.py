@@ -123,9 +123,7 @@ class Twin:
     @property
     def address(self) -> Address:
         """Where the process serves its page. Raises WrongState while there is none."""
-        if self._renderer is None or self._state != "on":
-            raise WrongState("the 3D view is off", "start it: POST /api/v1/twin")
-        return self._renderer.address
+        return self._drawing().address
 
     async def show(self, device: Device, axis: int, scheme: Scheme = "light") -> None:
         """Show that axis; returns when the page can be opened. Raises UnknownThing, TwinFailed."""
@@ -167,7 +165,7 @@ class Twin:
     @contextlib.contextmanager
     def looking(self) -> Iterator[None]:
         """While a page looks. Raises WrongState where the view is off, or too many look already."""
-        self._require_on()
+        self._drawing()
         if self._viewers >= VIEWERS_MAX:
             raise WrongState(f"{VIEWERS_MAX} pages look at the 3D view already", "close one of them")
         self._viewers += 1
@@ -177,9 +175,10 @@ class Twin:
             self._viewers -= 1
             self._seen_s = self._clock.now()
 
-    def _require_on(self) -> None:
-        if self._state != "on":
+    def _drawing(self) -> Renderer:
+        if self._renderer is None or self._state != "on":
             raise WrongState("the 3D view is off", "start it: POST /api/v1/twin")
+        return self._renderer
 
     # --- while it is on -------------------------------------------------------------------------
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
 from collections.abc import AsyncIterator, Coroutine, Iterable
 from contextlib import asynccontextmanager
 from itertools import cycle
@@ -15,6 +14,7 @@ from app.devices.config import DeviceConfig
 from app.devices.device import Device
 from app.devices.limits.parts import COORDINATES
 from app.devices.lookup import Lookup
+from app.devices.own_tasks import OwnTasks
 from app.devices.pd42 import rows, units
 from app.devices.pd42.calls import Calls
 from app.links.errors import BadReply, LinkError, WrongState
@@ -49,7 +49,7 @@ class Module(Device):
         self._known: dict[int, int] = {}
         """Axis parameters as last seen, by number; forgotten when the link fails."""
         self._next_look = cycle(rows.REMEMBERED)
-        self._tasks: set[asyncio.Task[None]] = set()
+        self._tasks = OwnTasks()
 
     # --- turns ----------------------------------------------------------------------------------
 
@@ -165,18 +165,10 @@ class Module(Device):
 
     def _begin(self, work: Coroutine[Any, Any, None], what: str) -> asyncio.Task[None]:
         """A task of this driver, ended by `let_go` at the latest."""
-        task: asyncio.Task[None] = asyncio.create_task(work, name=f"{what} {self.id}")
-        self._tasks.add(task)
-        task.add_done_callback(self._tasks.discard)
-        return task
+        return self._tasks.begin(work, f"{what} {self.id}")
 
     async def let_go(self) -> None:
-        tasks = tuple(self._tasks)
-        for task in tasks:
-            task.cancel()
-        for task in tasks:
-            with contextlib.suppress(asyncio.CancelledError):
-                await task
+        await self._tasks.end()
 
 
 def _address(config: DeviceConfig) -> int:
