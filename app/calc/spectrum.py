@@ -109,16 +109,13 @@ def spectrum(time_s: FloatArray, values: FloatArray, *, window: Window = "hann",
 
 def longest_part(time_s: FloatArray, values: FloatArray) -> tuple[int, int]:
     """The longest run of rows without a missing sample or a hole in the times: (first, behind the last)."""
+    if not len(values):
+        return 0, 0
     missing = ~np.isfinite(values)
     holes = np.flatnonzero(np.diff(time_s) > REACH * usual_interval_s(time_s)) + 1
-    # A missing row ends the run before it, and the next one begins behind it.
+    # A missing row is a part of its own, which does not count.
     lost = np.flatnonzero(missing)
-    begins = np.unique(np.concatenate(([0], holes, lost + 1)))
-    ends = np.unique(np.concatenate((holes, lost, [len(values)])))
-    best = (0, 0)
-    for begin in begins:
-        at = int(np.searchsorted(ends, begin))
-        end = int(ends[at]) if at < len(ends) else len(values)
-        if end - begin > best[1] - best[0]:
-            best = (int(begin), end)
-    return best
+    bounds = np.unique(np.concatenate(([0], holes, lost, lost + 1, [len(values)])))
+    lengths = np.where(missing[bounds[:-1]], 0, np.diff(bounds))
+    best = int(lengths.argmax())
+    return (int(bounds[best]), int(bounds[best + 1])) if lengths[best] else (0, 0)

@@ -8,6 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
+from app.calc.alignment import REACH, usual_interval_s
 from app.calc.spectrum import WINDOWS, Detrend, Window, longest_part, spectrum
 
 RATE_HZ = 1000.0
@@ -78,6 +79,24 @@ def test_of_gaps_the_longest_part_between_is_analysed() -> None:
     assert longest_part(time_s, values) == (0, 40)
     found = spectrum(time_s, values)
     assert (found.samples, found.from_s, found.to_s) == (40, time_s[0], time_s[39])
+
+
+@given(st.lists(st.tuples(st.sampled_from([0.0, np.nan]), st.booleans()), min_size=3, max_size=60))
+def test_holes_in_the_times_part_it_too(rows: list[tuple[float, bool]]) -> None:
+    """A hole is before a row; a part may begin there like behind a missing sample."""
+    holes = [hole and index > 2 and not rows[index - 1][1] for index, (_, hole) in enumerate(rows)]
+    time_s = np.cumsum([0.0, 1.0, 1.0, *(100.0 if hole else 1.0 for hole in holes[3:])])
+    values = np.array([value for value, _ in rows])
+    first, last = longest_part(time_s, values)
+    cut = np.flatnonzero(np.diff(time_s) > REACH * usual_interval_s(time_s)) + 1
+    runs = ["".join("x" if value == 0 else " " for value in part).split() for part in np.split(values, cut)]
+    assert last - first == max((len(run) for part in runs for run in part), default=0)
+    assert not np.isnan(values[first:last]).any()
+
+
+def test_the_longest_part_may_be_behind_a_hole() -> None:
+    time_s = np.concatenate((np.arange(10.0), 15 + np.arange(100.0)))
+    assert longest_part(time_s, np.zeros(110)) == (10, 110)
 
 
 @given(st.lists(st.sampled_from([0.0, np.nan]), max_size=60))
