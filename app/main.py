@@ -158,9 +158,9 @@ def create_app(
         for warning in (*saved.warnings, *kept.warnings):
             log.warning("%s", warning)
         endless.restore(kept.positions)
+        compiling = asyncio.create_task(asyncio.to_thread(compile_kernels))
         await asyncio.to_thread(database.open)
         profiles.tell_unfinished()
-        compiling = asyncio.create_task(asyncio.to_thread(compile_kernels))
         if not (await asyncio.wait({compiling}, timeout=PATIENCE_S))[0]:
             log.warning("the first start compiles the emulators, which takes some 15 s; later ones find it done")
         await compiling

@@ -20,7 +20,7 @@ from app.store.recordings.sink import FileSink, megabytes
 from app.telemetry.hub import TelemetryHub
 from app.telemetry.recorder import Recorder, Trigger
 from app.tuning.profiles.capture import capture
-from app.tuning.replay import Progress, Replay, plan_of
+from app.tuning.replay import Plan, Progress, Replay, plan_of
 
 log = logging.getLogger("stepscope.recordings")
 
@@ -158,11 +158,13 @@ class RecordingDesk:
         if len(self._replaying) >= REPLAYS_MAX:
             raise WrongState(f"{REPLAYS_MAX} replays are running", "wait for one of them")
         self._require_room()
-        label = self.library.entry(recording).label
-        opened = await asyncio.to_thread(self.library.open, recording)
-        marks = await asyncio.to_thread(self.library.marks, recording)
-        plan = plan_of(opened.head, marks, opened.first_s, opened.last_s)
-        chosen = options if options is not None else opened.head.emulator or {}
+
+        def read() -> tuple[Label, Plan]:
+            opened, marks = self.library.open(recording), self.library.marks(recording)
+            return self.library.entry(recording).label, plan_of(opened.head, marks, opened.first_s, opened.last_s)
+
+        label, plan = await asyncio.to_thread(read)
+        chosen = options if options is not None else plan.head.emulator or {}
         called = name if name is not None else f"replay of {label.name or recording}"[:NAME_MAX]
         made: list[str] = []
 

@@ -80,6 +80,11 @@ def plan_of(head: Head, marks: Sequence[Mark], first_s: float | None, last_s: fl
         raise WrongState(f"recording {head.id} has no rows", "there is nothing to replay")
     left_out = []
     steps = []
+    writes = [mark for mark in marks if mark.kind == "write"]
+    starts: dict[int | None, list[float]] = {}
+    for mark in marks:
+        if mark.kind == "move":
+            starts.setdefault(mark.axis, []).append(mark.time_s)
     zero_s = next((mark.time_s for mark in marks if mark.kind == "trigger"), first_s)
     for mark in marks:
         if mark.kind not in ("command", "write") or mark.time_s > last_s:
@@ -88,11 +93,11 @@ def plan_of(head: Head, marks: Sequence[Mark], first_s: float | None, last_s: fl
         at = f"at {mark.time_s - zero_s:.3f} s: {mark.text}"
         if detail.get("do") not in DOING or (detail["do"] == "write" and detail.get("new") is None):
             # A command is often marked by the write that it makes, too; that one says what to do.
-            if not detail and any(_is_write_of(other, mark) for other in marks):
+            if not detail and any(_is_write_of(write, mark) for write in writes):
                 continue
             left_out.append(f"{at}: the recording does not say enough to do it again")
         else:
-            steps.append(Step(_done_s(mark, marks) - first_s, mark.axis, at, detail))
+            steps.append(Step(_done_s(mark, starts) - first_s, mark.axis, at, detail))
     for number, axis in enumerate(head.axes):
         if axis.get("velocity_pps"):
             left_out.append(f"axis {number} was turning already when the recording began; here it begins at rest")
@@ -106,21 +111,22 @@ def plan_of(head: Head, marks: Sequence[Mark], first_s: float | None, last_s: fl
     return Plan(head, tuple(steps), last_s - first_s, zero_s - first_s, tuple(left_out))
 
 
-def _done_s(command: Mark, marks: Sequence[Mark]) -> float:
-    """When a command reached the chip [s]: its mark is of a moment before, a start is marked exactly."""
-    starts = [mark.time_s for mark in marks if mark.kind == "move" and mark.axis == command.axis]
-    return min(
-        (at for at in starts if (command.detail or {}).get("do") in MOVING and 0 <= at - command.time_s < SOON_S),
-        default=command.time_s,
-    )
+def _done_s(command: Mark, starts: Mapping[int | None, Sequence[float]]) -> float:
+    """When a command reached the chip [s]: its mark is of a moment before, a start is marked exactly.
+
+    `starts` are those of each axis [s].
+    """
+    if (command.detail or {}).get("do") not in MOVING:
+        return command.time_s
+    soon = (at for at in starts.get(command.axis, ()) if 0 <= at - command.time_s < SOON_S)
+    return min(soon, default=command.time_s)
 
 
-def _is_write_of(other: Mark, command: Mark) -> bool:
-    """Whether `other` tells of the register whose write is marked as a command."""
+def _is_write_of(write: Mark, command: Mark) -> bool:
+    """Whether `write` tells of the register whose write is marked as a command."""
     return (
-        other.kind == "write"
-        and abs(other.time_s - command.time_s) < 0.05
-        and str((other.detail or {}).get("register", "")).casefold() == command.text.casefold()
+        abs(write.time_s - command.time_s) < 0.05
+        and str((write.detail or {}).get("register", "")).casefold() == command.text.casefold()
     )
 
 

@@ -37,6 +37,11 @@ class RecordedAxis:
         self._travel = watches.travel(self.shape)
 
     @property
+    def rows(self) -> int:
+        """How many samples it has."""
+        return len(self._time_s)
+
+    @property
     def span_s(self) -> tuple[float, float]:
         """First and last time since the zero [s]; both 0 where nothing was recorded."""
         if not len(self._time_s):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from typing import Annotated
 
 from fastapi import APIRouter, Path, Query
@@ -73,7 +74,8 @@ async def put_profile(
 @router.get("/devices/{device}/profile/apply", responses=problems(UnknownThing))
 async def get_apply(device: CurrentDevice, bench: CurrentBench) -> ApplyProgress:
     """How far the transaction under way is, or what an earlier one has left: cut off by a crash, or by a dead link."""
-    return progress_of(bench.profiles.progress(device), bench.profiles.unfinished(device))
+    unfinished = await asyncio.to_thread(bench.profiles.unfinished, device)  # reads its journal
+    return progress_of(bench.profiles.progress(device), unfinished)
 
 
 @router.post(

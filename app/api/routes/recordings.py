@@ -70,9 +70,9 @@ async def list_recordings(
     library = bench.desk.library
     entries = await _aside(lambda: library.entries(search, device))
     found = [info(entry, bench.desk.recorder(entry.id)) for entry in entries]
-    size_bytes = await _aside(lambda: library.size_bytes)
-    room_bytes = max(0, bench.desk.room_bytes)
-    return RecordingList(recordings=found, size_bytes=size_bytes, free_bytes=library.free_bytes, room_bytes=room_bytes)
+    size_bytes, free_bytes = await _aside(lambda: (library.size_bytes, library.free_bytes))
+    room_bytes = max(0, free_bytes - bench.desk.reserve_bytes)
+    return RecordingList(recordings=found, size_bytes=size_bytes, free_bytes=free_bytes, room_bytes=room_bytes)
 
 
 @router.post("/compare", responses=problems(UnknownThing, WrongState, UsageError, OutOfRange))
@@ -253,7 +253,7 @@ async def replay_recording(bench: CurrentBench, recording: RecordingId, body: Re
 @router.get("/{recording}/replay", responses=problems(UnknownThing))
 async def get_replay(bench: CurrentBench, recording: RecordingId) -> Replay | None:
     """How the latest replay of this recording goes, or went; null where this server has made none."""
-    progress = bench.desk.progress(recording)
+    progress = await _aside(lambda: bench.desk.progress(recording))
     return None if progress is None else Replay.model_validate(progress)
 
 

@@ -51,17 +51,22 @@ async def scrub_twin(bench: CurrentBench, body: TwinCursor) -> TwinState:
         await bench.twin.follow()
         return _state(bench.twin.info)
     recorded = bench.twin.recorded(body.recording)
-    if recorded is None or body.time_s > recorded.span_s[1]:  # one that is being written has grown meanwhile
-        asked = body.recording
-        recorded = await asyncio.to_thread(lambda: _recorded(bench, asked))
+    if recorded is None or body.time_s > recorded.span_s[1]:  # one that is being written may have grown meanwhile
+        asked, known = body.recording, recorded
+        recorded = await asyncio.to_thread(lambda: _recorded(bench, asked, known))
     await bench.twin.scrub(recorded, body.time_s, body.scheme)
     return _state(bench.twin.info)
 
 
-def _recorded(bench: Bench, recording: str) -> RecordedAxis:
-    """One axis of a recording: the one that is shown, where it was recorded. Raises UnknownThing, WrongState."""
+def _recorded(bench: Bench, recording: str, known: RecordedAxis | None) -> RecordedAxis:
+    """One axis of a recording: the one that is shown, where it was recorded; `known` where nothing was added to that.
+
+    Raises UnknownThing, WrongState.
+    """
     library = bench.desk.library
     opened = library.open(recording)
+    if known is not None and known.rows == opened.rows:
+        return known
     head = opened.head
     names = [column.name for column in head.columns]
     recorded = sorted({int(axis) for quantity, _, axis in (name.rpartition(".") for name in names) if axis.isdecimal()})
@@ -70,8 +75,8 @@ def _recorded(bench: Bench, recording: str) -> RecordedAxis:
     shown = bench.twin.info.shape
     axis = shown.axis if shown is not None and shown.axis in recorded else recorded[0]
     told: dict[str, Any] = dict(head.axes[axis]) if axis < len(head.axes) else {}
-    known = {entry.name for entry in fields(AxisSettings)}
-    settings = AxisSettings.of({key: value for key, value in told.get("settings", {}).items() if key in known})
+    settable = {entry.name for entry in fields(AxisSettings)}
+    settings = AxisSettings.of({key: value for key, value in told.get("settings", {}).items() if key in settable})
     microsteps = told.get("microsteps_per_full_step")
     if microsteps is None:  # recordings of before know neither; the device may still be there, as it was
         device = next(
