@@ -45,6 +45,7 @@ from app.links.registry import (
     tcp_factory,
     uart_factory,
 )
+from app.links.serial_address import allow_ports
 from app.settings import Settings
 from app.store.audit import AuditLog
 from app.store.connections import ConnectionStore
@@ -81,6 +82,7 @@ def create_app(
     `clock` is what a test owns; `list_serial_ports` what a machine without ports can say instead.
     """
     settings, clock = settings or Settings(), clock or WallClock()
+    allow_ports(settings.allowed_ports)
     hub = TelemetryHub(clock, settings.history_minutes)
     store = ConnectionStore(settings.data_dir)
     kinds: dict[str, PortFactory] = {

@@ -87,12 +87,14 @@ def end_with_the_terminal(server: uvicorn.Server) -> None:
 
 def serve_with_reload(settings: Settings, environment: MutableMapping[str, str]) -> None:
     """Serve in a child process that starts again when a source file changes; it takes its settings from variables."""
-    for name, value in settings.model_dump(mode="json", exclude_none=True, exclude={"allowed_hosts", "token"}).items():
+    apart = {"allowed_hosts", "allowed_ports", "token"}
+    for name, value in settings.model_dump(mode="json", exclude_none=True, exclude=apart).items():
         environment[f"STEPSCOPE_{name.upper()}"] = str(value)
     if settings.token is not None:  # dumped, it would be asterisks
         environment["STEPSCOPE_TOKEN"] = settings.token.get_secret_value()
     # The UI comes from Vite on another port of this machine, whose pages are ours here.
     environment["STEPSCOPE_ALLOWED_HOSTS"] = ",".join({*settings.allowed_hosts, "localhost", "127.0.0.1", "::1"})
+    environment["STEPSCOPE_ALLOWED_PORTS"] = ",".join(settings.allowed_ports)
     listen(settings.host, settings.port).close()
     uvicorn.run("app.main:create_app", factory=True, reload=True, reload_dirs=["app"], **_options(settings))  # type: ignore[arg-type]
 

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from platformdirs import user_data_path
-from pydantic import Field, SecretStr, field_validator, model_validator
+from pydantic import Field, SecretStr, ValidationInfo, field_validator, model_validator
 from pydantic_settings import BaseSettings, NoDecode, SettingsConfigDict
 
 TOKEN_LENGTH_MIN = 8
@@ -35,6 +35,11 @@ class Settings(BaseSettings):
     log_level: LogLevel = "info"
     allowed_hosts: Annotated[tuple[str, ...], NoDecode] = Field(
         default=(), description="host names, comma-separated, under which browsers may reach this server"
+    )
+    allowed_ports: Annotated[tuple[str, ...], NoDecode] = Field(
+        default=(),
+        description="devices, comma-separated, as patterns (/dev/motor*), that may be opened though the system does not"
+        " list them as serial ports and they are not called like one",
     )
     history_minutes: Annotated[float, Field(gt=0, le=24 * 60)] = Field(
         default=10.0, description="how much of every connected device the server remembers [min]"
@@ -74,9 +79,10 @@ class Settings(BaseSettings):
             raise ValueError("https needs both: tls_cert and tls_key")
         return self
 
-    @field_validator("allowed_hosts", mode="before")
+    @field_validator("allowed_hosts", "allowed_ports", mode="before")
     @classmethod
-    def _split(cls, value: object) -> object:
+    def _split(cls, value: object, info: ValidationInfo) -> object:
         if isinstance(value, str):
-            return tuple(part.strip().casefold() for part in value.split(",") if part.strip())
+            parts = (part.strip() for part in value.split(",") if part.strip())
+            return tuple(part.casefold() if info.field_name == "allowed_hosts" else part for part in parts)
         return value

@@ -13,7 +13,7 @@ from app.links import landungsbruecke
 from app.links.datagram_uart import NODE_MAX
 from app.links.discovery import FoundModule, ProbeProgress, probe, probe_chips
 from app.links.errors import BenchError, OutOfRange, WrongState
-from app.links.registry import port_url
+from app.links.serial_address import port_url
 from app.registers import pd42
 
 log = logging.getLogger("stepscope.api")

@@ -10,6 +10,7 @@ message, and is asked for with eight.
 from __future__ import annotations
 
 import contextlib
+import re
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -20,6 +21,7 @@ from app.clock import Clock
 from app.links.errors import LinkDown, UsageError
 from app.links.line_thread import Job
 from app.links.port import Answer
+from app.links.serial_address import openable, port_url
 from app.links.serial_line import Line, LinePort, shared_line
 from app.links.streams import Closing, Stream
 from app.links.tmcl import FRAME_BYTES, checksum, has_plain_reply
@@ -32,6 +34,34 @@ SLICE_S = 0.05
 SEND_TIMEOUT_S = 0.5
 TIMEOUT_S = 0.1
 """Wait for an answer [s]. A message takes a millisecond at 125 kbit/s, a module some more."""
+
+
+SERIAL_INTERFACES = frozenset({"robotell", "seeedstudio", "serial", "slcan"})
+"""Interfaces of python-can whose channel is a serial port, with `@` and a baud rate behind it."""
+INTERFACES = frozenset(
+    {
+        "canalystii",
+        "cantact",
+        "etas",
+        "gs_usb",
+        "iscan",
+        "ixxat",
+        "kvaser",
+        "neousys",
+        "neovi",
+        "nican",
+        "nixnet",
+        "pcan",
+        "socketcan",
+        "systec",
+        "udp_multicast",
+        "usb2can",
+        "vector",
+        "virtual",
+    }
+)
+"""Interfaces of python-can whose channel is a name or a number; not those that need more than that (socketcand)."""
+CHANNEL = re.compile(r"[A-Za-z0-9_.:-]{1,200}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,8 +164,12 @@ class CanLine(Line):
     def _open(self, _: int) -> Stream:
         import can
 
+        channel = self.channel
+        if self.interface in SERIAL_INTERFACES:
+            device, at, baud = channel.partition("@")
+            channel = f"{openable(self.name, device)}{at}{baud}"
         try:
-            bus = can.Bus(interface=self.interface, channel=self.channel, bitrate=self.bitrate)
+            bus = can.Bus(interface=self.interface, channel=channel, bitrate=self.bitrate)
         except Exception as error:  # every adapter's driver has errors of its own
             raise LinkDown(self.name, str(error) or type(error).__name__) from error
         return CanStream(bus, can.Message, lambda: self.routes)
@@ -185,15 +219,34 @@ def can_port(
     timeout_s: float | None = None,
     clock: Clock | None = None,
 ) -> CanPort:
-    """A module on a bus of python-can, not yet open. Raises UsageError where python-can is not installed."""
+    """A module on a bus of python-can, not yet open.
+
+    Raises UsageError where python-can is not installed, and for an interface or a channel that cannot be.
+    """
     if find_spec("can") is None:
         raise UsageError("CAN needs python-can: pip install 'stepscope[can]'")
+    _check(interface, channel)
     line = shared_line(_name(interface, channel), lambda: CanLine(interface, channel, bitrate))
     if line.bitrate != bitrate and not line.is_open:
         line.bitrate = bitrate
     if line.bitrate != bitrate:
         raise UsageError(f"{line.name} is open at {line.bitrate} bit/s; all modules on a bus use the same")
     return CanPort(line, Route(send_id, receive_id), timeout_s, clock)
+
+
+def _check(interface: str, channel: str) -> None:
+    """Raises UsageError. python-can loads an interface by name, and several open whatever file a channel names."""
+    if interface in SERIAL_INTERFACES:
+        device, at, baud = channel.partition("@")
+        if at and not (baud.isascii() and baud.isdecimal() and len(baud) < 8):
+            raise UsageError(f"behind the @ of a {interface} channel stands its baud rate, not {baud!r}")
+        if port_url(device).startswith("spy://"):
+            raise UsageError(f"a {interface} channel is a device name, or socket://host:port")
+    elif interface not in INTERFACES:
+        known = ", ".join(sorted(INTERFACES | SERIAL_INTERFACES))
+        raise UsageError(f"python-can has no interface {interface!r} here; there is {known}")
+    elif not CHANNEL.fullmatch(channel):
+        raise UsageError(f"a {interface} channel is called by letters, digits and . _ : -, not {channel!r}")
 
 
 def _name(interface: str, channel: str) -> str:

@@ -15,7 +15,7 @@ from app.links.datagram_uart import UartForm
 from app.links.errors import BadReply, LinkTimeout, WrongState
 from app.links.landungsbruecke import Board, board_name, identify
 from app.links.queue import LinkQueue, Priority
-from app.links.registry import port_url
+from app.links.serial_address import port_url
 from app.links.serial_line import BAUDS, SOCKET, Line, LinePort, line_of, serial_port
 from app.links.tmcl import Reply, Request, module_version, version_string
 from app.links.uart_line import BAUD as UART_BAUD

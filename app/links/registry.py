@@ -10,6 +10,7 @@ from app.links import datagram32, datagram40, datagram_uart, landungsbruecke, sp
 from app.links.can_line import can_port
 from app.links.errors import OutOfRange, UnknownThing, UsageError
 from app.links.port import FramePort
+from app.links.serial_address import port_url
 from app.links.serial_line import ADDRESS, BAUD, SOCKET, serial_port
 from app.links.tcp import TIMEOUT_S, TcpPort
 from app.links.uart_dialogue import Echo
@@ -26,7 +27,6 @@ SPEED_HZ_MAX = 16_000_000
 """Half of the fastest clock that any of the chips may have (002, 5.3)."""
 UART_BAUD_MIN = 9000
 """Slower than this no chip can measure (TMC5160A data sheet 1.14, 5.1.1)."""
-URL_SCHEMES = ("socket", "rfc2217", "spy")
 
 
 def tcp_factory(model: str, link: Link, clock: Clock) -> FramePort:
@@ -45,9 +45,9 @@ def tcp_factory(model: str, link: Link, clock: Clock) -> FramePort:
             pipelined=model in datagram40.MODELS,
         )
     bracketed = f"[{host}]" if ":" in host else host
-    if not all(character.isprintable() and character not in "/?#@ " for character in host):
-        raise UsageError(f"no host can be called {host!r}")
-    return serial_port(f"{SOCKET}{bracketed}:{port}", address=_address(link), timeout_s=_timeout_s(link), clock=clock)
+    return serial_port(
+        port_url(f"{SOCKET}{bracketed}:{port}"), address=_address(link), timeout_s=_timeout_s(link), clock=clock
+    )
 
 
 def frame_bytes_of(model: str) -> int:
@@ -138,18 +138,6 @@ def can_factory(model: str, link: Link, clock: Clock) -> FramePort:
         timeout_s=_timeout_s(link),
         clock=clock,
     )
-
-
-def port_url(port: str) -> str:
-    """A device name, or a URL of one of `URL_SCHEMES`. Raises UsageError for another scheme."""
-    scheme, divider, _ = port.partition("://")
-    if divider and scheme not in URL_SCHEMES:
-        raise UsageError(f"no serial port begins with {scheme}://; use a device name, or {', '.join(URL_SCHEMES)}")
-    if scheme == "spy" and "file=" in port:
-        raise UsageError("spy:// prints to the server's terminal here; it must not write files")
-    if "\0" in port:
-        raise UsageError("a port's name has no NUL in it")
-    return port
 
 
 def open_port(kinds: Mapping[str, PortFactory], model: str, link: Link, clock: Clock) -> FramePort:

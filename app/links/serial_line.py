@@ -24,6 +24,7 @@ from app.links.errors import LinkDown
 from app.links.incidents import Incidents
 from app.links.line_thread import Job, LineThread
 from app.links.port import Answer, Batch
+from app.links.serial_address import device_of
 from app.links.streams import Stream, open_stream
 from app.links.tmcl import FRAME_BYTES
 from app.links.wire_budget import BITS_PER_BYTE, WireBudget
@@ -281,11 +282,6 @@ def line_of(url: str) -> Line:
 
 
 SOCKET = "socket://"
-
-
-def device_of(url: str) -> str:
-    """The file behind a device name; empty for a URL."""
-    return "" if "://" in url else url
 
 
 def open_device(name: str, url: str, baud: int) -> Stream:

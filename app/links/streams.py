@@ -19,6 +19,7 @@ from typing import Any, Protocol
 import serial
 
 from app.links.errors import LinkDown
+from app.links.serial_address import openable
 
 if sys.platform != "win32":
     import fcntl
@@ -205,9 +206,10 @@ def open_stream(name: str, url: str, baud: int) -> Stream:
     `name` names the link in errors. Raises LinkDown with what to do about it.
     """
     is_device = "://" not in url
+    real = openable(name, url)
     try:
         port = serial.serial_for_url(
-            url,
+            real,
             baudrate=baud,
             timeout=API_SLICE_S,
             write_timeout=WRITE_TIMEOUT_S if is_device else None,

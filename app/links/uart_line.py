@@ -14,7 +14,8 @@ from app.links.conversation import Conversation
 from app.links.datagram_uart import WRITE_BIT, UartForm
 from app.links.errors import LinkDown
 from app.links.line_thread import Job
-from app.links.serial_line import SOCKET, Line, LinePort, device_of, open_device, shared_line
+from app.links.serial_address import device_of
+from app.links.serial_line import SOCKET, Line, LinePort, open_device, shared_line
 from app.links.streams import Stream
 from app.links.uart_dialogue import Echo, UartDialogue
 
