@@ -192,7 +192,10 @@ class Drive:
             case "TPOWERDOWN":
                 s[k.TPOWER] = value * k.TICKS_A_DELAY
             case "CHOPCONF":
-                s[k.MRES], s[k.INTPOL] = min(bits(value, 24, 4), 8), bits(value, 28, 1)
+                mres = min(bits(value, 24, 4), 8)
+                s[k.MRES], s[k.INTPOL] = mres, bits(value, 28, 1)
+                # to the nearest step, half a step off 0 (DS5130A, 17.2); of two as near the upper, as dumps show
+                s[k.FIELD] = (int(s[k.FIELD]) >> mres << mres) + (1 << mres >> 1)
                 per_second = self.options.clock_hz / 2**24 / 2**k.VELOCITY_BITS
                 self._f[k.FS_A_V] = per_second * 2.0 ** int(s[k.MRES]) / 256
                 self._bridges_changed()
