@@ -121,6 +121,9 @@ REGULATED, OPEN, SHORTED, VOLTAGE = range(4)
 """What the bridges do; the last: a PWM from outside sets their mean voltage, and the references are volts."""
 RUN, RAMPING_DOWN, HOLD = range(3)
 LEAPS, NO_LEAPS = 1, 2
+WITHOUT_EMF = 0.2
+"""How far below 0 StallGuard2 is where the rotor does not follow, as a share of its full scale: coils without back-EMF
+only take energy. Takes clamped motors to 0 up to a threshold of 12; the maker's demos stall at 6 to 9 (INFERRED)."""
 LONGEST_LEAP = 1 << 29
 """Ticks: velocities are at most 2^32, and the sum of all has to fit."""
 N_WIDTH = 4
@@ -466,7 +469,8 @@ def stall_guard(s: Cells, f: Floats) -> None:
     """A new value at the end of a full step of the field.
 
     From the torque's share of what the current can hold, how much of the field's way the rotor has followed, and how
-    much of the current is really there; the fall with speed below `V_HALF` is the missing back-EMF.
+    much of the current is really there; the fall with speed below `V_HALF` is the missing back-EMF. What the rotor does
+    not follow counts against it, so a clamped shaft has to be lifted far by SGT before it tells anything but 0.
     """
     ticks = max(s[SG_TICKS], 1)
     turned = s[LOOK] - s[SG_FROM]
@@ -485,8 +489,10 @@ def stall_guard(s: Cells, f: Floats) -> None:
     wanted = f[FULL_SCALE] * (s[CS] + 1) / 32.0
     value = 0.0
     if current > 0.0 and wanted > 0.0:
-        value = f[S0] * speed / (speed + f[V_HALF]) * min(max(followed, 0.0), 1.0)
+        followed = min(max(followed, 0.0), 1.0)
+        value = f[S0] * speed / (speed + f[V_HALF]) * followed
         value *= min(current / wanted, 1.0) * (1.0 - min(torque / (f[KT] * current), 1.0))
+        value -= WITHOUT_EMF * f[S0] * (1.0 - followed)
     value += 8.0 * s[SGT] + f[NOISE] * (s[RNG] / float(1 << 47) - 1.0)
     measured = int(min(max(value, 0.0), 1023.0))
     if s[SFILT]:

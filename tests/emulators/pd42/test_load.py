@@ -181,3 +181,16 @@ def test_a_pulled_motor_plug_and_a_hot_driver_show() -> None:
     bench.run(0.1)
     assert bench.gap(208) & DriverErrors.OVERTEMPERATURE
     assert bench.state.truth.bridges == "open"
+
+
+@pytest.mark.sheet("004", "7.2")
+@pytest.mark.parametrize("threshold", [6, 7, 8, 9])
+def test_a_clamped_shaft_stalls_at_the_makers_thresholds_and_a_free_one_does_not(threshold: int) -> None:
+    bench = running(ap174=threshold)
+    assert _mean(bench, 206) > 200
+    bench.patch(blocked=True)
+    bench.run(0.2)
+    assert _mean(bench, 206) == 0
+    bench.sap(181, 40_000)
+    bench.run(0.1)
+    assert bench.gap(3) == 0

@@ -89,7 +89,7 @@ def test_both_coils_are_alike_at_full_steps(model: Tmc5xxxModel, axis: int) -> N
         bench.wait(0.5)
         counter, sine, cosine = seen(bench, axis)
         assert counter == place
-        assert (abs(sine), abs(cosine)) == (pytest.approx(175, abs=1), pytest.approx(175, abs=1))
+        assert {abs(sine), abs(cosine)} <= {174, 175, 176}
 
 
 @pytest.mark.parametrize("to", range(9))
