@@ -4,6 +4,7 @@ import { compact } from "../lib/format";
 import { symbolOf } from "../lib/units";
 import { useScheme } from "../lib/useScheme";
 import { drawingPlugin } from "./drawing";
+import { guttersOf } from "./gutters";
 import { handleKey, type InteractionHost, pointerPlugin } from "./interaction";
 import { buildOptions } from "./options";
 import classes from "./Plot.module.css";
@@ -25,6 +26,8 @@ export interface PlotProps {
   height?: CSSProperties["height"];
   /** plots of one group share cursor and x window */
   group?: string;
+  /** plots of one stack have their left and right ends on one vertical line; by default those of the group */
+  stack?: string;
   /** names, colours and values at the cursor, above the plot; by default where there is more than one series */
   legend?: boolean;
   overlays?: readonly Overlay[] | (() => readonly Overlay[]);
@@ -58,9 +61,11 @@ function list<T>(items: readonly T[] | (() => readonly T[]) | undefined): readon
  */
 export function Plot(props: PlotProps) {
   const { label, summary, series, data, handle, x = EMPTY, scales = NO_SCALES, height = 220, group } = props;
+  const stack = props.stack ?? group;
   const legend = props.legend ?? series.length > 1;
   const scheme = useScheme();
   const help = useId();
+  const frame = useRef<HTMLDivElement>(null);
   const host = useRef<HTMLDivElement>(null);
   const plot = useRef<uPlot | null>(null);
   const held = useRef<PlotData | null>(null);
@@ -71,7 +76,7 @@ export function Plot(props: PlotProps) {
 
   // What the instance is built from, by content: parents may write their series in line without rebuilding the plot.
   const shape = JSON.stringify(
-    [scheme, series, x, scales, group, props.onWindow !== undefined],
+    [scheme, series, x, scales, group, stack, props.onWindow !== undefined],
     (_key, value: unknown) => (typeof value === "function" ? "function" : value),
   );
 
@@ -125,6 +130,7 @@ export function Plot(props: PlotProps) {
     const box = host.current;
     if (!box) return;
     const old = plot.current?.scales.x;
+    const gutters = guttersOf(stack);
     const showValues = (current: uPlot) => {
       const row = current.cursor.idx;
       const off = row === null || row === undefined || (current.cursor.left ?? -1) < 0;
@@ -146,6 +152,7 @@ export function Plot(props: PlotProps) {
           x: latest.current.x ?? EMPTY,
           scales: latest.current.scales ?? NO_SCALES,
           syncKey: group,
+          gutters,
           overlays: () => list(latest.current.overlays),
           selects: true,
           plugins: [
@@ -160,6 +167,7 @@ export function Plot(props: PlotProps) {
         hooks: {
           setCursor: [showValues],
           setData: [showValues],
+          setSize: [(current) => frame.current?.style.setProperty("--plot-left", `${current.over.offsetLeft}px`)],
           setSelect: [
             (current) => {
               const { left, width } = current.select;
@@ -190,6 +198,7 @@ export function Plot(props: PlotProps) {
     return () => {
       observer.disconnect();
       if (group !== undefined) groups.get(group)?.delete(instance);
+      gutters.leave(instance);
       instance.destroy();
     };
   }, [shape]);
@@ -223,7 +232,7 @@ export function Plot(props: PlotProps) {
   }
 
   return (
-    <div className={classes.frame} style={{ height }}>
+    <div ref={frame} className={classes.frame} style={{ height }}>
       {legend && (
         <div className={classes.legend} aria-hidden>
           {series.map((entry, index) =>

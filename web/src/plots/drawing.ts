@@ -1,4 +1,5 @@
 import type uPlot from "uplot";
+import { TEXT_PX } from "./labels";
 import { lowerBound } from "./series";
 import type { Level, Mark, Overlay } from "./types";
 
@@ -95,9 +96,9 @@ function drawLevel(plot: uPlot, level: Level, ratio: number) {
   }
   if (!level.label) return;
   const text = beyond === "" ? level.label : `${level.label} ${beyond}`;
-  ctx.font = `600 ${10 * ratio}px system-ui, sans-serif`;
+  ctx.font = `600 ${TEXT_PX * ratio}px system-ui, sans-serif`;
   const wide = ctx.measureText(text).width + 6 * ratio;
-  const high = 14 * ratio;
+  const high = 16 * ratio;
   // above its line, but for the top of the plot
   const top = Math.max(bbox.top, Math.min(bbox.top + bbox.height - high, at - high));
   ctx.fillStyle = level.color;
@@ -105,7 +106,7 @@ function drawLevel(plot: uPlot, level: Level, ratio: number) {
   ctx.fillStyle = "#fff";
   ctx.textAlign = "left";
   ctx.textBaseline = "middle";
-  ctx.fillText(text, bbox.left + bbox.width - wide + 3 * ratio, top + 7.5 * ratio);
+  ctx.fillText(text, bbox.left + bbox.width - wide + 3 * ratio, top + 8.5 * ratio);
 }
 
 function drawMark(plot: uPlot, mark: Mark, ratio: number) {
@@ -120,17 +121,17 @@ function drawMark(plot: uPlot, mark: Mark, ratio: number) {
   ctx.setLineDash(mark.fixed ? [2 * ratio, 4 * ratio] : []);
   ctx.stroke();
   if (!mark.label) return;
-  ctx.font = `600 ${10 * ratio}px system-ui, sans-serif`;
+  ctx.font = `600 ${TEXT_PX * ratio}px system-ui, sans-serif`;
   const wide = ctx.measureText(mark.label).width + 6 * ratio;
   const right = px + wide > bbox.left + bbox.width;
   const left = right ? px - wide : px;
-  const top = mark.low ? bbox.top + bbox.height - 14 * ratio : bbox.top;
+  const top = mark.low ? bbox.top + bbox.height - 16 * ratio : bbox.top;
   ctx.fillStyle = mark.color;
-  ctx.fillRect(left, top, wide, 14 * ratio);
+  ctx.fillRect(left, top, wide, 16 * ratio);
   ctx.fillStyle = "#fff";
   ctx.textAlign = "left";
   ctx.textBaseline = "middle";
-  ctx.fillText(mark.label, left + 3 * ratio, top + 7.5 * ratio);
+  ctx.fillText(mark.label, left + 3 * ratio, top + 8.5 * ratio);
 }
 
 /** min and max of the overlays of one scale within min..max of x, joined with the data's own. */

@@ -14,12 +14,14 @@ export interface OverviewHandle {
 interface Props {
   piece: Piece;
   lane: Lane | undefined;
+  /** that of the plots below */
+  stack: string;
   handle: Ref<OverviewHandle>;
   onWindow: (window: Window | null) => void;
 }
 
 /** All of a recording in a strip, with the part that the plots below show; its ends can be dragged. */
-export function Overview({ piece, lane, handle: outer, onWindow }: Props) {
+export function Overview({ piece, lane, stack, handle: outer, onWindow }: Props) {
   const scheme = useScheme();
   const handle = useRef<PlotHandle>(null);
   const first = piece.x[0] ?? 0;
@@ -73,6 +75,7 @@ export function Overview({ piece, lane, handle: outer, onWindow }: Props) {
         x={{ axis: false }}
         scales={{ y: { unit: lane.unit, ticks: (values) => values.map(() => "") } }}
         height={64}
+        stack={stack}
         legend={false}
         limit={[first, last]}
         handle={handle}

@@ -164,6 +164,7 @@ export function RecordingPlots({ detail, window, onWindow, hidden, onReady }: Pr
       <Overview
         piece={loaded}
         lane={lanes[0]}
+        stack={`recording-${id}`}
         handle={overview}
         onWindow={(next) => changeWindow(next === null ? "reset" : { min: next[0], max: next[1] })}
       />
