@@ -26,6 +26,7 @@ from app.api.schemas import Port
 from app.calc import sramp
 from app.calc.ramp import RampParameters, exact_ramp
 from app.clock import Clock, WallClock
+from app.conditions.service import ConditionService
 from app.devices.config import AxisSettings
 from app.devices.device import Device
 from app.devices.found_moving import FoundMoving
@@ -100,11 +101,13 @@ def create_app(
         hub.sync(manager.devices)
         endless.sync(manager.devices)
         found_moving.sync(manager.devices)
+        conditions.sync(manager.devices)
         if opened.is_set():  # what comes from the disk need not go back there, and the demo is nobody's doing
             saver.request()
             ear.sync(manager.devices)
 
     found_moving = FoundMoving(clock)
+    conditions = ConditionService()
     manager = DeviceManager(kinds, clock, on_change=changed)
     saver = Saver(store, manager.configs)
     positions = PositionStore(settings.data_dir)
@@ -147,6 +150,7 @@ def create_app(
         twin,
         profiles,
         ProfileStore(database),
+        conditions,
         list_serial_ports,
     )
     lease_watch = LeaseWatch(

@@ -11,6 +11,7 @@ from app.api.probing import Probing
 from app.api.recording_desk import RecordingDesk
 from app.api.schemas import Port
 from app.clock import Clock
+from app.conditions.service import ConditionService
 from app.devices.manager import DeviceManager
 from app.settings import Settings
 from app.store.audit import AuditLog
@@ -41,6 +42,7 @@ class Bench:
     twin: Twin
     profiles: ProfileService
     profile_store: ProfileStore
+    conditions: ConditionService
     list_serial_ports: Callable[[], list[Port]]
     probing: Probing = field(default_factory=Probing)
     scripts: Scripts = field(default_factory=Scripts)

@@ -9,6 +9,7 @@ from typing import get_args
 
 from pydantic import TypeAdapter, ValidationError
 
+from app.api.conditions import standing_out
 from app.api.problems import findings, problem_of
 from app.api.schemas import (
     AxisConfig,
@@ -20,7 +21,7 @@ from app.api.schemas import (
     RegisterWritten,
     Tmc5xxxName,
 )
-from app.api.schemas_axes import MotionEnd, Prediction, StartUp, StopResult
+from app.api.schemas_axes import AxisStateOut, MotionEnd, Prediction, StartUp, StopResult, Switches
 from app.api.schemas_calc import Phase
 from app.api.schemas_closed_loop import Recording, ResponseState, Score
 from app.api.schemas_devices import (
@@ -41,6 +42,7 @@ from app.api.schemas_devices import (
 from app.api.schemas_tables import ChainBit, ChainTable, DriverSpecIn
 from app.calc.driver_chain import Chain, build_chain, decode_chain
 from app.calc.ram_words import unpack_words
+from app.conditions.service import ConditionService, Standing
 from app.devices import prediction, results
 from app.devices.config import AxisSettings, slug, unique_slug
 from app.devices.device import Axis, Device
@@ -136,7 +138,14 @@ def axis_config(settings: AxisSettings) -> AxisConfig:
     )
 
 
-def device_info(device: Device) -> DeviceInfo:
+def axis_out(device: Device, state: results.AxisState, standing: Standing) -> AxisStateOut:
+    """An axis as it was just read, with its condition."""
+    read = {part.name: getattr(state, part.name) for part in fields(state)}
+    read["switches"] = Switches.model_validate(state.switches)
+    return AxisStateOut(**read, **standing_out(device, standing))
+
+
+def device_info(device: Device, conditions: ConditionService) -> DeviceInfo:
     return DeviceInfo(
         id=device.id,
         name=device.name,
@@ -149,15 +158,16 @@ def device_info(device: Device) -> DeviceInfo:
         notes=list(device.notes),
         emulated=device.emulated,
         demo=device.config.demo,
-        axes=[_axis_info(device, axis) for axis in device.axes],
+        axes=[_axis_info(device, axis, conditions.standing(device, axis.index)) for axis in device.axes],
         channels=[ChannelInfo.model_validate(channel) for channel in device.channels()],
         rate_max_hz=device.rate_max_hz,
         chip_timed=device.chip_timed,
     )
 
 
-def _axis_info(device: Device, axis: Axis) -> AxisInfo:
+def _axis_info(device: Device, axis: Axis, standing: Standing) -> AxisInfo:
     return AxisInfo(
+        **standing_out(device, standing),
         index=axis.index,
         **dict(axis_config(axis.settings)),
         limit_warnings=device.limit_warnings(axis.index),

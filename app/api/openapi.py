@@ -14,7 +14,7 @@ from app import __version__
 from app.api.errors import BenchNotTaken, BenchTaken
 from app.api.lease_gate import Free
 from app.api.problems import FOREIGN, INVALID, TOO_LARGE, UNDECODABLE, Kind, kind_of, problems
-from app.api.schemas import Problem
+from app.api.schemas import AxisProblem, Problem
 from app.api.schemas_telemetry import TelemetryMessage
 
 REF = "#/components/schemas/{model}"
@@ -51,7 +51,7 @@ def _schema(app: FastAPI, free: Free) -> dict[str, Any]:
         routes=app.routes,
     )
     components = schema.setdefault("components", {}).setdefault("schemas", {})
-    for model in (Problem, TelemetryMessage):
+    for model in (Problem, AxisProblem, TelemetryMessage):
         described = model.model_json_schema(ref_template=REF, mode="serialization")
         components.update(described.pop("$defs", {}))
         components[model.__name__] = described

@@ -18,8 +18,9 @@ from fastapi.responses import JSONResponse
 from pydantic import ValidationError
 from starlette.exceptions import HTTPException
 
+from app.api.conditions import condition_out
 from app.api.errors import BenchNotTaken, BenchTaken, UnencodableWave
-from app.api.schemas import Problem
+from app.api.schemas import AxisProblem, Condition, Problem
 from app.links.errors import (
     BadReply,
     BenchError,
@@ -160,14 +161,28 @@ def findings(error: ValidationError) -> str:
 # --- handlers -----------------------------------------------------------------------------------
 
 
-def error_answer(error: BenchError, instance: str | None) -> JSONResponse:
-    """An error of the tree as a response."""
-    return _answer(problem_of(error, instance))
+def error_answer(error: BenchError, instance: str | None, condition: Condition | None = None) -> JSONResponse:
+    """An error of the tree as a response; `condition` is that of the axis which it is about."""
+    problem = problem_of(error, instance)
+    return _answer(problem if condition is None else AxisProblem(**problem.model_dump(), condition=condition))
 
 
 async def _bench_error(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, BenchError)
-    return error_answer(error, request.url.path)
+    return error_answer(error, request.url.path, _condition(request, error))
+
+
+def _condition(request: Request, error: BenchError) -> Condition | None:
+    """That of the axis which the request is about, where its link or its state kept it from being done."""
+    if not isinstance(error, LinkError | WrongState):
+        return None
+    bench, names = request.app.state.bench, request.path_params
+    try:
+        device = bench.manager.get(names["device"])
+        axis = device.axis(int(names["axis"]))
+    except (KeyError, ValueError, UnknownThing):
+        return None
+    return condition_out(device, bench.conditions.standing(device, axis.index).condition)
 
 
 LIMITS = {
@@ -243,15 +258,15 @@ DEVICE_PROBLEMS: tuple[type[BenchError], ...] = (UnknownThing, WrongState, OutOf
 """What any call that talks to a chip may end in."""
 
 
-def problems(*errors: type[BenchError] | Kind) -> Responses:
-    """`responses` of a route: these errors, under their status codes, as problem documents."""
+def problems(*errors: type[BenchError] | Kind, shape: type[Problem] = Problem) -> Responses:
+    """`responses` of a route: these errors, under their status codes, as problem documents of that `shape`."""
     answers: Responses = {}
     for error in errors:
         kind = error if isinstance(error, Kind) else kind_of(error)
-        known = answers.setdefault(kind.status, _documented())
+        known = answers.setdefault(kind.status, _documented(shape))
         known["description"] = "; ".join(filter(None, (str(known["description"]), f"{kind.title} ({kind.type})")))
     return answers
 
 
-def _documented() -> dict[str, object]:
-    return {"description": "", "content": {MEDIA_TYPE: {"schema": {"$ref": "#/components/schemas/Problem"}}}}
+def _documented(shape: type[Problem]) -> dict[str, object]:
+    return {"description": "", "content": {MEDIA_TYPE: {"schema": {"$ref": f"#/components/schemas/{shape.__name__}"}}}}

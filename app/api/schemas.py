@@ -38,6 +38,66 @@ class Answer(BaseModel):
     model_config = ConfigDict(from_attributes=True, json_schema_serialization_defaults_required=True)
 
 
+class Evidence(Answer):
+    """What was seen: a register or a figure, its value, and when."""
+
+    what: str
+    value: str
+    seen_s: float | None = Field(description="device time [s]; null where nobody knows")
+
+
+class Remedy(Answer):
+    """A call of this API that mends something, to be made as it stands."""
+
+    label: str
+    method: Literal["POST", "PUT", "PATCH"]
+    path: str
+    body: dict[str, object] | None
+    moves: bool = Field(description="it may set the motor in motion")
+
+
+class Condition(Answer):
+    """What is so with an axis: one of eleven kinds, why, by which evidence, and what helps."""
+
+    kind: Literal[
+        "not_connected",
+        "unknown",
+        "cannot_move",
+        "ready",
+        "moving",
+        "on_target",
+        "held",
+        "stalled",
+        "lost_steps",
+        "following_error",
+        "driver_fault",
+    ]
+    cause: str = Field(description="one plain sentence")
+    evidence: list[Evidence]
+    remedies: list[Remedy]
+    remedy: Remedy | None = Field(description="the first of them")
+    since_s: float | None = Field(description="device time since when it is of this kind [s]")
+
+
+class GroundTruth(Answer):
+    """Emulated axes alone: what is really so, from the emulator's own world and not from the driver."""
+
+    summary: str
+    lost_steps: float | None = Field(description="since power-on, whole electrical turns [microsteps]")
+    shaft_position: float | None = Field(description="from where the shaft was at the beginning [microsteps]")
+    blocked: bool | None
+    speed_pps: float | None = Field(description="of the shaft [microsteps/s]")
+    bridges: str = Field(description='"regulated", "open", "shorted", "voltage"; "" where there are none')
+
+
+class Standing(Answer):
+    """The condition of an axis with what belongs to it."""
+
+    condition: Condition
+    referenced: bool | None = Field(description="whether its position counts from a known place; null: not known")
+    ground_truth: GroundTruth | None = Field(description="emulators alone")
+
+
 class Problem(Answer):
     """An error, RFC 9457. `type` is stable and made for code, `detail` for people."""
 
@@ -48,6 +108,14 @@ class Problem(Answer):
     instance: str | None = None
     way_out: str | None = Field(default=None, description="what to do about it")
     facts: dict[str, object] = Field(default_factory=dict, description="the numbers behind: minimum, maximum, known...")
+
+
+class AxisProblem(Problem):
+    """An error of an axis that could not be read or moved."""
+
+    model_config = ConfigDict(json_schema_serialization_defaults_required=False)
+
+    condition: Condition | None = Field(default=None, description="of the axis, where its link or state is the reason")
 
 
 # --- health, ports ------------------------------------------------------------------------------
@@ -116,7 +184,7 @@ class AxisConfig(Body):
     limits: AxisLimits = Field(default_factory=AxisLimits, description="soft limits; what is left out is not limited")
 
 
-class AxisInfo(Answer):
+class AxisInfo(Standing):
     index: int
     name: str
     full_steps_per_rev: int

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from app.api.schemas import Answer, AxisIndex, Body, Flag, Int, Number, Problem
+from app.api.schemas import Answer, AxisIndex, Body, Flag, Int, Number, Problem, Standing
 from app.api.schemas_calc import Phase
 
 PositionUnit = Literal["microsteps", "fullsteps", "rev", "deg", "rad", "mm"]
@@ -19,7 +19,7 @@ class Switches(Answer):
     home: bool | None
 
 
-class AxisStateOut(Answer):
+class AxisStateOut(Standing):
     position: int
     target_position: int | None
     velocity_pps: float

@@ -38,6 +38,7 @@ from app.devices.results import (
     WriteItem,
 )
 from app.devices.sample_plan import Channel, SamplePlan, Taken
+from app.devices.signs import Signs
 from app.links.errors import BenchError, LinkError, UnknownThing, WrongState
 from app.links.port import FramePort, SamplingPort
 from app.links.queue import LinkQueue
@@ -405,6 +406,10 @@ class Device(ABC):
         if outcome.problem is not None:
             raise outcome.problem
         return outcome
+
+    @abstractmethod
+    def signs(self, axis: int, state: AxisState) -> Signs:
+        """What is known of the axis beside `state`, as it was read just now. Asks nothing of the chip."""
 
     # --- the position counter -------------------------------------------------------------------
 

@@ -7,6 +7,7 @@ from abc import abstractmethod
 from app.calc.mechanics import Mechanics
 from app.calc.units import acceleration_hz_s, pulse_rate_hz
 from app.clock import Clock
+from app.devices import ramp_signs
 from app.devices.axis_rows import HOLD_MODE, POSITIONING_MODES, AxisRows
 from app.devices.changes import BY_HAND, register_changed
 from app.devices.config import DeviceConfig
@@ -14,6 +15,7 @@ from app.devices.motion import Setting, distance
 from app.devices.prediction import Prediction
 from app.devices.register_chip import RegisterChip
 from app.devices.results import AxisState, RawExchange, Switches
+from app.devices.signs import Signs
 from app.devices.ticked_prediction import TickedBook
 from app.devices.words import Words
 from app.links.access32 import SPI32
@@ -170,6 +172,10 @@ class RampChip(RegisterChip):
             flags=flags,
             time_s=time_s,
         )
+
+    def signs(self, axis: int, state: AxisState) -> Signs:
+        index = self.axis(axis).index
+        return ramp_signs.signs(self.rows[index], index, self.setting(index), state)
 
     def _acceleration(self, a_actual: int, setting: Setting) -> float:
         # a_actual is drawn with 12 signed bits; its extreme -2048 is no value that a_max can make.

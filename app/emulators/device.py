@@ -12,6 +12,7 @@ from app.emulators.options import EmulatorOptions, EmulatorPatch
 from app.emulators.state import EmulatorState, Faults, Inputs
 from app.emulators.tmc428 import Tmc428
 from app.emulators.tmc4210 import Tmc4210
+from app.emulators.truth import GroundTruth
 from app.links.datagram32 import FRAME_BYTES
 from app.links.errors import OutOfRange
 
@@ -82,6 +83,12 @@ class EmulatedDevice(FarEnd):
             if change.time_scale is not None:
                 self.clock.scale = change.time_scale
             return self._describe()
+
+    def ground_truth(self, axis: int, at_s: float | None = None) -> GroundTruth:
+        """How it really is with an axis at chip time `at_s` [s], by default now."""
+        with self._lock:
+            self._run_until(at_s)
+            return GroundTruth(stage.describe(axis, self._chip.axes[axis], self._chip.stage_units).position_fullsteps)
 
     def _run_until(self, at_s: float | None) -> None:
         self._chip.advance(self._clocks(at_s, self._clock_hz))

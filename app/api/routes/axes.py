@@ -7,10 +7,10 @@ from typing import Annotated
 from fastapi import APIRouter, Query
 
 from app.api.abilities import CurrentEventfulDevice, CurrentSixPointDevice
-from app.api.convert import batch_result, prediction_out, start_of, stops_out
+from app.api.convert import axis_out, batch_result, prediction_out, start_of, stops_out
 from app.api.deps import CurrentAxis, CurrentBench, CurrentDevice
 from app.api.problems import DEVICE_PROBLEMS, problems
-from app.api.schemas import RegisterBatchResult
+from app.api.schemas import AxisProblem, RegisterBatchResult
 from app.api.schemas_axes import (
     AxisStateOut,
     KeepRotating,
@@ -31,10 +31,10 @@ from app.links.errors import OutOfRange, SoftLimit, UnknownThing, WrongState
 router = APIRouter(prefix="/devices/{device}", tags=["axes"])
 
 
-@router.get("/axes/{axis}", responses=problems(*DEVICE_PROBLEMS))
-async def get_axis(device: CurrentDevice, axis: CurrentAxis) -> AxisStateOut:
-    """Position, velocity, switches and flags, read now."""
-    return AxisStateOut.model_validate(await device.axis_state(axis.index))
+@router.get("/axes/{axis}", responses=problems(*DEVICE_PROBLEMS, shape=AxisProblem))
+async def get_axis(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis) -> AxisStateOut:
+    """Position, velocity, switches and flags, read now, and the condition that the axis is of by them."""
+    return axis_out(device, *await bench.conditions.look(device, axis.index))
 
 
 @router.post("/axes/{axis}/move", responses=problems(*DEVICE_PROBLEMS, SoftLimit))

@@ -22,7 +22,7 @@ DEVICES_MAX = 64
 @router.get("")
 async def list_devices(bench: CurrentBench) -> list[DeviceInfo]:
     """Every device, in the order they were added."""
-    return [device_info(device) for device in bench.manager.devices]
+    return [device_info(device, bench.conditions) for device in bench.manager.devices]
 
 
 @router.post("", status_code=201, responses=problems(WrongState, OutOfRange))
@@ -38,7 +38,7 @@ async def add_device(body: DeviceCreate, bench: CurrentBench) -> DeviceInfo:
         clock_hz=clock_of(wanted.link, wanted.clock_hz),
         axes=axis_settings(wanted.axes),
     )
-    return device_info(await bench.manager.add(config))
+    return device_info(await bench.manager.add(config), bench.conditions)
 
 
 @router.post("/test", responses=problems(OutOfRange))
@@ -56,9 +56,9 @@ async def no_device_is_called_test() -> None:
 
 
 @router.get("/{device}", responses=problems(UnknownThing))
-async def get_device(device: CurrentDevice) -> DeviceInfo:
+async def get_device(bench: CurrentBench, device: CurrentDevice) -> DeviceInfo:
     """One device: its link, state, axes and telemetry channels."""
-    return device_info(device)
+    return device_info(device, bench.conditions)
 
 
 @router.patch("/{device}", responses=problems(UnknownThing, UsageError, SoftLimit))
@@ -71,7 +71,7 @@ async def edit_device(device: DeviceId, body: DeviceChange, bench: CurrentBench)
         clock_hz=body.clock_hz,
         axes=None if body.axes is None else axis_settings(body.axes),
     )
-    return device_info(await bench.manager.edit(device, change))
+    return device_info(await bench.manager.edit(device, change), bench.conditions)
 
 
 @router.delete("/{device}", status_code=204, responses=problems(UnknownThing))
@@ -83,10 +83,10 @@ async def remove_device(device: DeviceId, bench: CurrentBench) -> None:
 @router.post("/{device}/connect", responses=problems(UnknownThing))
 async def connect_device(device: DeviceId, bench: CurrentBench) -> DeviceInfo:
     """Connect, or try again at once; `state` and `problem` tell what came of it."""
-    return device_info(await bench.manager.connect(device))
+    return device_info(await bench.manager.connect(device), bench.conditions)
 
 
 @router.post("/{device}/disconnect", responses=problems(UnknownThing))
 async def disconnect_device(device: DeviceId, bench: CurrentBench) -> DeviceInfo:
     """Stop what this server set in motion, and let go of the link until told to connect."""
-    return device_info(await bench.manager.disconnect(device))
+    return device_info(await bench.manager.disconnect(device), bench.conditions)

@@ -8,10 +8,12 @@ import contextlib
 from app.calc.extended_position import Counter
 from app.devices.motion_watch import POLL_S, Look, UnderWay
 from app.devices.pd42 import rows
+from app.devices.pd42 import signs as sign
 from app.devices.pd42.calls import Calls
 from app.devices.pd42.motion import STATUS
 from app.devices.pd42.stops import Stops
 from app.devices.results import AxisState, DeviceState, StopReason, Switches
+from app.devices.signs import Signs
 from app.links.errors import BadReply, BenchError, LinkDown, LinkError, LinkTimeout
 from app.links.queue import Priority, SampleDropped
 from app.links.tmcl import Request
@@ -88,6 +90,9 @@ class Looks(Stops):
             external_encoder_position=external,
             external_deviation=external - (between + position) / 2,
         )
+
+    def signs(self, axis: int, state: AxisState) -> Signs:
+        return sign.signs(self, self.axis(axis).index, state)
 
     def _mode(self, step_direction: bool, searching: bool, speed: int, target_speed: int, reached: bool) -> str:
         """TMCL has no register of the mode: the latest command tells, and where none is known, what can be seen."""

@@ -13,7 +13,9 @@ from app.devices.config import DeviceConfig
 from app.devices.looking import Looking
 from app.devices.motion_watch import Look, UnderWay
 from app.devices.results import AxisState, DeviceState, StopReason, Switches
+from app.devices.signs import Signs
 from app.devices.tmc4361 import rows
+from app.devices.tmc4361 import signs as sign
 from app.devices.tmc4361.moves import COUNTER
 from app.devices.tmc4361.setting import Setting
 from app.devices.tmc4361.switches import home_level, stopped_by
@@ -102,6 +104,9 @@ class Looks(Writes):
             time_s=time_s,
             **self._encoder(held),
         )
+
+    def signs(self, axis: int, state: AxisState) -> Signs:
+        return sign.signs(self, self.axis(axis).index, state)
 
     def _encoder(self, held: Held) -> Encoder:
         """What the encoder tells; nothing while ENC_IN_RES is not set and so none of its counts counts."""

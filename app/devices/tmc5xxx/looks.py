@@ -14,7 +14,9 @@ from app.devices.counter import CounterLook
 from app.devices.looking import Looking
 from app.devices.motion_watch import Look, UnderWay
 from app.devices.results import AxisState, DeviceState, MotionEnd, StopReason, Switches
+from app.devices.signs import Signs
 from app.devices.tmc5xxx import rows as r
+from app.devices.tmc5xxx import signs as sign
 from app.devices.tmc5xxx.writes import Writes
 from app.devices.words import Held
 from app.links.errors import BenchError, LinkDown, LinkTimeout
@@ -41,6 +43,8 @@ class Looks(Writes):
         self._looking = Looking(self, self.tasks, self._look_once, self._any_moves)
         self._seen_at_reset = [0] * len(self.axes)
         """How many resets had been seen at the latest `look` at each axis."""
+        self._apart_s = [0.0] * len(self.axes)
+        """How long the encoder of each axis was read after its position, of the latest state [s]."""
         self._ended = False
         """A motion has ended since the latest look of our own."""
 
@@ -63,7 +67,8 @@ class Looks(Writes):
         async with self.queue.turn() as turn:
             words = self.words(turn)
             held = await self._look_at_events(words, [axis], self._asked(axis))
-            time_s = words.time_s
+            time_s, asked_at_s = words.time_s, words.asked_s
+        self._apart_s[axis] = (time_s - asked_at_s) / len(held.registers)
         position, velocity, target = (held.value(row) for row in (rows.xactual, rows.vactual, rows.xtarget))
         mode = held.value(rows.rampmode)
         positioning = mode == r.POSITION
@@ -90,6 +95,9 @@ class Looks(Writes):
             time_s=time_s,
             **self._encoder(axis, held),
         )
+
+    def signs(self, axis: int, state: AxisState) -> Signs:
+        return sign.signs(self, self.axis(axis).index, state, self._apart_s[axis])
 
     def _encoder(self, axis: int, held: Held) -> Encoder:
         """What the encoder tells; nothing while nobody has set how its counts count."""

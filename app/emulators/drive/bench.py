@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from app.emulators.drive.options import FullSteps, MotorOptions
 from app.emulators.drive.world import Truth, World
+from app.emulators.truth import GroundTruth
 from app.links.errors import OutOfRange
 
 Flag = Annotated[bool, Field(strict=True)]
@@ -97,6 +98,17 @@ def stage_state(world: World, truth: Truth) -> StageState:
         home_from_fullsteps=world.home_from_fullsteps,
         home_to_fullsteps=world.home_to_fullsteps,
         position_fullsteps=truth.rotor_fullsteps,
+    )
+
+
+def ground_truth(truth: Truth, world: World) -> GroundTruth:
+    """What no driver can know."""
+    return GroundTruth(
+        truth.rotor_fullsteps,
+        truth.lost_fullsteps,
+        world.blocked,
+        truth.speed_rad_s / world.fullstep_rad,
+        truth.bridges,
     )
 
 

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from app.clock import Clock
 from app.emulators.drive import Drive
+from app.emulators.drive.bench import ground_truth
 from app.emulators.far_end import FarEnd
 from app.emulators.pd42 import world
 from app.emulators.pd42.eeprom import Eeprom
@@ -16,6 +17,7 @@ from app.emulators.pd42.global_parameters import ADDRESS, BAUD
 from app.emulators.pd42.options import Pd42Options, Pd42Patch
 from app.emulators.pd42.refused import Refused
 from app.emulators.pd42.state import Pd42State
+from app.emulators.truth import GroundTruth
 from app.links.errors import WrongState
 from app.links.tmcl import FRAME_BYTES
 
@@ -125,6 +127,12 @@ class EmulatedModule(FarEnd):
             if change.time_scale is not None:
                 self.clock.scale = change.time_scale
             return self._describe()
+
+    def ground_truth(self, axis: int, at_s: float | None = None) -> GroundTruth:
+        """How it really is with the axis, which is the only one, at chip time `at_s` [s], by default now."""
+        with self._lock:
+            self._run_until(at_s)
+            return ground_truth(self._drive.truth, self._drive.world)
 
     # --- within ----------------------------------------------------------------------------------
 

@@ -6,12 +6,13 @@ import random
 from dataclasses import asdict
 
 from app.clock import Clock
-from app.emulators.drive.bench import ChipFaultsState
+from app.emulators.drive.bench import ChipFaultsState, ground_truth
 from app.emulators.far_end import ChipFaults, FarEnd
 from app.emulators.tmc4361 import world
 from app.emulators.tmc4361.options import Tmc4361Options, Tmc4361Patch
 from app.emulators.tmc4361.registers import Chip
 from app.emulators.tmc4361.state import Tmc4361State
+from app.emulators.truth import GroundTruth
 from app.links.datagram40 import FRAME_BYTES, Reply, Request
 
 MODEL = "tmc4361"
@@ -96,6 +97,12 @@ class EmulatedTmc4361(FarEnd):
             if change.time_scale is not None:
                 self.clock.scale = change.time_scale
             return self._describe()
+
+    def ground_truth(self, axis: int, at_s: float | None = None) -> GroundTruth:
+        """How it really is with the axis, which is the only one, at chip time `at_s` [s], by default now."""
+        with self._lock:
+            self._run_until(at_s)
+            return ground_truth(self._chip.feedback.truth, self._chip.feedback.world)
 
     def _run_until(self, at_s: float | None) -> None:
         self._chip.advance(self._clocks(at_s, self.options.clock_hz))

@@ -6,13 +6,14 @@ import random
 from dataclasses import asdict
 
 from app.clock import Clock
-from app.emulators.drive.bench import ChipFaultsState
+from app.emulators.drive.bench import ChipFaultsState, ground_truth
 from app.emulators.far_end import ChipFaults, FarEnd
 from app.emulators.tmc5xxx import world
 from app.emulators.tmc5xxx.options import Tmc5xxxModel, Tmc5xxxOptions, Tmc5xxxPatch
 from app.emulators.tmc5xxx.registers import Chip
 from app.emulators.tmc5xxx.state import Tmc5xxxState
 from app.emulators.tmc5xxx.uart import UartEnd
+from app.emulators.truth import GroundTruth
 from app.links.datagram40 import ADDRESS_MAX, FRAME_BYTES, WRITE_BIT
 
 
@@ -133,6 +134,13 @@ class EmulatedTmc5xxx(FarEnd):
             if change.time_scale is not None:
                 self.clock.scale = change.time_scale
             return self._describe()
+
+    def ground_truth(self, axis: int, at_s: float | None = None) -> GroundTruth:
+        """How it really is with an axis at chip time `at_s` [s], by default now."""
+        with self._lock:
+            self._run_until(at_s)
+            drive = self._chip.axes[axis].drive
+            return ground_truth(drive.truth, drive.world)
 
     def _run_until(self, at_s: float | None) -> None:
         self._chip.advance(self._clocks(at_s, self.options.clock_hz))

@@ -141,7 +141,7 @@ export interface paths {
         };
         /**
          * Get Axis
-         * @description Position, velocity, switches and flags, read now.
+         * @description Position, velocity, switches and flags, read now, and the condition that the axis is of by them.
          */
         get: operations["get_axis"];
         put?: never;
@@ -1944,6 +1944,14 @@ export interface components {
         };
         /** AxisInfo */
         AxisInfo: {
+            condition: components["schemas"]["Condition"];
+            /**
+             * Referenced
+             * @description whether its position counts from a known place; null: not known
+             */
+            referenced: boolean | null;
+            /** @description emulators alone */
+            ground_truth: components["schemas"]["GroundTruth"] | null;
             /** Index */
             index: number;
             /** Name */
@@ -2124,6 +2132,14 @@ export interface components {
         };
         /** AxisStateOut */
         AxisStateOut: {
+            condition: components["schemas"]["Condition"];
+            /**
+             * Referenced
+             * @description whether its position counts from a known place; null: not known
+             */
+            referenced: boolean | null;
+            /** @description emulators alone */
+            ground_truth: components["schemas"]["GroundTruth"] | null;
             /** Position */
             position: number;
             /** Target Position */
@@ -3034,6 +3050,33 @@ export interface components {
             notes: string[];
         };
         /**
+         * Condition
+         * @description What is so with an axis: one of eleven kinds, why, by which evidence, and what helps.
+         */
+        Condition: {
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "not_connected" | "unknown" | "cannot_move" | "ready" | "moving" | "on_target" | "held" | "stalled" | "lost_steps" | "following_error" | "driver_fault";
+            /**
+             * Cause
+             * @description one plain sentence
+             */
+            cause: string;
+            /** Evidence */
+            evidence: components["schemas"]["Evidence"][];
+            /** Remedies */
+            remedies: components["schemas"]["Remedy"][];
+            /** @description the first of them */
+            remedy: components["schemas"]["Remedy"] | null;
+            /**
+             * Since S
+             * @description device time since when it is of this kind [s]
+             */
+            since_s: number | null;
+        };
+        /**
          * CurrentSetting
          * @description One way to set a current.
          */
@@ -3533,6 +3576,21 @@ export interface components {
              * @description bits of an absolute encoder's next answer that arrive wrong
              */
             spoil_next?: number | null;
+        };
+        /**
+         * Evidence
+         * @description What was seen: a register or a figure, its value, and when.
+         */
+        Evidence: {
+            /** What */
+            what: string;
+            /** Value */
+            value: string;
+            /**
+             * Seen S
+             * @description device time [s]; null where nobody knows
+             */
+            seen_s: number | null;
         };
         /** Exchange */
         Exchange: {
@@ -4079,6 +4137,36 @@ export interface components {
             motor_teeth: number;
             /** Driven Teeth */
             driven_teeth: number;
+        };
+        /**
+         * GroundTruth
+         * @description Emulated axes alone: what is really so, from the emulator's own world and not from the driver.
+         */
+        GroundTruth: {
+            /** Summary */
+            summary: string;
+            /**
+             * Lost Steps
+             * @description since power-on, whole electrical turns [microsteps]
+             */
+            lost_steps: number | null;
+            /**
+             * Shaft Position
+             * @description from where the shaft was at the beginning [microsteps]
+             */
+            shaft_position: number | null;
+            /** Blocked */
+            blocked: boolean | null;
+            /**
+             * Speed Pps
+             * @description of the shaft [microsteps/s]
+             */
+            speed_pps: number | null;
+            /**
+             * Bridges
+             * @description "regulated", "open", "shorted", "voltage"; "" where there are none
+             */
+            bridges: string;
         };
         /**
          * HalfApplied
@@ -7678,6 +7766,30 @@ export interface components {
             note: string;
         };
         /**
+         * Remedy
+         * @description A call of this API that mends something, to be made as it stands.
+         */
+        Remedy: {
+            /** Label */
+            label: string;
+            /**
+             * Method
+             * @enum {string}
+             */
+            method: "POST" | "PUT" | "PATCH";
+            /** Path */
+            path: string;
+            /** Body */
+            body: {
+                [key: string]: unknown;
+            } | null;
+            /**
+             * Moves
+             * @description it may set the motor in motion
+             */
+            moves: boolean;
+        };
+        /**
          * Replay
          * @description How a replay goes: an emulator of its own lives through the recorded time as fast as it can.
          */
@@ -9881,6 +9993,46 @@ export interface components {
             left: components["schemas"]["app__emulators__tmc5xxx__state__SwitchState"];
             right: components["schemas"]["app__emulators__tmc5xxx__state__SwitchState"];
         };
+        /**
+         * AxisProblem
+         * @description An error of an axis that could not be read or moved.
+         */
+        AxisProblem: {
+            /**
+             * Type
+             * @description stable identifier, e.g. /problems/out-of-range
+             */
+            type: string;
+            /** Title */
+            title: string;
+            /** Status */
+            status: number;
+            /** Detail */
+            detail: string;
+            /**
+             * Instance
+             * @default null
+             */
+            instance?: string | null;
+            /**
+             * Way Out
+             * @description what to do about it
+             * @default null
+             */
+            way_out?: string | null;
+            /**
+             * Facts
+             * @description the numbers behind: minimum, maximum, known...
+             */
+            facts?: {
+                [key: string]: unknown;
+            };
+            /**
+             * @description of the axis, where its link or state is the reason
+             * @default null
+             */
+            condition?: components["schemas"]["Condition"] | null;
+        };
         /** TelemetryChannel */
         TelemetryChannel: {
             /** Name */
@@ -10773,7 +10925,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["Problem"];
+                    "application/problem+json": components["schemas"]["AxisProblem"];
                 };
             };
             /** @description Not possible now (/problems/wrong-state) */
@@ -10782,7 +10934,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["Problem"];
+                    "application/problem+json": components["schemas"]["AxisProblem"];
                 };
             };
             /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
@@ -10791,7 +10943,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["Problem"];
+                    "application/problem+json": components["schemas"]["AxisProblem"];
                 };
             };
             /** @description The device answered wrongly (/problems/bad-reply) */
@@ -10800,7 +10952,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["Problem"];
+                    "application/problem+json": components["schemas"]["AxisProblem"];
                 };
             };
             /** @description The device did not answer (/problems/no-reply) */
@@ -10809,7 +10961,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/problem+json": components["schemas"]["Problem"];
+                    "application/problem+json": components["schemas"]["AxisProblem"];
                 };
             };
         };

@@ -37,6 +37,9 @@ function device(id: string, axes: number, rate: number): Device {
       microsteps_per_full_step: 64,
       pulse_div: 5,
       ramp_div: 7,
+      condition: { kind: "ready", cause: "", evidence: [], remedies: [], remedy: null, since_s: null },
+      referenced: null,
+      ground_truth: null,
     })),
     channels: Array.from({ length: axes }, (_, axis) =>
       ROWS.flatMap((row) => row.channels).map(({ quantity }) => ({

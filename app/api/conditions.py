@@ -1,0 +1,43 @@
+"""Conditions of axes for clients."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from app.api.schemas import Condition as ConditionOut
+from app.api.schemas import Evidence, GroundTruth, Remedy
+from app.conditions.judge import Condition
+from app.conditions.service import Standing
+from app.devices.device import Device
+
+
+def condition_out(device: Device, condition: Condition) -> ConditionOut:
+    """A condition for clients: the paths of its remedies from the root."""
+    remedies = [
+        Remedy(
+            label=remedy.label,
+            method=remedy.method,
+            path=f"/api/v1/devices/{device.id}/{remedy.path}",
+            body=None if remedy.body is None else dict(remedy.body),
+            moves=remedy.moves,
+        )
+        for remedy in condition.remedies
+    ]
+    return ConditionOut(
+        kind=condition.kind,
+        cause=condition.cause,
+        evidence=[Evidence.model_validate(piece) for piece in condition.evidence],
+        remedies=remedies,
+        remedy=remedies[0] if remedies else None,
+        since_s=condition.since_s,
+    )
+
+
+def standing_out(device: Device, standing: Standing) -> dict[str, Any]:
+    """The members that every answer about an axis has."""
+    truth = standing.truth
+    return {
+        "condition": condition_out(device, standing.condition),
+        "referenced": standing.referenced,
+        "ground_truth": None if truth is None else GroundTruth.model_validate(truth),
+    }

@@ -1,0 +1,237 @@
+"""Of which condition an axis is: a pure function of the evidence. Knows no model, asks nothing, remembers nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import Literal
+
+from app.devices.results import AxisState, DeviceState, MotionEnd, StopReason
+from app.devices.signs import NO_SIGNS, Evidence, Remedy, Sign, Signs
+
+Kind = Literal[
+    "not_connected",
+    "unknown",
+    "cannot_move",
+    "ready",
+    "moving",
+    "on_target",
+    "held",
+    "stalled",
+    "lost_steps",
+    "following_error",
+    "driver_fault",
+]
+
+CONNECT = Remedy("connect", "POST", "connect")
+UNSEEN = "lost steps would not be seen"
+
+
+@dataclass(frozen=True, slots=True)
+class Condition:
+    """What is so with an axis, why, by which evidence, and what helps; `since_s` is device time [s]."""
+
+    kind: Kind
+    cause: str
+    evidence: tuple[Evidence, ...] = ()
+    remedies: tuple[Remedy, ...] = ()
+    since_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Thresholds:
+    """From which deviation on steps count as lost at rest, and a motion as not followed [microsteps]."""
+
+    lost_steps: float
+    following_error: float
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """Everything that is known of an axis.
+
+    link : what the connection does; `problem` why it does not work
+    state : as last read; None where it was never read, or the latest reading failed with `problem`
+    end : how the latest motion ended; None where none has, or another one was commanded since
+    sent : the latest command here was to go to a target
+    stopped : the latest command here was a stop
+    """
+
+    axis: int
+    link: DeviceState
+    problem: str = ""
+    state: AxisState | None = None
+    signs: Signs = NO_SIGNS
+    end: MotionEnd | None = None
+    sent: bool = False
+    stopped: bool = False
+    thresholds: Thresholds = Thresholds(512, 1024)
+
+
+def judge(seen: Seen) -> Condition:
+    """The condition of an axis; of several the one that its user has to know first."""
+    if seen.link != "connected":
+        why = f": {seen.problem}" if seen.problem else ""
+        said = {"connecting": "it is being connected", "disconnected": "it is not connected"}.get(
+            seen.link, f"the link has failed{why}"
+        )
+        evidence = (Evidence("link", seen.link), *((Evidence("problem", seen.problem),) if seen.problem else ()))
+        return Condition("not_connected", said, evidence, () if seen.link == "connecting" else (CONNECT,))
+    state, signs = seen.state, seen.signs
+    if state is None:
+        return Condition("unknown", seen.problem or "nobody has looked at this axis yet")
+    worst: tuple[tuple[Kind, Sign | None], ...] = (
+        ("driver_fault", _fault(seen, state)),
+        ("cannot_move", _block(signs)),
+        ("stalled", _stall(seen, state)),
+    )
+    for kind, found in worst:
+        if found is not None:
+            return _of(kind, found)
+    off = _off(seen, state)
+    if off is not None:
+        return off
+    if state.moving:
+        return _moving(state)
+    arrived = state.target_position is not None and state.position_reached
+    held = _hold(seen, state)
+    if held is not None and not arrived:
+        return _of("held", held)
+    doubt = _doubt(seen, state)
+    if doubt is not None:
+        return _of("unknown", doubt)
+    return _at_rest(seen, state, arrived=arrived, held=held)
+
+
+# --- what there may be ----------------------------------------------------------------------------
+
+
+def _of(kind: Kind, sign: Sign) -> Condition:
+    return Condition(kind, sign.cause, sign.evidence, sign.remedies)
+
+
+def _first(signs: tuple[Sign, ...]) -> Sign | None:
+    """Several of one kind as one: all of them say why, and what helps the first helps first."""
+    if not signs:
+        return None
+    return Sign(
+        "; ".join(dict.fromkeys(sign.cause for sign in signs)),
+        tuple(piece for sign in signs for piece in sign.evidence),
+        _once(remedy for sign in signs for remedy in sign.remedies),
+    )
+
+
+def _once(remedies: Iterable[Remedy]) -> tuple[Remedy, ...]:
+    kept: list[Remedy] = []
+    for remedy in remedies:
+        if remedy not in kept:
+            kept.append(remedy)
+    return tuple(kept)
+
+
+def _ended(end: MotionEnd, *remedies: Remedy) -> Sign:
+    return Sign(end.detail, (Evidence("end of the latest motion", end.reason, end.time_s),), remedies)
+
+
+def search(axis: int) -> Remedy:
+    """Find the zero point again."""
+    return Remedy("search reference again", "POST", f"axes/{axis}/reference-search", {}, moves=True)
+
+
+def _end(seen: Seen, state: AxisState, *reasons: StopReason) -> MotionEnd | None:
+    """How the latest motion ended, where it did for one of these reasons and nothing has moved since."""
+    end = seen.end
+    return end if end is not None and end.reason in reasons and not state.moving else None
+
+
+def _fault(seen: Seen, state: AxisState) -> Sign | None:
+    found = _first(seen.signs.faults)
+    end = _end(seen, state, "driver_error")
+    return _ended(end) if found is None and end is not None else found
+
+
+def _block(signs: Signs) -> Sign | None:
+    found = _first(signs.blocks)
+    return None if found is None else replace(found, cause=f"{found.cause}: no command can move this axis")
+
+
+def _stall(seen: Seen, state: AxisState) -> Sign | None:
+    if seen.signs.stall is not None and not state.moving:
+        return replace(seen.signs.stall, remedies=(*seen.signs.stall.remedies, search(seen.axis)))
+    end = _end(seen, state, "stall")
+    return None if end is None else _ended(end, search(seen.axis))
+
+
+def _off(seen: Seen, state: AxisState) -> Condition | None:
+    """What the encoder says against the position counter; None where they agree, or nobody counts."""
+    limits, end = seen.thresholds, _end(seen, state, "deviation")
+    deviation = _deviation(state)
+    if deviation is None:
+        return None if end is None else _of("following_error", _ended(end, search(seen.axis)))
+    # What the axis went between two readings that are not of one moment is no deviation.
+    apart = abs(state.velocity_pps) * seen.signs.encoder_apart_s
+    off = max(0.0, abs(deviation) - apart)
+    way = "behind" if deviation * (state.velocity_pps or -deviation) < 0 else "ahead of"
+    evidence = (
+        Evidence("encoder - position", f"{deviation:+,.0f} microsteps", state.time_s),
+        Evidence("position", f"{state.position:,}", state.time_s),
+    )
+    if state.moving or seen.signs.regulated or end is not None:
+        if off <= limits.following_error and end is None:
+            return None
+        told = Evidence("told from", f"{limits.following_error:,.0f} microsteps on")
+        cause = f"the encoder is {abs(deviation):,.0f} microsteps {way} the position" if end is None else end.detail
+        return Condition("following_error", cause, (*evidence, told), (search(seen.axis),))
+    if off <= limits.lost_steps:
+        return None
+    return Condition(
+        "lost_steps",
+        f"it stands {abs(deviation):,.0f} microsteps from where its position says, by the encoder: steps are lost",
+        (*evidence, Evidence("told from", f"{limits.lost_steps:,.0f} microsteps on")),
+        (search(seen.axis),),
+    )
+
+
+def _deviation(state: AxisState) -> float | None:
+    """The greatest that an encoder shows [microsteps]; None without one."""
+    found = [value for value in (state.deviation, state.external_deviation) if value is not None]
+    return max(found, key=abs) if found else None
+
+
+def _moving(state: AxisState) -> Condition:
+    to = "" if state.target_position is None else f" to {state.target_position:,}"
+    evidence = (
+        Evidence("velocity", f"{state.velocity_pps:,.0f} pps", state.time_s),
+        Evidence("position", f"{state.position:,}", state.time_s),
+    )
+    return Condition("moving", f"it moves{to}", evidence)
+
+
+def _hold(seen: Seen, state: AxisState) -> Sign | None:
+    found = _first(seen.signs.holds)
+    end = _end(seen, state, "left_switch", "right_switch")
+    return _ended(end) if found is None and end is not None else found
+
+
+def _doubt(seen: Seen, state: AxisState) -> Sign | None:
+    found = _first(seen.signs.doubts)
+    if found is not None:
+        return found
+    end = _end(seen, state, "unknown", "lost_link")
+    return None if end is None else _ended(end)
+
+
+def _at_rest(seen: Seen, state: AxisState, *, arrived: bool, held: Sign | None) -> Condition:
+    deviation = _deviation(state)
+    proof = UNSEEN if deviation is None else f"the encoder agrees within {abs(deviation):,.0f} microsteps"
+    beside = "" if held is None else f"; {held.cause}"
+    evidence = [Evidence("position", f"{state.position:,}", state.time_s)]
+    if deviation is not None:
+        evidence.append(Evidence("encoder - position", f"{deviation:+,.0f} microsteps", state.time_s))
+    if held is not None:
+        evidence += held.evidence
+    if arrived and (seen.sent or _end(seen, state, "target_reached") is not None):
+        evidence.append(Evidence("target", f"{state.target_position:,}", state.time_s))
+        return Condition("on_target", f"at its target; {proof}{beside}", tuple(evidence))
+    stopped = seen.stopped or _end(seen, state, "stop_command") is not None
+    return Condition("ready", f"{'stopped on command' if stopped else 'at rest'}; {proof}{beside}", tuple(evidence))

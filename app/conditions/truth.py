@@ -1,0 +1,48 @@
+"""What really is so with an emulated axis: from the emulator itself, past driver and link."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol, cast
+
+from app.devices.device import Device
+from app.emulators.truth import GroundTruth
+from app.links.emulator import EmulatorPort
+
+
+class Emulated(Protocol):
+    """What every emulator can."""
+
+    def ground_truth(self, axis: int, at_s: float) -> GroundTruth: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """One axis in the microsteps that its chip counts; None where the emulator has no such thing."""
+
+    summary: str
+    lost_steps: float | None
+    shaft_position: float | None
+    blocked: bool | None
+    speed_pps: float | None
+    bridges: str
+
+
+def truth_of(device: Device, axis: int) -> Truth | None:
+    """How it really is with the axis; None where nobody can know, for it is no emulator in this process."""
+    port = device.port
+    if not isinstance(port, EmulatorPort):
+        return None
+    told = cast("Emulated", port.wire).ground_truth(axis, port.take_turn())
+    microsteps = device.axis(axis).microsteps_per_full_step or 256
+    lost = None if told.lost_fullsteps is None else float(told.lost_fullsteps * microsteps)
+    shaft = told.shaft_fullsteps * microsteps
+    speed = None if told.speed_fullsteps_s is None else told.speed_fullsteps_s * microsteps
+    said = [f"the shaft is at {shaft:,.0f} microsteps from where it was built"]
+    if lost is not None:
+        said.append(f"{abs(lost):,.0f} microsteps {'won' if lost < 0 else 'lost'}" if lost else "no step lost")
+    if told.blocked:
+        said.append("blocked")
+    if told.bridges in ("open", "shorted"):
+        said.append(f"bridges {told.bridges}")
+    return Truth("; ".join(said), lost, shaft, told.blocked, speed, told.bridges)

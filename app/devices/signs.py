@@ -1,0 +1,87 @@
+"""What a driver knows of an axis beside its state, sorted by what it means: what `app.conditions` judges by."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Literal
+
+
+@dataclass(frozen=True, slots=True)
+class Evidence:
+    """What was seen: `what` names the register or figure, `seen_s` is device time [s], None where nobody knows."""
+
+    what: str
+    value: str
+    seen_s: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Remedy:
+    """A call of the REST API that mends something; `path` is behind the device's own address.
+
+    moves : it may set the motor in motion
+    """
+
+    label: str
+    method: Literal["POST", "PUT", "PATCH"]
+    path: str
+    body: Mapping[str, object] | None = None
+    moves: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Sign:
+    """One thing that is so: in a plain sentence, by which evidence, and what helps."""
+
+    cause: str
+    evidence: tuple[Evidence, ...] = ()
+    remedies: tuple[Remedy, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Signs:
+    """Everything that a driver tells of one axis beside its state.
+
+    faults : the motor driver, or the chip, has shut down or warns of it
+    blocks : what keeps every command from moving the motor
+    stall : a stall stopped it, and holds it
+    holds : what keeps it from going one way
+    doubts : why what the position counter shows may not be true
+    encoder_apart_s : how long after the position the encoder was read, of the state [s]
+    regulated : the motor follows the encoder, so that a deviation is no lost step
+    """
+
+    faults: tuple[Sign, ...] = ()
+    blocks: tuple[Sign, ...] = ()
+    stall: Sign | None = None
+    holds: tuple[Sign, ...] = ()
+    doubts: tuple[Sign, ...] = ()
+    encoder_apart_s: float = 0.0
+    regulated: bool = False
+
+
+NO_SIGNS = Signs()
+
+
+def start_up(axis: int) -> Remedy:
+    """Set everything that the axis needs to move."""
+    return Remedy("start up", "POST", "start-up", {"axes": [axis]})
+
+
+def write(register: str, axis: int | None, value: int, field: str = "") -> Remedy:
+    """Write a register, or one field of it; an axis that waits for it may set off."""
+    name = f"{register}.{field}" if field else register
+    body: dict[str, object] = {"fields": {field: value}} if field else {"value": value}
+    query = "" if axis is None else f"?axis={axis}"
+    return Remedy(f"write {name} {value:,}", "PUT", f"registers/{register}{query}", body, moves=True)
+
+
+def zero(register: str, axis: int, value: int, seen_s: float | None = None, field: str = "") -> Sign:
+    """A register, or field, that keeps an axis from moving while it is 0; with `value` it moves."""
+    name = f"{register}.{field}" if field else register
+    return Sign(
+        f"{name} is 0",
+        (Evidence(name, "0", seen_s),),
+        (start_up(axis), write(register, axis, value, field)),
+    )

@@ -1,0 +1,66 @@
+"""What a TMC4361 tells of its axis beside its state: zeros that keep it from moving, switches, stalls, the freeze."""
+
+from __future__ import annotations
+
+from app.devices.results import AxisState
+from app.devices.signs import Evidence, Sign, Signs, start_up, zero
+from app.devices.tmc4361 import rows
+from app.devices.tmc4361.events import Events
+from app.devices.tmc4361.switches import stopped_by
+from app.links.errors import WrongState
+
+VELOCITY_PPS = 51_200
+"""What a remedy writes to VMAX: a turn a second at 256 microsteps."""
+DRIVER_FAULTS = {"OT": "the motor driver is too hot and has switched off"}
+
+
+def signs(chip: Events, axis: int, state: AxisState) -> Signs:
+    """Of `state`, as it was read just now."""
+    return Signs(
+        faults=tuple(
+            Sign(cause, (Evidence(f"{rows.STATUS.name}.{name}", "1", state.time_s),))
+            for name, cause in DRIVER_FAULTS.items()
+            if state.flags.get(name)
+        ),
+        blocks=tuple(_blocks(chip, axis, state)),
+        stall=_stall(state),
+        holds=tuple(_holds(chip, state)),
+        regulated=rows.REGULATION.unpack(chip.known(rows.ENC_IN_CONF) or 0) != 0,
+    )
+
+
+def _blocks(chip: Events, axis: int, state: AxisState) -> list[Sign]:
+    found = []
+    if state.flags.get("FROZEN"):
+        cause = "NFREEZE went low: the chip is frozen until a reset"
+        found.append(Sign(cause, (Evidence(f"{rows.EVENTS.name}.FROZEN", "1", state.time_s),)))
+    setting = chip.setting()
+    if setting is None or state.moving:
+        return found
+    if chip.cruise.speed == 0:
+        found.append(zero(rows.VMAX.name, axis, VELOCITY_PPS * 256, state.time_s))
+    try:
+        setting.require_motion(chip.cruise.shape)
+    except WrongState as error:
+        found.append(Sign(str(error), (), (start_up(axis),)))
+    return found
+
+
+def _stall(state: AxisState) -> Sign | None:
+    for register, name in ((rows.STATUS, "ACTIVE_STALL_F"), (rows.EVENTS, "STOP_ON_STALL")):
+        if state.flags.get(name):
+            return Sign("the motor driver reported a stall", (Evidence(f"{register.name}.{name}", "1", state.time_s),))
+    return None
+
+
+def _holds(chip: Events, state: AxisState) -> list[Sign]:
+    flags = {name: int(value) for name, value in state.flags.items()}
+    reference = rows.REFERENCE_CONF.unpack(chip.known(rows.REFERENCE_CONF) or 0)
+    found = []
+    for way, free in ((-1, "to greater positions"), (1, "to smaller positions")):
+        stop = stopped_by(flags, reference, way)
+        if stop:
+            found.append(
+                Sign(f"the {stop} is active: only the way {free} is free", (Evidence(stop, "active", state.time_s),))
+            )
+    return found

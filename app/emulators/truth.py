@@ -1,0 +1,20 @@
+"""How it really is with an emulated axis, as no driver can know it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class GroundTruth:
+    """One axis, now. Full steps; None where the emulator has no such thing."""
+
+    shaft_fullsteps: float
+    """Where the rotor, or the carriage, is."""
+    lost_fullsteps: int | None = None
+    """What the rotor fell behind (> 0) or got ahead since power-on: multiples of four."""
+    blocked: bool | None = None
+    """The shaft is clamped."""
+    speed_fullsteps_s: float | None = None
+    bridges: str = ""
+    """What the driver's bridges do."""

@@ -1,0 +1,78 @@
+"""The condition of an axis over REST: of every model, and what became of it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import httpx
+import pytest
+
+from app.clock import VirtualClock
+from app.registers.catalog import MODELS
+
+
+async def added(client: httpx.AsyncClient, model: str, **link: object) -> str:
+    """An emulated device: the address of its first axis."""
+    answer = await client.post("devices", json={"name": model, "model": model, "link": {"kind": "emulator", **link}})
+    assert answer.status_code == 201, answer.text
+    return f"devices/{answer.json()['id']}/axes/0"
+
+
+@pytest.mark.parametrize("model", MODELS)
+async def test_a_new_device_says_whether_it_can_move_and_what_would_help(
+    client: httpx.AsyncClient, clock: VirtualClock, model: str
+) -> None:
+    url = await added(client, model)
+    state = (await client.get(url)).json()
+    condition = state["condition"]
+    if model == "pd42-1241":  # its parameters come from its memory
+        assert condition["kind"] == "ready"
+    else:
+        assert (condition["kind"], condition["remedy"]["label"]) == ("cannot_move", "start up")
+        assert condition["cause"].endswith(": no command can move this axis")
+        zeros = [piece["what"] for piece in condition["evidence"]]
+        assert [name for name in zeros if name.upper().replace("_", "") == "VMAX"]
+        assert len(condition["remedies"]) == 1 + len(zeros)
+    assert state["referenced"] is None
+    assert state["ground_truth"]["summary"]
+    listed = {device["id"]: device for device in (await client.get("devices")).json()}
+    assert listed[url.split("/")[1]]["axes"][0]["condition"] == condition
+
+
+async def test_arrival_names_what_would_not_be_seen(client: httpx.AsyncClient, clock: VirtualClock) -> None:
+    url = "devices/bench/axes/0"
+    assert (await client.get(url)).json()["condition"]["kind"] == "ready"
+    await client.post(f"{url}/move", json={"target": 3000})
+    assert (await client.get(url)).json()["condition"]["kind"] == "moving"
+    await clock.advance(10)
+    found = (await client.get(url)).json()["condition"]
+    assert (found["kind"], found["cause"]) == ("on_target", "at its target; lost steps would not be seen")
+    assert found["since_s"] == (await client.get(url)).json()["condition"]["since_s"]
+
+
+async def test_a_connection_that_is_gone_is_told_with_the_error(client: httpx.AsyncClient, clock: VirtualClock) -> None:
+    url = await added(client, "tmc5160")
+    device = url.split("/axes")[0]
+    await client.patch(f"{device}/emulator", json={"faults": {"unplugged": True}})
+    refused = await client.get(url)
+    condition = refused.json()["condition"]
+    assert (refused.status_code, condition["kind"]) == (409, "not_connected")
+    assert condition["remedy"] == {
+        "label": "connect",
+        "method": "POST",
+        "path": f"/api/v1/{device}/connect",
+        "body": None,
+        "moves": False,
+    }
+    assert (await client.get(device)).json()["axes"][0]["condition"]["kind"] == "not_connected"
+    await client.patch(f"{device}/emulator", json={"faults": {"unplugged": False}})
+    assert (await client.post(condition["remedy"]["path"].removeprefix("/api/v1/"))).json()["state"] == "connected"
+    assert (await client.get(url)).json()["condition"]["kind"] == "cannot_move"
+
+
+def test_the_judge_knows_no_family() -> None:
+    import app.conditions
+
+    names = {*MODELS, "tmc5xxx", "pd42", "tmcl"}
+    for path in Path(app.conditions.__file__).parent.glob("*.py"):
+        assert not [name for name in names if name in path.read_text().lower()], path
