@@ -24,12 +24,14 @@ from app.api.schemas import AxisProblem, Condition, Problem
 from app.links.errors import (
     BadReply,
     BenchError,
+    DownloadMode,
     LinkDown,
     LinkError,
     LinkTimeout,
     OutOfRange,
     SoftLimit,
     StoreUnavailable,
+    UnknownParameter,
     UnknownThing,
     UsageError,
     WriteRefused,
@@ -60,6 +62,8 @@ KINDS: dict[type[Exception], Kind] = {
     ScriptFailed: Kind(409, "/problems/script-failed", "The script did not pass its trial"),
     BenchTaken: Kind(409, "/problems/bench-taken", "Somebody else has the bench"),
     BenchNotTaken: Kind(409, "/problems/bench-not-taken", "This session has not taken the bench"),
+    DownloadMode: Kind(409, "/problems/download-mode", "Download mode: polling paused"),
+    UnknownParameter: Kind(409, "/problems/unknown-parameter", "This module has no such parameter"),
     WrongState: Kind(409, "/problems/wrong-state", "Not possible now"),
     LinkDown: Kind(
         409,

@@ -309,10 +309,17 @@ class Device(ABC):
             self.limiter.at(axis, count)
         self._tell(PositionSeen(axis, count, asked_at_s, encoder_count))
 
+    @property
+    def held_back(self) -> WrongState | None:
+        """Why the driver keeps still although the link may work; None while it does not."""
+        return None
+
     def _link_result(self, error: LinkError | None) -> None:
         if self._state == "disconnected":
             return
-        if error is None:
+        if error is None and (why := self.held_back) is not None:
+            self.set_state("failed", why)
+        elif error is None:
             self.set_state("connected")
         else:
             self.set_state("failed", error)

@@ -198,7 +198,7 @@ class DeviceManager:
     async def _let_go(self, device: Device) -> None:
         await self._end_watch(device)
         moved = [axis.index for axis in device.axes if device.motion_commands[axis.index]]
-        if moved and device.state == "connected":
+        if moved and (device.state == "connected" or device.held_back is not None):
             # What comes of it nobody is there to hear; the link is closed next.
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(LET_GO_S):

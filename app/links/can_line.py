@@ -186,6 +186,10 @@ class CanPort(LinePort):
     def name(self) -> str:
         return f"{self.line.name}, module {self.route.send_id}"
 
+    def address_of(self, frame: bytes) -> int:
+        del frame
+        return self.address
+
     async def exchange_many(
         self,
         frames: Sequence[bytes],

@@ -24,11 +24,10 @@ from app.links.errors import BadReply, LinkTimeout
 from app.links.incidents import IncidentKind, Incidents
 from app.links.port import Answer
 from app.links.streams import Stream
-from app.links.tmcl import FRAME_BYTES, Request, check_reply, has_plain_reply, is_event, sound
+from app.links.tmcl import FRAME_BYTES, Request, check_reply, has_plain_reply, is_event, sound, stops
 from app.registers.landungsbruecke import BoardOpcode
-from app.registers.tmcl import Opcode, Status
+from app.registers.tmcl import CONTROL_FIRST, Opcode, Status
 
-RFS_STOP = 1
 FENCES = {
     Opcode.GET_VERSION: 1,
     Opcode.GET_STATUS: 0,
@@ -45,7 +44,8 @@ PAD_WAIT_S = 0.05
 
 
 class Dialogue(Conversation):
-    """One open line of TMCL modules. `tell_event` gets each event frame."""
+    """One open line of TMCL modules. `tell_event` gets each event frame; `stores` tells whether the module at an
+    address is in download mode, where every question but a control command would become part of its program."""
 
     frame_bytes = FRAME_BYTES
 
@@ -56,9 +56,11 @@ class Dialogue(Conversation):
         incidents: Incidents,
         tell_event: Callable[[bytes], None],
         byte_s: float = 0.0,
+        stores: Callable[[int], bool] = lambda _: False,
     ) -> None:
         super().__init__(name, stream, incidents, byte_s)
         self._tell_event = tell_event
+        self._stores = stores
         self._trusted: set[int] = set()
         """Addresses that are in step. Nobody is at first: a module may owe an answer to whoever was here before."""
         self._owed: dict[int, dict[int, None]] = {}
@@ -81,8 +83,8 @@ class Dialogue(Conversation):
         if self._heard:
             self._judge(self._listen(b""))
         for frame in frames:
-            if replies and preempted():
-                break
+            if replies and (preempted() or _was_stored(replies[-1])):
+                break  # in download mode the next frame would be stored too: whoever asks has to be told first
             address, opcode = frame[0], frame[1]
             # The common case, as short as it can be: in step, a plain answer, in one piece, and right.
             if always and address in trusted and (opcode < Opcode.STOP_APPLICATION or opcode in _REGISTERS):
@@ -92,7 +94,7 @@ class Dialogue(Conversation):
                     unasked = read(0)
                     if unasked:
                         self._judge(self._listen(unasked))
-                        if address not in trusted and not _stops(frame):
+                        if address not in trusted and not stops(frame):
                             raise self._not_sent()
                     write(frame)
                 reply = read(timeout_s)
@@ -109,16 +111,16 @@ class Dialogue(Conversation):
                 # Nothing at all: then the time is up already.
                 reply = self._sort_out(frame, reply, timeout_s if reply else 0.0, timeout_s, answer)
             else:
-                if self._foreign and not _stops(frame):
+                if self._foreign and not stops(frame):
                     raise self._not_sent()
-                if address not in trusted and not _stops(frame):
+                if address not in trusted and not stops(frame):
                     self._get_in_step(frame, timeout_s)
                     if preempted():
                         break
                 unasked = read(0)
                 if unasked:
                     self._judge(self._listen(unasked))
-                    if self._foreign and not _stops(frame):
+                    if self._foreign and not stops(frame):
                         raise self._not_sent()
                 write(frame)
                 reply = self._sort_out(
@@ -135,7 +137,7 @@ class Dialogue(Conversation):
         """
         read = self._stream.read
         until_s = time.monotonic() + wait_s
-        stopping = frame[0] not in self._trusted and _stops(frame)
+        stopping = frame[0] not in self._trusted and stops(frame)
         found: bytes | None = None
         while True:
             while len(data) >= FRAME_BYTES and not (stopping and found is not None):
@@ -259,7 +261,8 @@ class Dialogue(Conversation):
     def _fence(self, address: int) -> Request:
         """A question whose answer cannot be that to an earlier one; where all are owed, the one asked longest ago."""
         owed = list(self._owed.get(address, ()))
-        opcode = min(FENCES, key=lambda fence: owed.index(fence) if fence in owed else -1)
+        fences = [fence for fence in FENCES if fence >= CONTROL_FIRST] if self._stores(address) else FENCES
+        opcode = min(fences, key=lambda fence: owed.index(fence) if fence in owed else -1)
         return Request(address, opcode, FENCES[opcode])
 
     def _get_in_step(self, frame: bytes, timeout_s: float) -> None:
@@ -331,6 +334,6 @@ class Dialogue(Conversation):
                 return
 
 
-def _stops(frame: bytes) -> bool:
-    """Whether `frame` ends a motion: MST, and RFS STOP without which a search goes on after MST."""
-    return frame[1] == Opcode.MST or (frame[1] == Opcode.RFS and frame[2] == RFS_STOP)
+def _was_stored(reply: bytes) -> bool:
+    """Whether a module says that it has stored a command in its program instead of doing it."""
+    return len(reply) == FRAME_BYTES and reply[2] == Status.STORED and sound(reply)

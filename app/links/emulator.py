@@ -10,7 +10,7 @@ import heapq
 from collections.abc import Callable, Sequence
 
 from app.links import datagram40
-from app.links.errors import LinkDown, LinkError, LinkTimeout
+from app.links.errors import BenchError, LinkDown, LinkTimeout
 from app.links.port import SampleSink, Wire
 
 CATCH_UP_S = 10.0
@@ -41,6 +41,7 @@ class EmulatorPort:
     def __init__(self, wire: Wire, name: str = "") -> None:
         self.wire = wire
         self.samples_missed = 0
+        self.paused: BenchError | None = None
         self.pipelined = wire.model in datagram40.MODELS
         self._name = name or f"emulated {wire.model}"
         self._server = wire.clock.base
@@ -145,16 +146,16 @@ class EmulatorPort:
         self._order += 1
         heapq.heappush(self._due, (sampling.due_s(), self._order, sampling))
 
-    def _take_due(self, now_s: float) -> LinkError | None:
+    def _take_due(self, now_s: float) -> BenchError | None:
         """Take what is due by server time `now_s` [s], oldest first; the latest failure is returned, not raised."""
-        failure: LinkError | None = None
+        failure = self.paused
         due = self._due
         while due and due[0][0] <= now_s:
             due_s, _, sampling = heapq.heappop(due)
             if sampling.ended:
                 continue
-            if now_s - due_s > CATCH_UP_S:
-                behind = int((now_s - due_s) / sampling.period_s)
+            if now_s - due_s > CATCH_UP_S or self.paused is not None:
+                behind = int((now_s - due_s) / sampling.period_s) + (self.paused is not None)
                 self.samples_missed += behind
                 sampling.taken += behind
                 self._push(sampling)
@@ -164,7 +165,7 @@ class EmulatorPort:
             self._push(sampling)
         return failure
 
-    def _take(self, sampling: _Sampling, chip_s: float) -> LinkError | None:
+    def _take(self, sampling: _Sampling, chip_s: float) -> BenchError | None:
         exchange = self.wire.exchange
         try:
             replies = b"".join([exchange(frame, chip_s) for frame in sampling.frames])

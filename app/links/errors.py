@@ -11,6 +11,8 @@ BenchError
     +-- OutOfRange          a value outside what is allowed
     +-- SoftLimit           a value beyond what the user allows the axis: nothing was sent
     +-- WrongState          right request, wrong moment (mode, not connected, busy)
+        +-- DownloadMode    a module stores commands instead of doing them: nobody asks it anything
+        +-- UnknownParameter    the firmware of a module has no such parameter, port or type
         +-- WriteRefused    the chip did not take a write: the read-back differs
 """
 
@@ -110,6 +112,20 @@ class WrongState(UsageError):
     def __init__(self, message: str, way_out: str = "") -> None:
         super().__init__(f"{message}{'; ' + way_out if way_out else ''}")
         self.way_out = way_out
+
+
+class DownloadMode(WrongState):
+    """A TMCL module stores commands as its program instead of doing them."""
+
+    def __init__(self, why: str) -> None:
+        super().__init__(
+            f"download mode: polling paused, because the module stores commands instead of doing them ({why})",
+            "leave download mode (command 133) when the program is loaded; a stop does that by itself, and then stops",
+        )
+
+
+class UnknownParameter(WrongState):
+    """The firmware of a module has no such parameter, port or type."""
 
 
 class WriteRefused(WrongState):

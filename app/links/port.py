@@ -9,6 +9,7 @@ from typing import Protocol
 
 from app.clock import ScaledClock
 from app.links.arbiter import Arbiter
+from app.links.errors import BenchError
 from app.links.incidents import Incidents
 from app.links.wire_budget import WireBudget
 
@@ -160,6 +161,9 @@ class SamplingPort(FramePort, Protocol):
     Emulators can, because they catch up in exact ticks: whoever talks to the chip next first gets
     all samples that fell due before. Hardware cannot; there the sampler asks over the wire.
     """
+
+    paused: BenchError | None
+    """While there is one, no sample is taken, and `run_due_samples` raises it."""
 
     def start_sampling(self, frames: Sequence[bytes], period_s: float, sink: SampleSink) -> Callable[[], None]:
         """Ask `frames` every `period_s` [s] of server time; returns the function that ends it."""

@@ -25,7 +25,7 @@ from app.links.frame_log import FrameLog
 from app.links.port import Answer, BatchPort, ChainPort, FramePort
 from app.links.wire_budget import Meter
 
-__all__ = ["FrameGate", "LinkQueue", "Priority", "QueueCounts", "SampleDropped", "Turn"]
+__all__ = ["FrameGate", "FrameHold", "LinkQueue", "Priority", "QueueCounts", "SampleDropped", "Turn"]
 
 SAMPLES_WAITING_MAX = 8
 
@@ -47,6 +47,18 @@ class FrameGate(Protocol):
 
     def doubt(self, frames: Sequence[bytes]) -> None:
         """They may have gone out, or some of them."""
+        ...
+
+
+class FrameHold(Protocol):
+    """Somebody who knows what the far end must not be sent at present, stops included."""
+
+    def refuse(self, frames: Sequence[bytes], priority: Priority, by_hand: bool) -> None:
+        """Raises where one of `frames`, about to go out, must not: then none does. `by_hand`: spelled out by a user."""
+        ...
+
+    def saw(self, frames: Sequence[bytes], replies: Sequence[bytes]) -> None:
+        """The first of `frames` were answered by `replies`."""
         ...
 
 
@@ -86,6 +98,8 @@ class LinkQueue:
         """Why the latest exchange failed; None after a good one."""
         self.gate: FrameGate | None = None
         """Asked about every frame that goes out; None where everything may."""
+        self.holds: tuple[FrameHold, ...] = ()
+        """Asked about every frame right before it goes out, after all waiting, and told of every answer."""
         self.sample_span_s = (0.0, 0.0)
         """When the first and the last frame of the latest sample were answered, device time [s]."""
         self._on_result = on_result
@@ -134,13 +148,19 @@ class LinkQueue:
             first_s, last_s = self.sample_span_s = turn.span_s
             return (first_s + last_s) / 2, b"".join(replies)
 
-    def turn(self, priority: Priority = Priority.COMMAND, guard: Callable[[], None] | None = None) -> Turn:
+    def turn(
+        self,
+        priority: Priority = Priority.COMMAND,
+        guard: Callable[[], None] | None = None,
+        *,
+        by_hand: bool = False,
+    ) -> Turn:
         """`async with queue.turn() as turn: await turn.exchange(frame)`.
 
         `guard` is called right before each frame (or batch) goes out and may raise: how a command
-        learns that a stop overtook it.
+        learns that a stop overtook it. `by_hand`: a user spelled out the very frames.
         """
-        return Turn(self, priority, guard)
+        return Turn(self, priority, guard, by_hand=by_hand)
 
     # --- inside ---------------------------------------------------------------------------------
 
@@ -243,14 +263,17 @@ class LinkQueue:
 class Turn:
     """A transaction: frames of one asker in a row, only more urgent ones may come between."""
 
-    __slots__ = ("_guard", "_held", "_passed", "_priority", "_queue", "span_s")
+    __slots__ = ("_by_hand", "_guard", "_held", "_passed", "_priority", "_queue", "span_s")
 
-    def __init__(self, queue: LinkQueue, priority: Priority, guard: Callable[[], None] | None) -> None:
+    def __init__(
+        self, queue: LinkQueue, priority: Priority, guard: Callable[[], None] | None, *, by_hand: bool = False
+    ) -> None:
         self.span_s = (0.0, 0.0)
         """When the first and the last frame of the latest `exchange_many` were answered, device time [s]."""
         self._queue = queue
         self._priority = priority
         self._guard = guard
+        self._by_hand = by_hand
         self._held = False
         self._passed = False
         """Whether the gate has let pass what is being sent."""
@@ -274,8 +297,8 @@ class Turn:
             return (await self._gated(queue.gate, (frame,), timeout_s, answer))[0]
         if queue._batches is not None:
             return (await self._pieces(queue._batches, (frame,), timeout_s, answer))[0]
-        await self._prepare()
-        return await queue._send(frame, self._priority, timeout_s, answer)
+        await self._prepare((frame,))
+        return self._saw((frame,), [await queue._send(frame, self._priority, timeout_s, answer)])[0]
 
     async def exchange_many(self, frames: Sequence[bytes], timeout_s: float | None = None) -> list[bytes]:
         """Send frames one after another and return the replies; only more urgent ones come between, and nobody at all
@@ -293,8 +316,8 @@ class Turn:
         replies = []
         first_s: float | None = None
         for frame in frames:
-            await self._prepare()
-            replies.append(await queue._send(frame, self._priority, timeout_s, Answer.ALWAYS))
+            await self._prepare((frame,))
+            replies += self._saw((frame,), [await queue._send(frame, self._priority, timeout_s, Answer.ALWAYS)])
             first_s = queue.port.last_exchange_s if first_s is None else first_s
         self.span_s = (first_s or 0.0, queue.port.last_exchange_s)
         return replies
@@ -334,8 +357,8 @@ class Turn:
     async def _chain(self, port: ChainPort, frames: Sequence[bytes], timeout_s: float | None) -> list[bytes]:
         if not frames:
             return []
-        await self._prepare()
-        replies = await self._queue._send_chain(port, frames, self._priority, timeout_s)
+        await self._prepare(frames)
+        replies = self._saw(frames, await self._queue._send_chain(port, frames, self._priority, timeout_s))
         self.span_s = (port.last_exchange_s, port.last_exchange_s)
         return replies
 
@@ -345,17 +368,22 @@ class Turn:
         replies: list[bytes] = []
         first_s: float | None = None
         while len(replies) < len(frames):
-            await self._prepare()
             rest = frames[len(replies) :] if replies else frames
-            got = await self._queue._send_batch(port, rest, self._priority, timeout_s, answer)
+            await self._prepare(rest)
+            got = self._saw(rest, await self._queue._send_batch(port, rest, self._priority, timeout_s, answer))
             if got and first_s is None:
                 first_s = port.batch.started_s + port.batch.answered_s[0]
             replies = replies + got if replies else got
         self.span_s = (first_s or 0.0, port.last_exchange_s)
         return replies
 
-    async def _prepare(self) -> None:
-        """Right before something goes out: let the more urgent go first, and ask the guard."""
+    def _saw(self, frames: Sequence[bytes], replies: list[bytes]) -> list[bytes]:
+        for hold in self._queue.holds:
+            hold.saw(frames, replies)
+        return replies
+
+    async def _prepare(self, frames: Sequence[bytes]) -> None:
+        """Right before `frames` go out: let the more urgent go first, and ask the guard and the holds."""
         queue = self._queue
         if queue._arbiter.most_urgent < self._priority:
             queue.counts.overtaken += 1
@@ -364,6 +392,8 @@ class Turn:
             self._held = True
         if self._guard is not None:
             self._guard()
+        for hold in queue.holds:
+            hold.refuse(frames, self._priority, self._by_hand)
 
 
 def _received(error: LinkError) -> bytes:

@@ -20,6 +20,7 @@ from app.clock import Clock, WallClock
 from app.links.arbiter import Arbiter
 from app.links.conversation import Conversation
 from app.links.dialogue import Dialogue
+from app.links.download import Downloads
 from app.links.errors import LinkDown
 from app.links.incidents import Incidents
 from app.links.line_thread import Job, LineThread
@@ -66,6 +67,8 @@ class Line:
         """The file that it opens; empty where there is none of its own."""
         self.arbiter = Arbiter()
         self.incidents = Incidents()
+        self.downloads = Downloads()
+        """Which of its TMCL modules are in download mode."""
         self.users: set[LinePort] = set()
         """Ports that have the line open."""
         self.ports: weakref.WeakSet[LinePort] = weakref.WeakSet()
@@ -91,7 +94,7 @@ class Line:
 
     def converse(self, stream: Stream, byte_s: float, tell_event: Callable[[bytes], None]) -> Conversation:
         """How the open line is talked over, on its thread; `byte_s` is the time of a byte [s]."""
-        return Dialogue(self.name, stream, self.incidents, tell_event, byte_s)
+        return Dialogue(self.name, stream, self.incidents, tell_event, byte_s, self.downloads.stores)
 
     def put(self, port: LinePort, job: Job) -> None:
         """Raises LinkDown where others have the line open at another baud rate."""
@@ -205,6 +208,10 @@ class LinePort:
             finally:
                 del error  # else the error holds this frame and the frame the error, and both the line
         return job.replies
+
+    def address_of(self, frame: bytes) -> int:
+        """The address of the module that a frame through this port reaches."""
+        return frame[0]
 
     def check(self, frames: Sequence[bytes]) -> None:
         """Raises ValueError for a frame of another length than 9."""

@@ -16,6 +16,7 @@ from app.links.errors import BadReply
 from app.registers.tmcl import COORDINATES_IN_EEPROM, EXTENDED_ERRORS, STATUS_TEXTS, Opcode, Status
 
 FRAME_BYTES = 9
+RFS_STOP = 1
 _BODY = struct.Struct(">BBBBi")
 VALUE_MIN, VALUE_MAX = -(1 << 31), (1 << 31) - 1
 
@@ -147,6 +148,13 @@ def module_version(value: int) -> tuple[int, str]:
     """Module number and version, e.g. (1241, "1.44"), of the answer to command 136 type 1."""
     raw = value & 0xFFFF_FFFF
     return raw >> 16, f"{raw >> 8 & 0xFF}.{raw & 0xFF:02d}"
+
+
+def stops(request: bytes) -> bool:
+    """Whether `request` ends a motion: MST, RFS STOP without which a search goes on after MST, and 133, without which
+    a module in download mode stores both of them instead."""
+    opcode = request[1]
+    return opcode in (Opcode.MST, Opcode.EXIT_DOWNLOAD) or (opcode == Opcode.RFS and request[2] == RFS_STOP)
 
 
 def is_retriable(request: bytes) -> bool:

@@ -46,7 +46,7 @@ class Calls:
     async def do(self, request: Request, register: Register | None = None) -> Reply:
         """The answer to a command that was done. Raises LinkError, and by status UsageError."""
         reply = await self.reply(request)
-        if not reply.ok:
+        if reply.status != Status.OK:
             raise refusal(request, reply, register, self.unit_mode)
         return reply
 
@@ -83,7 +83,7 @@ class Calls:
             except BadReply:
                 values.append(await self.get(register))
                 continue
-            if not reply.ok:
+            if reply.status != Status.OK:
                 raise refusal(request, reply, register, self.unit_mode)
             values.append(self._value(register, reply))
         return values

@@ -9,7 +9,7 @@ from app.devices.pd42 import rows
 from app.devices.pd42.frames import spelled, written_by
 from app.devices.pd42.parameters import Parameters
 from app.devices.results import RawExchange, TmclExchange
-from app.links.errors import BadReply, LinkError, OutOfRange, UnknownThing
+from app.links.errors import BadReply, LinkError, OutOfRange, UnknownThing, WrongState
 from app.links.port import Answer
 from app.links.queue import Priority
 from app.links.tmcl import (
@@ -24,10 +24,12 @@ from app.links.tmcl import (
     version_string,
 )
 from app.registers.model import Register, Space, to_raw
-from app.registers.tmcl import BY_MNEMONIC, BY_OPCODE, Opcode
+from app.registers.tmcl import BY_MNEMONIC, BY_OPCODE, CONTROL_FIRST, Opcode, Status
 
 STOPPING = frozenset({Opcode.MST, Opcode.STOP_APPLICATION, Opcode.RESET_APPLICATION, Opcode.FACTORY_DEFAULT})
 """Commands that stop a motor, or the program that may turn it."""
+BOOT_LOADER = frozenset({*range(200, 209), Opcode.BOOT})
+"""Commands that start the boot loader or are its own: it erases and writes the firmware."""
 UNANSWERED_S = 0.1
 """How long an answer is waited for that need not come [s]."""
 
@@ -104,8 +106,11 @@ class Console(Parameters):
 
     async def _exchange(self, request: Request, frame: bytes) -> tuple[bytes, float]:
         """The raw answer, b"" where there is none and need not be, and how long it took [ms]."""
-        moves = request.address == self.address and _may_move(request)
-        await self._learn(request)
+        self._require_harmless(request)
+        stored = request.opcode < CONTROL_FIRST and self.download.problem is not None
+        moves = request.address == self.address and not stored and _may_move(request)
+        if not stored:
+            await self._learn(request)
         self._allow(request)
         if moves:
             # Told before it goes out: whatever runs on this axis has to let go of it first.
@@ -115,7 +120,7 @@ class Console(Parameters):
             answer = Answer.MAYBE
         began = time.perf_counter()
         guard = self.stop_guard([0]) if moves and request.opcode not in STOPPING else None
-        async with self.queue.turn(Priority.COMMAND, guard) as turn:
+        async with self.queue.turn(Priority.COMMAND, guard, by_hand=True) as turn:
             try:
                 reply = await turn.exchange(frame, UNANSWERED_S if answer is Answer.MAYBE else None, answer)
             except LinkError as error:
@@ -125,9 +130,27 @@ class Console(Parameters):
         took_ms = (time.perf_counter() - began) * 1e3
         if reply:
             self._saw_exchange(request, frame, reply)
-        if moves:
+        if moves and self.download.problem is None:
             await self._moved_by_hand(request)
         return reply, took_ms
+
+    def _require_harmless(self, request: Request) -> None:
+        """Raises WrongState for a command after which the module could not be driven, or its motor not be seen."""
+        if request.opcode in BOOT_LOADER:
+            raise WrongState(
+                f"command {request.opcode} belongs to the boot loader: it ends the firmware, and with it every way to "
+                "stop the motor",
+                "update the firmware with the maker's TMCL-IDE, while this device is disconnected here",
+            )
+        if request.opcode == Opcode.ENTER_DOWNLOAD and request.address == self.address and self._moves():
+            raise WrongState(
+                "the motor moves, and in download mode nobody could look at it",
+                "stop it, then enter download mode",
+            )
+
+    def _moves(self) -> bool:
+        """Whether a motion is under way, as far as this driver knows."""
+        raise NotImplementedError
 
     async def _learn(self, request: Request) -> None:
         """Read what a command counts from, where soft limits have to know it."""
@@ -150,7 +173,7 @@ class Console(Parameters):
             return
         space, number = place
         register = self.table.at(number, space)
-        if not answer.ok or register is None or (space is Space.AXIS and request.motor != register.axis):
+        if answer.status != Status.OK or register is None or (space is Space.AXIS and request.motor != register.axis):
             return
         if request.opcode == Opcode.GAP:
             self._saw(register, register.decode(answer.value))

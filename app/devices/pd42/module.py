@@ -17,14 +17,16 @@ from app.devices.lookup import Lookup
 from app.devices.own_tasks import OwnTasks
 from app.devices.pd42 import rows, units
 from app.devices.pd42.calls import Calls
-from app.links.errors import BadReply, LinkError, WrongState
+from app.links.download import DownloadHold, Downloads
+from app.links.errors import BadReply, DownloadMode, LinkError, WrongState
 from app.links.port import FramePort
 from app.links.queue import Priority
+from app.links.serial_line import LinePort
 from app.links.tmcl import Request, module_version
 from app.links.wire_budget import WireBudget
 from app.registers.model import Register, Space
 from app.registers.pd42 import MODULE
-from app.registers.tmcl import Opcode
+from app.registers.tmcl import Opcode, Status
 
 FIRMWARE = "1.44"
 """The version whose manual the table follows."""
@@ -32,6 +34,8 @@ NOISE_S = 0.05
 """How long a garbled answer may be the latest news of the link before it counts as failed [s]."""
 REFRESHED = 4
 """How many of the remembered parameters each `refresh` reads again."""
+DOWNLOADING = 129
+"""The global parameter that is 1 in download mode, where it cannot be read: the question is stored, status 101."""
 ADDRESS = 1
 """Of a module as it comes (GP 0, 66)."""
 
@@ -50,6 +54,9 @@ class Module(Device):
         """Axis parameters as last seen, by number; forgotten when the link fails."""
         self._next_look = cycle(rows.REMEMBERED)
         self._tasks = OwnTasks()
+        self.download = self._hold_of(port)
+        """Whether the module is in download mode; then nothing goes out but what its user sends, and stops."""
+        self.queue.holds = (self.download,)
 
     # --- turns ----------------------------------------------------------------------------------
 
@@ -67,6 +74,12 @@ class Module(Device):
     async def probe(self) -> str:
         async with self.calls() as calls:
             reply = await calls.do(Request(self.address, Opcode.GET_VERSION, 1))
+            # Alone: where the module is in download mode already, this one question tells, and is stored.
+            told = await calls.reply(Request(self.address, Opcode.GGP, DOWNLOADING))
+        if told.status == Status.OK and told.value:
+            self.download.downloads.begin(self.download.address, f"global parameter {DOWNLOADING} is {told.value}")
+        if (problem := self.download.problem) is not None:
+            raise problem
         number, version = module_version(reply.value)
         if number != MODULE:
             raise WrongState(
@@ -132,6 +145,28 @@ class Module(Device):
         """Axis parameters of which nobody knows any more what they are."""
         for number in numbers:
             self._known.pop(number, None)
+
+    # --- download mode --------------------------------------------------------------------------
+
+    def _hold_of(self, port: FramePort) -> DownloadHold:
+        if isinstance(port, LinePort):
+            return DownloadHold(port.line.downloads, port.address, port.address_of, self._download_changed)
+        return DownloadHold(Downloads(), self.address, lambda frame: frame[0], self._download_changed)
+
+    @property
+    def held_back(self) -> WrongState | None:
+        return super().held_back or self.download.problem
+
+    def _download_changed(self) -> None:
+        why = self.download.problem
+        if self.sampling_port is not None:
+            self.sampling_port.paused = why
+        if self.state == "disconnected":
+            return
+        if why is not None:
+            self.set_state("failed", why)
+        elif isinstance(self.problem, DownloadMode):
+            self.set_state("connecting")  # what was not learnt while nothing could be asked, the watch asks now
 
     # --- the link -------------------------------------------------------------------------------
 

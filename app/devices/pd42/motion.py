@@ -319,6 +319,9 @@ class Motion(Console):
             with contextlib.suppress(BenchError):  # the command itself is done: what fails now is not its failure
                 await self._look_after(calls)
 
+    def _moves(self) -> bool:
+        return self._watch.under_way is not None
+
     async def _look_after(self, calls: Calls) -> None:
         """After a command that was not one of ours: what does the axis do now, and what is to be expected?"""
         position, speed, target, target_speed = await calls.get_many(

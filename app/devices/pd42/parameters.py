@@ -17,7 +17,16 @@ from app.devices.results import (
     RegisterWritten,
     WriteItem,
 )
-from app.links.errors import BadReply, BenchError, LinkTimeout, OutOfRange, UsageError, WriteRefused, WrongState
+from app.links.errors import (
+    BadReply,
+    BenchError,
+    LinkTimeout,
+    OutOfRange,
+    UnknownParameter,
+    UsageError,
+    WriteRefused,
+    WrongState,
+)
 from app.links.tmcl import Request
 from app.registers.model import Register, Space, to_raw
 from app.registers.tmcl import COORDINATES_IN_EEPROM, Opcode
@@ -77,7 +86,7 @@ class Parameters(Module):
             async with self.calls() as calls:
                 try:
                     values += await calls.get_many(chunk)
-                except UsageError:  # the table knows more than this firmware
+                except UnknownParameter:  # the table knows more than this firmware
                     for register in chunk:
                         values.append(await _value_or_none(calls, register))
         return values
@@ -156,7 +165,7 @@ class Parameters(Module):
             return None
         try:
             return await calls.get(register)
-        except UsageError:  # the table knows more than this firmware: the write itself will tell
+        except UnknownParameter:  # the table knows more than this firmware: the write itself will tell
             return None
 
     def _wrote(self, register: Register, old: int | None, value: int, came: RegisterWritten | BenchError) -> None:
@@ -282,5 +291,5 @@ class Parameters(Module):
 async def _value_or_none(calls: Calls, register: Register) -> int | None:
     try:
         return await calls.get(register)
-    except UsageError:
+    except UnknownParameter:
         return None

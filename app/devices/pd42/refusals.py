@@ -3,7 +3,16 @@
 from __future__ import annotations
 
 from app.devices.pd42.frames import spelled
-from app.links.errors import BadReply, BenchError, LinkError, LinkTimeout, OutOfRange, WrongState
+from app.links.errors import (
+    BadReply,
+    BenchError,
+    DownloadMode,
+    LinkError,
+    LinkTimeout,
+    OutOfRange,
+    UnknownParameter,
+    WrongState,
+)
 from app.links.tmcl import Reply, Request
 from app.registers.model import Register
 from app.registers.tmcl import Status
@@ -27,10 +36,12 @@ def refusal(
     """The error for an answer whose status is one. `register` is the row that `request` is about, if there is one."""
     what = spelled(request) if register is None else f"{register.name} ({register.alias})"
     match reply.status:
+        case Status.STORED:
+            return DownloadMode(f"it answered {what} with status {Status.STORED}: stored, not done")
         case Status.INVALID_COMMAND:
             return WrongState(f"the module does not know {spelled(request)}", "its firmware may be another version")
         case Status.WRONG_TYPE:
-            return WrongState(
+            return UnknownParameter(
                 f"the module refused {what}: it has no such parameter, port or type",
                 "its firmware may be another version: see command 136",
             )

@@ -18,7 +18,7 @@ from app.devices.pd42.calls import Calls
 from app.devices.pd42.motion import STATUS, STOP, Motion
 from app.devices.pd42.refusals import limits
 from app.devices.results import StopMode, StopOutcome
-from app.links.errors import BenchError, LinkDown, WriteRefused, WrongState
+from app.links.errors import BenchError, DownloadMode, LinkDown, WriteRefused, WrongState
 from app.links.queue import Priority
 from app.links.tmcl import Request
 from app.registers.tmcl import Opcode
@@ -43,6 +43,22 @@ class Stops(Motion):
         return outcomes
 
     async def _stop(self, calls: Calls, mode: StopMode) -> BenchError | None:
+        # In download mode a stop would be stored, so that ends first. Where it fails, the stop goes out all the same:
+        # its own answer tells whether it was stored.
+        if self.download.problem is not None:
+            await self._leave_download(calls)
+        problem = await self._stop_motor(calls, mode)
+        if not isinstance(problem, DownloadMode):
+            return problem
+        # The module said that it has stored the stop, so it came into download mode by somebody else's hand.
+        await self._leave_download(calls)
+        return await self._stop_motor(calls, mode)
+
+    async def _leave_download(self, calls: Calls) -> None:
+        with contextlib.suppress(BenchError):
+            await calls.do(Request(self.address, Opcode.EXIT_DOWNLOAD))
+
+    async def _stop_motor(self, calls: Calls, mode: StopMode) -> BenchError | None:
         searching = self._driven in ("search", None)
         problem: BenchError | None = None
         if searching:

@@ -93,6 +93,7 @@ async def test_a_program_that_is_downloaded_is_judged_command_by_command() -> No
         assert (await device.tmcl("ROR", 0, 0, 15_000)).status == 101
         assert (await device.tmcl("SAP", 4, 0, 10)).status == 101
         await device.tmcl(Opcode.EXIT_DOWNLOAD)
+        await made.clock.advance(2.0)
         # What was stored was not done: positioning is as fast as before.
         assert device.limit_warnings(0) == []
         assert device.limiter is not None
