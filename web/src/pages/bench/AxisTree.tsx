@@ -1,5 +1,5 @@
 import { Group, Text, UnstyledButton } from "@mantine/core";
-import { useRef } from "react";
+import { useEffect, useRef } from "react";
 import { Link } from "wouter";
 import type { Device } from "../../api/queries";
 import { fixed } from "../../lib/format";
@@ -20,10 +20,14 @@ interface TreeProps {
   onSelect: (device: string, axis: number) => void;
 }
 
-/** Devices and their axes, each with what it does now. */
+/** From so many axes on a row has one line less: more of them are seen at once. */
+const MANY_AXES = 6;
+
+/** Devices and their axes, each with what it does now. It scrolls in itself: what moves and stops stays in sight. */
 export function AxisTree({ devices, selected, unit, onSelect }: TreeProps) {
+  const many = devices.reduce((count, device) => count + device.axes.length, 0) >= MANY_AXES;
   return (
-    <nav aria-label="Devices and axes" className={classes.tree}>
+    <nav aria-label="Devices and axes" className={classes.tree} data-many={many}>
       {devices.map((device) => (
         <DeviceGroup key={device.id} device={device} selected={selected} unit={unit} onSelect={onSelect} />
       ))}
@@ -80,6 +84,10 @@ interface RowProps {
 
 function AxisRow({ device, axis, emulator, unit, active, onSelect }: RowProps) {
   const live = useLiveAxis(device.id, axis.index);
+  const row = useRef<HTMLButtonElement>(null);
+  useEffect(() => {
+    if (active && row.current) bringIntoList(row.current);
+  }, [active]);
   const scale = scaleOf(axis, device.clock_hz);
   const known = !Number.isNaN(fromSteps(1, unit, scale, "position"));
   const shown = known ? unit : "microsteps";
@@ -87,6 +95,7 @@ function AxisRow({ device, axis, emulator, unit, active, onSelect }: RowProps) {
   const decimals = shown === "microsteps" ? 0 : 2;
   return (
     <UnstyledButton
+      ref={row}
       className={classes.axis}
       data-active={active}
       aria-pressed={active}
@@ -111,9 +120,22 @@ function AxisRow({ device, axis, emulator, unit, active, onSelect }: RowProps) {
         <LiveText read={() => fixed(fromSteps(live.read("velocity"), rate, scale, "velocity"), decimals)} />
         <span className={classes.unit}>{symbolOf(rate)}</span>
       </span>
-      {emulator && <Rail axis={axis} live={live} emulator={emulator} />}
+      {device.emulated && (
+        <span className={classes.rail} aria-hidden>
+          {emulator && <Rail axis={axis} live={live} emulator={emulator} />}
+        </span>
+      )}
     </UnstyledButton>
   );
+}
+
+/** Scrolls the list, and never the page around it, until the row is in sight. */
+function bringIntoList(row: HTMLElement): void {
+  const list = row.closest("nav");
+  if (!list) return;
+  const [at, view] = [row.getBoundingClientRect(), list.getBoundingClientRect()];
+  if (at.top < view.top) list.scrollTop -= view.top - at.top;
+  else if (at.bottom > view.bottom) list.scrollTop += at.bottom - view.bottom;
 }
 
 interface RailProps {
@@ -133,7 +155,7 @@ function Rail({ axis, live, emulator }: RailProps) {
   const geometry = geometryOf(stage.places);
   const percent = (share: number) => `${100 * share}%`;
   return (
-    <span className={classes.rail} aria-hidden>
+    <>
       <span
         className={classes.railSpan}
         style={{ left: percent(geometry.left), width: percent(geometry.right - geometry.left) }}
@@ -145,6 +167,6 @@ function Rail({ axis, live, emulator }: RailProps) {
         />
       )}
       <span ref={carriage} className={classes.railCarriage} />
-    </span>
+    </>
   );
 }

@@ -1,4 +1,4 @@
-import { Button, Loader, Stack, Text, VisuallyHidden } from "@mantine/core";
+import { Button, Text, VisuallyHidden } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { IconAdjustmentsAlt, IconPlugConnected } from "@tabler/icons-react";
 import { useQueryClient } from "@tanstack/react-query";
@@ -28,12 +28,7 @@ const EventsTimeline = later(() => import("../events/EventsTimeline").then((part
 /** All axes at a glance, one in the hand, and the scope on it. */
 export default function BenchPage() {
   const devices = useDevices();
-  if (devices.data === undefined)
-    return devices.isError ? null : (
-      <Stack align="center" py="xl">
-        <Loader aria-label="Looking for devices" />
-      </Stack>
-    );
+  if (devices.data === undefined) return devices.isError ? null : <Skeleton />;
   if (devices.data.length === 0)
     return (
       <EmptyState title="No device yet" icon={<IconPlugConnected size={22} />}>
@@ -47,6 +42,22 @@ export default function BenchPage() {
     <BenchLive>
       <Bench devices={devices.data} lost={devices.isError} />
     </BenchLive>
+  );
+}
+
+/** The bench's boxes while nobody knows yet what is in them: each already where it will be. */
+function Skeleton() {
+  return (
+    <div className={classes.bench} role="status" aria-label="Looking for devices">
+      <div className={classes.side}>
+        <div className={classes.card} data-skeleton />
+        <div className={classes.tree} data-skeleton />
+      </div>
+      <div className={classes.stageAndScope}>
+        <div className={classes.stageBox} data-skeleton />
+        <div className={classes.scopeSkeleton} />
+      </div>
+    </div>
   );
 }
 
@@ -70,15 +81,15 @@ function Bench({ devices, lost }: BenchProps) {
         <h1>Bench</h1>
       </VisuallyHidden>
       <div className={classes.side}>
+        {device && entry && (
+          <MotionCard device={asKnown(device)} axis={entry} unit={settings.unit} onUnit={(unit) => change({ unit })} />
+        )}
         <AxisTree
           devices={devices.map(asKnown)}
           selected={device ? { device: device.id, axis } : null}
           unit={settings.unit}
           onSelect={select}
         />
-        {device && entry && (
-          <MotionCard device={asKnown(device)} axis={entry} unit={settings.unit} onUnit={(unit) => change({ unit })} />
-        )}
       </div>
       <div className={classes.stageAndScope}>
         <DemoBanner devices={devices} />
@@ -145,9 +156,7 @@ function Stage({ device, axis, open, onToggle }: StageProps) {
   );
   return (
     <div className={classes.stageBox}>
-      {(emulator.data !== undefined || !device.emulated) && (
-        <StageDrawing device={device} axis={axis} live={live} emulator={emulator.data} search={search.data} />
-      )}
+      <StageDrawing device={device} axis={axis} live={live} emulator={emulator.data} search={search.data} />
       {device.emulated && (
         <Button
           size="compact-xs"

@@ -57,7 +57,7 @@ export function DemoBanner({ devices }: { devices: readonly Device[] }) {
         {running ? "End demo motion" : "Start demo motion"}
       </Button>
       {running ? (
-        <Group gap="4px 14px" className={classes.next}>
+        <Group gap={14} className={classes.next} wrap="nowrap">
           <Text size="sm" c="dimmed">
             Next:
           </Text>
@@ -73,9 +73,9 @@ export function DemoBanner({ devices }: { devices: readonly Device[] }) {
           ))}
         </Group>
       ) : (
-        <Group gap="4px 14px" className={classes.next}>
-          <Text size="sm">
-            {axes.length} emulated axes are ready. They run the chips' own ramp law, and nothing can break.
+        <Group gap={14} className={classes.next} wrap="nowrap">
+          <Text size="sm" truncate>
+            {axes.length} emulated axes are ready: nothing can break.
           </Text>
           <TryModels devices={devices} />
         </Group>

@@ -84,7 +84,17 @@ export function StageDrawing({ device, axis, live, emulator, search }: Props) {
     [live],
   );
 
-  if (!stage) return null;
+  const searching = search !== undefined && search.state !== "idle";
+  const height = 100 + (searching ? SEARCH_PX : 0);
+  const kind = device.emulated ? "Emulated stage" : "Stage, as far as it was seen,";
+  const figure = {
+    ref: box,
+    className: classes.stage,
+    style: { height },
+    "aria-label": `${kind} of ${device.name} ${axis.name}`,
+    "data-testid": "stage",
+  };
+  if (!stage) return <figure {...figure} aria-busy />; // its place is kept until the emulator has answered
   const at = (fullsteps: number) => START_X + ((fullsteps - stage.from) / (stage.to - stage.from)) * travel;
   const microsteps = scale.microstepsPerFullStep ?? 64;
   const perMm = scale.travelMmPerRev === null ? null : toSteps(1, "mm", scale, "position") / microsteps;
@@ -113,18 +123,8 @@ export function StageDrawing({ device, axis, live, emulator, search }: Props) {
       </text>
     </g>
   );
-  const searching = search !== undefined && search.state !== "idle";
-  const height = 100 + (searching ? SEARCH_PX : 0);
-  const kind = device.emulated ? "Emulated stage" : "Stage, as far as it was seen,";
-
   return (
-    <figure
-      ref={box}
-      className={classes.stage}
-      style={{ height }}
-      aria-label={`${kind} of ${device.name} ${axis.name}`}
-      data-testid="stage"
-    >
+    <figure {...figure}>
       <svg width={width} height={height} role="img" aria-label={`Carriage of ${axis.name} between its switches`}>
         <defs>
           <pattern ref={spindle} id={thread} width={PITCH} height="12" patternUnits="userSpaceOnUse">

@@ -50,7 +50,7 @@ export function TryModels({ devices }: { devices: readonly Device[] }) {
   const put = (model: Entry) => void action.run(`Adding an emulated ${model.title}`, () => add(model.name as Model));
   const families = [...byFamily(others)];
   return (
-    <Group gap={6}>
+    <Group gap={6} wrap="nowrap" flex="none">
       <Text size="sm" c="dimmed">
         Try also:
       </Text>

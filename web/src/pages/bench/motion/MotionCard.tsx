@@ -97,55 +97,63 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
         />
         <Lamps live={live} model={device.model} />
       </Group>
-      {device.problem && <ProblemAlert error={device.problem} doing={device.name} />}
-      {!connected && (
-        <Text size="xs">
-          Not connected: see <Link href="/connections">Connections</Link>.
-        </Text>
-      )}
       <Stack gap={8}>
         <MoveSection key={`${device.id}/${axis.index}`} {...common} />
         <JogSection key={`jog ${device.id}/${axis.index}`} {...common} topSpeedPps={topSpeed} />
       </Stack>
-      {action.failure && (
-        <ProblemAlert error={action.failure.error} doing={action.failure.doing} onClose={action.dismiss} />
-      )}
-      {action.notes.map((note) => (
-        <Text key={note} size="xs" c="dimmed" role="status">
-          {note}
-        </Text>
-      ))}
-      <Tabs
-        defaultValue="shuttle"
-        keepMounted={false}
-        classNames={{ tab: classes.tab ?? "", panel: classes.tabPanel ?? "" }}
-      >
-        <Tabs.List grow>
-          <Tabs.Tab value="shuttle">Shuttle</Tabs.Tab>
-          <Tabs.Tab value="together">Together</Tabs.Tab>
-          <Tabs.Tab value="reference">Zero</Tabs.Tab>
-        </Tabs.List>
-        <Tabs.Panel value="shuttle">
-          <ShuttleSection key={`${device.id}/${axis.index}`} {...common} live={live} />
-        </Tabs.Panel>
-        <Tabs.Panel value="together">
-          <TogetherSection key={device.id} device={device} unit={shown} action={action} disabled={disabled} />
-        </Tabs.Panel>
-        <Tabs.Panel value="reference">
-          {familyOf(device.model) === "module" ? (
-            <ModuleSearch key={`${device.id}/${axis.index}`} at={at} live={live} action={action} disabled={disabled} />
-          ) : (
-            <ReferenceSection
-              key={`${device.id}/${axis.index}`}
-              at={at}
-              model={device.model}
-              live={live}
-              action={action}
-              disabled={disabled}
-            />
-          )}
-        </Tabs.Panel>
-      </Tabs>
+      <div className={classes.cardMore}>
+        {device.problem && <ProblemAlert error={device.problem} doing={device.name} />}
+        {!connected && (
+          <Text size="xs">
+            Not connected: see <Link href="/connections">Connections</Link>.
+          </Text>
+        )}
+        {action.failure && (
+          <ProblemAlert error={action.failure.error} doing={action.failure.doing} onClose={action.dismiss} />
+        )}
+        {action.notes.map((note) => (
+          <Text key={note} size="xs" c="dimmed" role="status">
+            {note}
+          </Text>
+        ))}
+        <Tabs
+          defaultValue="shuttle"
+          keepMounted={false}
+          classNames={{ tab: classes.tab ?? "", panel: classes.tabPanel ?? "" }}
+        >
+          <Tabs.List grow>
+            <Tabs.Tab value="shuttle">Shuttle</Tabs.Tab>
+            <Tabs.Tab value="together">Together</Tabs.Tab>
+            <Tabs.Tab value="reference">Zero</Tabs.Tab>
+          </Tabs.List>
+          <Tabs.Panel value="shuttle">
+            <ShuttleSection key={`${device.id}/${axis.index}`} {...common} live={live} />
+          </Tabs.Panel>
+          <Tabs.Panel value="together">
+            <TogetherSection key={device.id} device={device} unit={shown} action={action} disabled={disabled} />
+          </Tabs.Panel>
+          <Tabs.Panel value="reference">
+            {familyOf(device.model) === "module" ? (
+              <ModuleSearch
+                key={`${device.id}/${axis.index}`}
+                at={at}
+                live={live}
+                action={action}
+                disabled={disabled}
+              />
+            ) : (
+              <ReferenceSection
+                key={`${device.id}/${axis.index}`}
+                at={at}
+                model={device.model}
+                live={live}
+                action={action}
+                disabled={disabled}
+              />
+            )}
+          </Tabs.Panel>
+        </Tabs>
+      </div>
     </section>
   );
 }
