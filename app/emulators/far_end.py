@@ -22,6 +22,11 @@ class FarEnd(ABC):
         self._latest_s = 0.0
         """Where it has been brought to, on `clock` [s]."""
 
+    @property
+    def brought_to_s(self) -> float:
+        """The latest time used, on `clock` [s]."""
+        return self._latest_s
+
     @abstractmethod
     def _run_until(self, at_s: float | None) -> None:
         """Run to `at_s` [s], by default now; never back. The lock is held."""

@@ -53,7 +53,9 @@ class EmulatedBoard:
         if len(frame) != FRAME_BYTES:
             raise ValueError(f"a TMCL frame has {FRAME_BYTES} bytes, not {len(frame)}")
         with self._lock:
-            self._registers.at_s = self.clock.now() if at_s is None else at_s
+            at_s = self.clock.now() if at_s is None else at_s
+            self._firmware.pass_time(at_s, self.chip.brought_to_s)
+            self._registers.at_s = at_s
             return self._firmware.receive(frame)
 
     def unsolicited(self, at_s: float | None = None) -> list[tuple[float, bytes]]:
@@ -64,7 +66,9 @@ class EmulatedBoard:
     def catch_up(self, slice_s: float) -> bool:
         """Bring the chip on by at most `slice_s` [s] of its time; True once it is up to date."""
         with self._lock:
-            return self.chip.catch_up(slice_s)
+            up_to_date = self.chip.catch_up(slice_s)
+            self._firmware.pass_time(self.chip.brought_to_s, self.chip.brought_to_s)
+            return up_to_date
 
     def state(self, at_s: float | None = None) -> BoardState:
         """Everything that GET /emulator of the control port answers."""

@@ -14,9 +14,17 @@ import struct
 from collections.abc import Callable
 
 from app.emulators.board.functions import BoardFunctions
+from app.emulators.board.identity import ABSENT, HARDWARE_VERSION, IdentityEeprom
 from app.emulators.board.refusal import Refusal, invalid_command, invalid_value, wrong_type
 from app.emulators.board.registers import ChipRegisters
-from app.registers.landungsbruecke import ADDRESS, REGISTER_ADDRESS_BITS, BoardOpcode, SlotState
+from app.registers.landungsbruecke import (
+    ADDRESS,
+    CHANNEL_1_BOARDS,
+    CHANNEL_2_BOARDS,
+    REGISTER_ADDRESS_BITS,
+    BoardOpcode,
+    SlotState,
+)
 from app.registers.tmcl import MAGIC, Opcode, Status
 
 HOST = 2
@@ -30,6 +38,7 @@ Handler = Callable[[int, int, int], int]
 """(type, motor or bank, value) to the value of the answer. Raises Refusal."""
 _BODY = struct.Struct(">BBBBi")
 _UF_WRITE, _UF_READ = 69, 70
+MEASURED_VELOCITY = 29
 _INFO = {
     0: MODULE,
     1: VERSION_MAJOR << 16 | VERSION_MINOR,
@@ -38,7 +47,6 @@ _INFO = {
     20: 8,  # bits of an axis parameter's number
     21: REGISTER_ADDRESS_BITS,
     200: 0,  # patch
-    202: 0xFFFF_FFFF,  # versions of the boards: unknown
 }
 
 
@@ -49,6 +57,10 @@ class Firmware:
         self._registers = registers
         self._make_functions = make_functions
         self.power_on()
+        board, driver = self._board.board_id, self._board.driver_id
+        self._identities = {1: IdentityEeprom(CHANNEL_1_BOARDS[board], board)}
+        if driver:
+            self._identities[2] = IdentityEeprom(CHANNEL_2_BOARDS[driver], driver)
 
     def power_on(self) -> None:
         """Start the microcontroller: it finds the boards and sets the chip up."""
@@ -57,6 +69,10 @@ class Firmware:
         """Errors, drivers enabled, debug mode, hardware, SPI clocks [Hz] and modes, bulk bytes, UART's baud rate."""
         self._heard = (0, 0)
         self._board.power_on()
+
+    def pass_time(self, until_s: float, chip_s: float) -> None:
+        """Live on to `until_s` [s] without a command; the chip already stands at `chip_s`."""
+        self._board.pass_time(until_s, chip_s)
 
     @property
     def _slots(self) -> int:
@@ -94,6 +110,9 @@ class Firmware:
             Opcode.GGP: self._get_global,
             Opcode.GIO: self._input,
             Opcode.UF0: self._enable_drivers,
+            Opcode.UF1: self._read_identity,
+            Opcode.UF2: self._write_identity,
+            Opcode.UF4: self._measured,
             Opcode.GET_VERSION: self._version,
             Opcode.RESET_MODULE: self._restart,
             BoardOpcode.GET_IDS: self._assign,
@@ -153,6 +172,30 @@ class Firmware:
         self._globals[2] = int(value != 0)
         return value
 
+    def _read_identity(self, type_: int, motor: int, value: int) -> int:
+        """Four bytes of the EEPROM of the board in slot 1 or 2."""
+        del motor
+        if type_ not in (1, 2):
+            raise wrong_type()
+        return self._identities[type_].read(value) if type_ in self._identities else ABSENT
+
+    def _write_identity(self, type_: int, motor: int, value: int) -> int:
+        """One byte there: the motor's place has it."""
+        if type_ not in (1, 2):
+            raise wrong_type()
+        if type_ not in self._identities:
+            raise Refusal(Status.EEPROM_LOCKED)
+        self._identities[type_].write(value, motor)
+        return value
+
+    def _measured(self, type_: int, motor: int, value: int) -> int:
+        """The measured velocity, as parameter 29, of a board that measures it."""
+        del type_
+        try:
+            return self._axis(Opcode.GAP, MEASURED_VELOCITY, motor, value)
+        except Refusal:
+            raise (invalid_command() if motor < len(self._board.axes) else wrong_type()) from None
+
     def _input(self, type_: int, motor: int, value: int) -> int:
         """Analog inputs: 0 with nothing at them; 5 and 6 are the motor supply."""
         del motor, value
@@ -163,12 +206,16 @@ class Firmware:
     def _version(self, type_: int, motor: int, value: int) -> int:
         del motor
         motors = len(self._board.axes)
-        return {1: VERSION_BINARY, 4: 0x0202, 5: VERSION_MAJOR * 100 + VERSION_MINOR, 6: motors}.get(type_, value)
+        by_eeprom = 0x0202 if 2 in self._identities else 0x0002
+        return {1: VERSION_BINARY, 4: by_eeprom, 5: VERSION_MAJOR * 100 + VERSION_MINOR, 6: motors}.get(type_, value)
 
     def _info(self, type_: int, motor: int, value: int) -> int:
         del motor, value
         if type_ == 201:
             return self._board.board_id << 16 | self._board.driver_id
+        if type_ == 202:
+            version = HARDWARE_VERSION[0] << 8 | HARDWARE_VERSION[1]
+            return version << 16 | (version if 2 in self._identities else 0xFFFF)
         if type_ not in _INFO:
             raise wrong_type()
         return _INFO[type_]

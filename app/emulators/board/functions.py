@@ -82,6 +82,10 @@ class BoardFunctions(Protocol):
         """Commands 152 and 143."""
         ...
 
+    def pass_time(self, until_s: float, chip_s: float) -> None:
+        """Do what is done unasked until `until_s` [s]; the chip already stands at `chip_s`."""
+        ...
+
     def user_function(self, number: int, motor: int, value: int) -> int:
         """Command 144. Raises Refusal."""
         ...

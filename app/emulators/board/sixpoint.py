@@ -2,17 +2,18 @@
 
 Source: boards/TMC5031_eval.c, TMC5062_eval.c, TMC5072_eval.c, TMC5130_eval.c, TMC5160_eval.c of TMC-EvalSystem, and the
 register presets in the headers of TMC-API. Numbers are in the chip's own units: nothing is converted but where a
-parameter is a velocity and the register a TSTEP. Refused with status 3, besides what there is not: the measured speed
-(29; VACTUAL is parameter 3), the reference voltage (9), hysteresis and fast decay under one number (165, 166) and the
-switch between encoder and reference inputs (211); their registers can be reached as such.
+parameter is a velocity and the register a TSTEP. Each board answers the numbers that its own file has, also where its
+chip has no such register or field, and refuses the others with status 3.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from functools import partial
 from types import MappingProxyType
 
+from app.emulators.board import chopper
 from app.emulators.board.functions import Parameters, Read, Write
 from app.emulators.board.refusal import invalid_value, wrong_type
 from app.emulators.board.registers import ChipRegisters
@@ -23,13 +24,21 @@ POSITION, RIGHT, LEFT = 0, 1, 2
 TSTEP_MAX = 0xF_FFFF
 VELOCITY_BITS = 24
 CHOPCONF, CURRENTS = 0x0001_01D5, 0x0007_1703
+GCONF_AT, RAMPMODE_AT, CHOPCONF_AT, COOLCONF_AT, MRES_SHIFT = 0x00, 0x20, 0x6C, 0x6D, 24
+VREF_START_MV, VREF_BELOW_MV = 2000, 2714
+"""The reference voltage of the TMC5130's board, and what it has to be below."""
+MEASURED_S: Mapping[str, float] = MappingProxyType({"tmc5062": 0.025})
+"""How often the firmware looks how far the motors have come [s]."""
+USUALLY_MEASURED_S = 0.005
+UNITS_MS = 1048.576
+"""VACTUAL's unit, microsteps in 2^24 clocks of 16 MHz, in a millisecond."""
 BOARD_IDS: Mapping[str, int] = MappingProxyType(
     {"tmc5031": 2, "tmc5062": 25, "tmc5072": 7, "tmc5130": 5, "tmc5160": 16}
 )
 """What the boards call themselves (BoardAssignment.h)."""
 PRESETS: Mapping[str, Mapping[str, int]] = MappingProxyType(
     {
-        "tmc5031": {"IHOLD_IRUN": CURRENTS, "VHIGH": 0xFF_FFFF, "CHOPCONF": CHOPCONF},
+        "tmc5031": {"IHOLD_IRUN": CURRENTS, "VHIGH": 0xFF_FFFF, "ENC_CONST": 0x1_0000, "CHOPCONF": CHOPCONF},
         "tmc5062": {"IHOLD_IRUN": CURRENTS, "VHIGH": 0xFF_FFFF, "ENC_CONST": 0x1_0000, "CHOPCONF": CHOPCONF},
         "tmc5072": {"IHOLD_IRUN": CURRENTS, "VHIGH": 0xFF_FFFF, "ENC_CONST": 0x1_0000, "CHOPCONF": CHOPCONF},
         "tmc5130": {"IHOLD_IRUN": CURRENTS, "ENC_CONST": 0x1_0000, "CHOPCONF": CHOPCONF},
@@ -59,15 +68,30 @@ VELOCITY_THRESHOLDS = MappingProxyType({22: "VCOOLTHRS", 23: "VHIGH", 182: "VCOO
 TSTEP_THRESHOLDS = MappingProxyType({23: "THIGH", 182: "TCOOLTHRS", 186: "TPWMTHRS"})
 """Of the chips with one axis: velocities here, times of a step there."""
 FIELDS = MappingProxyType(
-    {6: ("IHOLD_IRUN", "IRUN"), 7: ("IHOLD_IRUN", "IHOLD"), 27: ("CHOPCONF", "vhighchm"), 28: ("CHOPCONF", "vhighfs"),
-     30: ("RAMPMODE", ""), 33: ("GCONF", "I_scale_analog"), 34: ("GCONF", "internal_Rsense"),
-     35: ("GLOBAL_SCALER", ""), 162: ("CHOPCONF", "tbl"), 163: ("CHOPCONF", "chm"), 164: ("CHOPCONF", "disfdcc"),
+    {6: ("IHOLD_IRUN", "IRUN"), 7: ("IHOLD_IRUN", "IHOLD"), 28: ("CHOPCONF", "vhighfs"),
+     33: ("GCONF", "I_scale_analog"), 34: ("GCONF", "internal_Rsense"), 162: ("CHOPCONF", "tbl"),
+     163: ("CHOPCONF", "chm"), 164: ("CHOPCONF", "disfdcc"),
      167: ("CHOPCONF", "toff"), 168: ("COOLCONF", "seimin"), 169: ("COOLCONF", "sedn"), 170: ("COOLCONF", "semax"),
      171: ("COOLCONF", "seup"), 172: ("COOLCONF", "semin"), 173: ("COOLCONF", "sfilt"), 174: ("COOLCONF", "sgt"),
      179: ("CHOPCONF", "vsense"), 184: ("CHOPCONF", "rndtf"), 185: ("CHOPCONF", "sync")}
 )  # fmt: skip
-"""Parameters that are part of a register, or with "" all of one, where the chip has that."""
+"""Parameters that are part of a register, where the chip has that."""
+BITS: Mapping[str, Mapping[int, tuple[int, int]]] = MappingProxyType(
+    {
+        "tmc5072": {163: (CHOPCONF_AT, 1 << 13)},  # CHM's number turns RNDTF
+        "tmc5130": {30: (RAMPMODE_AT, 3)},
+        "tmc5160": {34: (0x04, 1 << 1), 35: (0x0B, 0xFF), 184: (CHOPCONF_AT, 1 << 13), 185: (CHOPCONF_AT, 0xF << 20)},
+    }
+)
+"""Parameters that are bits of a register at an address, whatever the chip has there."""
+NOT_IN_CHIP: Mapping[str, Mapping[str, int]] = MappingProxyType(
+    {"tmc5031": {"VDCMIN": 0x33, "X_ENC": 0x39, "ENC_CONST": 0x3A}}
+)
+"""Addresses of the first motor that the firmware uses although nothing is there; the second one's are 0x20 on."""
+ENCODER_BITS = ((1 << 3, 1 << 4), (1 << 6, 1 << 5))
+"""GCONF's bits of each motor that give pins away, and to its encoder: parameter 211."""
 SINGLE_FIELDS = (
+    (27, "CHOPCONF", "vhighchm"),
     (33, "GCONF", "recalibrate"),
     (188, "PWMCONF", "PWM_AMPL"),
     (188, "PWMCONF", "PWM_OFS"),
@@ -95,6 +119,8 @@ class SixPointBoard:
         self._table = table
         self._registers = registers
         self._reset_chip = reset_chip
+        self._measured_every_s = MEASURED_S.get(model, USUALLY_MEASURED_S)
+        self._measured_s = registers.at_s
 
     def power_on(self) -> None:
         """Chip and board got their supply together; the chip is set up."""
@@ -120,9 +146,24 @@ class SixPointBoard:
                 self._registers.write(address, trim.unpack(word) if trim else 0)
             else:
                 self._registers.write(address, presets.get(row.name, 0))
+        for name, address in NOT_IN_CHIP.get(self._model, {}).items():
+            for axis in self.axes:
+                self._registers.write(address + axis.axis * 0x20, presets.get(name, 0))
         if self._model == "tmc5072":
             for axis in self.axes:
                 self._registers.write(self._table.get("PWMCONF", axis.axis).address, PWMCONF_5072)
+
+    def pass_time(self, until_s: float, chip_s: float) -> None:
+        """What the firmware does unasked: it measures velocities. Of all the looks only the last two count."""
+        every_s = self._measured_every_s
+        last_s = math.floor(until_s / every_s + 1e-6) * every_s
+        for at_s in (last_s - every_s, last_s):
+            at_s = max(at_s, chip_s)  # the chip has no past to look at
+            if at_s - self._measured_s > every_s - 1e-6:
+                self._registers.at_s = at_s
+                for axis in self.axes:
+                    axis.measure(at_s - self._measured_s)
+                self._measured_s = at_s
 
     def user_function(self, number: int, motor: int, value: int) -> int:
         """Command 144: pins of the board that the emulated one does not have."""
@@ -135,9 +176,12 @@ class SixPointAxis(Parameters):
 
     def __init__(self, model: str, table: RegisterTable, axis: int, registers: ChipRegisters) -> None:
         self.axis = axis
+        self._model = model
         self._table = table
         self._registers = registers
         self._positioning = 0
+        self._place, self._measured = 0, 0
+        self._vref_mv = VREF_START_MV
         known: dict[int, tuple[Read, Write | None]] = {
             2: (self._reader("VMAX"), lambda value: self._write("VMAX", abs(value))),
             3: (lambda: to_signed(self._read("VACTUAL") & (1 << VELOCITY_BITS) - 1, VELOCITY_BITS), None),
@@ -161,9 +205,18 @@ class SixPointAxis(Parameters):
         for number, (name, part) in READINGS.items():
             self._add_field(number, name, part)
             self._parameters[number] = (self._parameters[number][0], None)
+        for number, (address, mask) in BITS.get(model, {}).items():
+            self._parameters[number] = self._bits(address, mask)
         self._add_switches(model)
-        self._parameters[140] = (lambda: 256 >> self._field("CHOPCONF", "mres"), self._set_resolution)
+        # the TMC5031's board shows another register, which never changes
+        self._parameters[29] = (lambda: 0 if model == "tmc5031" else self._measured, None)
+        self._parameters[140] = (self._resolution, self._set_resolution)
+        self._add_chopper()
         self._parameters[181] = self._stall()
+        if model == "tmc5130":
+            self._parameters[9] = (lambda: self._vref_mv, self._set_vref)
+        if not single:
+            self._parameters[211] = (self._encoder_has_pins, self._give_pins)
 
     # --- motion ----------------------------------------------------------------------------------
 
@@ -181,11 +234,62 @@ class SixPointAxis(Parameters):
         self.move_to(target)
         return target
 
+    def measure(self, seconds: float) -> None:
+        """How far it has come since the last time, `seconds` ago."""
+        place = self._registers.signed(self._table.get("XACTUAL", self.axis).address)
+        way = to_signed(place - self._place & 0xFFFF_FFFF, 32)
+        self._place, self._measured = place, int(way / round(seconds * 1000) * UNITS_MS)
+
     # --- axis parameters -------------------------------------------------------------------------
 
     def _add_register(self, number: int, name: str) -> None:
+        address = NOT_IN_CHIP.get(self._model, {}).get(name)
         if self._row(name) is not None:
             self._parameters[number] = (self._reader(name), partial(self._write, name))
+        elif address is not None:
+            address += self.axis * 0x20
+            # an encoder position is asked from the chip, the others come from the firmware's memory
+            read = (lambda: 0) if name == "X_ENC" else partial(self._registers.signed, address)
+            self._parameters[number] = (read, partial(self._registers.write, address))
+
+    def _bits(self, address: int, mask: int) -> tuple[Read, Write]:
+        """Bits of a register of the first motor's, or of this one's."""
+        if address >= CHOPCONF_AT:
+            address += self.axis * 0x10
+        elif address >= RAMPMODE_AT:
+            address += self.axis * 0x20
+        shift = (mask & -mask).bit_length() - 1
+        registers = self._registers
+        return (
+            lambda: (registers.read(address) & mask) >> shift,
+            lambda value: registers.change(address, mask, value << shift & mask),
+        )
+
+    def _add_chopper(self) -> None:
+        """Numbers 165 and 166."""
+        registers, address = self._registers, self._table.get("CHOPCONF", self.axis).address
+
+        def through(read: chopper.Reader, write: chopper.Writer) -> tuple[Read, Write]:
+            return (
+                lambda: read(registers.read(address)),
+                lambda value: registers.write(address, write(registers.read(address), value)),
+            )
+
+        self._parameters[165] = through(chopper.END_READ[self._model], chopper.END_WRITTEN[self._model])
+        self._parameters[166] = through(chopper.START_READ[self._model], chopper.START_WRITTEN)
+
+    def _set_vref(self, value: int) -> None:
+        if not 0 <= value < VREF_BELOW_MV:
+            raise invalid_value()
+        self._vref_mv = value
+
+    def _encoder_has_pins(self) -> int:
+        others, own = ENCODER_BITS[self.axis]
+        return int(self._registers.read(GCONF_AT) & (others | own) == own)
+
+    def _give_pins(self, value: int) -> None:
+        others, own = ENCODER_BITS[self.axis]
+        self._registers.change(GCONF_AT, others | own, own if value else others)
 
     def _add_field(self, number: int, name: str, part: str) -> None:
         row = self._row(name)
@@ -245,10 +349,21 @@ class SixPointAxis(Parameters):
         if self._read("RAMPMODE") == POSITION:
             self._write("VMAX", self._positioning)
 
+    def _resolution(self) -> int:
+        """Two boards look at a field that is not MRES."""
+        at, shift = {"tmc5031": (COOLCONF_AT, MRES_SHIFT), "tmc5072": (CHOPCONF_AT, 0)}.get(
+            self._model, (CHOPCONF_AT, MRES_SHIFT)
+        )
+        return 256 >> self._bits(at, 0xF << shift)[0]()
+
     def _set_resolution(self, microsteps: int) -> None:
+        """What is no resolution is refused by the boards with one axis, and ignored by the others."""
         if microsteps not in (1 << power for power in range(9)):
-            raise invalid_value()
-        self._set_field("CHOPCONF", "mres", 8 - microsteps.bit_length() + 1)
+            if self._row("THIGH") is not None:
+                raise invalid_value()
+            return
+        for at in (CHOPCONF_AT, COOLCONF_AT) if self._model == "tmc5031" else (CHOPCONF_AT,):
+            self._bits(at, 0xF << MRES_SHIFT)[1](9 - microsteps.bit_length())
 
     # --- registers by name ------------------------------------------------------------------------
 

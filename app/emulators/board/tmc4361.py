@@ -157,6 +157,9 @@ class Tmc4361Board(Parameters):
     def _set_ramp_type(self, value: int) -> None:
         self._registers.change(RAMPMODE, RAMP_TYPE, S_RAMP if value else TRAPEZOID)
 
+    def pass_time(self, until_s: float, chip_s: float) -> None:
+        """Nothing that this board does unasked can be seen."""
+
     # --- user functions --------------------------------------------------------------------------
 
     def user_function(self, number: int, motor: int, value: int) -> int:

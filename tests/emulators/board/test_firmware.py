@@ -282,3 +282,44 @@ def test_parameters_that_there_are_not_and_values_that_cannot_be(bench: Bench) -
     assert bench.status(Opcode.SAP, 3, 0, 1) == Status.WRONG_TYPE
     assert bench.status(Opcode.SAP, 5, 0, 1 << 22) == Status.INVALID_VALUE
     assert bench.status(Opcode.SAP, 21, 0, -1) == Status.INVALID_VALUE
+
+
+# --- identity -------------------------------------------------------------------------------------
+
+
+def bytes_of(bench: Bench, slot: int, length: int = 24) -> bytes:
+    words = [bench.ask(Opcode.UF1, slot, 0, address).value for address in range(0, length, 4)]
+    return b"".join(word.to_bytes(4, "little", signed=True) for word in words)
+
+
+def test_both_boards_say_what_they_are(bench: Bench) -> None:
+    """Name, number, hardware version, magic number, as the firmware lays them out."""
+    assert bytes_of(bench, 1, 22)[:22] == b"TMC4361A".ljust(16, b"\0") + b"\x0b\0" + b"\x01\0" + b"\x12\x34"
+    assert bytes_of(bench, 2, 22)[:22] == b"TMC2660".ljust(16, b"\0") + b"\x01\0" + b"\x01\0" + b"\x12\x34"
+    assert bench.ask(BoardOpcode.GET_INFO, 202).value == 0x0100_0100
+    assert bench.ask(Opcode.UF1, 1, 0, 1).value == int.from_bytes(b"MC43", "little"), "any address"
+    for slot in (0, 3):
+        assert bench.status(Opcode.UF1, slot) == bench.status(Opcode.UF2, slot) == Status.WRONG_TYPE
+
+
+def test_what_is_written_there_stays(bench: Bench) -> None:
+    for at, byte in enumerate(b"mine"):
+        assert bench.status(Opcode.UF2, 1, byte, 0x3FFE + at) == Status.OK
+    bench.board.patch(BoardPatch(power_cycle=True))
+    assert bytes_of(bench, 1, 4) == b"neC4"
+    assert bench.ask(Opcode.UF1, 1, 0, 0x3FFE).value == int.from_bytes(b"mine", "little"), "reading goes on at 0"
+    assert bytes_of(bench, 2, 4) == b"TMC2"
+
+
+def test_an_empty_slot_reads_ones_and_cannot_be_written() -> None:
+    board = build_board("tmc5130", VirtualClock(), {})
+    answer = board.receive(Request(1, Opcode.UF1, 2, 0, 20).encode())
+    assert answer is not None
+    assert Reply.decode(answer).value == -1
+    answer = board.receive(Request(1, Opcode.UF2, 2, 0x55, 20).encode())
+    assert answer is not None
+    assert Reply.decode(answer).status == Status.EEPROM_LOCKED
+
+
+def test_a_board_that_does_not_measure_velocities_says_so(bench: Bench) -> None:
+    assert bench.status(Opcode.UF4) == Status.INVALID_COMMAND
