@@ -155,7 +155,7 @@ def device_info(device: Device, conditions: ConditionService) -> DeviceInfo:
         clock_hz=device.clock_hz,
         state=device.state,
         problem=None if device.problem is None else problem_of(device.problem),
-        notes=list(device.notes),
+        notes=[*device.notes, *device.shortcomings],
         emulated=device.emulated,
         demo=device.config.demo,
         axes=[_axis_info(device, axis, conditions.standing(device, axis.index)) for axis in device.axes],

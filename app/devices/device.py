@@ -239,6 +239,11 @@ class Device(ABC):
         for axis, settings in zip(self.axes, config.axes, strict=True):
             axis.settings = settings
 
+    @property
+    def shortcomings(self) -> tuple[str, ...]:
+        """What this very device has not that others of its model have, for people."""
+        return ()
+
     # --- soft limits ----------------------------------------------------------------------------
 
     def limit_warnings(self, axis: int) -> list[str]:

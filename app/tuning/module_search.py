@@ -150,12 +150,14 @@ class ModuleSearch(Search):
         if abs(result.position) > self._slack() or state.moving:
             raise Failed(f"the search ended at {result.position} without a reference: something else stopped it")
         self._last_position = result.last_position
+        was = "an unknown place" if result.last_position is None else f"{result.last_position}"
         base = (self._mode or 0) % HOME_INVERTED % SWAPPED
         if base in TWO_SWITCHES:
             self._distance = result.distance
-            self.message = f"zero at {result.last_position} of the old counting, stop switches {result.distance} apart"
+            apart = "an unknown distance" if result.distance is None else f"{result.distance}"
+            self.message = f"zero at {was} of the old counting, stop switches {apart} apart"
         else:
-            self.message = f"zero at {result.last_position} of the old counting"
+            self.message = f"zero at {was} of the old counting"
 
     def _slack(self) -> float:
         """How far from zero the motor may stand after a search: the way in which it stops from the switch speed."""

@@ -215,7 +215,7 @@ class ModuleRules(Rules):
         decisive = [rows.UNIT_MODE, *COUNTED, rows.V1, rows.TARGET_POSITION]
         currents = [rows.axis_parameter(number) for number in (RUN_CURRENT, HOLD_CURRENT, SCALER)]
         async with self._module.calls() as calls:
-            await calls.get_many((*decisive, *currents))
+            await calls.ask_many((*decisive, *currents))
         await self.look(0)
 
     async def learn_for(self, command: int, type_: int, value: int) -> None:
@@ -223,7 +223,7 @@ class ModuleRules(Rules):
             return
         async with self._module.calls() as calls:
             if type_ == REL:
-                await calls.get_many((rows.TARGET_POSITION, rows.ACTUAL_POSITION))
+                await calls.ask_many((rows.TARGET_POSITION, rows.ACTUAL_POSITION))
             elif type_ == COORD and (row := rows.coordinate(value & 0xFF)) is not None:
                 await calls.get(row)
 
@@ -233,7 +233,9 @@ class ModuleRules(Rules):
         module = self._module
         async with module.calls() as calls:
             asked_s = module.device_time_s()
-            target, speed, position = await calls.get_many(LOOKED_AT)
+            target, told_speed, told_position = await calls.ask_many(LOOKED_AT)
+            speed = calls.need(rows.ACTUAL_SPEED, told_speed)
+            position = calls.need(rows.ACTUAL_POSITION, told_position)
         module.saw_position(axis, position, asked_s)
         going_to = target if module.driven == "position" else None
         return Look(position, speed * module.speed_unit_pps, target=going_to)

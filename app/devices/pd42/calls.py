@@ -4,25 +4,58 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
+from app.devices.pd42 import rows
 from app.devices.pd42.frames import reading, spelled, writing
 from app.devices.pd42.refusals import refusal, uncertain
-from app.links.errors import BadReply, LinkError, LinkTimeout
+from app.links.errors import BadReply, LinkError, LinkTimeout, UnknownParameter
 from app.links.queue import Turn
 from app.links.tmcl import Reply, Request, check_reply, is_retriable
-from app.registers.model import Register
+from app.registers.model import Register, Space
 from app.registers.tmcl import Status
 
 ASKED_AGAIN = 2
 """How often a read is asked again: the link is in step again before each, and a read moves nothing."""
 
 
+class Lacking:
+    """Rows that one module has answered not to have: its firmware is another version than the table's."""
+
+    def __init__(self) -> None:
+        self._rows: dict[tuple[Space, int], Register] = {}
+
+    @property
+    def rows(self) -> list[Register]:
+        """In the order of their numbers."""
+        return [self._rows[key] for key in sorted(self._rows)]
+
+    def has(self, register: Register) -> bool:
+        """Whether `register` is one of them."""
+        return (register.space, register.address) in self._rows
+
+    def add(self, register: Register) -> None:
+        """The module has just said so."""
+        self._rows[register.space, register.address] = register
+
+    def clear(self) -> None:
+        """It may be another module, or the same with another firmware."""
+        self._rows.clear()
+
+
 class Calls:
     """One module's commands in one turn. `saw` hears each value that was read or taken."""
 
-    def __init__(self, turn: Turn, link: str, address: int, saw: Callable[[Register, int], None]) -> None:
+    def __init__(
+        self,
+        turn: Turn,
+        link: str,
+        address: int,
+        saw: Callable[[Register, int], None],
+        lacking: Lacking,
+    ) -> None:
         self._turn = turn
         self._link = link
         self._saw = saw
+        self._lacking = lacking
         self.address = address
         self.unit_mode: int | None = None
 
@@ -58,9 +91,49 @@ class Calls:
             raise uncertain(error, what) from error
 
     async def get(self, register: Register) -> int:
-        """The value of a row."""
-        reply = await self.do(reading(self.address, register), register)
+        """The value of a row. Raises UnknownParameter where the module has none of that number."""
+        try:
+            reply = await self.do(reading(self.address, register), register)
+        except UnknownParameter:
+            self._lacking.add(register)
+            raise
         return self._value(register, reply)
+
+    async def ask_many(self, registers: Sequence[Register]) -> list[int | None]:
+        """As `get_many`, with None for rows that this module does not have; those are asked for once only.
+
+        Where another row says the same (`rows.INSTEAD`), that is read in place of one that is lacking.
+        """
+        asked = [self._asked(register) for register in registers]
+        try:
+            found = iter(await self.get_many([row for row in asked if row is not None]))
+            values = [None if row is None else next(found) for row in asked]
+        except UnknownParameter:
+            values = [await self._ask(register) for register in registers]
+        for register, row, value in zip(registers, asked, values, strict=True):
+            if row is not register and value is not None:
+                self._saw(register, value)
+        return values
+
+    def _asked(self, register: Register) -> Register | None:
+        """The row to read for `register`: that one, or another that says the same; None where the module has none."""
+        instead = rows.INSTEAD.get((register.space, register.address))
+        return next((row for row in (register, instead) if row is not None and not self._lacking.has(row)), None)
+
+    async def _ask(self, register: Register) -> int | None:
+        while (row := self._asked(register)) is not None:  # each turn of this one row is found to be lacking
+            try:
+                return await self.get(row)
+            except UnknownParameter:
+                continue
+        return None
+
+    def need(self, register: Register, value: int | None) -> int:
+        """`value` of `ask_many`, where nothing goes on without it. Raises UnknownParameter."""
+        if value is None:
+            request = reading(self.address, register)
+            raise refusal(request, Reply(0, self.address, Status.WRONG_TYPE, request.opcode), register)
+        return value
 
     async def put(self, register: Register, value: int) -> None:
         """Write a row that moves nothing. It is not read back here."""
@@ -82,6 +155,9 @@ class Calls:
                 reply = self._checked(frame, answer)
             except BadReply:
                 values.append(await self.get(register))
+                continue
+            if reply.status == Status.WRONG_TYPE:
+                values.append(await self.get(register))  # raises, and keeps it in mind
                 continue
             if reply.status != Status.OK:
                 raise refusal(request, reply, register, self.unit_mode)

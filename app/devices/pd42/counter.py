@@ -9,8 +9,8 @@ from __future__ import annotations
 from app.devices.counter import CounterLook
 from app.devices.pd42 import rows
 from app.devices.pd42.calls import Calls
-from app.devices.pd42.frames import reading
 from app.devices.pd42.searches import Searches
+from app.links.errors import UnknownParameter
 from app.registers.model import Space
 from app.registers.pd42 import PD42
 
@@ -52,7 +52,10 @@ class Counting(Searches):
     async def _reset_since(self, calls: Calls) -> bool | None:
         """Whether the module was reset since the timer was read last; None where it never was."""
         time_s = self.device_time_s()
-        ticks = (await calls.do(reading(self.address, TICKS), TICKS)).value
+        try:
+            ticks = await calls.get(TICKS)
+        except UnknownParameter:
+            return None
         before, self._ticks = self._ticks, (time_s, ticks)
         if before is None:
             return None

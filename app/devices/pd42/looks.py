@@ -14,7 +14,7 @@ from app.devices.pd42.motion import STATUS
 from app.devices.pd42.stops import Stops
 from app.devices.results import AxisState, DeviceState, StopReason, Switches
 from app.devices.signs import Signs
-from app.links.errors import BadReply, BenchError, LinkDown, LinkError, LinkTimeout
+from app.links.errors import BadReply, BenchError, LinkDown, LinkError, LinkTimeout, UnknownParameter
 from app.links.queue import Priority, SampleDropped
 from app.links.tmcl import Request
 from app.registers.model import Register
@@ -62,37 +62,52 @@ class Looks(Stops):
         self.require_connected()
         async with self.calls() as calls:
             if self.unit_mode is None:
-                await calls.get(rows.UNIT_MODE)
+                await calls.ask_many((rows.UNIT_MODE,))
             asked_at_s = self.device_time_s()
-            values = await calls.get_many(STATE)
+            values = await calls.ask_many(STATE)
+            position = calls.need(rows.ACTUAL_POSITION, values[4])
+            speed = calls.need(rows.ACTUAL_SPEED, values[5])
             searching = (await calls.do(Request(self.address, Opcode.RFS, STATUS))).value != 0
             time_s = calls.time_s
-        first, encoder, between, external, position, speed = values[:6]
-        target, target_speed, reached, left, right, home, driver, step_direction = values[6:]
+        first, between = (position if value is None else value for value in (values[0], values[2]))
+        encoder, external = values[1], values[3]
+        target, target_speed, told_reached, left, right, home, driver, step_direction = values[6:]
+        reached = self._reached(told_reached, position, target)
         # The encoder was read with the first position, and is told as if it were with the last.
-        self.saw_position(axis, position, asked_at_s, COUNTER.shows(encoder + COUNTER.way(position, first)))
-        self._watch.look(Look(time_s, position, speed, bool(reached)), self._spread_s())
-        mode = self._mode(bool(step_direction), searching, speed, target_speed, bool(reached))
+        with_it = None if encoder is None else COUNTER.shows(encoder + COUNTER.way(position, first))
+        self.saw_position(axis, position, asked_at_s, with_it)
+        self._watch.look(Look(time_s, position, speed, reached), self._spread_s())
+        mode = self._mode(bool(step_direction), searching, speed, target_speed or 0, reached)
         return AxisState(
             position=position,
             target_position=target if mode == "position" else None,
             velocity_pps=speed * self.speed_unit_pps,
-            target_velocity_pps=target_speed * self.speed_unit_pps if mode in ("velocity", "hold") else None,
+            target_velocity_pps=target_speed * self.speed_unit_pps
+            if mode in ("velocity", "hold") and target_speed is not None
+            else None,
             acceleration_pps2=None,
-            position_reached=bool(reached) and mode == "position",
-            moving=self._moving(mode, speed, target_speed, bool(reached)),
+            position_reached=reached and mode == "position",
+            moving=self._moving(mode, speed, target_speed, reached),
             mode=mode,
-            switches=Switches(bool(left), bool(right), bool(home)),
+            switches=Switches(*(None if active is None else bool(active) for active in (left, right, home))),
             flags=self._flags(driver),
             time_s=time_s,
             encoder_position=encoder,
-            deviation=encoder - (first + between) / 2,
+            deviation=None if encoder is None else encoder - (first + between) / 2,
             external_encoder_position=external,
-            external_deviation=external - (between + position) / 2,
+            external_deviation=None if external is None else external - (between + position) / 2,
         )
 
     def signs(self, axis: int, state: AxisState) -> Signs:
         return sign.signs(self, self.axis(axis).index, state)
+
+    def _reached(self, told: int | None, position: int, target: int | None = None) -> bool:
+        """Whether the axis is at its target: as the module tells, else by where it is and where it was sent."""
+        if told is not None:
+            return bool(told)
+        if target is None and self._watch.under_way is not None:
+            target = self._watch.under_way.target
+        return position == target
 
     def _mode(self, step_direction: bool, searching: bool, speed: int, target_speed: int, reached: bool) -> str:
         """TMCL has no register of the mode: the latest command tells, and where none is known, what can be seen."""
@@ -107,16 +122,17 @@ class Looks(Stops):
             return "position"
         return "velocity" if speed or target_speed else "hold"
 
-    def _moving(self, mode: str, speed: int, target_speed: int, reached: bool) -> bool:
+    def _moving(self, mode: str, speed: int, target_speed: int | None, reached: bool) -> bool:
         """A speed of 0 is also that of a motor about to start, or turning round."""
         if speed or mode == "reference search":
             return True
         if mode == "velocity":
-            return bool(target_speed) and self._watch.under_way is not None
+            return target_speed != 0 and self._watch.under_way is not None
         return mode == "position" and not reached and self._watch.under_way is not None
 
-    def _flags(self, driver: int) -> dict[str, bool]:
-        flags = {part.name: bool(part.unpack(driver)) for part in rows.DRIVER_FLAGS.fields}
+    def _flags(self, driver: int | None) -> dict[str, bool]:
+        parts = () if driver is None else rows.DRIVER_FLAGS.fields
+        flags = {part.name: bool(part.unpack(driver or 0)) for part in parts}
         flags["stall_stop"] = bool(self._latched & ExtendedErrors.STALL)
         flags["deviation_stop"] = bool(self._latched & ExtendedErrors.DEVIATION)
         return flags
@@ -156,10 +172,12 @@ class Looks(Stops):
         if self.device_time_s() - watch.looked_s > POLL_S * self._time_scale():
             async with self.calls(priority=Priority.SAMPLE) as calls:
                 asked_at_s = self.device_time_s()
-                position, speed, reached = await calls.get_many(LOOK)
+                told_position, told_speed, reached = await calls.ask_many(LOOK)
+                position = calls.need(rows.ACTUAL_POSITION, told_position)
+                speed = calls.need(rows.ACTUAL_SPEED, told_speed)
                 time_s = calls.time_s
             self.saw_position(0, position, asked_at_s)
-            watch.look(Look(time_s, position, speed, bool(reached)), self._spread_s())
+            watch.look(Look(time_s, position, speed, self._reached(reached, position)), self._spread_s())
         rests = watch.at_rest(self.device_time_s())
         if rests is not None:
             async with self.calls(priority=Priority.SAMPLE) as calls:
@@ -182,7 +200,8 @@ class Looks(Stops):
         """Why the motor rests; None where it only pauses."""
         if (await calls.do(Request(self.address, Opcode.RFS, STATUS))).value:
             return None
-        position, speed, reached, left, right, left_off, right_off, driver = await calls.get_many(WHY)
+        position, speed, told, left, right, left_off, right_off, driver = await calls.ask_many(WHY)
+        reached = self._reached(told, rest.position)
         if speed or position != rest.position:
             return None
         if motion.stopped_s is not None:
@@ -191,13 +210,13 @@ class Looks(Stops):
             self._driven = None
             return "target_reached", "the reference search has ended"
         # Reading AP 207 clears it, so once and only now; a lost answer loses the flags too, and they stay unknown.
-        with contextlib.suppress(BadReply, LinkTimeout):
+        with contextlib.suppress(BadReply, LinkTimeout, UnknownParameter):
             await calls.get(rows.EXTENDED_ERROR_FLAGS)
         if self._latched & ExtendedErrors.STALL:
             return "stall", "StallGuard stopped the motor (AP 207)"
         if self._latched & ExtendedErrors.DEVIATION:
             return "deviation", "an encoder's deviation stopped the motor (AP 207)"
-        if driver & FATAL:
+        if driver is not None and driver & FATAL:
             names = [part.name for part in rows.DRIVER_FLAGS.fields if part.unpack(driver & FATAL)]
             return "driver_error", f"the driver reports {', '.join(names)} (AP 208)"
         if motion.direction <= 0 and left and not left_off:
@@ -213,6 +232,7 @@ class Looks(Stops):
     def set_state(self, state: DeviceState, problem: BenchError | None = None) -> None:
         super().set_state(state, problem)
         if state == "failed":
+            self.lacking.clear()
             self._known.clear()  # it may be another module, or the same after a power-on, when it comes back
             self._driven = None
             self._book.end(self.device_time_s(), "the link failed")

@@ -16,7 +16,7 @@ from app.devices.limits.parts import COORDINATES
 from app.devices.lookup import Lookup
 from app.devices.own_tasks import OwnTasks
 from app.devices.pd42 import rows, units
-from app.devices.pd42.calls import Calls
+from app.devices.pd42.calls import Calls, Lacking
 from app.links.download import DownloadHold, Downloads
 from app.links.errors import BadReply, DownloadMode, LinkError, WrongState
 from app.links.port import FramePort
@@ -52,6 +52,8 @@ class Module(Device):
         """As the module tells it, e.g. "1.44"; empty before it was asked."""
         self._known: dict[int, int] = {}
         """Axis parameters as last seen, by number; forgotten when the link fails."""
+        self.lacking = Lacking()
+        """Rows that this module's firmware has answered not to have; forgotten when the link fails."""
         self._next_look = cycle(rows.REMEMBERED)
         self._tasks = OwnTasks()
         self.download = self._hold_of(port)
@@ -65,7 +67,7 @@ class Module(Device):
         """Commands in one turn; with `axis` they give up when a stop of that axis overtakes them."""
         guard = None if axis is None else self.stop_guard([axis])
         async with self.queue.turn(priority, guard) as turn:
-            calls = Calls(turn, self.port.name, self.address, self._saw)
+            calls = Calls(turn, self.port.name, self.address, self._saw, self.lacking)
             calls.unit_mode = self.unit_mode
             yield calls
 
@@ -91,10 +93,17 @@ class Module(Device):
         return found if version == FIRMWARE else f"{found}; stepscope knows {FIRMWARE}, so parameters may differ"
 
     async def refresh(self) -> None:
-        unknown = [row for row in rows.REMEMBERED if row.address not in self._known]
+        unknown = [row for row in rows.REMEMBERED if row.address not in self._known and not self.lacking.has(row)]
         wanted = unknown or [next(self._next_look) for _ in range(REFRESHED)]
         async with self.calls() as calls:
-            await calls.get_many((*rows.ALWAYS_FRESH, *wanted))
+            await calls.ask_many((*rows.ALWAYS_FRESH, *wanted))
+
+    @property
+    def shortcomings(self) -> tuple[str, ...]:
+        names = ", ".join(f"{row.name} ({row.alias})" for row in self.lacking.rows)
+        if not names:
+            return ()
+        return (f"its firmware {self.firmware} does not have {names}: what needs that is missing or refused",)
 
     # --- what is kept in mind -------------------------------------------------------------------
 

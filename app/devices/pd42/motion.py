@@ -184,7 +184,7 @@ class Motion(Console):
     async def _prepare(self, calls: Calls) -> tuple[_Before, list[str]]:
         """Look before it goes out, and refuse what cannot go well. Only a borrowed acceleration is written."""
         missing = [row for row in rows.REMEMBERED if row.address not in self._known]
-        await calls.get_many((*rows.ALWAYS_FRESH, rows.STEP_DIRECTION, *missing))
+        await calls.ask_many((*rows.ALWAYS_FRESH, rows.STEP_DIRECTION, *missing))
         calls.unit_mode = self.unit_mode
         if self._known.get(rows.STEP_DIRECTION.address):
             raise WrongState(
@@ -193,11 +193,12 @@ class Motion(Console):
             )
         if self._borrowed is not None:
             await self._give_back_acceleration(calls)
-        position, speed, left, right = await calls.get_many(MOVING_LOOK)
+        position, speed, left, right = await calls.ask_many(MOVING_LOOK)
         warnings = []
         if self._known.get(rows.OFF_TIME.address) == 0:
             warnings.append("chopper_off_time (AP 167) is 0: the driver is off and the motor will not turn")
-        return _Before(position, speed, bool(left), bool(right)), warnings
+        here, now = calls.need(rows.ACTUAL_POSITION, position), calls.need(rows.ACTUAL_SPEED, speed)
+        return _Before(here, now, bool(left), bool(right)), warnings
 
     def _blocked(self, way: float, before: _Before) -> list[str]:
         """What a switch has against motion that way."""
@@ -324,13 +325,16 @@ class Motion(Console):
 
     async def _look_after(self, calls: Calls) -> None:
         """After a command that was not one of ours: what does the axis do now, and what is to be expected?"""
-        position, speed, target, target_speed = await calls.get_many(
+        position, speed, target, target_speed = await calls.ask_many(
             (rows.ACTUAL_POSITION, rows.ACTUAL_SPEED, rows.TARGET_POSITION, rows.TARGET_SPEED)
         )
+        if position is None or speed is None:
+            self._book.end(calls.time_s, "another command")
+            return
         v_pps = speed * self.speed_unit_pps
-        if self._driven == "position" and target != position:
+        if self._driven == "position" and target is not None and target != position:
             self._expect(calls.time_s, position, v_pps, target, 0)
-        elif self._driven == "velocity" and (target_speed or speed):
+        elif self._driven == "velocity" and target_speed is not None and (target_speed or speed):
             self._expect(calls.time_s, position, v_pps, None, target_speed)
         else:
             self._book.end(calls.time_s, "another command")

@@ -63,6 +63,8 @@ REVERSE_SHAFT = axis_parameter(251)
 STEP_DIRECTION = axis_parameter(254)
 UNIT_MODE = axis_parameter(255)
 
+INSTEAD = {(ACTUAL_SPEED.space, ACTUAL_SPEED.address): MEASURED_SPEED}
+"""What to read in place of a row that a module's firmware has not: the speed by its encoder."""
 RAMP = (MAX_SPEED, MAX_ACCELERATION, A1, V1, MAX_DECELERATION, D1, VSTART, VSTOP)
 """What decides the shape of a ramp."""
 ALWAYS_FRESH = (UNIT_MODE, MICROSTEPS, ACTUAL_SPEED)

@@ -42,10 +42,10 @@ class SearchResult:
     """After a search [microsteps]."""
 
     position: int
-    distance: int
-    """Between the stop switches (AP 196), meaningful after modes 2 and 3."""
-    last_position: int
-    """Where the counter stood before it was set to 0 (AP 197)."""
+    distance: int | None
+    """Between the stop switches (AP 196), meaningful after modes 2 and 3; None where the firmware has it not."""
+    last_position: int | None
+    """Where the counter stood before it was set to 0 (AP 197); None where the firmware has it not."""
 
 
 class Searches(Looks):
@@ -70,14 +70,15 @@ class Searches(Looks):
         """How the search goes. Raises LinkError."""
         async with self.calls() as calls:
             running = (await calls.do(Request(self.address, Opcode.RFS, STATUS))).value != 0
-            position, speed, reached, left, right, home = await calls.get_many(LOOK)
+            told_position, told_speed, told, left, right, home = await calls.ask_many(LOOK)
+            position = calls.need(rows.ACTUAL_POSITION, told_position)
+            speed = calls.need(rows.ACTUAL_SPEED, told_speed)
             time_s = calls.time_s
-        self._watch.look(Look(time_s, position, speed, bool(reached)), self._spread_s())
+        self._watch.look(Look(time_s, position, speed, self._reached(told, position)), self._spread_s())
         return SearchLook(running, time_s, position, speed * self.speed_unit_pps, bool(left), bool(right), bool(home))
 
     async def search_result(self) -> SearchResult:
         """What the latest search found. Raises LinkError."""
         async with self.calls() as calls:
-            return SearchResult(
-                *await calls.get_many((rows.ACTUAL_POSITION, rows.SWITCH_DISTANCE, rows.LAST_REFERENCE))
-            )
+            position, *found = await calls.ask_many((rows.ACTUAL_POSITION, rows.SWITCH_DISTANCE, rows.LAST_REFERENCE))
+            return SearchResult(calls.need(rows.ACTUAL_POSITION, position), *found)

@@ -18,7 +18,7 @@ from app.devices.pd42.calls import Calls
 from app.devices.pd42.motion import STATUS, STOP, Motion
 from app.devices.pd42.refusals import limits
 from app.devices.results import StopMode, StopOutcome
-from app.links.errors import BenchError, DownloadMode, LinkDown, WriteRefused, WrongState
+from app.links.errors import BenchError, DownloadMode, LinkDown, UnknownParameter, WriteRefused, WrongState
 from app.links.queue import Priority
 from app.links.tmcl import Request
 from app.registers.tmcl import Opcode
@@ -96,6 +96,8 @@ class Stops(Motion):
                 now = await calls.get(rows.MAX_ACCELERATION)
                 self._borrowed = now
             await calls.put(rows.MAX_ACCELERATION, limits(rows.MAX_ACCELERATION, self.unit_mode)[1])
+        except UnknownParameter:
+            return None  # there is but one way to slow down, and the motor is on it
         except BenchError as error:
             return error
         finally:
@@ -111,13 +113,14 @@ class Stops(Motion):
             left_s -= SETTLE_S
             with contextlib.suppress(BenchError):
                 async with self.calls() as calls:
-                    if await calls.get(rows.ACTUAL_SPEED) == 0:
+                    # Where no speed is told, the time that any stop takes has to do.
+                    if (await calls.ask_many((rows.ACTUAL_SPEED,)))[0] == 0 or left_s <= 0:
                         await self._give_back_acceleration(calls)
 
     async def _check_stop(self, calls: Calls) -> BenchError | None:
         """Whether the module obeyed. Reads alone, but for a search that nobody here knew of."""
         try:
-            target_speed, step_direction = await calls.get_many((rows.TARGET_SPEED, rows.STEP_DIRECTION))
+            target_speed, step_direction = await calls.ask_many((rows.TARGET_SPEED, rows.STEP_DIRECTION))
             if step_direction:
                 return WrongState(
                     "the module follows its step/direction inputs, which no stop ends",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from functools import partial
 
 from app.emulators.drive import Drive, Event, EventKind
@@ -19,7 +19,7 @@ from app.emulators.pd42.parameters import (
     TARGET_SPEED,
     Parameters,
 )
-from app.emulators.pd42.refused import invalid_value
+from app.emulators.pd42.refused import invalid_value, wrong_type
 from app.emulators.pd42.search import PHASE_TEXTS, RIGHT, WATCHED, Phase, Search
 from app.registers.model import Access
 from app.registers.tmcl import DriverErrors, ExtendedErrors
@@ -40,7 +40,8 @@ _TURN = 1024
 class Axis:
     """One axis. Commands come as method calls, GAP through `readers`, news of the drive through `happened`."""
 
-    def __init__(self, drive: Drive) -> None:
+    def __init__(self, drive: Drive, unknown: Collection[int] = ()) -> None:
+        """`unknown` are parameters that this firmware does not have."""
         self.drive = drive
         self.parameters = Parameters(drive, lambda: None if self.search is None else self.search.stops)
         self.search: Search | None = None
@@ -50,6 +51,9 @@ class Axis:
         """Called when an MVP for which an event was wanted has arrived, with the chip's time then [clocks]."""
         self.readers: list[Reader | None] = self._readers()
         """GAP by parameter number; None where there is none."""
+        self._unknown = frozenset(unknown)
+        for number in self._unknown:
+            self.readers[number] = None
         self.power_on()
 
     def power_on(self) -> None:
@@ -135,6 +139,8 @@ class Axis:
 
     def set(self, number: int, value: int) -> None:
         """SAP, AAP. Raises Refused: status 3 for a parameter that cannot be written, 4 for the value."""
+        if number in self._unknown:
+            raise wrong_type()
         self.parameters.check(number, value)
         if number == 0:
             self.move(value)

@@ -9,6 +9,7 @@ Open in all sources, and decided here (what is about one command: see `commands`
 from __future__ import annotations
 
 import struct
+from collections.abc import Collection
 
 from app.emulators.drive import Drive
 from app.emulators.pd42.application import Application, wrapped
@@ -37,10 +38,11 @@ ALWAYS_ANSWERED = frozenset({Opcode.GAP, Opcode.GGP, Opcode.GIO})
 class Firmware:
     """One module between two power-offs. Time is the drive's; whoever calls has run it to the present."""
 
-    def __init__(self, drive: Drive, eeprom: Eeprom, delivered: dict[int, int]) -> None:
+    def __init__(self, drive: Drive, eeprom: Eeprom, delivered: dict[int, int], unknown: Collection[int] = ()) -> None:
+        """`delivered` as of `GlobalParameters`; `unknown` are axis parameters that this firmware does not have."""
         self.drive = drive
         self.eeprom = eeprom
-        self.axis = Axis(drive)
+        self.axis = Axis(drive, unknown)
         self.application = Application(eeprom)
         self.globals = GlobalParameters(eeprom, self.application, delivered)
         self.globals.milliseconds = self._milliseconds

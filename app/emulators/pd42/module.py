@@ -38,7 +38,7 @@ class EmulatedModule(FarEnd):
         self.faults = Faults()
         delivered = {ADDRESS: self.options.address, BAUD: self.options.baud_code}
         self._drive = Drive(self.options.drive())
-        self._firmware = Firmware(self._drive, Eeprom(eeprom), delivered)
+        self._firmware = Firmware(self._drive, Eeprom(eeprom), delivered, self.options.unknown_parameters)
         self._clock_hz = self._drive.options.clock_hz
         self._supply_v = self.options.supply_v
         self._noise = random.Random(self.options.seed)

@@ -47,6 +47,12 @@ class Pd42Options(Closed):
     encoders: EncoderOptions = Field(default_factory=EncoderOptions)
     supply_v: Supply = Field(default=24.0, description="motor supply [V]")
     start_fullsteps: FullSteps = Field(default=0.0, description="where the rotor stands at first [full steps]")
+    unknown_parameters: Annotated[list[Annotated[int, Field(strict=True, ge=0, le=255)]], Field(max_length=256)] = (
+        Field(
+            default_factory=list,
+            description="axis parameters that its firmware, as another version, does not have: answered with status 3",
+        )
+    )
     seed: Seed = Field(default=1241, description="of the noise in the load value and of faults on the wire")
 
     def drive(self) -> DriveOptions:

@@ -5098,6 +5098,11 @@ export interface components {
              */
             start_fullsteps?: number;
             /**
+             * Unknown Parameters
+             * @description axis parameters that its firmware, as another version, does not have: answered with status 3
+             */
+            unknown_parameters?: number[];
+            /**
              * Seed
              * @description of the noise in the load value and of faults on the wire
              * @default 1241
