@@ -109,7 +109,7 @@ def create_app(
     found_moving = FoundMoving(clock)
     conditions = ConditionService()
     manager = DeviceManager(kinds, clock, on_change=changed)
-    saver = Saver(store, manager.configs)
+    saver = Saver(store, manager.configs, clock)
     positions = PositionStore(settings.data_dir)
     endless = EndlessService(clock, changed=lambda: position_saver.request())
     position_saver = Saver(positions, endless.saved, clock, SAVE_EVERY_S)
@@ -152,6 +152,8 @@ def create_app(
         ProfileStore(database),
         conditions,
         list_serial_ports,
+        saver,
+        position_saver,
     )
     lease_watch = LeaseWatch(
         lease, bench.calls, clock, lambda how: after_vanishing(how, manager.devices, bench.procedures)
@@ -174,7 +176,7 @@ def create_app(
             try:
                 # Not waited for: hardware that is off must not keep the page from coming up.
                 await manager.add(config, wait=False)
-            except UsageError as error:  # neither must a link of another version of stepscope
+            except Exception as error:  # neither must a link of another version, or what somebody wrote into the file
                 store.keep_back(config)
                 log.warning("%s: %r is left out, and stays in the file: %s", store.path, config.name, error)
         if settings.demo or (settings.demo is None and not saved.configs):

@@ -17,17 +17,25 @@ from fastapi import FastAPI
 from app.listening import listen, url_of
 from app.main import bench_of, create_app, stop_motors
 from app.settings import Settings
+from app.store.files import one_server
 
 GRACE_S = 0.3
 """How long open requests may take to end after Ctrl-C [s]; sockets are closed at once."""
 
 
 def serve(settings: Settings, announce: Callable[[str], None]) -> None:
-    """Serve until Ctrl-C. Raises CannotListen before anything has started."""
+    """Serve until Ctrl-C. Raises CannotListen, DirectoryInUse before anything has started."""
     logging.basicConfig(format="%(levelname)s %(name)s: %(message)s", level=settings.log_level.upper())
     logging.getLogger("alembic").setLevel(logging.WARNING)  # its plugins and its plans are nobody's business here
     logging.getLogger("uvicorn.access").addFilter(_without_token)
     listener = listen(settings.host, settings.port)
+    port = listener.getsockname()[1]
+    address = url_of(settings.host, port, "http" if settings.tls_cert is None else "https")
+    with listener, one_server(settings.data_dir, address):
+        _serve(settings, listener, announce)
+
+
+def _serve(settings: Settings, listener: socket.socket, announce: Callable[[str], None]) -> None:
     port = listener.getsockname()[1]
     app = create_app(settings)
     ready = f"stepscope is at {_address(app, settings, port)}  (Ctrl-C stops the motors and ends it)"

@@ -17,6 +17,7 @@ from app.settings import Settings
 from app.store.audit import AuditLog
 from app.store.database import Database
 from app.store.profiles import ProfileStore
+from app.store.saver import Saver
 from app.telemetry.hub import TelemetryHub
 from app.tuning.endless import EndlessService
 from app.tuning.procedures import Procedures
@@ -44,6 +45,9 @@ class Bench:
     profile_store: ProfileStore
     conditions: ConditionService
     list_serial_ports: Callable[[], list[Port]]
+    saver: Saver
+    """Of the connections."""
+    position_saver: Saver
     probing: Probing = field(default_factory=Probing)
     scripts: Scripts = field(default_factory=Scripts)
     calls: CallsUnderWay = field(default_factory=CallsUnderWay)

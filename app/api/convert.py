@@ -145,7 +145,8 @@ def axis_out(device: Device, state: results.AxisState, standing: Standing) -> Ax
     return AxisStateOut(**read, **standing_out(device, standing))
 
 
-def device_info(device: Device, conditions: ConditionService) -> DeviceInfo:
+def device_info(device: Device, conditions: ConditionService, not_saved: str = "") -> DeviceInfo:
+    """`not_saved` tells why the latest change of the connections is not on disk; "" where it is."""
     return DeviceInfo(
         id=device.id,
         name=device.name,
@@ -155,7 +156,7 @@ def device_info(device: Device, conditions: ConditionService) -> DeviceInfo:
         clock_hz=device.clock_hz,
         state=device.state,
         problem=None if device.problem is None else problem_of(device.problem),
-        notes=[*device.notes, *device.shortcomings],
+        notes=[*device.notes, *device.shortcomings, *([not_saved] if not_saved and not device.config.demo else [])],
         emulated=device.emulated,
         demo=device.config.demo,
         axes=[_axis_info(device, axis, conditions.standing(device, axis.index)) for axis in device.axes],

@@ -222,7 +222,9 @@ class DeviceInfo(Answer):
     clock_hz: float
     state: DeviceState
     problem: Problem | None
-    notes: list[str] = Field(description="what a user has to know now: motors that were found moving")
+    notes: list[str] = Field(
+        description="what a user has to know now: motors that were found moving, a connection that is not on disk"
+    )
     emulated: bool
     demo: bool = Field(description="made by --demo; not kept")
     axes: list[AxisInfo]

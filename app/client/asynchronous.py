@@ -264,7 +264,11 @@ class AsyncBench:
 
     async def recordings(self, search: str = "") -> list[Recording]:
         """All of them, the latest first; with `search` those with these words in name, note, device or model."""
-        return await self._send(calls.recordings(search))
+        found, before = await self._send(calls.recordings(search))
+        while before is not None:
+            more, before = await self._send(calls.recordings(search, before))
+            found += more
+        return found
 
     async def recording(self, recording: str) -> Json:
         """Marks, figures and the configuration at the start."""

@@ -262,7 +262,11 @@ class Bench:
 
     def recordings(self, search: str = "") -> list[Recording]:
         """All of them, the latest first; with `search` those with these words in name, note, device or model."""
-        return self._send(calls.recordings(search))
+        found, before = self._send(calls.recordings(search))
+        while before is not None:
+            more, before = self._send(calls.recordings(search, before))
+            found += more
+        return found
 
     def recording(self, recording: str) -> Json:
         """Marks, figures and the configuration at the start."""

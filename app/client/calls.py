@@ -96,11 +96,14 @@ def record_stop(recording: str) -> Call[Recording]:
     return Call("POST", f"{_recorded(recording)}/stop", _recording, {})
 
 
-def recordings(search: str) -> Call[list[Recording]]:
-    def parse(answer: Any) -> list[Recording]:
-        return [_recording(each) for each in answer["recordings"]]
+def recordings(search: str, before: str = "") -> Call[tuple[list[Recording], str | None]]:
+    """A page of recordings, and what to ask for the next one with; None at the end."""
 
-    return Call("GET", f"{BASE}/recordings", parse, query={"search": search} if search else {})
+    def parse(answer: Any) -> tuple[list[Recording], str | None]:
+        return [_recording(each) for each in answer["recordings"]], answer["next"]
+
+    asked = {"search": search, "before": before, "limit": "1000"}
+    return Call("GET", f"{BASE}/recordings", parse, query={name: text for name, text in asked.items() if text})
 
 
 def recording(recording: str) -> Call[Json]:

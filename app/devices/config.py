@@ -15,6 +15,8 @@ from app.links.errors import OutOfRange, UnknownThing, UsageError
 from app.links.registry import Link
 from app.registers.catalog import MODELS
 
+AXIS_NAME_MAX = 60
+
 
 @dataclass(frozen=True, slots=True)
 class AxisSettings:
@@ -36,6 +38,8 @@ class AxisSettings:
         return cls(**{**entry, "limits": limits if isinstance(limits, AxisLimits) else AxisLimits(**limits)})
 
     def __post_init__(self) -> None:
+        if not 1 <= len(self.name.strip()) <= AXIS_NAME_MAX:
+            raise UsageError(f"the name of an axis has 1 to {AXIS_NAME_MAX} characters")
         for name, number, lowest, highest in (
             ("full_steps_per_rev", self.full_steps_per_rev, 1, 100_000),
             ("driver_microsteps", self.driver_microsteps, 1, 256),

@@ -142,8 +142,8 @@ def can_factory(model: str, link: Link, clock: Clock) -> FramePort:
 
 def open_port(kinds: Mapping[str, PortFactory], model: str, link: Link, clock: Clock) -> FramePort:
     """The port that `link` describes. Raises UnknownThing for a kind that is not in `kinds`."""
-    kind = cast("str", link.get("kind", ""))
-    factory = kinds.get(kind)
+    kind = link.get("kind", "")
+    factory = kinds.get(kind) if isinstance(kind, str) else None
     if factory is None:
         raise UnknownThing("kind of link", str(kind), sorted(kinds))
     return factory(model, link, clock)

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
+from pydantic import TypeAdapter
+
 from app.devices.config import AxisSettings, DeviceConfig, unique_slug
 from app.links.errors import BenchError
-from app.store.document import Document, UnreadableDocument
+from app.store.document import Document, UnreadableDocument, writable
 
 FILE_NAME = "connections.json"
 FORMAT = "stepscope-connections"
 VERSION = 1
 
 Entry = dict[str, object]
+NOT_ONE = (BenchError, TypeError, ValueError, KeyError, ArithmeticError, AttributeError)
+"""What an entry raises that is no connection, whatever somebody wrote into it."""
+_axes = TypeAdapter(list[AxisSettings])
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,9 +53,10 @@ class ConnectionStore:
         for entry in entries:
             try:
                 configs.append(_config(entry))
-            except (BenchError, TypeError, ValueError, KeyError) as error:
+            except NOT_ONE as error:
                 unreadable.append(entry)
-                warnings.append(f"{self.path}: connection {entry.get('name', '?')!r} left out: {error}")
+                why = " ".join(str(error).split())
+                warnings.append(f"{self.path}: connection {entry.get('name', '?')!r} left out: {why}")
         if unreadable:
             warnings.append(f"{self.path}: the file as it was is kept as {self._document.set_aside()}")
         self._base = _keyed([*(_entry(config) for config in configs), *unreadable])
@@ -66,7 +73,7 @@ class ConnectionStore:
         """Make the file hold `configs`, what was kept back, and what another program put there. Raises OSError."""
         ours = _keyed([*self._kept_back, *(_entry(config) for config in configs if not config.demo)])
         with self._document.locked():
-            theirs = _keyed(_whole(entry) for entry in self._entries()[0])
+            theirs = _keyed(_whole(entry) for entry in self._entries()[0] if writable(entry))
             kept = {key: self._kept(key, entry, theirs.get(key)) for key, entry in ours.items()}
             # What we never had is somebody else's; what we had and removed goes, unless somebody else changed it.
             kept |= {key: entry for key, entry in theirs.items() if key not in ours and entry != self._base.get(key)}
@@ -94,9 +101,10 @@ def _connections(document: dict[str, object]) -> list[Entry]:
             f" instead of {FORMAT!r} version {VERSION}"
         )
     entries = document.get("connections")
-    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
-        raise UnreadableDocument("its connections are no list of objects")
-    return entries
+    if not isinstance(entries, list):
+        raise UnreadableDocument("its connections are no list")
+    # What is no object is left out by itself, and the others are kept.
+    return [entry if isinstance(entry, dict) else {"name": entry} for entry in entries]
 
 
 def _keyed(entries: Iterable[Entry]) -> dict[str, Entry]:
@@ -121,7 +129,7 @@ def _whole(entry: Entry) -> Entry:
     """An entry with all its keys, as we write it: people leave out what goes without saying."""
     try:
         return _entry(_config(entry))
-    except (BenchError, TypeError, ValueError, KeyError):
+    except NOT_ONE:
         return entry
 
 
@@ -133,6 +141,14 @@ def _config(entry: Entry) -> DeviceConfig:
     axes, clock_hz = entry.get("axes", []), entry.get("clock_hz", 0.0)
     if not isinstance(name, str) or not isinstance(model, str) or not isinstance(link, dict):
         raise TypeError("name and model are text, link is an object")
-    if not isinstance(axes, list) or not isinstance(clock_hz, int | float):
+    if not isinstance(link.get("kind"), str):
+        raise TypeError("the kind of a link is text")
+    if not isinstance(axes, list) or not isinstance(clock_hz, int | float) or isinstance(clock_hz, bool):
         raise TypeError("axes is a list, clock_hz a number")
-    return DeviceConfig(name, model, link, float(clock_hz), tuple(AxisSettings.of(axis) for axis in axes))
+    if not all(isinstance(axis, dict) for axis in axes):
+        raise TypeError("each axis is an object")
+    if not writable(entry):
+        raise ValueError("it has text that is none")
+    settings = [AxisSettings.of(axis) for axis in axes]
+    _axes.validate_json(json.dumps([asdict(axis) for axis in settings]), strict=True)
+    return DeviceConfig(name, model, link, float(clock_hz), tuple(settings))

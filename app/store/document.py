@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+import math
 import os
 import tempfile
 import threading
@@ -46,13 +47,13 @@ class Document:
     def read(self) -> dict[str, object] | None:
         """The document, or None where there is none. Raises UnreadableDocument."""
         try:
-            text = self.path.read_text(encoding="utf-8")
+            text = self.path.read_text(encoding="utf-8-sig")  # some editors begin a file with a byte-order mark
         except FileNotFoundError:
             return None
         except (OSError, UnicodeDecodeError) as error:
             raise UnreadableDocument(str(error)) from error
         try:
-            found = json.loads(text)
+            found = json.loads(text, parse_float=_finite, parse_constant=_finite)
         except (ValueError, RecursionError) as error:
             raise UnreadableDocument(f"no JSON: {error}") from error
         if not isinstance(found, dict):
@@ -89,6 +90,23 @@ class Document:
             aside = aside_name(self.path)
             aside.write_bytes(content)
             return aside
+
+
+def writable(value: object) -> bool:
+    """Whether `write` could write `value` as a part of a document: half of a surrogate pair, say, is no text."""
+    try:
+        json.dumps(value, ensure_ascii=False, allow_nan=False).encode()
+    except (TypeError, ValueError, RecursionError):
+        return False
+    return True
+
+
+def _finite(text: str) -> float:
+    """A number of JSON. Raises ValueError for what could not be written again: NaN, Infinity, 1e999."""
+    number = float(text)
+    if not math.isfinite(number):
+        raise ValueError(f"{text} is no number of JSON")
+    return number
 
 
 def _sync_directory(directory: Path) -> None:

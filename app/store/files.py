@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import os
 import sys
 from collections.abc import Iterator
 from datetime import UTC, datetime
@@ -23,6 +24,41 @@ def exclusive(path: Path) -> Iterator[None]:
     with path.with_name(path.name + ".lock").open("w") as lock:
         if sys.platform != "win32":
             fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+class DirectoryInUse(OSError):
+    """Another server works on the data directory; the text says which, and what to do."""
+
+
+@contextlib.contextmanager
+def one_server(data_dir: Path, address: str) -> Iterator[None]:
+    """Keep a second server from `data_dir` meanwhile: it would delete what this one is writing. Raises DirectoryInUse.
+
+    The lock ends with the process, however that ends. A directory that cannot be written is not locked: nothing is
+    kept in it. `address` is what a second server tells its user.
+    """
+    path = data_dir / "server.lock"
+    try:
+        data_dir.mkdir(parents=True, exist_ok=True)
+        lock = path.open("a+", encoding="utf-8")
+    except OSError:
+        yield
+        return
+    with lock:
+        if sys.platform != "win32":
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except OSError as error:
+                lock.seek(0)
+                other = lock.read(200).strip() or "another stepscope"
+                raise DirectoryInUse(
+                    f"{data_dir} is in use by {other}; stop that one, or give this one another --data-dir"
+                ) from error
+        with contextlib.suppress(OSError):  # a full disk: locked all the same
+            lock.truncate(0)
+            lock.write(f"the stepscope at {address} (process {os.getpid()})")
+            lock.flush()
         yield
 
 

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
-from app.store.document import Document, UnreadableDocument
+from app.store.document import Document, UnreadableDocument, writable
 
 FILE_NAME = "positions.json"
 FORMAT = "stepscope-positions"
@@ -79,7 +79,7 @@ class PositionStore:
         for entry in entries:
             try:
                 positions.append(_position(entry))
-            except (TypeError, ValueError, KeyError, ZeroDivisionError) as error:
+            except (TypeError, ValueError, KeyError, ArithmeticError) as error:
                 warnings.append(f"{self.path}: position of {entry.get('device', '?')!r} left out: {error!r}")
         if entries and warnings:
             warnings.append(f"{self.path}: the file as it was is kept as {self._document.set_aside()}")
@@ -90,7 +90,7 @@ class PositionStore:
         """Make the file hold `positions`, and what another program put there. Raises OSError."""
         ours = {position.key for position in positions}
         with self._document.locked():
-            others = [entry for entry in self._entries()[0] if _key(entry) not in ours | self._ours]
+            others = [entry for entry in self._entries()[0] if _key(entry) not in ours | self._ours and writable(entry)]
             entries = [*(_entry(position) for position in positions), *others]
             self._document.write({"format": FORMAT, "version": VERSION, "positions": entries})
         self._ours = ours
@@ -112,9 +112,9 @@ def _listed(document: dict[str, object]) -> list[Entry]:
             f" instead of {FORMAT!r} version {VERSION}"
         )
     entries = document.get("positions")
-    if not isinstance(entries, list) or not all(isinstance(entry, dict) for entry in entries):
-        raise UnreadableDocument("its positions are no list of objects")
-    return entries
+    if not isinstance(entries, list):
+        raise UnreadableDocument("its positions are no list")
+    return [entry if isinstance(entry, dict) else {"device": entry} for entry in entries]
 
 
 def _key(entry: Entry) -> tuple[str, int] | None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import socket
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from app import __version__
 from app.cli import cli
 from app.main import create_app
 from app.settings import Settings
+from app.store.files import one_server
 
 
 def test_the_version() -> None:
@@ -40,6 +42,16 @@ def test_a_taken_port_is_told_and_what_to_do(tmp_path: Path) -> None:
     assert result.exit_code == 1
     assert f"port {port}" in result.output
     assert "--port" in result.output
+
+
+def test_a_directory_that_another_server_has_is_told_and_what_to_do(tmp_path: Path) -> None:
+    with one_server(tmp_path, "http://127.0.0.1:8765"):
+        result = CliRunner().invoke(cli, ["serve", "--port", "0", "--data-dir", str(tmp_path)])
+    assert result.exit_code == 1
+    for words in (str(tmp_path), "http://127.0.0.1:8765", f"process {os.getpid()}", "--data-dir"):
+        assert words in result.output
+    with one_server(tmp_path, "http://127.0.0.1:8766"):  # it is free again
+        assert "8766" in (tmp_path / "server.lock").read_text()
 
 
 @pytest.mark.parametrize(

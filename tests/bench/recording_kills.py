@@ -46,7 +46,7 @@ def measure(quick: bool) -> Sequence[Row]:
                 missing_s.append(killed_unix_s - head.time_origin_unix_s - float(rows.time_s[-1]))
             except Exception:  # whatever it is, the file did not open
                 unreadable += 1
-        listed = sum(entry.head is not None for entry in Library(Path(folder)).entries())
+        listed = sum(entry.head is not None for entry in Library(Path(folder)).page().entries)
     worst_s = max(missing_s, default=float("inf"))
     return [
         Row(

@@ -22,12 +22,15 @@ DEVICES_MAX = 64
 @router.get("")
 async def list_devices(bench: CurrentBench) -> list[DeviceInfo]:
     """Every device, in the order they were added."""
-    return [device_info(device, bench.conditions) for device in bench.manager.devices]
+    return [device_info(device, bench.conditions, bench.saver.why_not) for device in bench.manager.devices]
 
 
 @router.post("", status_code=201, responses=problems(WrongState, OutOfRange))
 async def add_device(body: DeviceCreate, bench: CurrentBench) -> DeviceInfo:
-    """Add a connection and try it. One that does not answer is added all the same; `state` and `problem` tell why."""
+    """Add a connection and try it. One that does not answer is added all the same; `state` and `problem` tell why.
+
+    It is on disk when this answers; where the disk takes nothing, `notes` tells, and it is tried again.
+    """
     if len(bench.manager.devices) >= DEVICES_MAX:
         raise WrongState(f"there are {DEVICES_MAX} devices already", "remove one first")
     wanted = body.root
@@ -38,7 +41,7 @@ async def add_device(body: DeviceCreate, bench: CurrentBench) -> DeviceInfo:
         clock_hz=clock_of(wanted.link, wanted.clock_hz),
         axes=axis_settings(wanted.axes),
     )
-    return device_info(await bench.manager.add(config), bench.conditions)
+    return device_info(await bench.manager.add(config), bench.conditions, await bench.saver.settled())
 
 
 @router.post("/test", responses=problems(OutOfRange))
@@ -56,9 +59,9 @@ async def no_device_is_called_test() -> None:
 
 
 @router.get("/{device}", responses=problems(UnknownThing))
-async def get_device(bench: CurrentBench, device: CurrentDevice) -> DeviceInfo:
+async def get_device(device: CurrentDevice, bench: CurrentBench) -> DeviceInfo:
     """One device: its link, state, axes and telemetry channels."""
-    return device_info(device, bench.conditions)
+    return device_info(device, bench.conditions, bench.saver.why_not)
 
 
 @router.patch("/{device}", responses=problems(UnknownThing, UsageError, SoftLimit))
@@ -71,22 +74,23 @@ async def edit_device(device: DeviceId, body: DeviceChange, bench: CurrentBench)
         clock_hz=body.clock_hz,
         axes=None if body.axes is None else axis_settings(body.axes),
     )
-    return device_info(await bench.manager.edit(device, change), bench.conditions)
+    return device_info(await bench.manager.edit(device, change), bench.conditions, await bench.saver.settled())
 
 
 @router.delete("/{device}", status_code=204, responses=problems(UnknownThing))
 async def remove_device(device: DeviceId, bench: CurrentBench) -> None:
     """Stop what this server set in motion, disconnect, and forget the connection."""
     await bench.manager.remove(device)
+    await bench.saver.settled()  # where the disk takes nothing, the health of the server tells; it is tried again
 
 
 @router.post("/{device}/connect", responses=problems(UnknownThing))
 async def connect_device(device: DeviceId, bench: CurrentBench) -> DeviceInfo:
     """Connect, or try again at once; `state` and `problem` tell what came of it."""
-    return device_info(await bench.manager.connect(device), bench.conditions)
+    return device_info(await bench.manager.connect(device), bench.conditions, bench.saver.why_not)
 
 
 @router.post("/{device}/disconnect", responses=problems(UnknownThing))
 async def disconnect_device(device: DeviceId, bench: CurrentBench) -> DeviceInfo:
     """Stop what this server set in motion, and let go of the link until told to connect."""
-    return device_info(await bench.manager.disconnect(device), bench.conditions)
+    return device_info(await bench.manager.disconnect(device), bench.conditions, bench.saver.why_not)

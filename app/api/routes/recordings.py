@@ -42,8 +42,8 @@ from app.api.schemas_recordings import (
     Spectrum,
 )
 from app.calc.spectrum import Detrend, Window
-from app.links.errors import OutOfRange, UnknownThing, UsageError, WrongState
-from app.store.recordings.library import Label
+from app.links.errors import OutOfRange, StoreUnavailable, UnknownThing, UsageError, WrongState
+from app.store.recordings.library import Entry, Label
 from app.telemetry.recorder import Trigger
 
 router = APIRouter(prefix="/recordings", tags=["recordings"])
@@ -65,14 +65,23 @@ async def list_recordings(
     bench: CurrentBench,
     search: Annotated[str, Query(max_length=200, description="words of name, note, device or model")] = "",
     device: Annotated[str, Query(max_length=200, description="only those of this device")] = "",
+    limit: Annotated[int, Query(ge=1, le=1000, description="how many at the most")] = 100,
+    before: Annotated[str, Query(max_length=60, description="`next` of the page before")] = "",
 ) -> RecordingList:
-    """All recordings, the latest first."""
+    """Recordings, the latest first, page by page."""
     library = bench.desk.library
-    entries = await _aside(lambda: library.entries(search, device))
-    found = [info(entry, bench.desk.recorder(entry.id)) for entry in entries]
+    page = await _aside(lambda: library.page(search, device, limit, before))
+    found = [info(entry, bench.desk.recorder(entry.id)) for entry in page.entries]
     size_bytes, free_bytes = await _aside(lambda: (library.size_bytes, library.free_bytes))
     room_bytes = max(0, free_bytes - bench.desk.reserve_bytes)
-    return RecordingList(recordings=found, size_bytes=size_bytes, free_bytes=free_bytes, room_bytes=room_bytes)
+    return RecordingList(
+        recordings=found,
+        next=page.next,
+        total=page.total,
+        size_bytes=size_bytes,
+        free_bytes=free_bytes,
+        room_bytes=room_bytes,
+    )
 
 
 @router.post("/compare", responses=problems(UnknownThing, WrongState, UsageError, OutOfRange))
@@ -213,16 +222,20 @@ async def get_spectrum(
     )
 
 
-@router.patch("/{recording}", responses=problems(UnknownThing))
+@router.patch("/{recording}", responses=problems(UnknownThing, StoreUnavailable))
 async def label_recording(bench: CurrentBench, recording: RecordingId, body: RecordingLabel) -> RecordingInfo:
     """Another name or note."""
     library = bench.desk.library
-    old = library.entry(recording).label
-    library.label(
-        recording,
-        Label(old.name if body.name is None else body.name, old.note if body.note is None else body.note),
-    )
-    return info(library.entry(recording), bench.desk.recorder(recording))
+
+    def relabel() -> Entry:
+        old = library.entry(recording).label
+        library.label(
+            recording,
+            Label(old.name if body.name is None else body.name, old.note if body.note is None else body.note),
+        )
+        return library.entry(recording)
+
+    return info(await _aside(relabel), bench.desk.recorder(recording))
 
 
 @router.post("/{recording}/stop", responses=problems(UnknownThing))
@@ -264,7 +277,7 @@ async def mark_recording(bench: CurrentBench, recording: RecordingId, body: Reco
     return info(bench.desk.library.entry(recording), bench.desk.recorder(recording))
 
 
-@router.delete("/{recording}", status_code=204, responses=problems(UnknownThing, WrongState))
+@router.delete("/{recording}", status_code=204, responses=problems(UnknownThing, WrongState, StoreUnavailable))
 async def delete_recording(bench: CurrentBench, recording: RecordingId) -> None:
     """Gone for good."""
-    bench.desk.library.delete(recording)
+    await _aside(lambda: bench.desk.library.delete(recording))

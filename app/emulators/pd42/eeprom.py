@@ -6,9 +6,11 @@ whole: whoever kills the process finds the old or the new state, never half of o
 
 from __future__ import annotations
 
+import contextlib
 import json
 import logging
 import os
+import shutil
 from pathlib import Path
 
 from app.emulators.pd42.refused import Refused
@@ -37,9 +39,12 @@ class Eeprom:
         if path is not None and path.exists():
             try:
                 self._take(json.loads(path.read_text(encoding="utf-8")))
-            except (OSError, ValueError, TypeError, KeyError, AttributeError) as error:
+            except (OSError, ValueError, TypeError, KeyError, AttributeError, ArithmeticError, RecursionError) as error:
                 self._forget()
-                log.warning("the emulated EEPROM %s cannot be read and counts as erased: %s", path, error)
+                aside = path.with_name(f"{path.name}.broken")
+                with contextlib.suppress(OSError):
+                    shutil.copyfile(path, aside)
+                log.warning("the emulated EEPROM %s counts as erased, and is kept as %s: %s", path, aside, error)
 
     def save(self) -> None:
         """Write through to the file. Raises Refused (EEPROM locked) where the file cannot be written."""

@@ -6,18 +6,22 @@ that was copied in from another machine is there at the next look; one that cann
 
 from __future__ import annotations
 
+import os
 import re
 import secrets
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+import threading
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
+from itertools import islice
 from pathlib import Path
 from shutil import disk_usage
 
 import numpy as np
 
-from app.links.errors import UnknownThing, UsageError, WrongState
+from app.links.errors import StoreUnavailable, UnknownThing, UsageError, WrongState
 from app.store.document import Document, UnreadableDocument
 from app.store.recordings import file, marks
 from app.store.recordings.head import Head, UnreadableRecording
@@ -26,6 +30,10 @@ from app.store.recordings.opened import Opened, OpenedRecordings
 FOLDER = "recordings"
 ID = re.compile(r"[0-9]{8}-[0-9]{6}-[0-9a-f]{4}")
 NAME_MAX, NOTE_MAX = 100, 4000
+LABEL = ".json"
+SUFFIXES = (file.SUFFIX, marks.SUFFIX, LABEL, f"{LABEL}.lock")
+"""Of all files of a recording; the rows come first."""
+SETTLED_NS = 2_000_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +56,19 @@ class Entry:
     problem: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class Page:
+    """Some of the list. `next` is the id to go on before, None at the end; `total` counts all that were looked for."""
+
+    entries: list[Entry]
+    next: str | None
+    total: int
+
+
+Stamp = tuple[int, int, int]
+"""Inode, time of the last change and size of a file: what a reading of it is good for."""
+
+
 class Library:
     """The recordings below `data_dir`. `running` are the ids that are being written now, kept by the recorders."""
 
@@ -55,6 +76,11 @@ class Library:
         self._folder = data_dir / FOLDER
         self.running: set[str] = set()
         self._opened = OpenedRecordings()
+        self._scanned: tuple[int, dict[str, int]] = (0, {})
+        """When the folder was changed last, and the size of each recording then, the latest first."""
+        self._entries: dict[str, tuple[Stamp | None, Stamp | None, Entry]] = {}
+        """What was read of each, with the stamps of its rows and its label."""
+        self._looking = threading.Lock()
 
     def new_id(self, unix_s: float) -> str:
         """An id that sorts by time and that nobody has."""
@@ -68,7 +94,12 @@ class Library:
         """A new file for `head.id`, listed as running until `ended`. Raises OSError."""
         self._folder.mkdir(parents=True, exist_ok=True)
         writer = file.RecordingWriter(self._rows_of(head.id), head)
-        self.label(head.id, label)
+        try:
+            self._write_label(head.id, label)
+        except BaseException:
+            writer.close()
+            self._rows_of(head.id).unlink(missing_ok=True)
+            raise
         self.running.add(head.id)
         return writer
 
@@ -81,17 +112,25 @@ class Library:
         self._known(recording)
         marks.add(self._folder / f"{recording}{marks.SUFFIX}", mark)
 
-    def entries(self, search: str = "", device: str = "") -> list[Entry]:
-        """The latest first. `search` is looked for in name, note, device and model, without regard to case."""
-        found = sorted(self._folder.glob(f"*{file.SUFFIX}"), reverse=True) if self._folder.is_dir() else []
-        entries = [self._entry(path.stem) for path in found if ID.fullmatch(path.stem)]
-        wanted = search.casefold().split()
-        return [
-            entry
-            for entry in entries
-            if (not device or (entry.head is not None and entry.head.device == device))
-            and all(word in _words(entry) for word in wanted)
-        ]
+    def page(self, search: str = "", device: str = "", limit: int | None = None, before: str = "") -> Page:
+        """The latest first, `limit` of those that are older than the id `before`.
+
+        `search` is looked for in name, note, device and model, without regard to case. Blocks: the first search reads
+        every file, a page without one only its own.
+        """
+        with self._looking:
+            ids = list(self._scan())
+            wanted = search.casefold().split()
+            if wanted or device:
+                ids = [
+                    entry.id
+                    for entry in map(self._entry, ids)
+                    if (not device or (entry.head is not None and entry.head.device == device))
+                    and all(word in _words(entry) for word in wanted)
+                ]
+            older = [each for each in ids if each < before] if before else ids
+            shown = older[:limit]
+            return Page([self._entry(each) for each in shown], shown[-1] if len(shown) < len(older) else None, len(ids))
 
     def entry(self, recording: str) -> Entry:
         """Raises UnknownThing."""
@@ -117,19 +156,21 @@ class Library:
         return marks.read(self._folder / f"{self._known(recording)}{marks.SUFFIX}")
 
     def label(self, recording: str, label: Label) -> None:
-        """Call it `label.name` from now on. Raises UnknownThing, UsageError for what is too long."""
+        """Call it `label.name` from now on. Raises UnknownThing, UsageError for what is too long, StoreUnavailable."""
         for text, limit in ((label.name, NAME_MAX), (label.note, NOTE_MAX)):
             if len(text) > limit:
                 raise UsageError(f"at most {limit} characters, not {len(text)}")
-        Document(self._folder / f"{self._known(recording)}.json").write(asdict(label))
+        with _written(f"the name of recording {recording} is not kept"):
+            self._write_label(self._known(recording), label)
 
     def delete(self, recording: str) -> None:
-        """Gone for good. Raises UnknownThing, WrongState while it is being written."""
+        """Gone for good. Raises UnknownThing, WrongState while it is being written, StoreUnavailable."""
         if self._known(recording) in self.running:
             raise WrongState(f"recording {recording} is still being written", "stop it first")
         # The rows go first: what else is left is nothing without them, and is not listed.
-        for suffix in (file.SUFFIX, marks.SUFFIX, ".json", ".json.lock"):
-            (self._folder / f"{recording}{suffix}").unlink(missing_ok=True)
+        with _written(f"recording {recording} is not deleted"):
+            for suffix in SUFFIXES:
+                (self._folder / f"{recording}{suffix}").unlink(missing_ok=True)
         self._opened.forget(self._rows_of(recording))
 
     @property
@@ -140,7 +181,8 @@ class Library:
     @property
     def size_bytes(self) -> int:
         """Room that all of them take on the disk."""
-        return sum(path.stat().st_size for path in self._folder.glob("*")) if self._folder.is_dir() else 0
+        with self._looking:
+            return sum(self._scan().values())
 
     def _rows_of(self, recording: str) -> Path:
         return self._folder / f"{recording}{file.SUFFIX}"
@@ -148,27 +190,78 @@ class Library:
     def _known(self, recording: str) -> str:
         # The pattern before the path: an id never leads out of the folder.
         if not ID.fullmatch(recording) or not self._rows_of(recording).is_file():
-            raise UnknownThing("recording", recording[:60], [path.stem for path in self._latest(5)])
+            with self._looking:
+                raise UnknownThing("recording", recording[:60], list(islice(self._scan(), 5)))
         return recording
 
-    def _latest(self, count: int) -> Sequence[Path]:
-        return sorted(self._folder.glob(f"*{file.SUFFIX}"), reverse=True)[:count] if self._folder.is_dir() else []
+    def _scan(self) -> dict[str, int]:
+        """Every recording and its size [bytes], the latest first: one look at the folder, none while it is as it was.
+
+        A file that grows does not change its folder: those that are being written are looked at each time.
+        """
+        try:
+            changed_ns = self._folder.stat().st_mtime_ns
+        except OSError:
+            return {}
+        if self._scanned[0] != changed_ns:
+            sizes: dict[str, int] = {}
+            names: set[str] = set()
+            with os.scandir(self._folder) as found:
+                for each in found:
+                    recording, dot, suffix = each.name.partition(".")
+                    if not ID.fullmatch(recording):
+                        continue
+                    with suppress(OSError):  # deleted meanwhile
+                        sizes[recording] = sizes.get(recording, 0) + each.stat().st_size
+                        if f"{dot}{suffix}" == file.SUFFIX:
+                            names.add(recording)
+            # What changes within the same tick of the file system's clock must not be missed.
+            settled = time.time_ns() - changed_ns > SETTLED_NS
+            self._scanned = (changed_ns if settled else 0, {name: sizes[name] for name in sorted(names, reverse=True)})
+            self._entries = {name: known for name, known in self._entries.items() if name in names}
+        sizes = self._scanned[1]
+        sizes |= {name: self._size(name) for name in self.running if name in sizes}
+        return sizes
+
+    def _size(self, recording: str) -> int:
+        stamps = (_stamp(self._folder / f"{recording}{suffix}") for suffix in SUFFIXES)
+        return sum(stamp[2] for stamp in stamps if stamp is not None)
 
     def _entry(self, recording: str) -> Entry:
+        rows, label = self._rows_of(recording), self._folder / f"{recording}{LABEL}"
+        stamps = _stamp(rows), _stamp(label)
+        known = self._entries.get(recording)
+        if known is not None and known[:2] == stamps and known[2].recording == (recording in self.running):
+            return known[2]
         head, problem = None, ""
         try:
-            head = file.read_head(self._rows_of(recording))
+            head = file.read_head(rows)
         except (UnreadableRecording, OSError) as error:
             problem = str(error)
-        size = sum(path.stat().st_size for path in self._folder.glob(f"{recording}.*"))
-        return Entry(recording, self._label(recording), head, size, recording in self.running, problem)
+        size = self._size(recording)
+        entry = Entry(recording, _label(label), head, size, recording in self.running, problem)
+        self._entries[recording] = (*stamps, entry)
+        return entry
 
-    def _label(self, recording: str) -> Label:
-        try:
-            found = Document(self._folder / f"{recording}.json").read() or {}
-        except UnreadableDocument:
-            return Label()
-        return Label(str(found.get("name", "")), str(found.get("note", "")))
+    def _write_label(self, recording: str, label: Label) -> None:
+        Document(self._folder / f"{recording}{LABEL}").write(asdict(label))
+
+
+def _stamp(path: Path) -> Stamp | None:
+    try:
+        told = path.stat()
+    except OSError:
+        return None
+    return told.st_ino, told.st_mtime_ns, told.st_size
+
+
+def _label(path: Path) -> Label:
+    try:
+        found = Document(path).read() or {}
+    except UnreadableDocument:
+        return Label()
+    name, note = (str(found.get(key, "")).encode(errors="replace").decode() for key in ("name", "note"))
+    return Label(name[:NAME_MAX], note[:NOTE_MAX])
 
 
 def _words(entry: Entry) -> str:
@@ -183,6 +276,15 @@ def _readable(recording: str) -> Iterator[None]:
         yield
     except (UnreadableRecording, OSError) as error:
         raise WrongState(f"recording {recording} cannot be read: {error}") from error
+
+
+@contextmanager
+def _written(what: str) -> Iterator[None]:
+    """Turns what a disk says that takes nothing into a problem that tells `what` did not happen."""
+    try:
+        yield
+    except OSError as error:
+        raise StoreUnavailable(f"{what}: {error}", "make room, or give stepscope a folder that it may write") from error
 
 
 def span_s(rows: file.Rows) -> float:

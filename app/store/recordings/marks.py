@@ -8,6 +8,8 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from pydantic import TypeAdapter
+
 from app.devices.marks import MarkKind
 
 SUFFIX = ".marks"
@@ -27,6 +29,9 @@ class Mark:
     detail: Mapping[str, Any] | None = None
 
 
+_mark = TypeAdapter(Mark)
+
+
 def add(path: Path, mark: Mark) -> None:
     """Append; it outlives this process when it returns. Raises OSError."""
     with path.open("ab", buffering=0) as file:
@@ -42,7 +47,7 @@ def read(path: Path) -> list[Mark]:
     marks = []
     for line in lines[:-1]:  # what stands behind the last line's end is nothing, or half a line
         try:
-            marks.append(Mark(**json.loads(line)))
-        except (ValueError, TypeError):
+            marks.append(_mark.validate_json(line))
+        except ValueError:
             continue  # of a newer version, or a disk's mistake: the others are still worth having
     return sorted(marks, key=lambda mark: mark.time_s)

@@ -426,6 +426,8 @@ export interface paths {
         /**
          * Add Device
          * @description Add a connection and try it. One that does not answer is added all the same; `state` and `problem` tell why.
+         *
+         *     It is on disk when this answers; where the disk takes nothing, `notes` tells, and it is tried again.
          */
         post: operations["add_device"];
         delete?: never;
@@ -1320,7 +1322,7 @@ export interface paths {
         };
         /**
          * List Recordings
-         * @description All recordings, the latest first.
+         * @description Recordings, the latest first, page by page.
          */
         get: operations["list_recordings"];
         put?: never;
@@ -3172,7 +3174,7 @@ export interface components {
             problem: components["schemas"]["Problem"] | null;
             /**
              * Notes
-             * @description what a user has to know now: motors that were found moving
+             * @description what a user has to know now: motors that were found moving, a connection that is not on disk
              */
             notes: string[];
             /** Emulated */
@@ -7321,6 +7323,16 @@ export interface components {
         RecordingList: {
             /** Recordings */
             recordings: components["schemas"]["RecordingInfo"][];
+            /**
+             * Next
+             * @description `before` of the next page; null where this is the last one
+             */
+            next: string | null;
+            /**
+             * Total
+             * @description how many were found, on all pages
+             */
+            total: number;
             /**
              * Size Bytes
              * @description of all recordings, found or not [bytes]
@@ -16371,6 +16383,10 @@ export interface operations {
                 search?: string;
                 /** @description only those of this device */
                 device?: string;
+                /** @description how many at the most */
+                limit?: number;
+                /** @description `next` of the page before */
+                before?: string;
             };
             header?: never;
             path?: never;
@@ -16684,6 +16700,15 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
         };
     };
     label_recording: {
@@ -16749,6 +16774,15 @@ export interface operations {
             };
             /** @description The request does not fit the contract (/problems/invalid-request) */
             422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
                 headers: {
                     [name: string]: unknown;
                 };

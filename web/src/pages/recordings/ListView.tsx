@@ -6,7 +6,7 @@ import { Link, useLocation } from "wouter";
 import { EmptyState } from "../../lib/EmptyState";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Page, Section } from "../../lib/Section";
-import { isRunning, type Recording, titleOf, useChanges, useRecordings } from "./api";
+import { isRunning, PAGE, PAGE_MAX, type Recording, titleOf, useChanges, useRecordings } from "./api";
 import { RowMenu } from "./RowMenu";
 import classes from "./recordings.module.css";
 import { StartForm } from "./StartForm";
@@ -26,7 +26,8 @@ const COMPARED_MAX = 8;
 export function ListView() {
   const [text, setText] = useState("");
   const [search] = useDebouncedValue(text.trim(), 200);
-  const list = useRecordings(search);
+  const [limit, setLimit] = useState(PAGE);
+  const list = useRecordings(search, limit);
   const [sort, setSort] = useState<Sort>({ key: "started_unix_s", down: true });
   const [picked, setPicked] = useState<ReadonlySet<string>>(new Set());
   const [starting, { open, close }] = useDisclosure();
@@ -148,6 +149,25 @@ export function ListView() {
               ))}
             </tbody>
           </table>
+        )}
+        {list.data && list.data.total > sorted.length && (
+          <Group justify="center" gap="sm" py="sm">
+            <Text size="sm">
+              The latest <span className="num">{sorted.length}</span> of <span className="num">{list.data.total}</span>
+            </Text>
+            {limit < PAGE_MAX ? (
+              <Button
+                size="xs"
+                variant="default"
+                loading={list.isFetching && list.isPlaceholderData}
+                onClick={() => setLimit((before) => Math.min(before + PAGE, PAGE_MAX))}
+              >
+                Show {PAGE} more
+              </Button>
+            ) : (
+              <Text size="sm">Search to find older ones.</Text>
+            )}
+          </Group>
         )}
       </Section>
       <Drawer opened={starting} onClose={close} position="right" title="New recording" size="sm">

@@ -16,11 +16,16 @@ export function isRunning({ state }: { state: Recording["state"] }): boolean {
   return state === "waiting" || state === "recording";
 }
 
-/** All recordings, looked at once a second while one runs, else now and then: others start them too. */
-export function useRecordings(search = "") {
+/** So many recordings are listed at first, and more with each wish for more. */
+export const PAGE = 100;
+export const PAGE_MAX = 1000;
+
+/** The latest recordings, looked at once a second while one runs, else now and then: others start them too. */
+export function useRecordings(search = "", limit = PAGE) {
   return useQuery({
-    queryKey: ["recordings", search],
-    queryFn: async () => unwrap(await api.GET("/api/v1/recordings", search ? { params: { query: { search } } } : {})),
+    queryKey: ["recordings", search, limit],
+    queryFn: async () =>
+      unwrap(await api.GET("/api/v1/recordings", { params: { query: { limit, ...(search && { search }) } } })),
     refetchInterval: (query) => (query.state.data?.recordings.some(isRunning) ? 1000 : 4000),
     placeholderData: (before) => before,
   });

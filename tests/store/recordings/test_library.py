@@ -1,0 +1,164 @@
+"""The list of recordings: paged, searched, and never older than the folder."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from app.links.errors import StoreUnavailable, UnknownThing
+from app.store.recordings import file
+from app.store.recordings.file import RecordingWriter, Rows
+from app.store.recordings.head import Column, Head
+from app.store.recordings.library import Label, Library
+
+LONG_AGO_NS = 1_000_000_000
+
+
+def head(number: int, device: str = "bench") -> Head:
+    return Head(
+        id=f"20260101-{number // 3600:02}{number // 60 % 60:02}{number % 60:02}-{number:04x}",
+        device=device,
+        model="tmc428",
+        columns=(Column("position.0", "microsteps"),),
+        rate_hz=100.0,
+        started_unix_s=0.0,
+        time_origin_unix_s=0.0,
+        chip_timed=True,
+        clock_hz=16e6,
+    )
+
+
+def fill(folder: Path, numbers: range) -> None:
+    """Recordings without a label, as if copied in: `bench` made the even ones, `other` the odd ones."""
+    folder.mkdir(parents=True, exist_ok=True)
+    for number in numbers:
+        made = head(number, "other" if number % 2 else "bench")
+        RecordingWriter(folder / f"{made.id}.arrows", made).close()
+
+
+def aged(folder: Path) -> None:
+    """As if nothing had changed in the folder for long, so that a look at it is kept."""
+    os.utime(folder, ns=(LONG_AGO_NS, LONG_AGO_NS))
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    return tmp_path / "recordings"
+
+
+@pytest.mark.parametrize("search", ["", "bench tmc428", "OTHER"])
+def test_pages_laid_together_are_the_whole_list(folder: Path, search: str) -> None:
+    fill(folder, range(53))
+    aged(folder)
+    library = Library(folder.parent)
+    whole = [entry.id for entry in library.page(search).entries]
+    pages, before = [], ""
+    while True:
+        page = library.page(search, limit=7, before=before)
+        pages += [entry.id for entry in page.entries]
+        assert page.total == len(whole)
+        if page.next is None:
+            break
+        before = page.next
+    assert pages == whole == sorted(whole, reverse=True)
+    assert len(whole) == {"": 53, "bench tmc428": 27, "OTHER": 26}[search]
+    assert [entry.id for entry in library.page(device="other").entries] == [
+        entry.id for entry in library.page("other").entries
+    ]
+
+
+def test_a_page_reads_its_own_recordings_and_a_second_look_none(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fill(folder, range(40))
+    aged(folder)
+    library = Library(folder.parent)
+    read: list[str] = []
+    read_head, scandir = file.read_head, os.scandir
+    scans: list[Path] = []
+
+    def counted_read(path: Path) -> Head:
+        read.append(path.stem)
+        return read_head(path)
+
+    def counted_scan(path: Path) -> Any:
+        scans.append(path)
+        return scandir(path)
+
+    monkeypatch.setattr(file, "read_head", counted_read)
+    monkeypatch.setattr(os, "scandir", counted_scan)
+    shown = [entry.id for entry in library.page(limit=10).entries]
+    assert sorted(read, reverse=True) == shown
+    assert len(scans) == 1
+    assert [entry.id for entry in library.page(limit=10).entries] == shown
+    assert (len(read), len(scans)) == (10, 1)
+
+
+def test_what_comes_goes_or_is_renamed_is_seen_at_once(folder: Path) -> None:
+    fill(folder, range(3))
+    aged(folder)
+    library = Library(folder.parent)
+    first = library.page().entries
+    assert len(first) == 3
+    fill(folder, range(3, 5))
+    assert len(library.page().entries) == 5
+    library.label(first[0].id, Label("mine", "a note"))
+    assert library.page("mine").entries[0].label == Label("mine", "a note")
+    (folder / f"{first[0].id}.json").write_text(json.dumps({"name": "by hand", "note": ""}))
+    assert [entry.label.name for entry in library.page().entries if entry.id == first[0].id] == ["by hand"]
+    library.delete(first[1].id)
+    (folder / f"{first[2].id}.arrows").unlink()
+    assert {entry.id for entry in library.page().entries} == {first[0].id, head(3).id, head(4).id}
+    with pytest.raises(UnknownThing):
+        library.entry(first[1].id)
+
+
+def test_one_that_is_written_grows_in_the_list_and_in_the_sum(folder: Path) -> None:
+    library = Library(folder.parent)
+    writer = library.begin(head(1), Label("growing"))
+    aged(folder)
+    before, sum_before = library.page().entries[0], library.size_bytes
+    assert before.recording
+    rows = Rows(np.arange(1000.0), np.zeros((1, 1000)))
+    writer.append(rows)
+    after = library.page().entries[0]
+    assert after.size_bytes >= before.size_bytes + 16_000
+    assert library.size_bytes - sum_before == after.size_bytes - before.size_bytes
+    library.ended(after.id)
+    assert not library.page().entries[0].recording
+    writer.close()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        b"",
+        b"{",
+        b"[]",
+        b'{"name": 5}',
+        b'{"name": "\\ud800", "note": ["x"]}',
+        b"\xff",
+        b'{"name": "' + b"x" * 5000 + b'"}',
+    ],
+)
+def test_a_label_that_somebody_spoilt_is_no_obstacle(folder: Path, text: bytes) -> None:
+    fill(folder, range(2))
+    spoilt = head(1, "other").id
+    (folder / f"{spoilt}.json").write_bytes(text)
+    entries = Library(folder.parent).page().entries
+    assert len(entries) == 2
+    assert all(len(entry.label.name.encode()) <= 100 for entry in entries)
+
+
+def test_a_disk_that_takes_nothing_is_told(folder: Path) -> None:
+    library = Library(folder.parent)
+    library.begin(head(1), Label("first")).close()
+    library.ended(head(1).id)
+    (folder / f"{head(1).id}.json.lock").unlink()
+    (folder / f"{head(1).id}.json.lock").mkdir()  # nobody may write beside it, not even root
+    with pytest.raises(StoreUnavailable, match="is not kept"):
+        library.label(head(1).id, Label("second"))
+    assert library.entry(head(1).id).label.name == "first"
