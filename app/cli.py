@@ -143,6 +143,9 @@ def emulate(
     clock_hz: Annotated[float | None, typer.Option(help="Chip: its clock [Hz].")] = None,
     time_scale: Annotated[float, typer.Option(help="How much faster than real time.", min=0.0, max=1000.0)] = 1.0,
     wiring: Annotated[str | None, typer.Option(help="Chip: how the reference switches are wired.")] = None,
+    v_actual_writable: Annotated[
+        str | None, typer.Option(help="Chip: hold-mode, or velocity-mode, where writing 0 then stops dead.")
+    ] = None,
 ) -> None:
     """Serve an emulated chip (raw frames, or its UART at --pty), or a line of modules or with a board, to any client.
 
@@ -161,7 +164,8 @@ def emulate(
         _refuse({} if model == emulating.MODULE else of_modules, model)
         _refuse({} if is_board else {"chip": chip}, model)
         _refuse({"clock_hz": clock_hz} if model == emulating.MODULE else {}, model)
-        _refuse({"wiring": wiring} if is_line else {}, model)
+        of_pulses: dict[str, object] = {"wiring": wiring, "v_actual_writable": v_actual_writable}
+        _refuse(of_pulses if is_line else {}, model)
         if is_line:
             options = emulating.LineOptions(
                 model=model,
@@ -180,7 +184,7 @@ def emulate(
             )
             emulating.emulate_line(options, typer.echo)
         else:
-            of_chip = {"seed": seed, "clock_hz": clock_hz, "wiring": wiring}
+            of_chip = {"seed": seed, "clock_hz": clock_hz, **of_pulses}
             given = {name: value for name, value in of_chip.items() if value is not None}
             emulating.emulate(model, given, time_scale, typer.echo, tcp=tcp, pty=pty, baud=baud)
 

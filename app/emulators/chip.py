@@ -225,9 +225,11 @@ class Chip(ABC):
         self.axes[index, k.VT] = to_signed(data, 12)
 
     def _write_v_actual(self, index: int, data: int) -> None:
-        """Only in HOLD_MODE; hidden bits become 0. The magnitude has 11 bits, so -2048 becomes -2047."""
+        """Only in HOLD_MODE, unless the options say otherwise; hidden bits become 0. The magnitude has 11 bits, so
+        -2048 becomes -2047."""
         axis = self.axes[index]
-        if axis[k.MODE] != HOLD_MODE:
+        in_velocity_mode = axis[k.MODE] == VELOCITY_MODE and self.options.v_actual_writable == "velocity-mode"
+        if axis[k.MODE] != HOLD_MODE and not in_velocity_mode:
             return
         v8 = max(to_signed(data, 12), -FASTEST) * 256
         if v8 == 0 and axis[k.V8] != 0:

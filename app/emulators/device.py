@@ -101,6 +101,7 @@ class EmulatedDevice(FarEnd):
             chip_time_s=self._latest_s,
             clock_hz=self._clock_hz,
             wiring=self._options.wiring if isinstance(chip, Tmc428) else "triple-switch",
+            v_actual_writable=self._options.v_actual_writable,
             axes=[stage.describe(index, axis, chip.stage_units) for index, axis in enumerate(chip.axes)],
             inputs=Inputs(gp_in=chip.general_input),
             faults=Faults(**asdict(self._faults)),

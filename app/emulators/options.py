@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
 Wiring = Literal["left-only", "two-one-null", "multiplexed"]
+VActualWritable = Literal["hold-mode", "velocity-mode"]
 FullSteps = Annotated[float, Field(ge=-1e6, le=1e6, allow_inf_nan=False, strict=True)]
 AxisIndex = Annotated[int, Field(strict=True, ge=0, le=2)]
 Forced = Annotated[bool, Field(strict=True)] | Literal["auto"]
@@ -54,6 +55,11 @@ class EmulatorOptions(_Closed):
         default="multiplexed",
         description="TMC428: how the switches reach REF1..REF3 (001, Figures 9-3 to 9-5); the reference switch is "
         "wired or with the left one (9.8). The chip interprets its pins by refmux and mot1r whatever the wiring.",
+    )
+    v_actual_writable: VActualWritable = Field(
+        default="hold-mode",
+        description="where a write to V_ACTUAL counts: in HOLD_MODE only, as 001, 8.6 says, so that a stop in "
+        "VELOCITY_MODE brakes; or in VELOCITY_MODE too, where 0 then stops dead, as Trinamic's own software expects",
     )
     stages: Annotated[list[StageOptions], Field(max_length=3)] = Field(
         default_factory=list, description="one stage an axis; axes beyond the list have the default stage"

@@ -6,6 +6,8 @@ from typing import Literal
 
 from pydantic import BaseModel, Field
 
+from app.emulators.options import VActualWritable
+
 
 class SwitchState(BaseModel):
     active: bool
@@ -94,6 +96,7 @@ class EmulatorState(BaseModel):
     chip_time_s: float
     clock_hz: float
     wiring: str
+    v_actual_writable: VActualWritable = Field(description="where a write to V_ACTUAL counts: see the link's option")
     axes: list[AxisState]
     inputs: Inputs
     faults: Faults

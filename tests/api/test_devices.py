@@ -66,6 +66,26 @@ async def test_a_device_is_added_edited_and_removed(client: httpx.AsyncClient) -
     assert [device["id"] for device in (await client.get("devices")).json()] == ["bench", "slider", "my-axis-2"]
 
 
+@pytest.mark.parametrize("model", ["tmc428", "tmc4210"])
+async def test_where_an_emulated_chip_lets_its_velocity_be_written_is_an_option_of_the_link(
+    client: httpx.AsyncClient, model: str
+) -> None:
+    """What it does is in tests/emulators/test_ramp.py; the driver writes V_ACTUAL in HOLD_MODE only."""
+
+    async def make(link: dict[str, str]) -> httpx.Response:
+        return await client.post("devices", json={**NEW, "model": model, "link": {"kind": "emulator", **link}})
+
+    links: list[tuple[dict[str, str], str]] = [
+        ({}, "hold-mode"),
+        ({"v_actual_writable": "velocity-mode"}, "velocity-mode"),
+    ]
+    for link, told in links:
+        made = (await make(link)).json()
+        assert made["link"] == {"kind": "emulator", **link}
+        assert (await client.get(f"devices/{made['id']}/emulator")).json()["v_actual_writable"] == told
+    assert (await make({"v_actual_writable": "always"})).status_code == 422
+
+
 async def test_an_emulated_chip_runs_at_the_devices_clock(client: httpx.AsyncClient) -> None:
     for body in ({**NEW, "clock_hz": 32e6}, {**NEW, "link": {"kind": "emulator", "clock_hz": 32e6}}):
         device = (await client.post("devices", json=body)).json()

@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 import httpx
+import pytest
 
 from app.clock import WallClock
 from app.emulators.build import build_emulator
@@ -85,6 +86,31 @@ async def test_a_silent_device_does_not_hold_up_the_end(tmp_path: Path) -> None:
     assert time.monotonic() - asked_s < SOON_S
     server.close()
     await server.wait_closed()
+
+
+@pytest.mark.parametrize("options", [(), ("--v-actual-writable", "velocity-mode")])
+async def test_an_emulated_chip_stops_dead_in_velocity_mode_where_that_was_asked_for(options: tuple[str, ...]) -> None:
+    with running("emulate", "tmc428", "--tcp", "127.0.0.1:0", *options) as (process, line):
+        reader, writer = await asyncio.open_connection("127.0.0.1", int(line.rpartition(":")[2].split()[0]))
+
+        async def ask(frame: bytes) -> int:
+            writer.write(frame)
+            return int.from_bytes((await reader.readexactly(4))[1:], "big")
+
+        # dividers, no stops and velocity mode, v_max, a_max, v_target: it turns at once
+        for address, data in ((0xC, 5 << 12), (0xA, 0x302), (3, 1000), (6, 2047), (4, 1000)):
+            await ask(datagram32.write(address, data))
+        while await ask(datagram32.read(5)) != 1000:
+            pass
+        # from here on braking would take an hour
+        for address, data in ((0xC, 5 << 12 | 13 << 8), (6, 1), (4, 0), (5, 0)):
+            await ask(datagram32.write(address, data))
+        velocity = await ask(datagram32.read(5))
+        assert velocity == 0 if options else velocity > 900
+        writer.close()
+        await writer.wait_closed()
+        process.send_signal(signal.SIGINT)
+        assert process.wait(20) == 0
 
 
 async def test_an_emulated_chip_answers_any_client() -> None:

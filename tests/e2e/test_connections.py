@@ -119,6 +119,16 @@ def test_a_chip_at_the_far_end_of_a_socket(
     remove(page)
 
 
+def test_an_emulated_chip_whose_velocity_can_be_written_in_velocity_mode(page: Page, api: httpx.Client) -> None:
+    open_form(page)
+    page.get_by_role("button", name="Emulator: time").click()
+    page.get_by_role("combobox", name="V_ACTUAL can be written in").click()
+    page.get_by_role("option", name="velocity mode too").click()
+    page.get_by_role("button", name="Add and connect").click()
+    expect(page.get_by_role("region", name=NAME)).to_contain_text("connected")
+    assert api.get(f"/devices/{NAME}/emulator").json()["v_actual_writable"] == "velocity-mode"
+
+
 def test_an_emulated_module_is_added_with_a_load_on_its_shaft(page: Page, api: httpx.Client) -> None:
     open_form(page)
     page.get_by_role("combobox", name="Model").click()

@@ -205,6 +205,43 @@ def test_v_actual_is_read_only_outside_hold_mode(mode: int) -> None:
     assert bench.v == 0
 
 
+def hard_stop(bench: Bench) -> None:
+    """As Trinamic's software for the chip stops a motor at once."""
+    bench.write(MODE, VELOCITY | NO_STOPS)
+    bench.write(V_TARGET, 0)
+    bench.write(V_ACTUAL, 0)
+
+
+@pytest.mark.sheet("001", "8.6")
+@BOTH
+@pytest.mark.parametrize(("writable", "dead"), [(None, False), ("hold-mode", False), ("velocity-mode", True)])
+@pytest.mark.parametrize("before", [RAMP, VELOCITY])
+def test_zero_written_in_velocity_mode_brakes_or_stops_dead_as_the_option_says(
+    model: str, before: int, writable: str | None, dead: bool
+) -> None:
+    bench = free_bench(model, **({} if writable is None else {"v_actual_writable": writable}))
+    assert bench.device.state().v_actual_writable == (writable or "hold-mode")
+    bench.ramp(mode=before, v_max=1000, a_max=100)
+    bench.write(X_TARGET if before == RAMP else V_TARGET, -500_000 if before == RAMP else -1000)
+    bench.ticks(5000)
+    assert bench.v == -1000
+    at = bench.x
+    hard_stop(bench)
+    assert bench.v == (0 if dead else -1000)
+    bench.ticks(5000)
+    assert bench.v == 0
+    assert (bench.x == at) is dead
+    # it is no lock: the next target counts
+    bench.write(V_TARGET, 500)
+    bench.ticks(5000)
+    assert bench.v == 500
+    # nor does it make the register writable where the ramp generator positions
+    bench.write(X_TARGET, bench.x)
+    bench.write(MODE, RAMP | NO_STOPS)
+    bench.write(V_ACTUAL, 0)
+    assert bench.v != 0
+
+
 @pytest.mark.sheet("001", "8.6")
 @pytest.mark.sheet("000", "6.1.6")
 def test_zero_written_in_hold_mode_stops_at_once_hidden_bits_and_all() -> None:

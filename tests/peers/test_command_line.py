@@ -109,6 +109,10 @@ def test_on_a_shared_bus_everybody_hears_everybody(tmp_path: Path) -> None:
         (["emulate", "pd42-1241", "--tcp", "127.0.0.1:0", "--address", "1", "--address", "1"], "address of its own"),
         (["emulate", "pd42-1241", "--tcp", "127.0.0.1:0", "--address", "300"], "address"),
         (["emulate", "pd42-1241", "--tcp", "127.0.0.1:0", "--wiring", "left-only"], "--wiring is not for a pd42-1241"),
+        (
+            ["emulate", "pd42-1241", "--tcp", "127.0.0.1:0", "--v-actual-writable", "velocity-mode"],
+            "--v-actual-writable is not for a pd42-1241",
+        ),
         (["emulate", "tmc428", "--tcp", "127.0.0.1:0", "--shared-bus"], "--shared-bus is not for a tmc428"),
         (["emulate", "pd42-1241", "--tcp", "127.0.0.1:0", "--control", "9000"], "--control is HOST:PORT"),
         (["emulate", "pd42-1241", "--tcp", "127.0.0.1:0", "--node", "1"], "--node is not for a pd42-1241"),

@@ -3436,6 +3436,13 @@ export interface components {
              */
             wiring?: "left-only" | "two-one-null" | "multiplexed";
             /**
+             * V Actual Writable
+             * @description where a write to V_ACTUAL counts: in HOLD_MODE only, as 001, 8.6 says, so that a stop in VELOCITY_MODE brakes; or in VELOCITY_MODE too, where 0 then stops dead, as Trinamic's own software expects
+             * @default hold-mode
+             * @enum {string}
+             */
+            v_actual_writable?: "hold-mode" | "velocity-mode";
+            /**
              * Stages
              * @description one stage an axis; axes beyond the list have the default stage
              */
@@ -3489,6 +3496,12 @@ export interface components {
             clock_hz: number;
             /** Wiring */
             wiring: string;
+            /**
+             * V Actual Writable
+             * @description where a write to V_ACTUAL counts: see the link's option
+             * @enum {string}
+             */
+            v_actual_writable: "hold-mode" | "velocity-mode";
             /** Axes */
             axes: components["schemas"]["app__emulators__state__AxisState"][];
             inputs: components["schemas"]["Inputs"];

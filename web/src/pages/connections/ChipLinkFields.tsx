@@ -3,7 +3,7 @@ import { IconChevronRight } from "@tabler/icons-react";
 import type { ChipModel } from "../../lib/family";
 import { fixed } from "../../lib/format";
 import { StageFields } from "./AxisFields";
-import { CHIP_LIMITS, ECHOES, WIRINGS } from "./chip";
+import { CHIP_LIMITS, ECHOES, V_ACTUAL_WRITABLE, WIRINGS } from "./chip";
 import css from "./connections.module.css";
 import type { Draft } from "./draft";
 import { EmulatorOptions } from "./EmulatorOptions";
@@ -206,7 +206,7 @@ function EmulatorFields({ draft, model, problems, problem, onChange, more, onMor
     <>
       <button type="button" className={css.more} aria-expanded={more} onClick={() => onMore(!more)}>
         <IconChevronRight size={13} className={css.chevron} data-open={more} aria-hidden />
-        Emulator: time, seed{model === "tmc428" && ", wiring"}, stages
+        Emulator: time, seed{model === "tmc428" && ", wiring"}, writes of V_ACTUAL, stages
       </button>
       {more && (
         <>
@@ -238,6 +238,15 @@ function EmulatorFields({ draft, model, problems, problem, onChange, more, onMor
               onChange={(wiring) => onChange({ wiring: wiring ?? "" })}
             />
           )}
+          <Select
+            size="xs"
+            label="V_ACTUAL can be written in"
+            classNames={{ label: css.label }}
+            data={V_ACTUAL_WRITABLE}
+            value={draft.vActualWritable || "hold-mode"}
+            allowDeselect={false}
+            onChange={(value) => onChange({ vActualWritable: value ?? "" })}
+          />
           <StageFields draft={draft} problems={problems} onChange={(stages) => onChange({ stages })} />
         </>
       )}

@@ -45,6 +45,12 @@ export const WIRINGS = [
   { value: "left-only", label: "left only: one switch an axis" },
 ];
 
+/** Where a write of the velocity takes: the sheet's way first, which is the default. */
+export const V_ACTUAL_WRITABLE = [
+  { value: "hold-mode", label: "hold mode only: 0 in velocity mode brakes" },
+  { value: "velocity-mode", label: "velocity mode too: 0 there stops dead" },
+];
+
 /** A link's wire as a draft, for editing. */
 export function uartOf(link: Json): UartDraft {
   const echo = ECHOES.find((known) => known === link.echo) ?? "auto";
@@ -128,6 +134,7 @@ function pulsesOf(draft: Draft, model: ChipModel): Json {
     time_scale: numberOf(draft.timeScale),
     clock_hz: clockOf(draft),
     wiring: model === "tmc428" && draft.wiring !== "" ? draft.wiring : undefined,
+    v_actual_writable: draft.vActualWritable !== "" ? draft.vActualWritable : undefined,
     stages: stages.some((stage) => Object.keys(stage).length > 0) ? stages : undefined,
     // One motor, one driver: what the emulated driver does is what the axis is reckoned with.
     driver_microsteps: model === "tmc4210" ? numberOf(draft.axes[0]?.driverMicrosteps ?? "") : undefined,

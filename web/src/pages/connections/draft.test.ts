@@ -41,6 +41,18 @@ describe("a new connection", () => {
     expect(withModel(one, "tmc428").axes.map((axis) => axis.gear)).toEqual(["3", "", ""]);
   });
 
+  it("says where the emulated chip lets its velocity be written, and keeps it in an edit", () => {
+    const draft = { ...newDraft("tmc428"), vActualWritable: "velocity-mode" };
+    expect(linkOf(draft)).toEqual({ kind: "emulator", v_actual_writable: "velocity-mode" });
+    const held = { ...DEVICE, link: { kind: "emulator", v_actual_writable: "velocity-mode" } } as Device;
+    expect(draftOf(held).vActualWritable).toBe("velocity-mode");
+    expect(changeBody(draftOf(held), { ...draftOf(held), seed: "3" }).link).toMatchObject({
+      kind: "emulator",
+      seed: 3,
+      v_actual_writable: "velocity-mode",
+    });
+  });
+
   it("gives the emulated driver the microsteps that the axis is reckoned with", () => {
     const draft = newDraft("tmc4210");
     draft.axes = draft.axes.map((axis) => ({ ...axis, driverMicrosteps: "32" }));

@@ -51,6 +51,7 @@ export interface Draft {
   seed: string;
   timeScale: string;
   wiring: string;
+  vActualWritable: string;
   stages: StageDraft[];
   /** of an emulated motor and what is around it, by the keys of `optionsOf` */
   options: Record<string, string>;
@@ -93,6 +94,7 @@ export function newDraft(model: Model = "tmc428", kind: Kind = "emulator"): Draf
       seed: "",
       timeScale: "",
       wiring: "",
+      vActualWritable: "",
       stages: [],
       options: {},
       axes: [],
@@ -138,6 +140,7 @@ export function draftOf(device: Device): Draft {
       seed: said(link.seed),
       timeScale: said(link.time_scale),
       wiring: typeof link.wiring === "string" ? link.wiring : "",
+      vActualWritable: typeof link.v_actual_writable === "string" ? link.v_actual_writable : "",
       stages: stagesOf(link),
       options: optionsIn(link, device.model),
       axes: device.axes.map((axis) => ({
