@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
 import httpx
 import pytest
-from playwright.sync_api import BrowserContext, Page, ViewportSize
+from playwright.sync_api import BrowserContext, Page, ViewportSize, expect
 
 from tests.e2e import chips
 from tests.e2e.conftest import DESKTOP, PHONE
@@ -15,10 +16,26 @@ from tests.e2e.motor import a_motor, select, wait_for
 
 REMEMBER_TEXT = """
 const drawn = new WeakMap();
-const { fillText, clearRect } = CanvasRenderingContext2D.prototype;
+const lines = new WeakMap();
+const { fillText, clearRect, beginPath, lineTo, stroke } = CanvasRenderingContext2D.prototype;
 CanvasRenderingContext2D.prototype.clearRect = function (...box) {
   drawn.set(this.canvas, []);
+  lines.set(this.canvas, []);
   return clearRect.apply(this, box);
+};
+let path = [];
+CanvasRenderingContext2D.prototype.beginPath = function () {
+  path = [];
+  return beginPath.call(this);
+};
+CanvasRenderingContext2D.prototype.lineTo = function (x, y) {
+  path.push(y);
+  return lineTo.call(this, x, y);
+};
+CanvasRenderingContext2D.prototype.stroke = function (...what) {
+  if (what.length === 0 && path.length > 1)
+    lines.get(this.canvas)?.push({ color: this.strokeStyle, from: Math.min(...path), to: Math.max(...path) });
+  return stroke.apply(this, what);
 };
 CanvasRenderingContext2D.prototype.fillText = function (text, x, y, ...rest) {
   const width = this.measureText(text).width;
@@ -30,16 +47,18 @@ CanvasRenderingContext2D.prototype.fillText = function (text, x, y, ...rest) {
 };
 window.textOfPlots = () => [...document.querySelectorAll('.uplot')].map((plot) => {
   const canvas = plot.querySelector('canvas');
-  const over = plot.querySelector('.u-over').getBoundingClientRect();
+  const node = plot.querySelector('.u-over');
+  const over = node.getBoundingClientRect();
   return {
     label: plot.parentElement.getAttribute('aria-label'),
-    width: canvas.width, texts: drawn.get(canvas) ?? [],
+    width: canvas.width, texts: drawn.get(canvas) ?? [], lines: lines.get(canvas) ?? [],
+    inner: { top: node.offsetTop * devicePixelRatio, bottom: (node.offsetTop + node.offsetHeight) * devicePixelRatio },
     left: over.left, right: over.right, top: over.top, height: over.height,
     gutter: (over.left - canvas.getBoundingClientRect().left) * devicePixelRatio,
   };
 });
 """
-"""Has the page remember what it writes on the canvas of each plot, and where [canvas px]."""
+"""Has the page remember what it writes and draws on the canvas of each plot, and where [canvas px]."""
 
 
 def plots_of(page: Page) -> list[dict[str, Any]]:
@@ -122,3 +141,46 @@ def test_one_instant_is_on_one_vertical_line_over_load(page: Page, api: httpx.Cl
         assert len(stack) == 3
         assert crooked(stack) == []
         page.goto("/connections")  # before the motor is gone
+
+
+def record(api: httpx.Client, way: int, name: str) -> str:
+    """Four seconds of the demo's axis X: at rest, `way` there, and from the second second on back and beyond."""
+    channels = ["position.0", "velocity.0"]
+    body = {"device": "bench", "channels": channels, "rate_hz": 100.0, "name": name, "duration_s": 4.0}
+    recording: str = api.post("/recordings", json=body).raise_for_status().json()["id"]
+    api.post("/devices/bench/axes/0/move", json={"target": way}).raise_for_status()
+    time.sleep(2)  # the recording is in real time
+    api.post("/devices/bench/axes/0/move", json={"target": -3 * way}).raise_for_status()
+    state = f"/recordings/{recording}/info"
+    wait_for(lambda: api.get(state).raise_for_status().json()["state"] == "done", "it is recorded")
+    api.post("/devices/bench/axes/0/move", json={"target": 0}).raise_for_status()
+    wait_for(lambda: not api.get("/devices/bench/axes/0").raise_for_status().json()["moving"], "back at zero")
+    return recording
+
+
+def test_compared_recordings_are_seen_whole_and_have_colours_of_their_own(page: Page, api: httpx.Client) -> None:
+    recordings = [record(api, 900, "first run"), record(api, 1000, "second run")]
+    try:
+        page.add_init_script(REMEMBER_TEXT)
+        page.goto(f"/recordings/compare?of={','.join(recordings)}")
+        expect(page.get_by_test_id("compare-plots")).to_be_visible()
+
+        def curves(plot: dict[str, Any]) -> list[dict[str, Any]]:
+            return [line for line in plot["lines"] if line["color"].startswith("#")]
+
+        def drawn() -> list[dict[str, Any]]:
+            return [plot for plot in plots_of(page) if "of 2 recordings" in plot["label"]]
+
+        wait_for(lambda: len(drawn()) == 2 and all(len(curves(plot)) == 2 for plot in drawn()), "both are drawn")
+        page.wait_for_timeout(500)
+        for plot in drawn():
+            inner = plot["inner"]
+            for line in curves(plot):
+                assert line["from"] >= inner["top"], (plot["label"], line, inner)
+                assert line["to"] <= inner["bottom"], (plot["label"], line, inner)
+            assert len({line["color"] for line in curves(plot)}) == 2, curves(plot)
+        assert crooked(drawn()) == []
+    finally:
+        page.goto("/connections")
+        for recording in recordings:
+            api.delete(f"/recordings/{recording}").raise_for_status()

@@ -14,6 +14,8 @@ import type { Level, Mark, Overlay, PlotHandle, PlotScale, PlotSeries, WindowCha
 export interface PlotProps {
   /** what the plot shows, for people who do not see it; its values at the cursor are read out with the keys */
   label: string;
+  /** what all its series are, before their names in the legend */
+  title?: string;
   /** one sentence on what there is to see now: "Settles after 0.42 s, 1 step overshoot" */
   summary?: string;
   series: readonly PlotSeries[];
@@ -235,6 +237,7 @@ export function Plot(props: PlotProps) {
     <div ref={frame} className={classes.frame} style={{ height }}>
       {legend && (
         <div className={classes.legend} aria-hidden>
+          {props.title && <span className={classes.title}>{props.title}</span>}
           {series.map((entry, index) =>
             entry.unnamed ? null : (
               <span key={entry.label} className={classes.entry}>

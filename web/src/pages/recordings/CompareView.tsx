@@ -2,7 +2,7 @@ import { Group, Loader, SegmentedControl, Text } from "@mantine/core";
 import { useDebouncedValue } from "@mantine/hooks";
 import { IconArrowsDiff } from "@tabler/icons-react";
 import { keepPreviousData, useQuery } from "@tanstack/react-query";
-import { useMemo, useState } from "react";
+import { useState } from "react";
 import { Link, useSearch } from "wouter";
 import { api, unwrap } from "../../api/client";
 import { EmptyState } from "../../lib/EmptyState";
@@ -11,10 +11,11 @@ import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Page, Section } from "../../lib/Section";
 import { useScheme } from "../../lib/useScheme";
 import { Plot } from "../../plots/Plot";
-import type { Overlay, WindowChange } from "../../plots/types";
+import type { PlotData } from "../../plots/series";
+import type { Overlay, PlotSeries, WindowChange } from "../../plots/types";
 import type { Comparison } from "./api";
-import { colorOfQuantity, labelOf, severalAxes, unitText } from "./channels";
-import { channelsOf, idsOf, SIDE_DASHES } from "./compare";
+import { labelOf, severalAxes, unitText } from "./channels";
+import { channelsOf, idsOf, sideLook } from "./compare";
 import { FiguresTable } from "./FiguresTable";
 import classes from "./recordings.module.css";
 import { SpectrumSection } from "./SpectrumSection";
@@ -144,6 +145,8 @@ export function CompareView() {
 }
 
 function Sides({ comparison }: { comparison: Comparison }) {
+  const scheme = useScheme();
+  const looks = comparison.recordings.map((_, index) => sideLook(index, scheme));
   return (
     <span className={classes.sides}>
       {comparison.recordings.map((side, index) => (
@@ -155,9 +158,9 @@ function Sides({ comparison }: { comparison: Comparison }) {
               x2={26}
               y1={3}
               y2={3}
-              stroke="currentColor"
-              strokeWidth={1.6}
-              strokeDasharray={(SIDE_DASHES[index % SIDE_DASHES.length] ?? []).join(" ")}
+              stroke={looks[index]?.color}
+              strokeWidth={2}
+              strokeDasharray={looks[index]?.dash.join(" ")}
             />
           </svg>
           <Link href={`/recordings/${side.id}`} className={classes.link}>
@@ -182,15 +185,7 @@ function ComparePlots({ comparison, difference, whole, window, onWindow }: Plots
   const channels = channelsOf(comparison);
   const several = severalAxes(channels);
   const view = window ?? whole;
-  // The x column of each plot is only where its window is; what is drawn lies over it with times of its own.
-  const frame = useMemo(
-    () =>
-      [
-        [view[0], view[1]],
-        [null, null],
-      ] as const,
-    [view[0], view[1]],
-  );
+  const placeOf = (recording: string) => comparison.recordings.findIndex(({ id }) => id === recording);
   const change = (next: WindowChange) => {
     onWindow(next === "reset" || (next.min <= whole[0] && next.max >= whole[1]) ? null : [next.min, next.max]);
     return true;
@@ -200,14 +195,19 @@ function ComparePlots({ comparison, difference, whole, window, onWindow }: Plots
       {comparison.channels.map((compared, index) => {
         const channel = channels[index];
         if (channel === undefined) return null;
-        const color = colorOfQuantity(channel.quantity, scheme);
         const shown = difference ? compared.differences : compared.curves;
         const overlays: Overlay[] = shown.map(({ recording, time_s, values }) => ({
           x: time_s,
           y: values.map((value) => value ?? Number.NaN),
-          color,
-          dash: SIDE_DASHES[comparison.recordings.findIndex(({ id }) => id === recording) % SIDE_DASHES.length] ?? [],
+          width: 1.5,
+          ...sideLook(placeOf(recording), scheme),
         }));
+        const series: PlotSeries[] = shown.map(({ recording }, nth) => ({
+          label: comparison.recordings[placeOf(recording)]?.name || recording,
+          color: overlays[nth]?.color ?? "",
+        }));
+        // The x column is only where the window is; what is drawn lies over it with times of its own.
+        const frame: PlotData = [[view[0], view[1]], ...shown.map(() => [null, null])];
         const label = labelOf(channel, several);
         return (
           <Plot
@@ -215,7 +215,8 @@ function ComparePlots({ comparison, difference, whole, window, onWindow }: Plots
             label={
               difference ? `${label}: difference to the first recording` : `${label} of ${shown.length} recordings`
             }
-            series={[{ label: difference ? `Δ ${label}` : label, color, unit: channel.unit }]}
+            title={`${difference ? "Δ " : ""}${label}${channel.unit ? ` [${unitText(channel.unit)}]` : ""}`}
+            series={series}
             data={frame}
             x={{ label: "time", unit: "s", axis: index === comparison.channels.length - 1 }}
             scales={{ y: { unit: channel.unit } }}

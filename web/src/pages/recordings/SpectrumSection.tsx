@@ -10,7 +10,7 @@ import { Plot } from "../../plots/Plot";
 import type { Overlay, PlotSeries } from "../../plots/types";
 import { titleOf } from "./api";
 import { type Channel, colorOfQuantity, unitText } from "./channels";
-import { SIDE_DASHES } from "./compare";
+import { sideLook } from "./compare";
 import classes from "./recordings.module.css";
 import type { Window } from "./ZoomData";
 
@@ -78,7 +78,7 @@ export function SpectrumSection({ recordings, channels, window, running = false 
   const problem = queries.find(({ error }) => error !== null)?.error ?? null;
   const spectra = queries.flatMap(({ data }, index) => (data ? [{ index, ...data }] : []));
   const [first, ...others] = spectra;
-  const color = colorOfQuantity(channel?.quantity ?? "", scheme);
+  const color = recordings.length > 1 ? sideLook(0, scheme).color : colorOfQuantity(channel?.quantity ?? "", scheme);
   const values = (spectrum: Spectrum) => (density ? spectrum.density : spectrum.amplitude);
   const data = useMemo(
     () => (first ? ([first.frequency_hz, density ? first.density : first.amplitude] as const) : undefined),
@@ -87,8 +87,8 @@ export function SpectrumSection({ recordings, channels, window, running = false 
   const overlays: Overlay[] = others.map((spectrum) => ({
     x: spectrum.frequency_hz,
     y: values(spectrum),
-    color,
-    dash: SIDE_DASHES[spectrum.index % SIDE_DASHES.length] ?? [],
+    width: 1.5,
+    ...sideLook(spectrum.index, scheme),
   }));
   const unit = channel?.unit ?? "";
   const series: PlotSeries[] = [{ label: density ? "power density" : "amplitude", color, unit }];

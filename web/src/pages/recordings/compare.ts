@@ -1,17 +1,28 @@
 import type { Comparison } from "./api";
 import type { Channel } from "./channels";
 
-/** Recordings are told apart by their dashes: a channel keeps its colour. */
-export const SIDE_DASHES: readonly number[][] = [
-  [],
-  [7, 4],
-  [2, 3],
-  [10, 3, 2, 3],
-  [4, 2, 1, 2],
-  [14, 4],
-  [1, 4],
-  [6, 2],
+interface Look {
+  color: string;
+  dash: number[];
+}
+
+/** Okabe and Ito's colours, with dashes for who cannot tell them apart. The first is that of the recording itself. */
+const SIDES: readonly (readonly [light: string, dark: string, dash: number[]])[] = [
+  ["#0072b2", "#56b4e9", []],
+  ["#b85c00", "#f0a03c", [7, 4]],
+  ["#00795a", "#1fc497", [2, 3]],
+  ["#b4408a", "#ee8fc6", [10, 3, 2, 3]],
+  ["#6b4fbb", "#a08bf0", [4, 2, 1, 2]],
+  ["#6f6a00", "#d6cf3f", [14, 4]],
+  ["#5b6470", "#aab2bd", [1, 4]],
+  ["#8c5a3c", "#cf9a78", [6, 2]],
 ];
+
+/** How the recording at this place of a comparison is drawn, in all its channels. */
+export function sideLook(index: number, scheme: "light" | "dark"): Look {
+  const [light, dark, dash] = SIDES[index % SIDES.length] as (typeof SIDES)[number];
+  return { color: scheme === "dark" ? dark : light, dash };
+}
 
 /** The channels of a comparison as those of a recording are. */
 export function channelsOf(comparison: Comparison): Channel[] {
