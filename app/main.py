@@ -107,7 +107,7 @@ def create_app(
             ear.sync(manager.devices)
 
     found_moving = FoundMoving(clock)
-    conditions = ConditionService()
+    conditions = ConditionService(clock)
     manager = DeviceManager(kinds, clock, on_change=changed)
     saver = Saver(store, manager.configs, clock)
     positions = PositionStore(settings.data_dir)
@@ -195,6 +195,7 @@ def create_app(
             await profiles.close()
             await stop_motors(bench)
             await found_moving.close()
+            await conditions.close()
             await bench.twin.off()
             await desk.close()  # behind the stops, which belong to what is recorded
             await endless.close()

@@ -20,6 +20,7 @@ from app.api.routes import (
     calc,
     catalog,
     closed_loop,
+    conditions,
     devices,
     emulator,
     extended_position,
@@ -67,6 +68,7 @@ SUBJECTS = (
     recordings,
     profile_scripts,
     telemetry,
+    conditions,
     twin,
     audit,
 )

@@ -15,6 +15,7 @@ from app.api.errors import BenchNotTaken, BenchTaken
 from app.api.lease_gate import Free
 from app.api.problems import FOREIGN, INVALID, TOO_LARGE, UNDECODABLE, Kind, kind_of, problems
 from app.api.schemas import AxisProblem, Problem
+from app.api.schemas_conditions import ConditionsMessage
 from app.api.schemas_telemetry import TelemetryMessage
 
 REF = "#/components/schemas/{model}"
@@ -46,12 +47,13 @@ def _schema(app: FastAPI, free: Free) -> dict[str, Any]:
             "Errors are RFC 9457 problem documents with a stable `type`. Telemetry is a WebSocket at "
             "`/api/v1/devices/{device}/telemetry`; its text messages are the schema `TelemetryMessage`, its binary "
             "frames little-endian: `SSC1`, u32 sequence, u32 rows, u32 columns, u64 rows dropped, then float64 time "
-            "in seconds for each row, then float64 for each row, column after column."
+            "in seconds for each row, then float64 for each row, column after column. `/api/v1/conditions` is a "
+            "WebSocket too: the condition of every axis, then each change (`ConditionsMessage`)."
         ),
         routes=app.routes,
     )
     components = schema.setdefault("components", {}).setdefault("schemas", {})
-    for model in (Problem, AxisProblem, TelemetryMessage):
+    for model in (Problem, AxisProblem, TelemetryMessage, ConditionsMessage):
         described = model.model_json_schema(ref_template=REF, mode="serialization")
         components.update(described.pop("$defs", {}))
         components[model.__name__] = described

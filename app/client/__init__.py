@@ -23,7 +23,18 @@ from app.client.audit import AuditEntry
 from app.client.blocking import Bench
 from app.client.errors import BenchNotTaken, BenchTaken, ClientError, MoveEnded, NoAnswer, NoServer, Refused
 from app.client.profiles import SavedProfile
-from app.client.records import AxisState, Device, LeaseState, MoveStarted, Reading, Recording, Samples, Written
+from app.client.records import (
+    AxisState,
+    Condition,
+    Device,
+    LeaseState,
+    MoveStarted,
+    Reading,
+    Recording,
+    Samples,
+    Standing,
+    Written,
+)
 from app.client.scripts import Script
 
 __all__ = [
@@ -34,6 +45,7 @@ __all__ = [
     "BenchNotTaken",
     "BenchTaken",
     "ClientError",
+    "Condition",
     "Device",
     "LeaseState",
     "MoveEnded",
@@ -46,5 +58,6 @@ __all__ = [
     "Samples",
     "SavedProfile",
     "Script",
+    "Standing",
     "Written",
 ]

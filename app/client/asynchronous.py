@@ -34,7 +34,18 @@ from app.client.http import (
 )
 from app.client.lease import AsyncLease, OnVanish
 from app.client.profiles import SavedProfile
-from app.client.records import AxisState, Device, Json, LeaseState, MoveStarted, Reading, Recording, Samples, Written
+from app.client.records import (
+    AxisState,
+    Device,
+    Json,
+    LeaseState,
+    MoveStarted,
+    Reading,
+    Recording,
+    Samples,
+    Standing,
+    Written,
+)
 from app.client.scripts import Script
 from app.client.stream import SUBPROTOCOL, Collector, samples_of
 
@@ -96,6 +107,14 @@ class AsyncBench:
     async def remove(self, name: str) -> None:
         """Disconnect and forget."""
         await self._send(calls.remove(name))
+
+    async def conditions(self) -> list[Standing]:
+        """How every axis of every device stands, as judged last; asks no device."""
+        return await self._send(calls.conditions())
+
+    async def remedy(self, remedy: Json) -> Any:
+        """Make the call that a condition names as what helps; one with `moves` may set the motor in motion."""
+        return await self.call(remedy["method"], remedy["path"], remedy["body"])
 
     async def catalog(self) -> list[Json]:
         """Every model that can be connected."""

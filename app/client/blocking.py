@@ -34,7 +34,18 @@ from app.client.http import (
 )
 from app.client.lease import Lease, OnVanish
 from app.client.profiles import SavedProfile
-from app.client.records import AxisState, Device, Json, LeaseState, MoveStarted, Reading, Recording, Samples, Written
+from app.client.records import (
+    AxisState,
+    Device,
+    Json,
+    LeaseState,
+    MoveStarted,
+    Reading,
+    Recording,
+    Samples,
+    Standing,
+    Written,
+)
 from app.client.scripts import Script
 from app.client.stream import SUBPROTOCOL, Collector, samples_of
 
@@ -94,6 +105,14 @@ class Bench:
     def remove(self, name: str) -> None:
         """Disconnect and forget."""
         self._send(calls.remove(name))
+
+    def conditions(self) -> list[Standing]:
+        """How every axis of every device stands, as judged last; asks no device."""
+        return self._send(calls.conditions())
+
+    def remedy(self, remedy: Json) -> Any:
+        """Make the call that a condition names as what helps; one with `moves` may set the motor in motion."""
+        return self.call(remedy["method"], remedy["path"], remedy["body"])
 
     def catalog(self) -> list[Json]:
         """Every model that can be connected."""

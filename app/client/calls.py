@@ -7,7 +7,19 @@ from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 from urllib.parse import quote
 
-from app.client.records import AxisState, Device, Json, LeaseState, MoveStarted, Reading, Recording, Written, record
+from app.client.records import (
+    AxisState,
+    Condition,
+    Device,
+    Json,
+    LeaseState,
+    MoveStarted,
+    Reading,
+    Recording,
+    Standing,
+    Written,
+    record,
+)
 
 T = TypeVar("T")
 BASE = "/api/v1"
@@ -62,7 +74,15 @@ def write(name: str, register: str, value: int | Mapping[str, int | str], axis: 
 
 
 def axis_state(name: str, axis: int) -> Call[AxisState]:
-    return Call("GET", _of_axis(name, axis), lambda answer: record(AxisState, answer))
+    return Call("GET", _of_axis(name, axis), _axis_state)
+
+
+def conditions() -> Call[list[Standing]]:
+    return Call(
+        "GET",
+        f"{BASE}/devices",
+        lambda answer: [_standing(device["id"], axis["index"], axis) for device in answer for axis in device["axes"]],
+    )
 
 
 def move(name: str, axis: int, target: float, *, relative: bool, unit: str) -> Call[MoveStarted]:
@@ -193,6 +213,20 @@ def _device(answer: Json) -> Device:
 
 def _lease(answer: Json) -> LeaseState:
     return record(LeaseState, {**answer, "asking": tuple(answer["asking"])})
+
+
+def condition(answer: Json) -> Condition:
+    """A condition as the API tells it."""
+    lists = {name: tuple(answer[name]) for name in ("evidence", "remedies")}
+    return record(Condition, {**answer, **lists})
+
+
+def _axis_state(answer: Json) -> AxisState:
+    return record(AxisState, {**answer, "condition": condition(answer["condition"])})
+
+
+def _standing(device: str, axis: int, answer: Json) -> Standing:
+    return Standing(device, axis, condition(answer["condition"]), answer["referenced"], answer["ground_truth"])
 
 
 def _reading(answer: Json) -> Reading:

@@ -86,6 +86,36 @@ class Written:
 
 
 @dataclass(frozen=True, slots=True)
+class Condition:
+    """What is so with an axis: one of eleven kinds, why, by which evidence, and which calls mend it."""
+
+    kind: str
+    cause: str
+    evidence: tuple[Json, ...]
+    remedies: tuple[Json, ...]
+    """Each with `label`, `method`, `path`, `body` and `moves`; `Bench.remedy` makes it."""
+    since_s: float | None
+
+    @property
+    def remedy(self) -> Json | None:
+        """The first of them; None where nothing helps."""
+        return self.remedies[0] if self.remedies else None
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """How an axis of a device stands, as the server judged it last."""
+
+    device: str
+    axis: int
+    condition: Condition
+    referenced: bool | None
+    """None where nobody knows."""
+    ground_truth: Json | None
+    """Of emulated axes: what is really so."""
+
+
+@dataclass(frozen=True, slots=True)
 class AxisState:
     """One axis, read now. Positions in microsteps; None where the family has none."""
 
@@ -102,6 +132,9 @@ class AxisState:
     switches: Mapping[str, bool | None]
     flags: Mapping[str, bool]
     time_s: float
+    condition: Condition
+    referenced: bool | None
+    ground_truth: Json | None
 
 
 @dataclass(frozen=True, slots=True)

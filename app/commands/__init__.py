@@ -15,7 +15,7 @@ import typer
 
 from app.commands.audit import audit
 from app.commands.calls import api, calc
-from app.commands.devices import devices, read, write
+from app.commands.devices import conditions, devices, read, write
 from app.commands.lease import lease
 from app.commands.measuring import compare, record, recordings, replay, watch
 from app.commands.motion import axis, move, rotate, stop
@@ -24,6 +24,7 @@ from app.commands.profiles import profile
 
 COMMANDS: Sequence[Callable[..., None]] = (
     devices,
+    conditions,
     axis,
     read,
     write,
@@ -39,7 +40,7 @@ COMMANDS: Sequence[Callable[..., None]] = (
     calc,
     api,
 )
-WITHOUT_ARGUMENTS = frozenset({"audit", "devices", "recordings", "stop"})
+WITHOUT_ARGUMENTS = frozenset({"audit", "conditions", "devices", "recordings", "stop"})
 """Commands that do something when nothing follows; the others show their help then."""
 profile.command(no_args_is_help=True)(script)
 GROUPS: Sequence[typer.Typer] = (lease, profile)

@@ -19,12 +19,45 @@ def devices(url: Url = None, token: Token = None, as_json: AsJson = False) -> No
             print_json([asdict(device) for device in found])
             return
         print_table(
-            ("id", "model", "axes", "state", "link"),
-            [(each.id, each.title, str(len(each.axes)), each.state, str(each.link.get("kind", ""))) for each in found],
+            ("id", "model", "axes", "state", "link", "conditions"),
+            [
+                (
+                    each.id,
+                    each.title,
+                    str(len(each.axes)),
+                    each.state,
+                    str(each.link.get("kind", "")),
+                    ", ".join(axis["condition"]["kind"] for axis in each.axes),
+                )
+                for each in found
+            ],
         )
         for each in found:
             for note in each.notes:
                 typer.secho(f"stepscope: {each.id}: {note}", fg="yellow", err=True)
+
+
+def conditions(url: Url = None, token: Token = None, as_json: AsJson = False) -> None:
+    """Say of every axis what is so, why, and what helps."""
+    with connected(url, token) as bench:
+        found = bench.conditions()
+        if as_json:
+            print_json([asdict(each) for each in found])
+            return
+        print_table(
+            ("device", "axis", "condition", "cause", "referenced", "remedy"),
+            [
+                (
+                    each.device,
+                    str(each.axis),
+                    each.condition.kind,
+                    each.condition.cause,
+                    {True: "yes", False: "no", None: "not known"}[each.referenced],
+                    ", ".join(remedy["label"] for remedy in each.condition.remedies),
+                )
+                for each in found
+            ],
+        )
 
 
 def read(

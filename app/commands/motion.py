@@ -32,7 +32,12 @@ def axis(
             print_json(asdict(state))
             return
         active = [name for name, on in {**state.switches, **state.flags}.items() if on]
+        condition = state.condition
         rows = [
+            ("condition", f"{condition.kind}: {condition.cause}"),
+            ("referenced", {True: "yes", False: "no", None: "not known"}[state.referenced]),
+            ("remedy", ", ".join(remedy["label"] for remedy in condition.remedies)),
+            ("really", (state.ground_truth or {}).get("summary", "")),
             ("position", f"{state.position} microsteps"),
             ("target", "" if state.target_position is None else f"{state.target_position} microsteps"),
             ("velocity", f"{state.velocity_pps:g} pps"),

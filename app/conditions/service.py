@@ -1,16 +1,26 @@
-"""Keeps the condition of every axis: as it was judged last, since when it is so, and whether the axis is referenced."""
+"""Keeps the condition of every axis: looks at a bounded rate, and tells whoever listens of each change."""
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import partial
 
+from app.clock import Clock
 from app.conditions.judge import Condition, Seen, Thresholds, judge
 from app.conditions.truth import Truth, truth_of
 from app.devices.device import Device, DeviceEvent, MotionCommanded, StateChanged
+from app.devices.own_tasks import OwnTasks
 from app.devices.results import AxisState, MotionEnd
 from app.links.errors import BenchError
+from app.links.queue import Priority, SampleDropped
+
+LOOK_EVERY_S = 0.25
+"""How often each device is looked at [s]: what happens is told within 0.5 s, the look itself included."""
+WIRE_SHARE = 0.2
+"""How much of a wire's time the looks may take: on a slow one they come less often."""
 
 LOST_FULLSTEPS, FOLLOWING_FULLSTEPS = 2, 4
 """Thresholds where the user has set none: a rotor that is pulled no further than one full step comes back."""
@@ -41,34 +51,84 @@ class _Axis:
     referenced: bool | None = None
 
 
+Listener = Callable[[str, int, Standing | None], None]
+"""Hears the id of a device, the axis, and how it stands now; None: it is no more."""
+
+
 @dataclass(slots=True)
 class _Watched:
+    id: str
     axes: list[_Axis]
     end: Callable[[], None]
+    looks: asyncio.Task[None]
 
 
-@dataclass(slots=True)
 class ConditionService:
     """The conditions of all axes of the devices that it was told of by `sync`."""
 
-    _watched: dict[Device, _Watched] = field(default_factory=dict)
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._watched: dict[Device, _Watched] = {}
+        self._listeners: list[Listener] = []
+        self._tasks = OwnTasks()
 
     def sync(self, devices: Sequence[Device]) -> None:
-        """These are all devices now."""
+        """These are all devices now, under these ids."""
         for device in self._watched.keys() - set(devices):
-            self._watched.pop(device).end()
+            gone = self._watched.pop(device)
+            gone.end()
+            gone.looks.cancel()
+            if gone.id not in {other.id for other in devices}:
+                self._gone(gone)
         for device in devices:
-            if device not in self._watched:
-                end = device.listen(partial(self._hear, device))
-                self._watched[device] = _Watched([_Axis() for _ in device.axes], end)
+            watched = self._watched.get(device)
+            if watched is None:
+                self._watched[device] = _Watched(
+                    device.id,
+                    [_Axis() for _ in device.axes],
+                    device.listen(partial(self._hear, device)),
+                    self._tasks.begin(self._look_on(device), f"conditions of {device.id}"),
+                )
+            elif watched.id != device.id:
+                self._gone(watched)
+                watched.id = device.id
+            else:
+                continue
+            for axis in range(len(device.axes)):
+                self._tell(device.id, axis, self.standing(device, axis))
 
-    async def look(self, device: Device, axis: int) -> tuple[AxisState, Standing]:
+    async def close(self) -> None:
+        """End looking."""
+        self.sync(())
+        await self._tasks.end()
+
+    def listen(self, listener: Listener) -> Callable[[], None]:
+        """Hear of each change from now on; returns the function that ends it. A listener must not raise."""
+        self._listeners.append(listener)
+        return partial(self._listeners.remove, listener)
+
+    def all(self) -> list[tuple[Device, int, Standing]]:
+        """Every axis as last judged; asks nothing."""
+        axes = [(device, axis) for device in self._watched for axis in range(len(device.axes))]
+        return [(device, axis, self.standing(device, axis)) for device, axis in axes]
+
+    def device(self, device_id: str) -> Device | None:
+        """The device of that id, as listeners are told of it."""
+        return next((device for device, watched in self._watched.items() if watched.id == device_id), None)
+
+    async def look(
+        self, device: Device, axis: int, priority: Priority = Priority.COMMAND
+    ) -> tuple[AxisState, Standing]:
         """Read the axis, and judge it by that. Raises what `axis_state` raises; that is judged too."""
+        commands = device.motion_commands[axis]
         try:
-            state = await device.axis_state(axis)
+            state = await device.axis_state(axis, priority)
         except BenchError as error:
-            self._judge(device, axis, None, str(error))
+            if not isinstance(error, SampleDropped):
+                self._judge(device, axis, None, str(error))
             raise
+        if priority is Priority.SAMPLE and device.motion_commands[axis] != commands:
+            return state, self.standing(device, axis)  # a command came between: partly from before it, partly after
         return state, self._judge(device, axis, state)
 
     def standing(self, device: Device, axis: int) -> Standing:
@@ -77,6 +137,23 @@ class ConditionService:
             return Standing(judge(Seen(axis, "disconnected")))
         found = self._watched[device].axes[axis].standing
         return self._judge(device, axis, None) if found is None else found
+
+    # --- looking on -----------------------------------------------------------------------------
+
+    async def _look_on(self, device: Device) -> None:
+        pause_s = LOOK_EVERY_S
+        while True:
+            await self._clock.sleep(pause_s)
+            pause_s = LOOK_EVERY_S
+            if device.state != "connected":
+                continue
+            began_s = self._clock.now()
+            for axis in range(len(device.axes)):
+                # What goes wrong is judged as well, and a busy link is looked at later.
+                with contextlib.suppress(BenchError):
+                    await self.look(device, axis, Priority.SAMPLE)
+            took_s = self._clock.now() - began_s
+            pause_s = max(LOOK_EVERY_S - took_s, took_s * (1 / WIRE_SHARE - 1))
 
     # --- inside ---------------------------------------------------------------------------------
 
@@ -101,8 +178,19 @@ class ConditionService:
         now_s = device.device_time_s() if state is None else state.time_s
         before = known.standing
         since_s = now_s if before is None or before.condition.kind != condition.kind else before.condition.since_s
-        known.standing = Standing(replace(condition, since_s=since_s), known.referenced, truth_of(device, axis))
-        return known.standing
+        standing = Standing(replace(condition, since_s=since_s), known.referenced, truth_of(device, axis))
+        known.standing = standing
+        if before is None or _said(before) != _said(standing):
+            self._tell(device.id, axis, standing)
+        return standing
+
+    def _tell(self, device_id: str, axis: int, standing: Standing | None) -> None:
+        for listener in tuple(self._listeners):
+            listener(device_id, axis, standing)
+
+    def _gone(self, watched: _Watched) -> None:
+        for axis in range(len(watched.axes)):
+            self._tell(watched.id, axis, None)
 
     def _hear(self, device: Device, event: DeviceEvent) -> None:
         axes = self._watched[device].axes
@@ -117,6 +205,12 @@ class ConditionService:
             known.over = ends[-1] if ends else None
             known.sent = "target" in event.asked or "target" in event.what.lower()
             known.stopped = False
+
+
+def _said(standing: Standing) -> tuple[object, ...]:
+    """What is news where it differs; figures among the evidence are not, nor when they were seen."""
+    condition = standing.condition
+    return condition.kind, condition.cause, condition.remedies, standing.referenced, standing.truth
 
 
 def thresholds(device: Device, axis: int) -> Thresholds:

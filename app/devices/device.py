@@ -41,7 +41,7 @@ from app.devices.sample_plan import Channel, SamplePlan, Taken
 from app.devices.signs import Signs
 from app.links.errors import BenchError, LinkError, UnknownThing, WrongState
 from app.links.port import FramePort, SamplingPort
-from app.links.queue import LinkQueue
+from app.links.queue import LinkQueue, Priority
 from app.links.registry import Link
 from app.registers.catalog import MODELS, Model
 
@@ -392,7 +392,7 @@ class Device(ABC):
         """One raw datagram. Raises OutOfRange for a wrong length."""
 
     @abstractmethod
-    async def axis_state(self, axis: int) -> AxisState:
+    async def axis_state(self, axis: int, priority: Priority = Priority.COMMAND) -> AxisState:
         """Position, velocity, switches and flags now."""
 
     @abstractmethod

@@ -131,11 +131,11 @@ class RampChip(RegisterChip):
 
     # --- state ----------------------------------------------------------------------------------
 
-    async def axis_state(self, axis: int) -> AxisState:
+    async def axis_state(self, axis: int, priority: Priority = Priority.COMMAND) -> AxisState:
         self.axis(axis)
         self.require_connected()
         rows = self.rows[axis]
-        async with self.queue.turn(Priority.COMMAND) as turn:
+        async with self.queue.turn(priority) as turn:
             words = Words(turn)
             setting = await self._read_setting(words, axis)
             interrupts = await words.read(rows.interrupts)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from app.client.arrival import STANDING_LOOKS, Arrival
 from app.client.errors import MoveEnded
-from app.client.records import AxisState, MoveStarted
+from app.client.records import AxisState, Condition, MoveStarted
 
 STARTED = MoveStarted(0, 1000, 5000, 0.0, 1.0, ())
 MOVING = AxisState(
@@ -27,6 +27,9 @@ MOVING = AxisState(
     switches={"left": False, "right": None, "home": False},
     flags={},
     time_s=0.0,
+    condition=Condition("moving", "it moves", (), (), 0.0),
+    referenced=None,
+    ground_truth=None,
 )
 STANDING = replace(MOVING, moving=False, velocity_pps=0.0)
 

@@ -57,10 +57,10 @@ class Looks(Stops):
 
     # --- state ----------------------------------------------------------------------------------
 
-    async def axis_state(self, axis: int) -> AxisState:
+    async def axis_state(self, axis: int, priority: Priority = Priority.COMMAND) -> AxisState:
         self.axis(axis)
         self.require_connected()
-        async with self.calls() as calls:
+        async with self.calls(priority=priority) as calls:
             if self.unit_mode is None:
                 await calls.ask_many((rows.UNIT_MODE,))
             asked_at_s = self.device_time_s()

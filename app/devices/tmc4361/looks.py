@@ -64,10 +64,10 @@ class Looks(Writes):
 
     # --- state ----------------------------------------------------------------------------------
 
-    async def axis_state(self, axis: int) -> AxisState:
+    async def axis_state(self, axis: int, priority: Priority = Priority.COMMAND) -> AxisState:
         self.axis(axis)
         self.require_connected()
-        async with self.queue.turn() as turn:
+        async with self.queue.turn(priority) as turn:
             words, asked_at_s = self.words(turn), self.device_time_s()
             held = await self._peek(words, STATE)
             time_s = words.time_s

@@ -61,10 +61,10 @@ class Looks(Writes):
         encoder = () if rows.x_enc is None else (rows.x_enc,)
         return (rows.xactual, *encoder, rows.vactual, rows.xtarget, *rows.remembered, rows.drv_status)
 
-    async def axis_state(self, axis: int) -> AxisState:
+    async def axis_state(self, axis: int, priority: Priority = Priority.COMMAND) -> AxisState:
         rows = self.rows(self.axis(axis).index)
         self.require_connected()
-        async with self.queue.turn() as turn:
+        async with self.queue.turn(priority) as turn:
             words = self.words(turn)
             held = await self._look_at_events(words, [axis], self._asked(axis))
             time_s, asked_at_s = words.time_s, words.asked_s

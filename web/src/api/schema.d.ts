@@ -10247,6 +10247,60 @@ export interface components {
          * @description Any text message of the socket.
          */
         TelemetryMessage: components["schemas"]["TelemetryStart"] | components["schemas"]["TelemetryStatus"] | components["schemas"]["TelemetryGap"] | components["schemas"]["TelemetryMove"] | components["schemas"]["TelemetryStopped"] | components["schemas"]["TelemetryEvent"] | components["schemas"]["TelemetryProblem"];
+        /**
+         * AxisCondition
+         * @description How an axis stands now.
+         */
+        AxisCondition: {
+            condition: components["schemas"]["Condition"];
+            /**
+             * Referenced
+             * @description whether its position counts from a known place; null: not known
+             */
+            referenced: boolean | null;
+            /** @description emulators alone */
+            ground_truth: components["schemas"]["GroundTruth"] | null;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "condition";
+            /** Device */
+            device: string;
+            /** Axis */
+            axis: number;
+        };
+        /**
+         * ConditionsSnapshot
+         * @description The first message: how all axes stand.
+         */
+        ConditionsSnapshot: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "snapshot";
+            /** Axes */
+            axes: components["schemas"]["AxisCondition"][];
+        };
+        /**
+         * DeviceRemoved
+         * @description A device is no more, or has another id now; its axes then follow under that.
+         */
+        DeviceRemoved: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "removed";
+            /** Device */
+            device: string;
+        };
+        /**
+         * ConditionsMessage
+         * @description Any message of the socket.
+         */
+        ConditionsMessage: components["schemas"]["ConditionsSnapshot"] | components["schemas"]["AxisCondition"] | components["schemas"]["DeviceRemoved"];
     };
     responses: never;
     parameters: never;

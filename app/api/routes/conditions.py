@@ -1,0 +1,99 @@
+"""The socket of conditions: how all axes stand, then every change."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+
+from fastapi import APIRouter, WebSocket, WebSocketDisconnect
+
+from app.api.bench import Bench
+from app.api.conditions import standing_out
+from app.api.schemas_conditions import (
+    SUBPROTOCOL,
+    AxisCondition,
+    ConditionsSnapshot,
+    ConditionsText,
+    DeviceRemoved,
+)
+from app.conditions.service import ConditionService, Standing
+from app.devices.device import Device
+
+router = APIRouter(tags=["conditions"])
+
+
+@router.websocket("/conditions")
+async def conditions(socket: WebSocket) -> None:
+    """Tell how every axis stands: a snapshot, then what changes."""
+    offered = socket.scope.get("subprotocols", [])
+    if offered and SUBPROTOCOL not in offered:
+        await socket.close(1002, f"this server speaks {SUBPROTOCOL}")
+        return
+    await socket.accept(SUBPROTOCOL if offered else None)
+    bench: Bench = socket.app.state.bench
+    news = News(bench.conditions)
+    try:
+        tasks = [
+            asyncio.create_task(_send(socket, bench.conditions, news), name="conditions socket"),
+            asyncio.create_task(_hear(socket), name="conditions socket hears"),
+        ]
+        try:
+            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            for task in tasks:
+                task.cancel()
+            for end in await asyncio.gather(*tasks, return_exceptions=True):
+                if isinstance(end, Exception) and not isinstance(end, WebSocketDisconnect):
+                    raise end
+    finally:
+        news.end()
+
+
+class News:
+    """What one reader has not been told yet: of each axis the latest alone, so that a slow reader costs no more."""
+
+    def __init__(self, conditions: ConditionService) -> None:
+        self._waiting: dict[tuple[str, int], Standing | None] = {}
+        self._arrived = asyncio.Event()
+        self.end = conditions.listen(self._hear)
+
+    def _hear(self, device: str, axis: int, standing: Standing | None) -> None:
+        self._waiting.pop((device, axis), None)  # the latest comes last
+        self._waiting[device, axis] = standing
+        self._arrived.set()
+
+    async def next(self) -> list[tuple[str, int, Standing | None]]:
+        """Wait for news; all of it, oldest first."""
+        await self._arrived.wait()
+        self._arrived.clear()
+        waiting, self._waiting = self._waiting, {}
+        return [(device, axis, standing) for (device, axis), standing in waiting.items()]
+
+
+async def _send(socket: WebSocket, conditions: ConditionService, news: News) -> None:
+    await _say(socket, ConditionsSnapshot(axes=[_message(*one) for one in conditions.all()]))
+    while True:
+        gone: set[str] = set()
+        for device_id, axis, standing in await news.next():
+            device = conditions.device(device_id)
+            if standing is not None and device is not None:
+                gone.discard(device_id)
+                await _say(socket, _message(device, axis, standing))
+            elif device_id not in gone:
+                gone.add(device_id)
+                await _say(socket, DeviceRemoved(device=device_id))
+
+
+def _message(device: Device, axis: int, standing: Standing) -> AxisCondition:
+    return AxisCondition(device=device.id, axis=axis, **standing_out(device, standing))
+
+
+async def _hear(socket: WebSocket) -> None:
+    """Return when the reader has gone. What it says means nothing."""
+    with contextlib.suppress(WebSocketDisconnect):
+        while (await socket.receive())["type"] != "websocket.disconnect":
+            pass
+
+
+async def _say(socket: WebSocket, message: ConditionsText) -> None:
+    await socket.send_text(message.model_dump_json())
