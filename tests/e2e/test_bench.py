@@ -6,15 +6,16 @@ import json
 import re
 import struct
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import httpx
 import numpy as np
 import pytest
-from playwright.sync_api import Page, WebSocket, expect
+from playwright.sync_api import BrowserContext, Page, WebSocket, expect
 
-from tests.e2e.conftest import Errors
+from tests.e2e.chips import a_chip, select
+from tests.e2e.conftest import PHONE, Errors
 
 AXES = ("bench/0", "bench/1", "bench/2", "slider/0")
 
@@ -91,7 +92,7 @@ def test_another_family_is_one_click_away(bench: Page, api: httpx.Client, errors
 def test_a_move_moves_the_motor_and_the_page_follows(bench: Page, api: httpx.Client) -> None:
     bench.get_by_test_id("move-target").fill("4000")
     bench.get_by_test_id("move-go").click()
-    expect(bench.get_by_test_id("motion-card")).to_contain_text("at target")
+    expect(bench.get_by_test_id("motion-card")).to_contain_text("On target")
     wait_for(lambda: shown_position(bench) == 4000, "the page shows 4000")
     state = axis(api)
     assert (state["position"], state["target_position"], state["moving"]) == (4000, 4000, False)
@@ -103,6 +104,25 @@ def test_moving_back_and_forth_by_a_distance(bench: Page, api: httpx.Client) -> 
     wait_for(lambda: axis(api)["position"] == 1000, "1000 to the right")
     bench.get_by_role("button", name="Move back by this distance").click()
     wait_for(lambda: axis(api)["position"] == 0, "and back")
+
+
+def test_the_demo_shows_what_it_moves(
+    new_context: Callable[..., BrowserContext], api: httpx.Client, errors: Errors
+) -> None:
+    errors.expect("status of 40[49]")  # a look that is under way when the device goes
+    with a_chip(api, "other") as chip:
+        context = new_context(viewport=PHONE)
+        select(context, chip)
+        page = context.new_page()
+        page.goto("/")
+        expect(page.get_by_test_id("motion-card")).to_contain_text("other")
+        page.get_by_test_id("demo-motion").click()
+        expect(page.get_by_test_id("motion-card")).to_contain_text("bench")
+        expect(page.get_by_test_id("position")).to_be_in_viewport(ratio=1)
+        before = shown_position(page)
+        wait_for(lambda: shown_position(page) not in (before, -(1 << 30)), "what is shown moves")
+        page.close()
+    assert not errors.unexpected()
 
 
 def test_escape_stops_every_axis_of_every_device(bench: Page, api: httpx.Client) -> None:

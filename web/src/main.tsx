@@ -8,6 +8,7 @@ import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
 import { App } from "./App";
 import { watchLease } from "./api/lease/bench";
+import { conditions } from "./live/conditions";
 import { Toasts } from "./shell/Toasts";
 import { cssVariables, theme } from "./theme";
 
@@ -20,6 +21,7 @@ const queries = new QueryClient({
 });
 
 watchLease();
+conditions.start();
 const root = document.getElementById("root");
 if (!root) throw new Error("index.html has no #root");
 createRoot(root).render(

@@ -1,5 +1,7 @@
 import createClient from "openapi-fetch";
+import { conditions } from "../live/conditions";
 import { gate } from "./lease/bench";
+import { changesBench } from "./lease/rules";
 import { ApiError, type Problem, problemOf } from "./problem";
 import type { components, paths } from "./schema";
 
@@ -11,6 +13,17 @@ export type Schemas = components["schemas"];
  * gate until the bench is ours.
  */
 export const api = createClient<paths>({ baseUrl: "", fetch: gate.fetch });
+
+// Each answer is a sign of life, and what changes something may move a motor.
+api.use({
+  onRequest({ request }) {
+    if (changesBench(request.method, request.url)) conditions.commanded();
+  },
+  onResponse({ request }) {
+    if (changesBench(request.method, request.url)) conditions.commanded();
+    conditions.heard();
+  },
+});
 
 // A server on a network has forgotten our session (it was started anew): the page itself asks for the token.
 api.use({

@@ -10,7 +10,7 @@ export function ServerStatus() {
   const total = devices.data?.length ?? 0;
   const state = online ? "connected" : devices.isError ? "failed" : "connecting";
   return (
-    <Group gap={6} wrap="nowrap" visibleFrom="sm" data-testid="server-status">
+    <Group gap={6} wrap="nowrap" visibleFrom="lg" data-testid="server-status">
       <StateDot state={state} />
       <Text size="xs" c="dimmed" style={{ whiteSpace: "nowrap" }}>
         {online ? `${connected} of ${total} connected` : devices.isError ? "server lost" : "connecting"}

@@ -3,6 +3,7 @@ import { useHotkeys } from "@mantine/hooks";
 import { type PropsWithChildren, useEffect, useRef } from "react";
 import { Link, useLocation } from "wouter";
 import { ColorSchemeToggle } from "./ColorSchemeToggle";
+import { ConditionBar } from "./ConditionBar";
 import { ConnectionBanner } from "./ConnectionBanner";
 import { DevicePicker } from "./DevicePicker";
 import { LeaseControl } from "./lease/LeaseControl";
@@ -49,6 +50,7 @@ export function Shell({ children }: PropsWithChildren) {
         </Link>
         <Group gap="md" wrap="nowrap">
           <DevicePicker />
+          <ConditionBar />
           <ServerStatus />
         </Group>
         <Group gap={6} wrap="nowrap">

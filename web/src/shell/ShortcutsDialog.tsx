@@ -4,7 +4,7 @@ const KEYS: readonly (readonly [string, readonly [keys: string, what: string][]]
   [
     "Everywhere",
     [
-      ["Esc", "Stop all axes of all devices. Always."],
+      ["Esc", "Stop all axes of all devices while one moves, or may. While all stand: close what is open"],
       ["?", "This list"],
       ["Alt 1 … 9", "Go to a page, in the order of the menu"],
     ],

@@ -19,7 +19,7 @@ interface Props {
 
 /**
  * A number for the chip. What cannot be is refused while it is typed, with what can; nothing is staged before Enter,
- * the tick, or leaving a field that holds something valid. Escape is left to STOP, so the cross cancels.
+ * the tick, or leaving a field that holds something valid. Escape cancels, and so does the cross.
  */
 export function NumberEntry({ bits, label, value, scales, onStage, onDone }: Props) {
   const [draft, setDraft] = useState<string | null>(null);
@@ -38,7 +38,13 @@ export function NumberEntry({ bits, label, value, scales, onStage, onDone }: Pro
   const unit = chipUnit(bits.unit);
   const preview = parsed?.ok ? physicalText(parsed.value, scales) : "";
   return (
-    <Group gap={6} wrap="nowrap" className={css.entry} data-inline={onDone !== undefined}>
+    <Group
+      gap={6}
+      wrap="nowrap"
+      className={css.entry}
+      data-inline={onDone !== undefined}
+      data-escape-closes={onDone !== undefined || undefined}
+    >
       <TextInput
         size="xs"
         w={62 + bits.width * 2 + unit.length * 7}
@@ -56,6 +62,10 @@ export function NumberEntry({ bits, label, value, scales, onStage, onDone }: Pro
         rightSectionProps={{ "aria-hidden": true }}
         onChange={(event) => setDraft(event.currentTarget.value)}
         onKeyDown={(event) => {
+          if (event.key === "Escape") {
+            setDraft(null);
+            onDone?.();
+          }
           if (event.key !== "Enter") return;
           event.preventDefault();
           event.stopPropagation();

@@ -2,10 +2,12 @@ import { Group, Text, UnstyledButton } from "@mantine/core";
 import { useEffect, useRef } from "react";
 import { Link } from "wouter";
 import type { Device } from "../../api/queries";
+import { ConditionMark } from "../../lib/condition/ConditionMark";
 import { fixed } from "../../lib/format";
 import { StateDot } from "../../lib/StateDot";
 import { fromSteps, ratesOf, scaleOf, symbolOf } from "../../lib/units";
 import { LiveText } from "../../live/LiveText";
+import { useStanding } from "../../live/useStanding";
 import classes from "./bench.module.css";
 import { geometryOf, useCarriage } from "./carriage";
 import { emulatedAxis } from "./emulation";
@@ -84,6 +86,7 @@ interface RowProps {
 
 function AxisRow({ device, axis, emulator, unit, active, onSelect }: RowProps) {
   const live = useLiveAxis(device.id, axis.index);
+  const { condition } = useStanding(device.id, axis.index);
   const row = useRef<HTMLButtonElement>(null);
   useEffect(() => {
     if (active && row.current) bringIntoList(row.current);
@@ -108,14 +111,9 @@ function AxisRow({ device, axis, emulator, unit, active, onSelect }: RowProps) {
         <span className={classes.unit}>{symbolOf(shown)}</span>
       </span>
       <Lamps live={live} model={device.model} />
-      <LiveText
-        className={classes.axisWord}
-        read={() => {
-          if (Number.isNaN(live.read("velocity"))) return device.state === "connected" ? "no samples" : device.state;
-          if (live.moving()) return "moving";
-          return live.read("position_reached") > 0.5 ? "at target" : "at rest";
-        }}
-      />
+      <span className={classes.axisWord} title={condition.cause}>
+        <ConditionMark kind={condition.kind} />
+      </span>
       <span className={classes.axisState}>
         <LiveText read={() => fixed(fromSteps(live.read("velocity"), rate, scale, "velocity"), decimals)} />
         <span className={classes.unit}>{symbolOf(rate)}</span>

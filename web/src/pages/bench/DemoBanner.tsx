@@ -6,6 +6,7 @@ import { Link } from "wouter";
 import { api, unwrap } from "../../api/client";
 import type { Device } from "../../api/queries";
 import { ProblemAlert } from "../../lib/ProblemAlert";
+import { useSelection } from "../../live/selection";
 import classes from "./bench.module.css";
 import { endDemo, startDemo } from "./demo";
 import { shuttleKey } from "./motion/ShuttleSection";
@@ -24,6 +25,7 @@ export function DemoBanner({ devices }: { devices: readonly Device[] }) {
   const demo = devices.filter((device) => device.demo && device.state === "connected");
   const [hidden, setHidden] = useLocalStorage({ key: "stepscope.demo-hidden", defaultValue: false });
   const queries = useQueryClient();
+  const selection = useSelection();
   const action = useAction();
   const axes = demo.flatMap((device) => device.axes.map((axis) => ({ device: device.id, axis: axis.index })));
   const shuttles = useQueries({
@@ -38,6 +40,12 @@ export function DemoBanner({ devices }: { devices: readonly Device[] }) {
   if (hidden || demo.length === 0) return null;
   const running = shuttles.some((shuttle) => shuttle.data?.running === true);
   const refresh = () => void queries.invalidateQueries({ queryKey: ["shuttle"] });
+  const start = () => {
+    const [first] = demo;
+    // what moves is what is shown: on a phone nothing else tells that anything does
+    if (first && !demo.some((device) => device.id === selection.device?.id)) selection.select(first.id, 0);
+    return startDemo(demo);
+  };
   return (
     <section className={classes.demo} aria-label="Demo" data-running={running}>
       <Button
@@ -50,7 +58,7 @@ export function DemoBanner({ devices }: { devices: readonly Device[] }) {
         data-testid="demo-motion"
         onClick={() =>
           void action
-            .run(running ? "Ending the demo" : "Starting the demo", () => (running ? endDemo(demo) : startDemo(demo)))
+            .run(running ? "Ending the demo" : "Starting the demo", () => (running ? endDemo(demo) : start()))
             .then(refresh)
         }
       >

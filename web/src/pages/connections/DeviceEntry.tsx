@@ -167,7 +167,7 @@ function Wire({ device }: { device: Device }) {
   );
 }
 
-/** Removing asks first, and says what goes with it. Escape is STOP, so keeping has a button of its own. */
+/** Removing asks first, and says what goes with it. */
 function Remove({ device, onRemoved }: { device: Device; onRemoved: () => void }) {
   const [asking, setAsking] = useState(false);
   const remove = useRemoveDevice(device.id);

@@ -1,13 +1,16 @@
 import { Button } from "@mantine/core";
 import { IconArrowsLeftRight, IconPlayerStop } from "@tabler/icons-react";
+import { ConditionMark } from "../../lib/condition/ConditionMark";
 import { fixed } from "../../lib/format";
+import { useStanding } from "../../live/useStanding";
 import classes from "./Microsteps.module.css";
 import type { Motor } from "./useMotor";
 
 /** Position and velocity beside the buttons that run and stop the motor. */
 export function MotorRow({ motor }: { motor: Motor }) {
-  const { live, run, stop, connected, turns } = motor;
+  const { at, live, run, stop, connected, turns } = motor;
   const state = live.data;
+  const { condition } = useStanding(at.device, at.axis);
   return (
     <div className={classes.live}>
       <dl data-old={live.isError || !connected || undefined}>
@@ -21,7 +24,9 @@ export function MotorRow({ motor }: { motor: Motor }) {
         </div>
         <div>
           <dt>motor</dt>
-          <dd>{state ? (state.moving ? "runs" : "at rest") : "–"}</dd>
+          <dd>
+            <ConditionMark kind={condition.kind} />
+          </dd>
         </div>
       </dl>
       <Button

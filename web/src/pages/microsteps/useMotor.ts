@@ -1,12 +1,13 @@
 import { type UseMutationResult, type UseQueryResult, useMutation, useQuery } from "@tanstack/react-query";
 import { api, type Schemas, unwrap } from "../../api/client";
-import { motion } from "../../api/motion";
+import { type AxisAddress, motion } from "../../api/motion";
 import type { Device } from "../../api/queries";
 
 const LIVE_MS = 200;
 const TURNS = 2;
 
 export interface Motor {
+  at: AxisAddress;
   live: UseQueryResult<Schemas["AxisStateOut"]>;
   run: UseMutationResult<unknown, Error, void>;
   stop: UseMutationResult<unknown, Error, void>;
@@ -41,5 +42,5 @@ export function useMotor(device: Device | undefined, axis: number): Motor {
       await motion.endShuttle(at);
     },
   });
-  return { live, run, stop, connected, turns: TURNS };
+  return { at, live, run, stop, connected, turns: TURNS };
 }

@@ -138,7 +138,7 @@ function Head({ profile, onGone }: { profile: Schemas["ProfileDetail"]; onGone: 
   );
 }
 
-/** Deleting asks first. Escape is STOP, so keeping has a button of its own. */
+/** Deleting asks first. */
 function Delete({ profile, onGone }: { profile: Schemas["ProfileDetail"]; onGone: () => void }) {
   const [asking, setAsking] = useState(false);
   const remove = useRemove(profile.id);

@@ -151,7 +151,7 @@ export function Updates({ state }: { state: TwinState }) {
   const still = state.updates_per_s === 0;
   return (
     <span className="num">
-      {still ? "at rest" : `${fixed(state.updates_per_s)} of ${fixed(state.updates_per_s_max)} updates/s`}
+      {still ? "no updates" : `${fixed(state.updates_per_s)} of ${fixed(state.updates_per_s_max)} updates/s`}
     </span>
   );
 }

@@ -1,8 +1,8 @@
 import { Badge, Group, Select, Stack, Tabs, Text, Title } from "@mantine/core";
-import { useQuery } from "@tanstack/react-query";
 import { Link } from "wouter";
-import { api, unwrap } from "../../../api/client";
 import type { Device } from "../../../api/queries";
+import { ConditionCard } from "../../../lib/condition/ConditionCard";
+import { useAxisReading } from "../../../lib/condition/useAxisReading";
 import { familyOf } from "../../../lib/family";
 import { fixed } from "../../../lib/format";
 import { later } from "../../../lib/later";
@@ -41,12 +41,7 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
   const decimals = shown === "microsteps" ? 0 : 3;
   const topSpeed = useTopSpeed(at, device.model, scale, connected);
   const action = useAction();
-  const state = useQuery({
-    queryKey: ["axis", device.id, axis.index],
-    queryFn: async () => unwrap(await api.GET("/api/v1/devices/{device}/axes/{axis}", { params: { path: at } })),
-    enabled: connected,
-    refetchInterval: 1000,
-  });
+  const state = useAxisReading(device.id, axis.index, connected);
   const disabled = !connected;
   const common = { at, scale, unit: shown, action, disabled };
   return (
@@ -87,16 +82,14 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
             {symbolOf(rate)}
           </Text>
         </span>
-        <LiveText
-          className={classes.stateWord}
-          read={() => {
-            if (Number.isNaN(live.read("velocity"))) return "unknown";
-            if (live.moving()) return "moving";
-            return live.read("position_reached") > 0.5 ? "at target" : "at rest";
-          }}
-        />
         <Lamps live={live} model={device.model} />
       </Group>
+      <ConditionCard
+        key={`condition ${device.id}/${axis.index}`}
+        device={device}
+        axis={axis}
+        nowS={state.data?.time_s}
+      />
       <Stack gap={8}>
         <MoveSection key={`${device.id}/${axis.index}`} {...common} />
         <JogSection key={`jog ${device.id}/${axis.index}`} {...common} topSpeedPps={topSpeed} />

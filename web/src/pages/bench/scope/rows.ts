@@ -131,7 +131,7 @@ export const ROWS: readonly Row[] = [
       { quantity: "switch_reference", label: "reference" },
       { quantity: "switch_home", label: "home" },
       { quantity: "switch_right", label: "right" },
-      { quantity: "position_reached", label: "at target" },
+      { quantity: "position_reached", label: "reached" },
     ],
   },
 ];

@@ -1,0 +1,72 @@
+import { Button } from "@mantine/core";
+import type { Device } from "../../api/queries";
+import { useStanding } from "../../live/useStanding";
+import { ProblemAlert } from "../ProblemAlert";
+import { ConditionMark } from "./ConditionMark";
+import { ConditionPopover } from "./ConditionPopover";
+import classes from "./condition.module.css";
+import { KINDS, referencedWords, sentence, sinceWords } from "./kinds";
+import { RemedyButton } from "./RemedyButton";
+import { useRemedies } from "./remedy";
+
+interface Props {
+  device: Device;
+  axis: Device["axes"][number];
+  /** device time of the newest reading [s] */
+  nowS: number | undefined;
+}
+
+/** The condition of the selected axis, big: what is so, why, and the button that helps. */
+export function ConditionCard({ device, axis, nowS }: Props) {
+  const { condition, referenced, ground_truth: truth } = useStanding(device.id, axis.index);
+  const remedies = useRemedies();
+  return (
+    <>
+      <section
+        className={classes.card}
+        data-tone={KINDS[condition.kind].tone}
+        aria-label={`Condition of ${axis.name}`}
+        data-testid="condition-card"
+      >
+        <div className={classes.head}>
+          <ConditionMark kind={condition.kind} size={20} />
+          <span className={classes.since}>{sinceWords(condition, nowS)}</span>
+        </div>
+        <p className={classes.cause} title={condition.cause}>
+          {sentence(condition.cause)}
+        </p>
+        {truth && (
+          <p className={classes.truth} title={truth.summary}>
+            <b>Really:</b> {truth.summary}
+          </p>
+        )}
+        <div className={classes.foot}>
+          {condition.remedy ? (
+            <RemedyButton remedy={condition.remedy} remedies={remedies} main />
+          ) : (
+            <span className={classes.since}>{referencedWords(referenced)}</span>
+          )}
+          <ConditionPopover
+            device={device}
+            axis={axis}
+            target={(toggle, opened) => (
+              <Button
+                size="compact-xs"
+                variant="subtle"
+                color="gray"
+                flex="none"
+                onClick={toggle}
+                aria-expanded={opened}
+              >
+                Why
+              </Button>
+            )}
+          />
+        </div>
+      </section>
+      {remedies.isError && (
+        <ProblemAlert error={remedies.error} doing={sentence(remedies.variables.label)} onClose={remedies.reset} />
+      )}
+    </>
+  );
+}
