@@ -2,7 +2,9 @@
 
 Sessions only look until they take the free bench. The holder keeps it by any sign of life, may hand it over to one who
 asks, or gives it back; after `vanish_after_s` without a sign it has vanished, the bench is free, and what `on_vanish`
-says happens to the motors (`lease_watch`). A call without a session borrows the free bench for as long as it takes.
+says happens to the motors (`lease_watch`). One whose last page was closed has left: the next session that wants the
+bench takes it, and a sign of life before that (the page was only loaded anew) is a return. A call without a session
+borrows the free bench for as long as it takes.
 
 Everything here is a plain function of a clock. That time has passed is noticed by whoever looks next.
 """
@@ -50,6 +52,8 @@ class Holder:
     address: str
     since_s: float
     seen_s: float
+    left: bool = False
+    """Its last page was closed, and nothing was heard of it since."""
 
 
 @dataclass(slots=True)
@@ -104,6 +108,12 @@ class Lease:
         return None if holder is None else self._clock.now() - holder.since_s
 
     @property
+    def left(self) -> bool:
+        """Whether the holder's last page was closed: any other session may take the bench."""
+        holder = self.holder
+        return holder is not None and holder.left
+
+    @property
     def asking(self) -> tuple[Asker, ...]:
         """Who would like to have it, the longest waiting first."""
         now_s = self._clock.now()
@@ -129,7 +139,7 @@ class Lease:
 
         Raises BenchTaken, or BenchNotTaken for a session that could have taken it.
         """
-        if self.holder is None:
+        if self.holder is None or (self.left and session is not None and not self.is_holder(session)):
             if session is not None:
                 raise BenchNotTaken
         elif not self.is_holder(session):
@@ -140,11 +150,15 @@ class Lease:
     def take(self, session: str, name: str, address: str = "") -> None:
         """Take the free bench, or keep it under that name. Raises BenchTaken."""
         holder, now_s = self.holder, self._clock.now()
+        if holder is not None and holder.left and not _same(session, holder.session):
+            self._give_back(holder, f"its page was closed; to {name}")
+            holder = None
         if holder is None:
             self._put(Holder(session, name, address, now_s, now_s))
             self._tell(LeaseEvent("taken", name, address, ""))
         elif _same(session, holder.session):
-            holder.name, holder.address, holder.seen_s = name, address, now_s
+            holder.name, holder.address = name, address
+            self.seen(session)
         else:
             raise self._taken()
 
@@ -152,7 +166,24 @@ class Lease:
         """A sign of life: any request of that session is one. Of others it means nothing."""
         holder = self.holder
         if holder is not None and _same(session, holder.session):
-            holder.seen_s = self._clock.now()
+            holder.seen_s, holder.left = self._clock.now(), False
+
+    def leave(self, session: str) -> bool:
+        """The last page of that session closes, or is loaded anew: no sign of life. Returns whether it has the bench.
+
+        Its time runs on: without a return it will have vanished when it would have.
+        """
+        holder = self.holder
+        if holder is None or not _same(session, holder.session):
+            return False
+        holder.left = True
+        return True
+
+    def end_left(self) -> None:
+        """Free the bench whose holder has left, unless that one is back: there is nothing that it would have to stop."""
+        holder = self.holder
+        if holder is not None and holder.left:
+            self._give_back(holder, "its page was closed, and nothing moved")
 
     def keep(self, session: str) -> None:
         """Stay. Raises BenchTaken, or BenchNotTaken where the lease has ended meanwhile."""
@@ -161,7 +192,7 @@ class Lease:
             raise BenchNotTaken("the lease of this session has ended, or never was")
         if not _same(session, holder.session):
             raise self._taken()
-        holder.seen_s = self._clock.now()
+        self.seen(session)
 
     def set(self, session: str, on_vanish: OnVanish | None = None, vanish_after_s: float | None = None) -> None:
         """What happens when a holder vanishes, and after how long [s]: until the server ends. Raises as `keep`."""
@@ -177,8 +208,7 @@ class Lease:
         """The bench is free again. Of a session that has not got it, nothing is to give: no error."""
         holder = self.holder
         if holder is not None and _same(session, holder.session):
-            self._holder = None
-            self._tell(LeaseEvent("given back", holder.name, holder.address, ""))
+            self._give_back(holder, "")
         self._forget(session)
 
     def ask(self, session: str, name: str, address: str = "") -> None:
@@ -208,6 +238,10 @@ class Lease:
         self._tell(LeaseEvent("handed over", holder.name, holder.address, f"to {asker.name}"))
 
     # --- inside ---------------------------------------------------------------------------------
+
+    def _give_back(self, holder: Holder, detail: str) -> None:
+        self._holder = None
+        self._tell(LeaseEvent("given back", holder.name, holder.address, detail))
 
     def _tell(self, event: LeaseEvent) -> None:
         for listener in self._listeners:

@@ -35,6 +35,7 @@ FREE = frozenset(
         ("PUT", "/lease"),
         ("DELETE", "/lease"),
         ("POST", "/lease/ask"),
+        ("POST", "/lease/leave"),
         ("POST", "/lease/hand-over"),
         # Calculators.
         ("POST", "/calc/{subject}"),

@@ -72,6 +72,10 @@ class LeaseInfo(Answer):
     state: Literal["free", "taken"]
     holder: str | None = Field(description="the holder's name")
     mine: bool = Field(description="whether the session that asks has it")
+    left: bool = Field(
+        description="the holder's last page was closed: any other session may take the bench, and a sign of the holder "
+        "before that is its return"
+    )
     since_s: float | None = Field(description="how long the holder has had it [s]")
     expires_in_s: float | None = Field(description="when the holder will have vanished without another sign [s]")
     asking: list[LeaseAsking] = Field(description="who would like to have it, the longest waiting first")

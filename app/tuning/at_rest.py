@@ -30,6 +30,26 @@ async def stop_moving(device: Device, chosen: Chosen = lambda _, __: True) -> No
             raise outcome.problem
 
 
+async def anything_moves(devices: Iterable[Device], procedures: Procedures) -> bool:
+    """Whether a motor that this server has moved moves, or is about to; True also where a device does not say."""
+
+    async def moves(device: Device) -> bool:
+        if procedures.running(device):
+            return True
+        try:
+            return any(
+                [
+                    (await device.axis_state(axis.index)).moving
+                    for axis in device.axes
+                    if device.motion_commands[axis.index]
+                ]
+            )
+        except BenchError:
+            return True
+
+    return any(await asyncio.gather(*(moves(device) for device in devices if device.state != "disconnected")))
+
+
 def has_an_end(state: AxisState) -> bool:
     """Whether a motion comes to rest by itself: at its target."""
     return state.target_position is not None and state.mode not in OPEN_ENDED

@@ -290,3 +290,46 @@ class AnyOrder(RuleBasedStateMachine):
 
 
 TestAnyOrder = AnyOrder.TestCase
+
+
+def test_who_has_left_may_be_followed_at_once_or_come_back(
+    lease: Lease, clock: VirtualClock, heard: list[LeaseEvent]
+) -> None:
+    lease.take(ANNA, "Anna", "10.0.0.1")
+    assert not lease.leave(BEN)
+    assert not lease.left
+    assert lease.leave(ANNA)
+    assert lease.left
+    with pytest.raises(BenchNotTaken):  # a session could take it
+        lease.require(BEN)
+    with pytest.raises(BenchTaken):  # a call without one cannot: motors may still be on their way
+        lease.require(None)
+    pass_s(clock, 14.0)
+    lease.require(ANNA)  # the page was only loaded anew
+    lease.seen(ANNA)
+    assert not lease.left
+    lease.end_left()
+    assert lease.is_holder(ANNA)
+    lease.leave(ANNA)
+    lease.take(BEN, "Ben")
+    assert lease.is_holder(BEN)
+    lease.leave(BEN)
+    lease.end_left()
+    assert lease.holder is None
+    assert [(event.action, event.name) for event in heard] == [
+        ("taken", "Anna"),
+        ("given back", "Anna"),
+        ("taken", "Ben"),
+        ("given back", "Ben"),
+    ]
+
+
+def test_who_has_left_vanishes_when_its_time_is_over(
+    lease: Lease, clock: VirtualClock, heard: list[LeaseEvent]
+) -> None:
+    lease.take(ANNA, "Anna")
+    pass_s(clock, 10.0)
+    lease.leave(ANNA)  # is no sign of life
+    pass_s(clock, 5.0)
+    assert lease.holder is None
+    assert [event.action for event in heard] == ["taken", "vanished"]

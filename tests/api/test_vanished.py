@@ -221,3 +221,33 @@ async def test_what_the_next_one_moves_is_not_stopped(client: httpx.AsyncClient,
     assert (await client.post(f"{axis}/rotate", json={"velocity": 1000}, headers=BEN)).is_success
     await silence(clock, 3.0)
     assert (await state_of(client, axis))["moving"]
+
+
+async def test_a_page_that_closes_frees_a_bench_at_rest(client: httpx.AsyncClient) -> None:
+    await take(client, "stop")
+    left = (await client.post("lease/leave", headers=ANNA)).json()
+    assert (left["state"], left["left"]) == ("free", False)
+
+
+@pytest.mark.parametrize("how", ["back", "nobody", "another"])
+async def test_a_page_that_closes_while_its_motor_moves(
+    client: httpx.AsyncClient, clock: VirtualClock, how: str
+) -> None:
+    axis = await slow(client, chip428)
+    await take(client, "stop")
+    assert (await client.post(f"{axis}/rotate", json={"velocity": 2000}, headers=ANNA)).is_success
+    await silence(clock, 1.0)
+    left = (await client.post("lease/leave", headers=ANNA)).json()
+    assert (left["state"], left["left"], left["mine"]) == ("taken", True, True)
+    if how == "back":  # loaded anew: nothing is lost, nothing stops
+        await silence(clock, 4.0)
+        assert (await client.get("lease", headers=ANNA)).json()["left"] is False
+        await silence(clock, 4.0)
+    elif how == "another":  # whose motor it is then
+        assert (await client.post("lease", json={"name": "Ben"}, headers=BEN)).json()["mine"]
+        for _ in range(3):
+            await silence(clock, 4.0)
+            await client.get("lease", headers=BEN)
+    else:
+        await silence(clock, 12.0)
+    assert (await state_of(client, axis))["moving"] is (how != "nobody")

@@ -39,5 +39,5 @@ def take_the_bench(api: httpx.Client) -> None:
 
 def begin_with_the_bench(context: BrowserContext) -> None:
     """Let every page of `context` be a tab of our session."""
-    stored = f"sessionStorage['stepscope.session'] = {json.dumps(SESSION)}; localStorage['stepscope.name'] = '{NAME}'"
+    stored = f"localStorage['stepscope.session'] = {json.dumps(SESSION)}; localStorage['stepscope.name'] = '{NAME}'"
     context.add_init_script(f"if (location.protocol !== 'about:') {{ {stored} }}")

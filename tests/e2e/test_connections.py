@@ -268,3 +268,34 @@ def test_a_server_that_goes_and_comes_back(page: Page, errors: Errors, tmp_path:
         server.start(port)
         expect(page.get_by_test_id("disconnected")).to_have_count(0, timeout=15_000)
         expect(page.get_by_test_id("link-readout").first).to_contain_text("live", timeout=15_000)
+
+
+def test_stop_and_every_page_outlive_a_server_that_is_away(page: Page, errors: Errors, tmp_path: Path) -> None:
+    errors.expect("ERR_CONNECTION_REFUSED|ERR_EMPTY_RESPONSE|ERR_CONNECTION_RESET|WebSocket|Failed to fetch|preload")
+    with ServerProcess(tmp_path, "--demo") as server:
+        page.goto(server.url)
+        expect(page.get_by_test_id("server-status")).to_have_text("2 of 2 connected")
+        port = int(server.url.rpartition(":")[2])
+        assert server.stop() == 0, server.log()
+        # nothing was fetched but the first page: what says that the stop failed is there all the same
+        for press in (page.get_by_test_id("stop-all").click, lambda: page.keyboard.press("Escape")):
+            press()
+            said = page.get_by_role("alert").filter(has_text="Stop failed")
+            expect(said).to_contain_text("cut its power")
+            said.get_by_role("button").click()
+            expect(said).to_have_count(0)
+        expect(page.get_by_test_id("disconnected")).to_be_visible(timeout=15_000)
+        page.get_by_role("button", name="Keyboard shortcuts").click()  # a part that is fetched when it is wanted
+        expect(page.get_by_text("A part of this page could not be loaded")).to_be_visible()
+        for name in ("Registers", "Audit log", "Connections"):
+            page.get_by_role("navigation").first.get_by_role("link", name=name).click()
+            expect(page.get_by_test_id("not-loaded")).to_be_visible()
+            expect(page.get_by_test_id("stop-all")).to_be_visible()
+        page.get_by_role("navigation").first.get_by_role("link", name="Bench").click()
+        expect(page.get_by_test_id("motion-card")).to_be_visible()
+        page.get_by_role("navigation").first.get_by_role("link", name="Connections").click()
+        expect(page.get_by_test_id("not-loaded")).to_be_visible()
+        server.start(port)
+        expect(page.get_by_role("heading", level=1, name="Connections")).to_be_attached(timeout=30_000)
+        expect(page.get_by_test_id("not-loaded")).to_have_count(0)
+        expect(page.get_by_test_id("server-status")).to_have_text("2 of 2 connected", timeout=15_000)

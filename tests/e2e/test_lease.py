@@ -99,50 +99,41 @@ def go_to(page: Page, target: int) -> None:
     page.get_by_test_id("move-go").click()
 
 
-def test_the_first_change_asks_and_then_happens(visit: Callable[..., Page], look: httpx.Client) -> None:
+def test_the_first_change_takes_the_free_bench_without_a_word(visit: Callable[..., Page], look: httpx.Client) -> None:
     page = visit(None)
-    expect(control(page)).to_have_text("Looking only · Take the bench")
+    expect(control(page)).to_have_text("Free · Take the bench")
     go_to(page, 3000)
-    expect(dialog(page)).to_contain_text("Take the bench and go on?")
-    assert (lease(look)["state"], axis(look)["target_position"]) == ("free", 0)
-    name = dialog(page).get_by_role("textbox", name="Your name")
-    expect(name).to_have_value("Chrome on Linux")
-    name.fill("Ann")
-    dialog(page).get_by_role("button", name="Take the bench").click()
-    expect(dialog(page)).to_be_hidden()
     wait_for(lambda: axis(look)["position"] == 3000, "the motor is there")
     expect(control(page)).to_have_text("You have the bench")
-    assert (lease(look)["holder"], lease(look)["mine"]) == ("Ann", False)
-    go_to(page, 1000)
-    wait_for(lambda: axis(look)["position"] == 1000, "no question any more")
-    page.reload()
-    expect(control(page)).to_have_text("You have the bench")
+    expect(dialog(page)).to_have_count(0)
+    assert (lease(look)["holder"], lease(look)["mine"]) == ("Chrome on Linux", False)
+    page.get_by_test_id("jog-left").hover()
+    page.mouse.down()
+    wait_for(lambda: axis(look)["velocity_pps"] < 0, "held, it jogs")
+    page.mouse.up()
+    wait_for(lambda: not axis(look)["moving"], "released, at rest")
 
 
 def test_who_says_no_is_told_that_nothing_was_sent(visit: Callable[..., Page], look: httpx.Client) -> None:
+    take_the_bench(look)
     page = visit("Ann")
     go_to(page, 3000)
     dialog(page).get_by_role("button", name="Only look").click()
     said = page.get_by_test_id("motion-card").get_by_role("status").filter(has_text="Nothing was sent")
     expect(said).to_contain_text("Take the bench, above, and do it again.")
-    assert (axis(look)["target_position"], lease(look)["state"]) == (0, "free")
+    assert axis(look)["target_position"] == 0
+    look.delete("/lease").raise_for_status()
 
 
-def test_a_jog_button_that_was_let_go_moves_nothing(visit: Callable[..., Page], look: httpx.Client) -> None:
+def test_a_jog_button_takes_the_free_bench_too(visit: Callable[..., Page], look: httpx.Client) -> None:
     page = visit("Ann")
-    page.get_by_test_id("jog-right").hover()
-    page.mouse.down()
-    expect(dialog(page)).to_contain_text("Then hold the button again.")
-    page.mouse.up()
-    dialog(page).get_by_role("button", name="Take the bench").click()
-    expect(control(page)).to_have_text("You have the bench")
-    expect(dialog(page)).to_be_hidden()
-    assert (axis(look)["position"], axis(look)["moving"]) == (0, False)
     page.get_by_test_id("jog-right").hover()
     page.mouse.down()
     wait_for(lambda: axis(look)["velocity_pps"] > 0, "held, it jogs")
     page.mouse.up()
     wait_for(lambda: not axis(look)["moving"], "released, at rest")
+    expect(control(page)).to_have_text("You have the bench")
+    expect(dialog(page)).to_have_count(0)
 
 
 def test_the_bench_is_asked_for_and_handed_over(visit: Callable[..., Page], look: httpx.Client) -> None:
@@ -175,7 +166,7 @@ def test_who_does_not_ask_any_more_is_not_shown(visit: Callable[..., Page]) -> N
     expect(asks).to_be_hidden()
     control(ann).click()
     ann.get_by_role("button", name="Give the bench back").click()
-    expect(control(bob)).to_have_text("Looking only · Take the bench")
+    expect(control(bob)).to_have_text("Free · Take the bench")
 
 
 def test_who_only_looks_stops_the_motor_and_disturbs_it_not_otherwise(
@@ -223,27 +214,53 @@ def test_a_tab_that_vanishes_loses_the_bench_and_its_motor_stops(
     ann.get_by_test_id("shuttle-toggle").click()
     wait_for(lambda: shuttles(look), "it goes there and back")
     ann.context.close()
-    expect(control(bob)).to_have_text("Looking only · Take the bench", timeout=20_000)
+    expect(control(bob)).to_have_text("Free · Take the bench", timeout=20_000)
     wait_for(lambda: not shuttles(look) and not axis(look)["moving"], "what is set for it has happened")
 
 
-def test_a_tab_of_its_own_is_a_session_of_its_own(visit: Callable[..., Page]) -> None:
+def test_the_tabs_of_a_browser_share_the_bench_until_the_last_one_closes(
+    visit: Callable[..., Page], look: httpx.Client
+) -> None:
     page = visit("Ann")
     take(page)
-    with page.context.expect_page() as opened:
-        page.evaluate("window.open('/', '_blank')")  # which copies the session storage
-    expect(control(opened.value)).to_have_text(re.compile("^Taken by Ann"))
+    second = page.context.new_page()
+    second.goto("/")
+    expect(control(second)).to_have_text("You have the bench")
+    go_to(second, 500)
+    wait_for(lambda: axis(look)["position"] == 500, "the second tab moves the motor")
+    page.close(run_before_unload=True)
+    expect(second.get_by_test_id("link-readout").first).to_contain_text("live")
+    assert lease(look)["holder"] == "Ann", "the first was not the last"
+    second.reload()
+    expect(control(second)).to_have_text("You have the bench")
+    second.close(run_before_unload=True)
+    wait_for(lambda: lease(look)["state"] == "free", "closed at rest: free at once", 5.0)
+
+
+def test_a_reload_loses_and_stops_nothing(visit: Callable[..., Page], look: httpx.Client) -> None:
+    page = visit("Ann")
+    take(page)
+    page.get_by_test_id("shuttle-toggle").click()
+    wait_for(lambda: shuttles(look), "it goes there and back")
+    page.reload()
     expect(control(page)).to_have_text("You have the bench")
+    expect(page.get_by_test_id("shuttle-toggle")).to_have_text("End")
+    assert shuttles(look)
+    bob = visit("Bob")
+    page.close(run_before_unload=True)
+    wait_for(lambda: lease(look)["left"], "its tab has closed, and its motor moves")
+    expect(control(bob)).to_have_text("Free · Take the bench")
+    go_to(bob, 100)
+    expect(control(bob)).to_have_text("You have the bench")
+    bob.keyboard.press("Escape")
+    wait_for(lambda: not shuttles(look), "stopped")
 
 
 def test_what_happens_at_vanishing_is_set_by_keyboard(visit: Callable[..., Page], look: httpx.Client) -> None:
     page = visit(None)
     control(page).focus()
     page.keyboard.press("Enter")
-    expect(dialog(page).get_by_role("button", name="Take the bench")).to_be_focused()
-    page.keyboard.press("Enter")
     expect(control(page)).to_have_text("You have the bench")
-    expect(dialog(page)).to_be_hidden()
     control(page).focus()
     page.keyboard.press("Enter")
     panel = page.get_by_role("dialog", name="The bench")

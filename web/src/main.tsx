@@ -9,6 +9,7 @@ import { createRoot } from "react-dom/client";
 import { App } from "./App";
 import { watchLease } from "./api/lease/bench";
 import { conditions } from "./live/conditions";
+import { RootBoundary } from "./shell/RootBoundary";
 import { Toasts } from "./shell/Toasts";
 import { cssVariables, theme } from "./theme";
 
@@ -29,7 +30,9 @@ createRoot(root).render(
     <MantineProvider theme={theme} cssVariablesResolver={cssVariables} defaultColorScheme="auto">
       <QueryClientProvider client={queries}>
         <Toasts />
-        <App />
+        <RootBoundary>
+          <App />
+        </RootBoundary>
       </QueryClientProvider>
     </MantineProvider>
   </StrictMode>,

@@ -1,8 +1,9 @@
 """The lease: one session at a time may change anything. Stopping is never refused to anybody.
 
-A session is a tab or a client that sends `Stepscope-Session` with a random id that it tells nobody. Any request with it
+A session is a browser, with all its tabs, or a client that sends `Stepscope-Session` with a random id that it tells nobody. Any request with it
 is a sign of life. A page should give its signs from a worker: browsers slow the timers of hidden tabs down to one a
-minute. A tab that is closed should not give the lease back but fall silent: then `on_vanish` takes care of its motors.
+minute. The last tab that is closed should not give the lease back but leave (`POST /lease/leave`): the bench is free at
+once where nothing moves, else the next session takes it, and until then `on_vanish` will take care of its motors.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ from app.api.schemas_lease import LeaseAsking, LeaseHandOver, LeaseInfo, LeaseKe
 from app.api.who import SESSION_HEADER
 from app.devices.actor import actor
 from app.links.errors import UnknownThing, WrongState
+from app.tuning.at_rest import anything_moves
 
 router = APIRouter(prefix="/lease", tags=["lease"])
 
@@ -32,7 +34,7 @@ Session = Annotated[
         min_length=16,
         max_length=200,
         pattern="^[!-~]+$",
-        description="a random id of this tab or client; whoever knows it holds its lease",
+        description="a random id of this browser or client; whoever knows it holds its lease",
     ),
 ]
 MaybeSession = Annotated[str | None, Header(alias=SESSION_HEADER, description="to be told whether the lease is mine")]
@@ -69,6 +71,16 @@ async def give_lease_back(bench: CurrentBench, session: Session) -> LeaseInfo:
     return _info(bench, session)
 
 
+@router.post("/leave")
+async def leave_lease(bench: CurrentBench, session: Session) -> LeaseInfo:
+    """The last page of this session closes, or is loaded anew. Where nothing moves that this server has moved, the
+    bench is free; else it is kept for a return until its holder would have vanished, and any other session may take it.
+    """
+    if bench.lease.leave(session) and not await anything_moves(bench.manager.devices, bench.procedures):
+        bench.lease.end_left()
+    return _info(bench, session)
+
+
 @router.post("/ask", responses=problems(WrongState))
 async def ask_for_lease(bench: CurrentBench, session: Session, body: LeaseTake) -> LeaseInfo:
     """Ask the holder for the bench. A question stands for 15 s: repeat it, and see by `mine` whether it was granted."""
@@ -91,6 +103,7 @@ def _info(bench: Bench, session: str | None) -> LeaseInfo:
         state="free" if holder is None else "taken",
         holder=None if holder is None else holder.name,
         mine=lease.is_holder(session),
+        left=lease.left,
         since_s=lease.since_s,
         expires_in_s=lease.expires_in_s,
         asking=[LeaseAsking(id=each.id, name=each.name, since_s=lease.waits_s(each)) for each in lease.asking],

@@ -370,6 +370,27 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/lease/leave": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Leave Lease
+         * @description The last page of this session closes, or is loaded anew. Where nothing moves that this server has moved, the
+         *     bench is free; else it is kept for a return until its holder would have vanished, and any other session may take it.
+         */
+        post: operations["leave_lease"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/lease/ask": {
         parameters: {
             query?: never;
@@ -4546,6 +4567,11 @@ export interface components {
              * @description whether the session that asks has it
              */
             mine: boolean;
+            /**
+             * Left
+             * @description the holder's last page was closed: any other session may take the bench, and a sign of the holder before that is its return
+             */
+            left: boolean;
             /**
              * Since S
              * @description how long the holder has had it [s]
@@ -11911,7 +11937,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /** @description a random id of this tab or client; whoever knows it holds its lease */
+                /** @description a random id of this browser or client; whoever knows it holds its lease */
                 "Stepscope-Session": string;
             };
             path?: never;
@@ -11983,7 +12009,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /** @description a random id of this tab or client; whoever knows it holds its lease */
+                /** @description a random id of this browser or client; whoever knows it holds its lease */
                 "Stepscope-Session": string;
             };
             path?: never;
@@ -12055,7 +12081,48 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /** @description a random id of this tab or client; whoever knows it holds its lease */
+                /** @description a random id of this browser or client; whoever knows it holds its lease */
+                "Stepscope-Session": string;
+            };
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["LeaseInfo"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    leave_lease: {
+        parameters: {
+            query?: never;
+            header: {
+                /** @description a random id of this browser or client; whoever knows it holds its lease */
                 "Stepscope-Session": string;
             };
             path?: never;
@@ -12096,7 +12163,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /** @description a random id of this tab or client; whoever knows it holds its lease */
+                /** @description a random id of this browser or client; whoever knows it holds its lease */
                 "Stepscope-Session": string;
             };
             path?: never;
@@ -12168,7 +12235,7 @@ export interface operations {
         parameters: {
             query?: never;
             header: {
-                /** @description a random id of this tab or client; whoever knows it holds its lease */
+                /** @description a random id of this browser or client; whoever knows it holds its lease */
                 "Stepscope-Session": string;
             };
             path?: never;

@@ -1,6 +1,6 @@
 import { Text, TextInput, type TextInputProps } from "@mantine/core";
 import { useState } from "react";
-import { compact, parseNumber } from "./format";
+import { compact, decimalSum, exactText, parseNumber } from "./format";
 import { symbolOf } from "./units";
 
 export interface NumberFieldProps extends Omit<TextInputProps, "value" | "onChange" | "min" | "max" | "step"> {
@@ -13,27 +13,44 @@ export interface NumberFieldProps extends Omit<TextInputProps, "value" | "onChan
   /** what an arrow key adds; ten times that with Shift. Also Page up and down */
   step?: number;
   integer?: boolean;
-  /** decimals that the field shows at rest; by default as many as the number needs, up to 6 digits */
+  /** what it looks like while nobody is in it; who enters it finds every digit. By default 12 digits, or all of a whole number */
   show?: (value: number) => string;
+  /** Enter, with the number that then stands there: what it begins must take this, not what was known before */
+  onEnter?: (value: number) => void;
+  /** given: the field may be left empty */
+  onClear?: () => void;
+  /** whether what stands there was refused: nothing may be begun with the value of before */
+  onWrong?: (wrong: boolean) => void;
 }
 
+const DIGITS_AT_REST = 12;
+
 function plain(value: number): string {
-  // all digits of a whole number count: 16777215 is not 16777220
-  return Number.isSafeInteger(value) ? String(value) : String(Number(value.toPrecision(7)));
+  return Number.isSafeInteger(value) ? String(value) : exactText(Number(value.toPrecision(DIGITS_AT_REST)));
 }
 
 /**
  * A number with its unit. It takes 1e3, 1.5k and 0x10, and says what is wrong with anything else instead of changing
- * it: a value out of range is never silently clamped, and never reported.
+ * it: a value out of range is never silently clamped, and never reported. What `show` rounds is for the eye alone: it
+ * is neither edited nor reported.
  */
 export function NumberField(props: NumberFieldProps) {
-  const { value, onChange, unit = "", min, max, step = 1, integer = false, show = plain, error, ...input } = props;
+  const { value, onChange, unit = "", min, max, step = 1, integer = false, show = plain, error, ...rest } = props;
+  const { onEnter, onClear, onWrong, ...input } = rest;
   const [draft, setDraft] = useState<string | null>(null);
   const [wrong, setWrong] = useState<string | null>(null);
+  const [entered, setEntered] = useState(false);
+  const exact = value === null ? "" : exactText(value);
+
+  function judge(text: string | null) {
+    setWrong(text);
+    if ((text === null) !== (wrong === null)) onWrong?.(text !== null);
+  }
 
   function problem(candidate: number | null): string | null {
     if (candidate === null) return "Not a number";
     if (integer && !Number.isInteger(candidate)) return "A whole number is needed";
+    if (Number.isInteger(candidate) && !Number.isSafeInteger(candidate)) return "Beyond 2^53 digits would be lost";
     if ((min !== undefined && candidate < min) || (max !== undefined && candidate > max)) {
       if (min === undefined) return `At most ${compact(max)}`;
       return max === undefined ? `At least ${compact(min)}` : `${compact(min)} to ${compact(max)}`;
@@ -41,23 +58,30 @@ export function NumberField(props: NumberFieldProps) {
     return null;
   }
 
-  function commit() {
-    if (draft === null) return;
-    const candidate = parseNumber(draft);
+  /** What stands there, reported if it is new; null where it is none. */
+  function commit(): number | null {
+    if (draft === null) return value;
+    if (onClear && draft.trim() === "") {
+      setDraft(null);
+      judge(null);
+      onClear();
+      return null;
+    }
+    const candidate = draft === exact && value !== null ? value : parseNumber(draft);
     const text = problem(candidate);
-    setWrong(text);
-    if (text !== null || candidate === null) return;
+    judge(text);
+    if (text !== null || candidate === null) return null;
     setDraft(null);
     if (candidate !== value) onChange(candidate);
+    return candidate;
   }
 
   function nudge(by: number) {
     const base = parseNumber(draft ?? "") ?? value ?? 0;
-    const next = Math.min(max ?? Number.POSITIVE_INFINITY, Math.max(min ?? Number.NEGATIVE_INFINITY, base + by));
+    const next = decimalSum(base, by);
     setDraft(null);
-    setWrong(null);
-    // sums of decimal steps would show binary dust: 0.30000000000000004
-    onChange(Number(next.toPrecision(12)));
+    judge(null);
+    onChange(Math.min(max ?? Number.POSITIVE_INFINITY, Math.max(min ?? Number.NEGATIVE_INFINITY, next)));
   }
 
   const symbol = symbolOf(unit);
@@ -69,7 +93,7 @@ export function NumberField(props: NumberFieldProps) {
       spellCheck={false}
       {...input}
       classNames={input.classNames ?? { input: "num" }}
-      value={draft ?? (value === null ? "" : show(value))}
+      value={draft ?? (value === null ? "" : entered ? exact : show(value))}
       error={wrong ?? error}
       rightSectionPointerEvents="none"
       {...(symbol === ""
@@ -87,14 +111,24 @@ export function NumberField(props: NumberFieldProps) {
       }
       onChange={(event) => {
         setDraft(event.currentTarget.value);
-        setWrong(null);
+        judge(null);
       }}
-      onBlur={commit}
+      onFocus={(event) => {
+        setEntered(true);
+        input.onFocus?.(event);
+      }}
+      onBlur={(event) => {
+        setEntered(false);
+        commit();
+        input.onBlur?.(event);
+      }}
       onKeyDown={(event) => {
         input.onKeyDown?.(event);
         const unitStep = event.shiftKey ? step * 10 : step;
-        if (event.key === "Enter") commit();
-        else if (event.key === "ArrowUp") nudge(unitStep);
+        if (event.key === "Enter") {
+          const there = commit();
+          if (there !== null) onEnter?.(there);
+        } else if (event.key === "ArrowUp") nudge(unitStep);
         else if (event.key === "ArrowDown") nudge(-unitStep);
         else if (event.key === "PageUp") nudge(step * 10);
         else if (event.key === "PageDown") nudge(-step * 10);

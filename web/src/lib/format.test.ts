@@ -1,5 +1,5 @@
 import { describe, expect, it } from "vitest";
-import { compact, duration, fixed, frequency, hex, parseNumber, withUnit } from "./format";
+import { compact, decimalSum, duration, exactText, fixed, frequency, hex, parseNumber, withUnit } from "./format";
 
 describe("format", () => {
   it("groups thousands and keeps the sign where there is one", () => {
@@ -31,6 +31,32 @@ describe("format", () => {
     expect(parseNumber("−1 000")).toBe(-1000);
     expect(parseNumber("0x10")).toBe(16);
     expect(parseNumber("1e3")).toBe(1000);
+    expect(parseNumber("−1e−3")).toBe(-0.001);
+    // thousands are an exponent, not a product with its dust
+    const thousands = Array.from({ length: 10_000 }, (_, part) => `${part % 10}.${String(part).padStart(4, "0")}`);
+    expect(thousands.filter((text) => parseNumber(`${text}k`) !== Number(`${text}e3`))).toEqual([]);
     for (const nonsense of ["", "abc", "1e999", "NaN", "--3"]) expect(parseNumber(nonsense)).toBeNull();
+  });
+
+  it("writes a number so that reading it gives the number again, and without dust", () => {
+    expect(exactText(0.1 + 0.2)).toBe("0.3");
+    expect(exactText(12_345_678.125)).toBe("12345678.125");
+    expect(exactText(-(2 ** 53 - 1))).toBe("-9007199254740991");
+    const lost: number[] = [];
+    for (let at = 0, seed = 7; at < 5000; at++) {
+      seed = (seed * 48_271) % 2_147_483_647;
+      const value = (seed - 2 ** 30) * 10 ** ((at % 37) - 18);
+      const off = Math.abs((parseNumber(exactText(value)) ?? Number.NaN) - value);
+      if (!(off <= 4 * Number.EPSILON * Math.abs(value))) lost.push(value);
+      if (parseNumber(exactText(seed)) !== seed) lost.push(seed); // every whole number to the digit
+    }
+    expect(lost).toEqual([]);
+  });
+
+  it("adds decimals as they are written", () => {
+    expect([decimalSum(0.1, 0.2), decimalSum(0.3, -0.3), decimalSum(-1.1, 0.1)]).toEqual([0.3, 0, -1]);
+    expect(decimalSum(2 ** 53 - 2, 1)).toBe(2 ** 53 - 1);
+    const steps = Array.from({ length: 2000 }, (_, at) => at - 1000);
+    expect(steps.filter((at) => decimalSum(at / 100, 0.01) !== (at + 1) / 100)).toEqual([]);
   });
 });

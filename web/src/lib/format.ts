@@ -58,9 +58,27 @@ export function hex(value: number, bits = 24): string {
 
 /** A number as a person types it: 1e3, 1.5k, 1 000, 0x10, −3. null where it is none. */
 export function parseNumber(text: string): number | null {
-  const plain = text.replace(/[\s_]/g, "").replace(MINUS, "-").replace(",", ".");
+  const plain = text.replace(/[\s_]/g, "").replaceAll(MINUS, "-").replace(",", ".");
   if (plain === "") return null;
   const scaled = /^([+-]?(?:\d+\.?\d*|\.\d+))([kM])$/.exec(plain);
-  const value = scaled ? Number(scaled[1]) * (scaled[2] === "k" ? 1e3 : 1e6) : Number(plain);
+  // as an exponent, not a product: 1.001 * 1000 is 1000.9999999999999
+  const value = Number(scaled ? `${scaled[1]}e${scaled[2] === "k" ? 3 : 6}` : plain);
   return Number.isFinite(value) ? value : null;
+}
+
+/** As a field holds a number: all digits that count, none that are only the dust of binary sums. Never rounded. */
+export function exactText(value: number): string {
+  if (Number.isSafeInteger(value)) return String(value);
+  const dust = 4 * Number.EPSILON * Math.abs(value);
+  for (let digits = 1; digits < 17; digits++) {
+    const short = Number(value.toPrecision(digits));
+    if (Math.abs(short - value) <= dust) return String(short);
+  }
+  return String(value);
+}
+
+/** The sum of two decimal numbers as decimals add up: 0.1 and 0.2 are 0.3. */
+export function decimalSum(one: number, other: number): number {
+  const size = Math.floor(Math.log10(Math.max(Math.abs(one), Math.abs(other), Number.MIN_VALUE)));
+  return Number((one + other).toFixed(Math.min(100, Math.max(0, 14 - size))));
 }

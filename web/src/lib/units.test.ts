@@ -1,5 +1,6 @@
 import { describe, expect, it } from "vitest";
-import { type AxisScale, fromSteps, toSteps, unitsFor } from "./units";
+import { exactText } from "./format";
+import { type AxisScale, entryIn, fromSteps, toSteps, unitsFor } from "./units";
 
 const stage: AxisScale = {
   fullStepsPerRev: 200,
@@ -30,6 +31,20 @@ describe("units", () => {
         expect(fromSteps(toSteps(123.25, unit, stage, motion), unit, stage, motion)).toBeCloseTo(123.25, 9);
       }
     }
+  });
+
+  it("keeps an entry as it was typed, and every microstep through every unit that shows it", () => {
+    expect(entryIn({ value: 0.1, unit: "mm" }, "mm", stage, "position")).toBe(0.1);
+    const lost: string[] = [];
+    for (let at = 0, seed = 3; at < 2000; at++) {
+      seed = (seed * 48_271) % 2_147_483_647; // any position of 32 bits
+      const steps = at % 2 ? seed : -seed;
+      for (const unit of unitsFor("position", stage)) {
+        const shown = Number(exactText(entryIn({ value: steps, unit: "microsteps" }, unit, stage, "position")));
+        if (Math.round(toSteps(shown, unit, stage, "position")) !== steps) lost.push(`${steps} in ${unit}`);
+      }
+    }
+    expect(lost).toEqual([]);
   });
 
   it("does not offer what the axis does not know", () => {

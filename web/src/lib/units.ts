@@ -157,6 +157,17 @@ export function toSteps(value: number, unit: string, scale: AxisScale, motion: M
   return factor === null ? Number.NaN : value * factor;
 }
 
+/** A quantity as it was typed: in its own unit, so that nothing is lost on the way to the server. */
+export interface Entry {
+  value: number;
+  unit: string;
+}
+
+/** An entry in another unit, to be shown there. */
+export function entryIn({ value, unit: typedIn }: Entry, unit: string, scale: AxisScale, motion: Motion): number {
+  return unit === typedIn ? value : fromSteps(toSteps(value, typedIn, scale, motion), unit, scale, motion);
+}
+
 /** The units in which this axis can express a motion, chip units first. Jerk has its units by the position's. */
 export function unitsFor(motion: Exclude<Motion, "jerk">, scale: AxisScale): string[] {
   const all =

@@ -1,4 +1,4 @@
-import { type ComponentPropsWithoutRef, useEffect, useRef } from "react";
+import { type ComponentPropsWithoutRef, useEffect, useLayoutEffect, useRef } from "react";
 
 interface Props extends Omit<ComponentPropsWithoutRef<"span">, "children"> {
   /** what to show now; asked about fifteen times a second, outside of React's rendering */
@@ -27,19 +27,21 @@ export function everyTick(update: () => void): () => void {
   };
 }
 
-/** Text that follows live samples without rendering: only its text node changes. */
+/**
+ * Text that follows live samples without rendering: only its text node changes. What is rendered beside it never stands
+ * beside the text of before: a rendering brings it up to date at once, however late the next animation frame is.
+ */
 export function LiveText({ read, className, ...rest }: Props) {
   const span = useRef<HTMLSpanElement>(null);
   const latest = useRef(read);
   latest.current = read;
-  useEffect(
-    () =>
-      everyTick(() => {
-        const text = latest.current();
-        const node = span.current;
-        if (node && node.textContent !== text) node.textContent = text;
-      }),
-    [],
-  );
+  const write = () => {
+    const text = latest.current();
+    const node = span.current;
+    if (node && node.textContent !== text) node.textContent = text;
+  };
+  const latestWrite = useRef(write);
+  useLayoutEffect(write);
+  useEffect(() => everyTick(latestWrite.current), []);
   return <span ref={span} className={className ?? "num"} {...rest} />;
 }

@@ -1,6 +1,8 @@
 import { Alert, Button, Code, Stack, Text } from "@mantine/core";
 import { IconAlertTriangle } from "@tabler/icons-react";
 import { Component, type PropsWithChildren } from "react";
+import { NotLoaded } from "../lib/later";
+import { NotLoadedNote } from "./NotLoadedNote";
 
 interface State {
   error: Error | null;
@@ -17,6 +19,7 @@ export class PageBoundary extends Component<PropsWithChildren, State> {
   override render() {
     const { error } = this.state;
     if (error === null) return this.props.children;
+    if (error instanceof NotLoaded) return <NotLoadedNote why={error.message} />;
     return (
       <Alert color="red" role="alert" icon={<IconAlertTriangle size={18} aria-hidden />} title="This page has failed">
         <Stack gap="xs" align="flex-start">

@@ -18,10 +18,10 @@ export interface LeasePorts {
 }
 
 /**
- * Why somebody is asked: to take the bench, after something that waits for it, or after something held down, which is
- * not done later by itself, when nobody holds it any more.
+ * Why somebody is asked: after something that waits for the bench, or after something held down, which is not done
+ * later by itself, when nobody holds it any more.
  */
-export type Cause = "take" | "held" | "change";
+export type Cause = "held" | "change";
 
 /** What somebody is to be asked who has tried to change the bench without having it. */
 export interface Question {
@@ -44,6 +44,11 @@ export interface LeaseView {
   news: "handed" | "lost" | null;
 }
 
+/** Whether the first who wants the bench has it: nobody has it, or its last page was closed. */
+export function isFree(lease: Lease): boolean {
+  return lease.state === "free" || (lease.left && !lease.mine);
+}
+
 /** An ask stays with the server for a few seconds. */
 const ASK_EVERY_MS = 2000;
 
@@ -62,6 +67,9 @@ export class LeaseDesk {
   private asked = 0;
   private heard = 0;
   private ours = false;
+  private taking: Promise<boolean> | null = null;
+  /** how often all motors were told to stop */
+  private drops = 0;
 
   constructor(private readonly ports: LeasePorts) {}
 
@@ -121,26 +129,34 @@ export class LeaseDesk {
   }
 
   /**
-   * Whether the bench may be changed: at once where it is ours, else when the question is answered. Where the server
-   * tells nothing of leases it is the server that decides.
+   * Whether the bench may be changed: at once where it is ours or nobody's, else when the question is answered. Where
+   * the server tells nothing of leases it is the server that decides.
    */
   async permit(): Promise<boolean> {
+    const { drops } = this;
     if (this.view.lease === null) await this.refresh();
-    if (this.view.lease === null || this.mine) return true;
+    const ours = this.view.lease === null || this.mine || (await this.takeFree());
+    if (drops !== this.drops) return false; // a stop is behind it, and would be overtaken
+    if (ours) return true;
     this.open("change");
     return new Promise((resolve) => this.waiting.push(resolve));
   }
 
   /** The same for what is held down: true only if it is ours now. Else the question is opened, and nothing waits. */
-  permitHeld(): boolean {
-    if (this.view.lease === null || this.mine) return true;
+  async permitHeld(): Promise<boolean> {
+    if (this.view.lease === null || this.mine || (await this.takeFree())) return true;
     this.open("held");
     return false;
   }
 
-  /** Ask for a name first. */
-  wish(): void {
-    this.open("take");
+  /** Take the bench that nobody has: the first change does it, without a word. Whoever was quicker is asked then. */
+  private async takeFree(): Promise<boolean> {
+    const { lease, question } = this.view;
+    if (lease === null || question !== null || !isFree(lease)) return false;
+    this.taking ??= this.take().finally(() => {
+      this.taking = null;
+    });
+    return this.taking;
   }
 
   /** The server has refused a change: what we believed of the lease was wrong. */
@@ -162,6 +178,7 @@ export class LeaseDesk {
 
   /** All motors are to stop: what still waits to be sent is not wanted any more. */
   drop(): void {
+    this.drops += 1;
     if (this.view.question) void this.answer(false);
   }
 
@@ -203,7 +220,9 @@ export class LeaseDesk {
     if (number < this.heard) return;
     this.heard = number;
     const { lease: before, question, asking } = this.view;
-    const news = this.ours || before === null || before.mine === lease.mine ? null : lease.mine ? "handed" : "lost";
+    // another tab of this browser may have taken it for both: only what was asked for was handed over
+    const came = question !== null || asking ? "handed" : null;
+    const news = this.ours || before === null || before.mine === lease.mine ? null : lease.mine ? came : "lost";
     this.set({
       lease,
       heardMs: performance.now(),

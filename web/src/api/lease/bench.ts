@@ -2,7 +2,7 @@ import { ApiError, problemOf } from "../problem";
 import { startBeat } from "./beat";
 import { Gate } from "./gate";
 import { type Lease, LeaseDesk } from "./LeaseDesk";
-import { sessionHeaders, userName } from "./session";
+import { sayGone, sayHere, sessionHeaders, userName } from "./session";
 
 const URL = "/api/v1/lease";
 const LOOK_EVERY_MS = 1000;
@@ -24,7 +24,10 @@ async function call(method: string, path = "", body?: unknown): Promise<Lease> {
 export const desk = new LeaseDesk({
   look: () => call("GET"),
   take: () => call("POST", "", { name: userName() }),
-  keep: (change = undefined) => call("PUT", "", change ?? {}),
+  keep: (change = undefined) => {
+    sayHere();
+    return call("PUT", "", change ?? {});
+  },
   giveBack: () => call("DELETE"),
   ask: () => call("POST", "/ask", { name: userName() }),
   handOver: (to) => call("POST", "/hand-over", { to }),
@@ -38,19 +41,28 @@ export const gate = new Gate(desk, (request) => {
 });
 
 /**
- * A page that goes falls silent, and what is set for that takes care of its motors; a page that is only loaded anew
- * still has the bench. Where motors are to go on anyway it gives the bench back.
+ * The last tab that goes leaves: at rest the bench is free at once, else what is set for vanishing takes care of the
+ * motors, and a page that is only loaded anew is back before. Where motors are to go on anyway it gives the bench back.
+ * Not sendBeacon: that cannot say whose session it is.
  */
 function leave() {
-  if (desk.mine && desk.snapshot.lease?.on_vanish === "nothing")
-    void fetch(URL, { method: "DELETE", headers: sessionHeaders(), keepalive: true });
+  if (sayGone() || !desk.mine) return;
+  const back = desk.snapshot.lease?.on_vanish === "nothing";
+  const [address, method] = back ? [URL, "DELETE"] : [`${URL}/leave`, "POST"];
+  void fetch(address, { method, headers: sessionHeaders(), keepalive: true });
+}
+
+function look() {
+  sayHere();
+  void desk.refresh();
 }
 
 /** Look at the lease from now on, for as long as the page is seen; what keeps it alive goes on when it is not. */
 export function watchLease(): void {
-  void desk.refresh();
-  setInterval(() => document.hidden || void desk.refresh(), LOOK_EVERY_MS);
-  document.addEventListener("visibilitychange", () => document.hidden || void desk.refresh());
+  look();
+  setInterval(() => document.hidden || look(), LOOK_EVERY_MS);
+  document.addEventListener("visibilitychange", () => document.hidden || look());
   window.addEventListener("pagehide", leave);
+  window.addEventListener("pageshow", (event) => event.persisted && look());
   window.addEventListener(STOP_EVENT, () => desk.drop());
 }

@@ -8,6 +8,7 @@ const FREE: Lease = {
   state: "free",
   holder: null,
   mine: false,
+  left: false,
   since_s: null,
   expires_in_s: null,
   asking: [],
@@ -36,7 +37,8 @@ class Server {
   readonly ports: LeasePorts = {
     look: () => this.say("look"),
     take: () => {
-      if (this.lease.state === "taken" && !this.lease.mine) return Promise.reject(new Error("taken"));
+      if (this.lease.state === "taken" && !this.lease.mine && !this.lease.left)
+        return Promise.reject(new Error("taken"));
       this.lease = MINE;
       return this.say("take");
     },
@@ -86,31 +88,42 @@ describe("a page that has not got the bench", () => {
     expect(server.desk.snapshot.question).toBeNull();
   });
 
-  it("asks before it changes something, takes the bench and sends it once", async () => {
+  it.each([FREE, { ...ANNS, left: true }])("takes it with the first change, without a question", async (lease) => {
+    server.lease = lease;
     const answer = server.gate.fetch(post(MOVE, "1"));
-    await settle();
-    expect(server.sent).toEqual([]);
-    expect(server.desk.snapshot.question).toEqual({ cause: "change", handed: false });
-    await server.desk.answer(true);
     expect((await answer).ok).toBe(true);
     expect(server.sent).toEqual(["POST devices/bench/axes/0/move 1"]);
+    expect(server.desk.snapshot).toMatchObject({ question: null, news: null, problem: null });
     await server.gate.fetch(post(MOVE, "2"));
     expect(server.sent).toHaveLength(2);
   });
 
-  it("asks one question for everything that waits, and keeps its order", async () => {
+  it("takes it once for everything that waits, and keeps its order", async () => {
     const answers = ["1", "2", "3"].map((body) => server.gate.fetch(post(MOVE, body)));
-    await settle();
-    await server.desk.answer(true);
     await Promise.all(answers);
     expect(server.sent.map((line) => line.slice(-1))).toEqual(["1", "2", "3"]);
     expect(server.calls.filter((call) => call === "take")).toHaveLength(1);
   });
 
-  it("sends the last setting alone of a drag that has opened the question", async () => {
-    const answers = ["1", "2", "3"].map((body) => server.gate.fetch(patch(body)));
+  it("sends nothing that a stop has come behind while the bench was taken", async () => {
+    const answer = server.gate.fetch(post());
+    server.desk.drop();
+    expect((await answer).status).toBe(409);
+    expect(server.sent).toEqual([]);
+  });
+
+  it("asks when somebody was quicker", async () => {
+    await server.desk.refresh();
+    server.lease = ANNS;
+    const answer = server.gate.fetch(post());
     await settle();
-    await server.desk.answer(true);
+    expect(server.desk.snapshot).toMatchObject({ lease: { holder: "Ann" }, question: { cause: "change" } });
+    await server.desk.answer(false);
+    expect((await answer).status).toBe(409);
+  });
+
+  it("sends the last setting alone of a drag that has taken the bench", async () => {
+    const answers = ["1", "2", "3"].map((body) => server.gate.fetch(patch(body)));
     expect((await Promise.all(answers)).map((answer) => answer.ok)).toEqual([true, true, true]);
     expect(server.sent).toEqual(["PATCH devices/bench/emulator 3"]);
     await server.gate.fetch(patch("4"));
@@ -118,6 +131,7 @@ describe("a page that has not got the bench", () => {
   });
 
   it.each(["no", "stop"])("sends nothing when the answer is %s, and says so", async (how) => {
+    server.lease = ANNS;
     const answer = server.gate.fetch(post());
     await settle();
     if (how === "no") await server.desk.answer(false);
@@ -130,15 +144,18 @@ describe("a page that has not got the bench", () => {
   });
 
   it("does not begin later what was held down, nor asks for what repeats by itself", async () => {
+    server.lease = ANNS;
     await server.desk.refresh();
     expect((await server.gate.quiet(patch("{}"))).status).toBe(409);
     expect(server.desk.snapshot.question).toBeNull();
     expect((await server.gate.held(post())).status).toBe(409);
-    expect(server.desk.permitHeld()).toBe(false);
+    expect(await server.desk.permitHeld()).toBe(false);
     expect(server.desk.snapshot.question?.cause).toBe("held");
+    server.lease = FREE; // Ann has given it back: the question is still there
+    await server.desk.refresh();
     await server.desk.answer(true);
     expect(server.sent).toEqual([]);
-    expect(server.desk.permitHeld()).toBe(true);
+    expect(await server.desk.permitHeld()).toBe(true);
     await server.gate.held(post());
     expect(server.sent).toHaveLength(1);
   });
@@ -178,10 +195,10 @@ describe("a bench that somebody else has", () => {
   });
 
   it("stays a question when somebody was quicker", async () => {
-    server.lease = FREE;
-    await server.desk.refresh();
     const answer = server.gate.fetch(post());
     await settle();
+    server.lease = FREE;
+    await server.desk.refresh();
     server.lease = ANNS;
     await server.desk.answer(true);
     expect(server.desk.snapshot).toMatchObject({ lease: { holder: "Ann" }, question: { cause: "change" } });
@@ -210,14 +227,10 @@ describe("a page that has the bench", () => {
     expect(server.beating).toBe(false);
   });
 
-  it("asks for it again when the server knows better, and sends what was refused", async () => {
+  it("takes it again when the server knows better, and sends what was refused", async () => {
     server.lease = FREE;
     server.refusals = ["/problems/bench-not-taken"];
     const answer = server.gate.fetch(post(MOVE, "again"));
-    await settle();
-    expect(server.desk.snapshot.question?.cause).toBe("change");
-    expect(server.sent).toEqual([]);
-    await server.desk.answer(true);
     expect((await answer).ok).toBe(true);
     expect(server.sent).toEqual(["POST devices/bench/axes/0/move again"]);
   });

@@ -8,20 +8,32 @@ function newId(): string {
   return Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
 }
 
-/**
- * The secret that makes this tab a session of its own. A duplicated tab copies the session storage of the first, so
- * the id lies there only while no page of the tab lives: it is taken out at loading and put back at leaving.
- */
-function takeOut(): string {
-  const kept = sessionStorage.getItem(KEY);
-  sessionStorage.removeItem(KEY);
-  return kept ?? newId();
+/** The secret that makes this browser a session: all its tabs are one, and one of them may go on for another. */
+function ofThisBrowser(): string {
+  if (localStorage.getItem(KEY) === null) localStorage.setItem(KEY, newId());
+  return localStorage.getItem(KEY) ?? newId();
 }
 
-export const sessionId = takeOut();
+export const sessionId = ofThisBrowser();
 
-window.addEventListener("pagehide", () => sessionStorage.setItem(KEY, sessionId));
-window.addEventListener("pageshow", () => sessionStorage.removeItem(KEY));
+const TAB = "stepscope.tab.";
+const tab = TAB + newId();
+/** A tab in the background says it every five seconds while the bench is ours; one that crashed never takes it back. */
+const FRESH_MS = 12_000;
+
+/** Let the other tabs of this browser know of this one. */
+export function sayHere(): void {
+  localStorage.setItem(tab, String(Date.now()));
+}
+
+/** This tab goes. Returns whether another one is there. */
+export function sayGone(): boolean {
+  localStorage.removeItem(tab);
+  const others = Object.keys(localStorage).filter((key) => key.startsWith(TAB));
+  const there = others.filter((key) => Date.now() - Number(localStorage.getItem(key)) < FRESH_MS);
+  if (there.length === 0) for (const key of others) localStorage.removeItem(key);
+  return there.length > 0;
+}
 
 const BROWSERS: readonly (readonly [RegExp, string])[] = [
   [/Edg\//, "Edge"],

@@ -78,7 +78,7 @@ export function CurrentSection({ chip, model, clockHz, sensing, onSensing, disab
           <NumberField
             label="sense resistor"
             unit="mΩ"
-            value={Number((sensing.senseOhm * 1000).toPrecision(6))}
+            value={sensing.senseOhm * 1000}
             min={1}
             max={10_000}
             step={5}

@@ -1,5 +1,5 @@
 import { Text } from "@mantine/core";
-import { compact } from "../../lib/format";
+import { compact, exactText } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { ChipField } from "../../lib/rows/ChipField";
 import { Section } from "../../lib/Section";
@@ -79,7 +79,8 @@ export function Thresholds({ chip, scale, limits, now, disabled }: Props) {
                 label="as a speed"
                 unit="rpm"
                 aria-label={`${register} in rpm`}
-                value={pps === null ? null : Number(rpmOf(pps, scale).toPrecision(5))}
+                value={pps === null ? null : rpmOf(pps, scale)}
+                show={(rpm) => exactText(Number(rpm.toPrecision(5)))}
                 placeholder="off"
                 min={0}
                 max={1e6}

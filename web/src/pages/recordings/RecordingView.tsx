@@ -1,9 +1,10 @@
 import { Button, Group, Loader, Progress, SegmentedControl, Text, TextInput, UnstyledButton } from "@mantine/core";
 import { useDebouncedValue } from "@mantine/hooks";
 import { IconArrowsDiff, IconFlag, IconPlayerStop, IconRepeat } from "@tabler/icons-react";
-import { lazy, Suspense, useCallback, useState } from "react";
+import { useCallback, useState } from "react";
 import { Link, useLocation } from "wouter";
 import { duration, fixed } from "../../lib/format";
+import { later } from "../../lib/later";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Page, Section } from "../../lib/Section";
 import { useScheme } from "../../lib/useScheme";
@@ -20,7 +21,7 @@ import { useReplay } from "./useReplay";
 import { sizeText, stateText, whenText } from "./words";
 import type { Window } from "./ZoomData";
 
-const RecordingTwin = lazy(() => import("../twin/RecordingTwin"));
+const RecordingTwin = later(() => import("../twin/RecordingTwin").then((part) => part.default));
 
 /** One recording: its plots, what happened, its figures, and how the device was set. */
 export function RecordingView({ id }: { id: string }) {
@@ -117,9 +118,7 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
           onReady={() => setReady(true)}
         />
       </Section>
-      <Suspense>
-        <RecordingTwin recording={detail.id} />
-      </Suspense>
+      <RecordingTwin recording={detail.id} />
       <div className={classes.below}>
         <div className={classes.column}>
           <FiguresSection detail={detail} window={window} ready={ready} />

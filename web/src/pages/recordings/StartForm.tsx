@@ -1,7 +1,8 @@
-import { Button, Group, MultiSelect, NumberInput, Select, Stack, Text, Textarea, TextInput } from "@mantine/core";
+import { Button, Group, MultiSelect, Select, Stack, Text, Textarea, TextInput } from "@mantine/core";
 import { useState } from "react";
 import { type Device, useDevices } from "../../api/queries";
 import { namesOf } from "../../lib/choices";
+import { NumberField } from "../../lib/NumberField";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { symbolOf } from "../../lib/units";
 import { useSelection } from "../../live/selection";
@@ -50,29 +51,31 @@ function Fields({ device, devices, axis, onDevice, onStarted }: FieldsProps) {
   const [kind, setKind] = useState<"now" | "move" | "level">("now");
   const [moved, setMoved] = useState(String(axis));
   const [channel, setChannel] = useState<string | null>(null);
-  const [level, setLevel] = useState<number | string>(0);
+  const [level, setLevel] = useState(0);
   const [rising, setRising] = useState("up");
-  const [before, setBefore] = useState<number | string>(0.5);
-  const [seconds, setSeconds] = useState<number | string>("");
+  const [before, setBefore] = useState(0.5);
+  const [seconds, setSeconds] = useState<number | null>(null);
+  const [wrong, setWrong] = useState<Record<string, boolean>>({});
+  const refused = (name: string) => (is: boolean) => setWrong((old) => ({ ...old, [name]: is }));
+  const asked = { now: ["duration"], move: ["duration", "before"], level: ["duration", "before", "level"] }[kind];
   const [problem, setProblem] = useState<unknown>(null);
   const [busy, setBusy] = useState(false);
 
   const crossing = channel !== null && channels.includes(channel) ? channel : (channels[0] ?? null);
   const rates = [...new Set([...RATES_HZ.filter((each) => each <= device.rate_max_hz), device.rate_max_hz])];
-  const pre_s = Number(before) || 0;
 
   function body(): Start {
     const trigger: Start["trigger"] =
       kind === "move"
-        ? { kind, axis: Number(moved), pre_s }
+        ? { kind, axis: Number(moved), pre_s: before }
         : kind === "level"
-          ? { kind, channel: crossing ?? "", level: Number(level) || 0, rising: rising === "up", pre_s }
+          ? { kind, channel: crossing ?? "", level, rising: rising === "up", pre_s: before }
           : { kind };
     return {
       device: device.id,
       channels,
       rate_hz: Number(rate),
-      duration_s: seconds === "" ? null : Number(seconds),
+      duration_s: seconds,
       trigger,
       name: name.trim(),
       note,
@@ -133,14 +136,17 @@ function Fields({ device, devices, axis, onDevice, onStarted }: FieldsProps) {
             allowDeselect={false}
             onChange={(value) => value && setRate(value)}
           />
-          <NumberInput
+          <NumberField
+            size="sm"
             label="Duration"
             placeholder="until it is ended"
-            suffix=" s"
+            unit="s"
             min={0.1}
             max={86_400}
             value={seconds}
             onChange={setSeconds}
+            onClear={() => setSeconds(null)}
+            onWrong={refused("duration")}
           />
         </Group>
         <Select
@@ -173,7 +179,7 @@ function Fields({ device, devices, axis, onDevice, onStarted }: FieldsProps) {
               onChange={setChannel}
             />
             <Group grow align="flex-start">
-              <NumberInput label="Level" value={level} onChange={setLevel} />
+              <NumberField size="sm" label="Level" value={level} onChange={setLevel} onWrong={refused("level")} />
               <Select
                 label="Direction"
                 data={[
@@ -188,14 +194,16 @@ function Fields({ device, devices, axis, onDevice, onStarted }: FieldsProps) {
           </>
         )}
         {kind !== "now" && (
-          <NumberInput
+          <NumberField
+            size="sm"
             label="Kept of before the trigger"
-            suffix=" s"
+            unit="s"
             min={0}
             max={60}
             step={0.1}
             value={before}
             onChange={setBefore}
+            onWrong={refused("before")}
           />
         )}
         <Textarea
@@ -208,7 +216,7 @@ function Fields({ device, devices, axis, onDevice, onStarted }: FieldsProps) {
           onChange={(event) => setNote(event.currentTarget.value)}
         />
         <ProblemAlert error={problem} doing="Recording" onClose={() => setProblem(null)} />
-        <Button type="submit" loading={busy} disabled={channels.length === 0}>
+        <Button type="submit" loading={busy} disabled={channels.length === 0 || asked.some((name) => wrong[name])}>
           Start recording
         </Button>
       </Stack>

@@ -12,18 +12,30 @@ interface Props extends Omit<TextInputProps, "value" | "onChange" | "error"> {
   unit?: string;
   /** Enter, after the value was taken */
   onEnter?: () => void;
+  /** whether what stands there was refused: nothing may be begun with the value of before */
+  onWrong?: (wrong: boolean) => void;
 }
 
 /** A number of any size, exactly as typed: 1e12, 2^40, 358400/3. `NumberField` ends at 2^53. */
-export function ExactField({ value, onValue, check, unit = "", onEnter, ...input }: Props) {
+export function ExactField({ value, onValue, check, unit = "", onEnter, onWrong, ...input }: Props) {
   const [draft, setDraft] = useState<string | null>(null);
   const [wrong, setWrong] = useState<string | null>(null);
 
+  function judge(text: string | null) {
+    setWrong(text);
+    if ((text === null) !== (wrong === null)) onWrong?.(text !== null);
+  }
+
   function commit(): boolean {
-    if (draft === null) return true;
+    if (draft === null || draft === value) {
+      // what it showed already, which may be less than it holds
+      setDraft(null);
+      judge(null);
+      return true;
+    }
     const parsed = parseRatio(draft);
     const problem = parsed === null ? "Not a number" : (check?.(parsed) ?? null);
-    setWrong(problem);
+    judge(problem);
     if (parsed === null || problem !== null) return false;
     setDraft(null);
     onValue(parsed, draft.trim());
@@ -42,7 +54,7 @@ export function ExactField({ value, onValue, check, unit = "", onEnter, ...input
       error={wrong}
       onChange={(event) => {
         setDraft(event.currentTarget.value);
-        setWrong(null);
+        judge(null);
       }}
       onBlur={commit}
       onKeyDown={(event) => {

@@ -1,5 +1,7 @@
 import { Button, SegmentedControl, Switch, Tooltip } from "@mantine/core";
 import { IconArrowBackUp, IconPlayerPlayFilled, IconPlayerTrackNext, IconPlayerTrackPrev } from "@tabler/icons-react";
+import { useState } from "react";
+import { exactText } from "../../lib/format";
 import { LiveText } from "../../live/LiveText";
 import { ExactField } from "./ExactField";
 import { grouped, type Ratio, toNumber } from "./exact";
@@ -38,16 +40,18 @@ const MOST_TURNS = 1n << 53n;
 export function GoTo(props: Props) {
   const { angle, onAngle, way, onWay, preview, atOnce, onAtOnce, onGo, onPutBack, turns, onTurns, onGoTurns } = props;
   const { going, disabled } = props;
+  const [wrong, setWrong] = useState({ angle: false, turns: false });
   return (
     <div className={classes.goto}>
       <ExactField
         label="Angle"
         unit="°"
         placeholder="drag the hand or type"
-        value={angle === null ? "" : String(Number(toNumber(angle).toFixed(6)))}
+        value={angle === null ? "" : exactText(toNumber(angle))}
         disabled={disabled}
         onValue={onAngle}
         onEnter={onGo}
+        onWrong={(refused) => setWrong((old) => ({ ...old, angle: refused }))}
         data-testid="target-angle"
       />
       <div className={classes.quick}>
@@ -97,7 +101,7 @@ export function GoTo(props: Props) {
           size="xs"
           flex={1}
           leftSection={<IconPlayerPlayFilled size={14} aria-hidden />}
-          disabled={disabled || angle === null}
+          disabled={disabled || wrong.angle || angle === null}
           loading={going}
           onClick={onGo}
           data-testid="go-angle"
@@ -131,6 +135,7 @@ export function GoTo(props: Props) {
           disabled={disabled}
           check={({ n, d }) => (d !== 1n ? "A whole number is needed" : n < 1n || n > MOST_TURNS ? "1 to 2^53" : null)}
           onValue={({ n }) => onTurns(n)}
+          onWrong={(refused) => setWrong((old) => ({ ...old, turns: refused }))}
           data-testid="whole-turns"
         />
         <Button
@@ -138,7 +143,7 @@ export function GoTo(props: Props) {
           variant="default"
           px={9}
           aria-label="Turn back by whole turns"
-          disabled={disabled}
+          disabled={disabled || wrong.turns}
           onClick={() => onGoTurns(-1)}
         >
           <IconPlayerTrackPrev size={14} aria-hidden />
@@ -148,7 +153,7 @@ export function GoTo(props: Props) {
           variant="default"
           px={9}
           aria-label="Turn forward by whole turns"
-          disabled={disabled}
+          disabled={disabled || wrong.turns}
           onClick={() => onGoTurns(1)}
         >
           <IconPlayerTrackNext size={14} aria-hidden />

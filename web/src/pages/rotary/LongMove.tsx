@@ -27,6 +27,7 @@ const RANGE = "beyond 64 bits: −2^63 to 2^63 − 1 microsteps";
 export function LongMove({ actual, turn, pieceLength, pps, disabled, going, onGo }: Props) {
   const [value, setValue] = useState<Ratio | null>(null);
   const [text, setText] = useState("");
+  const [wrong, setWrong] = useState(false);
   const [unit, setUnit] = useState<Unit>("microsteps");
   const [relative, setRelative] = useState<"to" | "by">("to");
   const shown = turn === null ? "microsteps" : unit;
@@ -60,6 +61,7 @@ export function LongMove({ actual, turn, pieceLength, pps, disabled, going, onGo
             setValue(next);
             setText(typed);
           }}
+          onWrong={setWrong}
           data-testid="long-target"
         />
         <Select
@@ -133,7 +135,7 @@ export function LongMove({ actual, turn, pieceLength, pps, disabled, going, onGo
         fullWidth
         size="xs"
         leftSection={<IconPlayerPlayFilled size={14} aria-hidden />}
-        disabled={disabled || target === null || outside}
+        disabled={disabled || wrong || target === null || outside}
         loading={going}
         onClick={() => target !== null && onGo(target)}
         data-testid="go-long"

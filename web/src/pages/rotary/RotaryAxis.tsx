@@ -27,7 +27,7 @@ import { Pace, viewOf } from "./pieces";
 import classes from "./rotary.module.css";
 import { Setup } from "./Setup";
 import { Trust } from "./Trust";
-import { degreesOf, placeOf, targetAt, type Way } from "./turn";
+import { degreesOf, placeOf, type Turn, targetAt, type Way } from "./turn";
 import type { ExtendedAxis } from "./useExtended";
 
 const RATE_HZ = 60;
@@ -52,7 +52,7 @@ export function RotaryAxis({ device, axis, extended, seen, connected }: Props) {
   const { source, link, buffer } = useTelemetry(device.id, channels, Math.min(RATE_HZ, device.rate_max_hz), KEEP_S);
   const top = useTopSpeed(at, device.model, scaleOf(axis, device.clock_hz), connected);
 
-  const [staged, setStaged] = useState<Ratio | null>(null);
+  const [staged, setStagedState] = useState<Ratio | null>(null);
   const [way, setWay] = useLocalStorage<Way>({ key: "stepscope.rotary.way", defaultValue: "shortest" });
   const [atOnce, setAtOnce] = useLocalStorage({ key: "stepscope.rotary.at-once", defaultValue: false });
   const [turns, setTurns] = useState(1n);
@@ -61,6 +61,13 @@ export function RotaryAxis({ device, axis, extended, seen, connected }: Props) {
 
   const latest = useRef({ seen, staged, way });
   latest.current = { seen, staged, way };
+  // known at once, not after the next rendering: Enter in the field and a hand let go send what was entered with them
+  const setStaged = (angle: Ratio | null) => {
+    latest.current.staged = angle;
+    setStagedState(angle);
+  };
+  /** the target that stands on the page, and the entry that it is of */
+  const drawn = useRef<{ staged: Ratio; way: Way; turn: Turn; target: bigint } | null>(null);
   const fresh = connected && link.phase === "live";
   const count = (quantity: string) => (fresh ? buffer.last(`${quantity}.${axis.index}`) : Number.NaN);
   const actualNow = () => liveActual(latest.current.seen, count("position"));
@@ -77,15 +84,24 @@ export function RotaryAxis({ device, axis, extended, seen, connected }: Props) {
     setFailed(null);
     try {
       await extended.change.mutateAsync(body);
+      return true;
     } catch (error) {
       setFailed({ doing, error });
+      return false;
     }
   };
   const usable = connected && answer.watching && answer.trusted && answer.state !== "lost";
   const going = extended.change.isPending;
   const go = (angle: Ratio | null) => {
-    if (angle === null || !usable || turn === null) return;
-    void change("Turning to the angle", { angle_deg: toNumber(angle), way }).then(() => setStaged(null));
+    if (angle === null || !usable) return;
+    // What is shown is what is sent: the target itself, not the angle, whose nearest place may be another one meanwhile.
+    const { staged: of, way: by, turn: turned } = drawn.current ?? {};
+    const shown = of === angle && by === latest.current.way && turned === latest.current.seen.turn;
+    const target = shown ? drawn.current?.target : staging()?.target;
+    if (target === undefined) return;
+    void change("Turning to the angle", { target: target.toString() }).then((sent) => {
+      if (sent && latest.current.staged === angle) setStaged(null);
+    });
   };
 
   const now = (): Now => {
@@ -122,6 +138,8 @@ export function RotaryAxis({ device, axis, extended, seen, connected }: Props) {
   const preview = () => {
     const next = staging();
     const of = latest.current.seen.turn;
+    const { staged: entry, way: by } = latest.current;
+    drawn.current = next && entry && of && { staged: entry, way: by, turn: of, target: next.target };
     if (next === null || of === null) return { way: "–", steps: "–", target: "–" };
     return { way: wayText(degreesOf(next.steps, of)), steps: grouped(next.steps), target: grouped(next.target) };
   };

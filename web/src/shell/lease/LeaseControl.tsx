@@ -2,8 +2,7 @@ import { Button, Indicator, Popover } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { IconEye, IconLock, IconSteeringWheel } from "@tabler/icons-react";
 import { desk } from "../../api/lease/bench";
-import type { Lease } from "../../api/lease/LeaseDesk";
-import { savedName } from "../../api/lease/session";
+import { isFree, type Lease } from "../../api/lease/LeaseDesk";
 import { later } from "../../lib/later";
 import classes from "./lease.module.css";
 import { useLease } from "./useLease";
@@ -22,7 +21,7 @@ export function LeaseControl() {
   const { lease, asking } = useLease();
   const [opened, { toggle, close }] = useDisclosure();
   if (lease === null) return null;
-  if (lease.state === "free")
+  if (isFree(lease))
     return (
       <Button
         size="xs"
@@ -30,13 +29,13 @@ export function LeaseControl() {
         className={classes.control}
         data-testid="lease"
         data-lease="free"
-        aria-label="Looking only. Take the bench"
-        title="Looking only. Take the bench"
-        onClick={() => (savedName() === null ? desk.wish() : void desk.take())}
+        aria-label="The bench is free. Take the bench"
+        title="Nobody has the bench: the first change takes it"
+        onClick={() => void desk.take()}
       >
         <IconEye size={16} aria-hidden />
         <span className={classes.words}>
-          <span className={classes.more}>Looking only · </span>Take the bench
+          <span className={classes.more}>Free · </span>Take the bench
         </span>
       </Button>
     );

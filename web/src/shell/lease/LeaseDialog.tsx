@@ -1,7 +1,7 @@
 import { Button, Group, Modal, Stack, Text } from "@mantine/core";
 import { type FormEvent, useState } from "react";
 import { desk } from "../../api/lease/bench";
-import type { Cause, Lease, Question } from "../../api/lease/LeaseDesk";
+import { type Cause, isFree, type Lease, type Question } from "../../api/lease/LeaseDesk";
 import { savedName, saveName, userName } from "../../api/lease/session";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { NameField } from "./NameField";
@@ -11,7 +11,6 @@ import { lasting } from "./words";
 const FREE: Readonly<Record<Cause, string>> = {
   change: "Take the bench and go on?",
   held: "Take the bench? Then hold the button again.",
-  take: "One at a time changes the bench; all others look on, and may stop a motor.",
 };
 
 /** Opened by the first thing that would change a bench that is not ours; what was asked for waits behind it. */
@@ -38,7 +37,7 @@ export function LeaseDialog() {
 
 function Body({ lease, question, asking }: { lease: Lease; question: Question; asking: boolean }) {
   const [named] = useState(() => savedName() !== null);
-  const taken = lease.state === "taken" && !lease.mine;
+  const taken = !isFree(lease) && !lease.mine;
   const act = (event: FormEvent) => {
     event.preventDefault();
     if (!named) saveName(userName()); // asked once, also of one who likes what is proposed
@@ -77,7 +76,7 @@ function Words({ lease, question, asking }: { lease: Lease; question: Question; 
         {question.cause === "held" && "Hold the button again."}
       </Text>
     );
-  if (lease.state === "free") return <Text size="sm">{FREE[question.cause]}</Text>;
+  if (isFree(lease)) return <Text size="sm">{FREE[question.cause]}</Text>;
   return (
     <>
       <Text size="sm">

@@ -52,7 +52,7 @@ export function LeaseNews() {
           ? "What you change is done now."
           : holder
             ? `${holder} has it now.`
-            : "It expired, for nothing was heard of this page; it is free.",
+            : "It is free: given back in another tab, or nothing was heard of this browser for too long.",
       autoClose: news === "handed" ? 4000 : false,
       closeButtonProps: { "aria-label": "Dismiss" },
     });

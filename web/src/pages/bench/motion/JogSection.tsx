@@ -1,7 +1,9 @@
 import { Button, Group } from "@mantine/core";
+import { useLocalStorage } from "@mantine/hooks";
 import { IconArrowLeft, IconArrowRight, IconPlayerStop, IconRotate, IconRotateClockwise } from "@tabler/icons-react";
 import { useState } from "react";
 import { type AxisAddress, motion } from "../../../api/motion";
+import { exactText } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import { type AxisScale, fromSteps, ratesOf, toSteps } from "../../../lib/units";
 import classes from "../bench.module.css";
@@ -19,7 +21,12 @@ interface Props {
 
 /** By hand: while a button is held, or on and on; and the two ways to stop. */
 export function JogSection({ at, scale, unit, topSpeedPps, action, disabled }: Props) {
-  const [chosen, setChosen] = useState<number | null>(null);
+  const [chosen, setChosen] = useLocalStorage<number | null>({
+    key: `stepscope.jog-pps.${at.device}.${at.axis}`,
+    defaultValue: null,
+    getInitialValueInEffect: false,
+  });
+  const [wrong, setWrong] = useState(false);
   const rate = ratesOf(unit).velocity;
   const speed = chosen ?? topSpeedPps / 4;
   const jog = useJog(at, speed, (error) => action.fail("Jogging", error));
@@ -31,18 +38,20 @@ export function JogSection({ at, scale, unit, topSpeedPps, action, disabled }: P
       <NumberField
         classNames={{ root: classes.inline, input: "num" }}
         label="Speed"
-        value={Number(fromSteps(speed, rate, scale, "velocity").toPrecision(5))}
+        value={fromSteps(speed, rate, scale, "velocity")}
+        show={(value) => exactText(Number(value.toPrecision(5)))}
         unit={rate}
         min={0}
         step={Number(fromSteps(topSpeedPps / 20, rate, scale, "velocity").toPrecision(2))}
         disabled={disabled}
         onChange={(value) => setChosen(toSteps(value, rate, scale, "velocity"))}
+        onWrong={setWrong}
       />
       <div className={classes.jog}>
         <Button
           variant={jog.direction === -1 ? "filled" : "default"}
           className={classes.jogButton}
-          disabled={disabled}
+          disabled={disabled || wrong}
           aria-label="Jog left: hold"
           title="Hold: moves left; arrow keys work too"
           data-testid="jog-left"
@@ -65,7 +74,7 @@ export function JogSection({ at, scale, unit, topSpeedPps, action, disabled }: P
         <Button
           variant={jog.direction === 1 ? "filled" : "default"}
           className={classes.jogButton}
-          disabled={disabled}
+          disabled={disabled || wrong}
           aria-label="Jog right: hold"
           title="Hold: moves right; arrow keys work too"
           data-testid="jog-right"
@@ -79,7 +88,7 @@ export function JogSection({ at, scale, unit, topSpeedPps, action, disabled }: P
           size="compact-xs"
           variant="subtle"
           leftSection={<IconRotate size={14} aria-hidden />}
-          disabled={disabled}
+          disabled={disabled || wrong}
           onClick={() => rotate(-1)}
         >
           Rotate
@@ -98,7 +107,7 @@ export function JogSection({ at, scale, unit, topSpeedPps, action, disabled }: P
           size="compact-xs"
           variant="subtle"
           rightSection={<IconRotateClockwise size={14} aria-hidden />}
-          disabled={disabled}
+          disabled={disabled || wrong}
           onClick={() => rotate(1)}
         >
           Rotate

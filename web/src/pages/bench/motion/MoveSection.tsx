@@ -3,7 +3,7 @@ import { IconMinus, IconPlus } from "@tabler/icons-react";
 import { useState } from "react";
 import { type AxisAddress, motion } from "../../../api/motion";
 import { NumberField } from "../../../lib/NumberField";
-import { type AxisScale, fromSteps, type PositionUnit, toSteps } from "../../../lib/units";
+import { type AxisScale, type Entry, entryIn, type PositionUnit } from "../../../lib/units";
 import classes from "../bench.module.css";
 import type { Action } from "./useAction";
 
@@ -15,41 +15,43 @@ interface Props {
   disabled: boolean;
 }
 
-function tidy(value: number): number {
-  return Number(value.toPrecision(6));
-}
-
 /** To a position, or by a distance. */
 export function MoveSection({ at, scale, unit, action, disabled }: Props) {
-  // kept in microsteps, so that a change of unit does not change where it goes
-  const [target, setTarget] = useState(0);
-  const [distance, setDistance] = useState(() => {
-    const turn = toSteps(1, "rev", scale, "position");
-    return Number.isNaN(turn) ? 1000 : turn;
-  });
-  const shown = (steps: number) => tidy(fromSteps(steps, unit, scale, "position"));
-  const go = (value: number, relative: boolean) =>
-    action.run("Moving", () => motion.move(at, { target: value, relative, unit: unit as NonNullable<PositionUnit> }));
+  // kept as typed: another unit of the card shows the same place, and what goes out is the entry itself
+  const [target, setTarget] = useState<Entry>({ value: 0, unit });
+  const [distance, setDistance] = useState<Entry>(() =>
+    scale.microstepsPerFullStep === null ? { value: 1000, unit: "microsteps" } : { value: 1, unit: "rev" },
+  );
+  const [wrong, setWrong] = useState({ target: false, distance: false });
+  const go = ({ value, unit: typedIn }: Entry, relative: boolean) =>
+    void action.run("Moving", () =>
+      motion.move(at, { target: value, relative, unit: typedIn as NonNullable<PositionUnit> }),
+    );
+  const by = (sign: 1 | -1) => go({ ...distance, value: sign * distance.value }, true);
   const step = unit === "microsteps" ? 100 : unit === "deg" ? 10 : 1;
+  const still = disabled || wrong.distance;
   return (
     <>
       <Group gap={6} wrap="nowrap" align="flex-start">
         <NumberField
           classNames={{ root: classes.inline, input: "num" }}
           label="Move to"
-          value={shown(target)}
+          value={entryIn(target, unit, scale, "position")}
           unit={unit}
           step={step}
           flex={1}
           disabled={disabled}
           data-testid="move-target"
-          onChange={(value) => setTarget(toSteps(value, unit, scale, "position"))}
+          title="Enter goes there"
+          onChange={(value) => setTarget({ value, unit })}
+          onEnter={(value) => go(value === entryIn(target, unit, scale, "position") ? target : { value, unit }, false)}
+          onWrong={(refused) => setWrong((old) => ({ ...old, target: refused }))}
         />
         <Button
           size="xs"
           w={76}
-          disabled={disabled}
-          onClick={() => void go(shown(target), false)}
+          disabled={disabled || wrong.target}
+          onClick={() => go(target, false)}
           data-testid="move-go"
         >
           Go
@@ -59,21 +61,22 @@ export function MoveSection({ at, scale, unit, action, disabled }: Props) {
         <NumberField
           classNames={{ root: classes.inline, input: "num" }}
           label="Move by"
-          value={shown(distance)}
+          value={entryIn(distance, unit, scale, "position")}
           unit={unit}
           step={step}
           min={0}
           flex={1}
           disabled={disabled}
-          onChange={(value) => setDistance(toSteps(value, unit, scale, "position"))}
+          onChange={(value) => setDistance({ value, unit })}
+          onWrong={(refused) => setWrong((old) => ({ ...old, distance: refused }))}
         />
         <ActionIcon
           size={30}
           w={35}
           variant="default"
           aria-label="Move back by this distance"
-          disabled={disabled}
-          onClick={() => void go(-shown(distance), true)}
+          disabled={still}
+          onClick={() => by(-1)}
         >
           <IconMinus size={16} />
         </ActionIcon>
@@ -82,8 +85,8 @@ export function MoveSection({ at, scale, unit, action, disabled }: Props) {
           w={35}
           variant="default"
           aria-label="Move forward by this distance"
-          disabled={disabled}
-          onClick={() => void go(shown(distance), true)}
+          disabled={still}
+          onClick={() => by(1)}
         >
           <IconPlus size={16} />
         </ActionIcon>

@@ -26,6 +26,8 @@ export function ShuttleSection({ at, scale, unit, live, action, disabled }: Prop
   const turn = toSteps(1, "rev", scale, "position") || 12_800;
   const [ends, setEnds] = useState<[number, number]>([0, Math.round(4 * turn)]);
   const [dwellS, setDwellS] = useState(0.3);
+  const [wrong, setWrong] = useState<Record<string, boolean>>({});
+  const refused = (name: string) => (is: boolean) => setWrong((old) => ({ ...old, [name]: is }));
   const shuttle = useQuery({
     queryKey: shuttleKey(at),
     queryFn: async () =>
@@ -50,6 +52,7 @@ export function ShuttleSection({ at, scale, unit, live, action, disabled }: Prop
           const steps = Math.round(toSteps(value, unit, scale, "position"));
           setEnds(index === 0 ? [steps, ends[1]] : [ends[0], steps]);
         }}
+        onWrong={refused(label)}
       />
       <Button
         size="xs"
@@ -81,12 +84,13 @@ export function ShuttleSection({ at, scale, unit, live, action, disabled }: Prop
           flex={1}
           disabled={disabled || running}
           onChange={setDwellS}
+          onWrong={refused("Rest")}
         />
         <Button
           size="xs"
           w={76}
           variant={running ? "default" : "filled"}
-          disabled={disabled}
+          disabled={disabled || (!running && Object.values(wrong).some(Boolean))}
           data-testid="shuttle-toggle"
           onClick={() =>
             void action

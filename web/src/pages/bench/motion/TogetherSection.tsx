@@ -3,7 +3,7 @@ import { useState } from "react";
 import { motion } from "../../../api/motion";
 import type { Device } from "../../../api/queries";
 import { NumberField } from "../../../lib/NumberField";
-import { fromSteps, scaleOf, toSteps } from "../../../lib/units";
+import { type Entry, entryIn, fromSteps, type PositionUnit, scaleOf } from "../../../lib/units";
 import type { Action } from "./useAction";
 
 interface Props {
@@ -13,9 +13,12 @@ interface Props {
   disabled: boolean;
 }
 
+const NOWHERE: Entry = { value: 0, unit: "microsteps" };
+
 /** All axes of a device, started together: their targets go out in successive datagrams. */
 export function TogetherSection({ device, unit, action, disabled }: Props) {
-  const [targets, setTargets] = useState<Record<number, number>>({});
+  const [targets, setTargets] = useState<Record<number, Entry>>({});
+  const [wrong, setWrong] = useState<Record<number, boolean>>({});
   const [left, setLeft] = useState<readonly number[]>([]);
   const taking = device.axes.filter((axis) => !left.includes(axis.index));
   return (
@@ -36,11 +39,12 @@ export function TogetherSection({ device, unit, action, disabled }: Props) {
             />
             <NumberField
               aria-label={`Target of ${axis.name}`}
-              value={Number(fromSteps(targets[axis.index] ?? 0, own, scale, "position").toPrecision(7))}
+              value={entryIn(targets[axis.index] ?? NOWHERE, own, scale, "position")}
               unit={own}
               flex={1}
               disabled={disabled || out}
-              onChange={(value) => setTargets({ ...targets, [axis.index]: toSteps(value, own, scale, "position") })}
+              onChange={(value) => setTargets({ ...targets, [axis.index]: { value, unit: own } })}
+              onWrong={(refused) => setWrong((old) => ({ ...old, [axis.index]: refused }))}
             />
           </Group>
         );
@@ -51,18 +55,21 @@ export function TogetherSection({ device, unit, action, disabled }: Props) {
         </Text>
         <Button
           size="xs"
-          disabled={disabled || taking.length === 0}
+          disabled={disabled || taking.length === 0 || taking.some(({ index }) => wrong[index])}
           data-testid="move-together"
           onClick={() =>
             void action.run("Moving together", () =>
               motion.moveTogether(
                 device.id,
-                taking.map((axis) => ({
-                  axis: axis.index,
-                  target: Math.round(targets[axis.index] ?? 0),
-                  relative: false,
-                  unit: "microsteps",
-                })),
+                taking.map((axis) => {
+                  const { value, unit: typedIn } = targets[axis.index] ?? NOWHERE;
+                  return {
+                    axis: axis.index,
+                    target: value,
+                    relative: false,
+                    unit: typedIn as NonNullable<PositionUnit>,
+                  };
+                }),
               ),
             )
           }

@@ -1,4 +1,4 @@
-import { type KeyboardEvent, type PointerEvent, useEffect, useMemo, useRef, useState } from "react";
+import { type KeyboardEvent, type PointerEvent, useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { problemOf } from "../../../api/client";
 import { desk } from "../../../api/lease/bench";
 import { ONLY_LOOKING } from "../../../api/lease/gate";
@@ -28,32 +28,40 @@ export function useJog(at: AxisAddress, velocityPps: number, onError: (error: un
         (sign) => motion.jog({ device, axis }, { velocity: sign * speed.current, unit: "pps", hold_s: HOLD_S }),
         () => motion.keepRotating({ device, axis }, { hold_s: HOLD_S }),
         () => motion.stop({ device, axis }, "ramp"),
-        (error) => (notSent(error) ? desk.permitHeld() : report.current(error)),
+        (error) => (notSent(error) ? void desk.permitHeld() : report.current(error)),
         setDirection,
         notSent,
       ),
     [device, axis],
   );
 
+  const pressed = useRef<Direction | null>(null);
+  const letGo = useCallback(() => {
+    pressed.current = null;
+    jog.release();
+  }, [jog]);
+
   useEffect(() => {
-    const release = () => jog.release();
-    const onHidden = () => document.hidden && jog.release();
+    const release = () => letGo();
+    const onHidden = () => document.hidden && letGo();
     window.addEventListener("blur", release);
     window.addEventListener("pagehide", release);
     window.addEventListener(STOP_EVENT, release);
     document.addEventListener("visibilitychange", onHidden);
     return () => {
-      jog.release();
+      letGo();
       window.removeEventListener("blur", release);
       window.removeEventListener("pagehide", release);
       window.removeEventListener(STOP_EVENT, release);
       document.removeEventListener("visibilitychange", onHidden);
     };
-  }, [jog]);
+  }, [letGo]);
 
-  // Before anything is held: the question takes the focus, and what lets go for that would stop another's motor.
-  const press = (wanted: Direction) => {
-    if (desk.permitHeld()) jog.press(wanted);
+  // Before anything is held: the question takes the focus, and what lets go for that would stop another's motor. What
+  // was let go while the free bench was taken does not move any more.
+  const press = async (wanted: Direction) => {
+    pressed.current = wanted;
+    if ((await desk.permitHeld()) && pressed.current === wanted) jog.press(wanted);
   };
 
   const buttonProps = (own: Direction) => ({
@@ -61,21 +69,21 @@ export function useJog(at: AxisAddress, velocityPps: number, onError: (error: un
       if (event.button !== 0) return;
       event.currentTarget.setPointerCapture(event.pointerId);
       event.currentTarget.focus();
-      press(own);
+      void press(own);
     },
-    onPointerUp: () => jog.release(),
-    onPointerCancel: () => jog.release(),
-    onLostPointerCapture: () => jog.release(),
-    onBlur: () => jog.release(),
+    onPointerUp: () => letGo(),
+    onPointerCancel: () => letGo(),
+    onLostPointerCapture: () => letGo(),
+    onBlur: () => letGo(),
     onContextMenu: (event: { preventDefault: () => void }) => event.preventDefault(), // a long touch is a jog, no menu
     onKeyDown: (event: KeyboardEvent) => {
       const wanted = keyDirection(event.key, own);
       if (wanted === null) return;
       event.preventDefault();
-      if (!event.repeat) press(wanted);
+      if (!event.repeat) void press(wanted);
     },
     onKeyUp: (event: KeyboardEvent) => {
-      if (keyDirection(event.key, own) !== null) jog.release();
+      if (keyDirection(event.key, own) !== null) letGo();
     },
   });
 

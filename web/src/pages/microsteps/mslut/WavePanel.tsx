@@ -1,6 +1,7 @@
 import { Button, Menu, SegmentedControl, Slider, Switch } from "@mantine/core";
 import { IconChevronDown } from "@tabler/icons-react";
 import type { ReactNode } from "react";
+import { decimalSum, exactText } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import classes from "./Mslut.module.css";
 import { exponentFor, type Formula, type Grid, type Part, PRESETS, rippleOf } from "./wave";
@@ -122,22 +123,23 @@ export function WavePanel({ formula, active, onChange, onSettle }: Props) {
         <NumberField
           aria-label="Linearity correction in thousandths"
           unit="‰"
-          value={Number(((formula.exponent - 1) * 1000).toPrecision(6))}
+          value={Number(((formula.exponent - 1) * 1000).toFixed(9))}
           min={-800}
           max={4000}
           step={5}
-          onChange={(thousandths) => change({ exponent: Number((1 + thousandths / 1000).toPrecision(8)) }, "exponent")}
+          onChange={(thousandths) => change({ exponent: decimalSum(1, thousandths / 1000) }, "exponent")}
           onBlur={onSettle}
         />
         <span className={classes.hint}>against a torque ripple r of sin 4θ: f = 1 + 3r</span>
         <NumberField
           aria-label="Torque ripple that it cancels"
           unit="%"
-          value={Number((rippleOf(formula.exponent) * 100).toPrecision(5))}
+          value={rippleOf(formula.exponent) * 100}
+          show={(percent) => exactText(Number(percent.toPrecision(5)))}
           min={-25}
           max={130}
           step={0.5}
-          onChange={(percent) => change({ exponent: Number(exponentFor(percent / 100).toPrecision(8)) }, "exponent")}
+          onChange={(percent) => change({ exponent: exponentFor(percent / 100) }, "exponent")}
           onBlur={onSettle}
         />
       </div>
@@ -148,7 +150,7 @@ export function WavePanel({ formula, active, onChange, onSettle }: Props) {
             label={`${part.order}θ`}
             title={`Harmonic ${part.order}`}
             unit="%"
-            value={Number((part.amount * 100).toPrecision(6))}
+            value={part.amount * 100}
             reach={[-20, 20]}
             range={[-100, 100]}
             step={0.1}
