@@ -180,7 +180,7 @@ class Lease:
         return True
 
     def end_left(self) -> None:
-        """Free the bench whose holder has left, unless that one is back: there is nothing that it would have to stop."""
+        """Free the bench whose holder has left, unless that one is back: nothing is there to stop."""
         holder = self.holder
         if holder is not None and holder.left:
             self._give_back(holder, "its page was closed, and nothing moved")

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.calc.mechanics import ACCELERATION_UNITS, RATE_UNITS, Mechanics
+from app.calc.number_text import plain
 from app.calc.pmul_pdiv_table import default_reduction, design_many
 from app.calc.units import MAX_ACCELERATION, MAX_DIVIDER, MAX_USRS, MAX_VELOCITY
 
@@ -207,19 +208,22 @@ def _refusal(rate: float, slope: float, clock_hz: float, search: _Search, usrs: 
     fastest = clock_hz * MAX_VELOCITY / 2**16
     slowest = clock_hz / 2 ** (16 + MAX_DIVIDER)
     if rate > fastest * (1 + 0.5 / MAX_VELOCITY):
-        return f"unreachable: {rate:g} pps{resolution} is above {fastest:g} pps, v_max 2047 with pulse_div 0"
+        return f"unreachable: {plain(rate)} pps{resolution} is above {plain(fastest)} pps, v_max 2047 with pulse_div 0"
     if rate < slowest / 2:
-        return f"unreachable: {rate:g} pps{resolution} is below {slowest:g} pps, v_max 1 with pulse_div 13"
+        return f"unreachable: {plain(rate)} pps{resolution} is below {plain(slowest)} pps, v_max 1 with pulse_div 13"
     usable = (search.v_max >= 1) & (search.v_max <= MAX_VELOCITY)
     pulse_divs = np.nonzero(usable.any(axis=1))[0]
     unit = clock_hz * clock_hz / 2**29
     steepest = MAX_ACCELERATION * unit / 2.0 ** int(pulse_divs[0])
     gentlest = unit / 2.0 ** int(pulse_divs[-1] + MAX_DIVIDER)
     if slope > steepest * (1 + 0.5 / MAX_ACCELERATION):
-        return f"unreachable: {slope:g} pps^2{resolution} is above {steepest:g} pps^2, a_max 2047 with ramp_div 0"
+        most = f"{plain(steepest)} pps^2, a_max 2047 with ramp_div 0"
+        return f"unreachable: {plain(slope)} pps^2{resolution} is above {most}"
     if slope < gentlest / 2:
-        return f"unreachable: {slope:g} pps^2{resolution} is below {gentlest:g} pps^2, a_max 1 with ramp_div 13"
+        return (
+            f"unreachable: {plain(slope)} pps^2{resolution} is below {plain(gentlest)} pps^2, a_max 1 with ramp_div 13"
+        )
     return (
-        f"unreachable: {rate:g} pps with {slope:g} pps^2{resolution} lies outside a_max_lower_limit and"
+        f"unreachable: {plain(rate)} pps with {plain(slope)} pps^2{resolution} lies outside a_max_lower_limit and"
         " a_max_upper_limit (001, 8.7.1) for every pair of dividers"
     )

@@ -16,6 +16,7 @@ import math
 from dataclasses import dataclass, fields
 from itertools import accumulate, pairwise
 
+from app.calc.number_text import plain
 from app.calc.ramp_curve import RampCurve
 from app.calc.sixpoint_plan import MotionPlan, Piece
 
@@ -90,8 +91,8 @@ def position_plan(parameters: SixPoint, distance: float, v_actual: float = 0.0) 
             speed = min(parameters.v_start, parameters.v_max)
             if not _fits(down.length(parameters.v_stop, speed), abs(left)):
                 raise ValueError(
-                    f"v_start {parameters.v_start:g} pps is too fast to stop within {abs(left):g} microsteps; "
-                    "v_start is not to be above v_stop"
+                    f"v_start {plain(parameters.v_start)} pps is too fast to stop within {plain(abs(left))} "
+                    "microsteps; v_start is not to be above v_stop"
                 )
         cruises = track.arrive(way, distance, _way_to(parameters, abs(left), speed))
     return MotionPlan(

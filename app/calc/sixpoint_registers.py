@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
+from app.calc.number_text import plain
 from app.calc.sixpoint import SixPoint
 from app.calc.tmc5xxx_times import WAIT_CLOCKS, WAIT_MAX
 from app.calc.tmc5xxx_units import (
@@ -65,8 +66,8 @@ def to_raw(register: str, value: float, clock_hz: float = CLOCK_HZ) -> int:
     held, unit = REGISTERS[register], unit_of(register, clock_hz)
     units = value / unit
     if not 0 <= units < held.most + 0.5:  # also false for NaN
-        most = f"{held.most * unit:g} {held.unit}"
-        raise ValueError(f"{held.parameter} is up to {most} ({held.why}), got {value:g}")
+        most = f"{plain(held.most * unit)} {held.unit}"
+        raise ValueError(f"{held.parameter} is up to {most} ({held.why}), got {plain(value)}")
     raw = int(units + 0.5)
     return max(raw, 1) if value > 0 and (register in _MOVING or held.unit == "pps^2") else raw
 

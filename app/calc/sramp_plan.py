@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from app.calc.number_text import plain
 from app.calc.ramp_curve import FloatArray, Phase, RampCurve, check_samples
 
 # Relative to the size of the motion: a turning point that is beyond the target by less than this is on it.
@@ -91,7 +92,7 @@ class RampWarning(NamedTuple):
     @property
     def text(self) -> str:
         """For people, with the numbers."""
-        return self.template.format(*self.values)
+        return self.template.format(*map(plain, self.values))
 
 
 class LimitUse(NamedTuple):

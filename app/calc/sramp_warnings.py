@@ -12,24 +12,23 @@ from app.calc.sramp_plan import JerkPiece, RampWarning, overshoot_of
 _SAME = 1e-9
 
 _TEXTS = {
-    "amax_out_of_reach": "AMAX {:g} pps^2 is out of reach: BOW1 and BOW2 get to {:.6g} before {:g} pps",
-    "dmax_out_of_reach": "DMAX {:g} pps^2 is out of reach: BOW3 and BOW4 get to {:.6g} from {:g} pps",
-    "vmax_not_reached": "VMAX {:g} pps is not reached: the way is enough for {:.6g} pps",
-    "vmax_exceeded": "the velocity goes up to {:.6g} pps, above {:g}: a begun bow is ended first (002, 8.2.2)",
-    "target_overshoot": "too fast to stop before the target: the motor runs {:.6g} microsteps beyond and comes back",
-    "vstart_overshoot": "VSTART {:g} pps is too fast for so short a move: the motor runs {:.6g} microsteps beyond "
+    "amax_out_of_reach": "AMAX {} pps^2 is out of reach: BOW1 and BOW2 get to {} before {} pps",
+    "dmax_out_of_reach": "DMAX {} pps^2 is out of reach: BOW3 and BOW4 get to {} from {} pps",
+    "vmax_not_reached": "VMAX {} pps is not reached: the way is enough for {} pps",
+    "vmax_exceeded": "the velocity goes up to {} pps, above {}: a begun bow is ended first (002, 8.2.2)",
+    "target_overshoot": "too fast to stop before the target: the motor runs {} microsteps beyond and comes back",
+    "vstart_overshoot": "VSTART {} pps is too fast for so short a move: the motor runs {} microsteps beyond "
     "its target and comes back",
-    "vstart_above_vstop": "VSTART {:g} is above VSTOP {:g} pps: a short move may pass its target",
-    "vstart_above_vmax": "VSTART {:g} is above VMAX {:g} pps: the motor starts with VMAX",
-    "astart_above_amax": "ASTART {:g} is above AMAX {:g} pps^2: AMAX holds",
-    "dfinal_above_dmax": "DFINAL {:g} is above DMAX {:g} pps^2: DMAX holds",
-    "start_acceleration_altered": "a start with {:g} pps^2 does not fit VMAX, BOW2 and the way: it is altered to "
-    "{:.6g} (002, 8.2.2)",
-    "dmax_too_slow": "DMAX {:g} pps^2 is not above VMAX {:g} pps / 20 s: the target may be overrun; "
-    "set VSTOP (002, 8.2.2)",
+    "vstart_above_vstop": "VSTART {} is above VSTOP {} pps: a short move may pass its target",
+    "vstart_above_vmax": "VSTART {} is above VMAX {} pps: the motor starts with VMAX",
+    "astart_above_amax": "ASTART {} is above AMAX {} pps^2: AMAX holds",
+    "dfinal_above_dmax": "DFINAL {} is above DMAX {} pps^2: DMAX holds",
+    "start_acceleration_altered": "a start with {} pps^2 does not fit VMAX, BOW2 and the way: it is altered to "
+    "{} (002, 8.2.2)",
+    "dmax_too_slow": "DMAX {} pps^2 is not above VMAX {} pps / 20 s: the target may be overrun; set VSTOP (002, 8.2.2)",
     "stops_first": "the motor is braking, and a trapezoid brakes down to 0 before it accelerates again in the same "
     "direction; to avoid it set VMAX below |VACTUAL| first, and raise it when that is reached (002, 8.2.2)",
-    "vbreak_not_above_vstop": "VBREAK {:g} is not above VSTOP {:g} pps: DFINAL has no part in it",
+    "vbreak_not_above_vstop": "VBREAK {} is not above VSTOP {} pps: DFINAL has no part in it",
 }
 
 

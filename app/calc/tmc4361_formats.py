@@ -26,6 +26,8 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import Final
 
+from app.calc.number_text import plain
+
 CLOCK_HZ_DEFAULT: Final = 16e6
 CLOCK_HZ_MIN: Final = 4_194_304.0
 CLOCK_HZ_MAX: Final = 32e6
@@ -130,7 +132,7 @@ class Units:
 
     def __post_init__(self) -> None:
         if not CLOCK_HZ_MIN <= self.clock_hz <= CLOCK_HZ_MAX:
-            raise ValueError(f"CLK_FREQ is {CLOCK_HZ_MIN:.0f} to {CLOCK_HZ_MAX:.0f} Hz, not {self.clock_hz:g}")
+            raise ValueError(f"CLK_FREQ is {CLOCK_HZ_MIN:.0f} to {CLOCK_HZ_MAX:.0f} Hz, not {plain(self.clock_hz)}")
 
     def is_direct(self, register: str) -> bool:
         """Whether a register counts per clock now. Raises KeyError for a name that is not in FORMATS."""
@@ -181,7 +183,7 @@ class Units:
         raw = math.floor(steps + Fraction(1, 2))
         if raw == 0 and value:
             raise ValueError(
-                f"{register} is 0 or at least {_number(limits.least)} {unit}, its least step; not {value:g}"
+                f"{register} is 0 or at least {_number(limits.least)} {unit}, its least step; not {plain(value)}"
             )
         return raw if value >= 0 else -raw
 
@@ -263,5 +265,5 @@ def _number(value: float) -> str:
     if not math.isfinite(value):
         return f"{value}"
     if abs(value) >= 1e12:
-        return f"{value:g}"
-    return f"{value:.3f}".rstrip("0").rstrip(".") if abs(value) >= 0.001 or value == 0 else f"{value:.8g}"
+        return f"{plain(value)}"
+    return f"{value:.3f}".rstrip("0").rstrip(".") if abs(value) >= 0.001 or value == 0 else f"{plain(value, 8)}"

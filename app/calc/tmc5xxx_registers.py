@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 from app.calc import sixpoint_registers as ramp
 from app.calc import tmc5xxx_times as times
+from app.calc.number_text import plain
 from app.calc.sixpoint_registers import Kind
 from app.calc.tmc5xxx_units import CLOCK_HZ, VELOCITY_MAX, clock_of, velocity_unit_pps
 
@@ -102,9 +103,9 @@ def _threshold(name: str, clock_hz: float, microsteps: int, small_hysteresis: bo
 
     def to_raw(value: float) -> int:
         if not value >= 0:  # also false for NaN
-            raise ValueError(f"a threshold is not below 0 pps, got {value:g}")
+            raise ValueError(f"a threshold is not below 0 pps, got {plain(value)}")
         if value > highest:
-            raise ValueError(f"{name} is up to {highest:g} pps (one clock a step), got {value:g}")
+            raise ValueError(f"{name} is up to {plain(highest)} pps (one clock a step), got {plain(value)}")
         return times.TSTEP_MAX if value <= lowest else int(highest / value + 0.5)
 
     return Format(name, "pps", lowest, highest, to_raw, lambda raw: at(raw).falling_pps, lambda raw: at(raw).rising_pps)

@@ -14,6 +14,7 @@ from typing import overload
 
 import numpy as np
 
+from app.calc.number_text import plain
 from app.calc.tmc5xxx_units import (
     CLOCK_HZ,
     VELOCITY_MAX,
@@ -103,7 +104,7 @@ def velocity_threshold(pps: float, clock_hz: float = CLOCK_HZ) -> int:
     """
     unit = velocity_unit_pps(clock_hz)
     if not 0 <= pps <= VELOCITY_MAX * unit:
-        raise ValueError(f"a threshold is 0 to {VELOCITY_MAX * unit:g} pps, got {pps:g}")
+        raise ValueError(f"a threshold is 0 to {plain(VELOCITY_MAX * unit)} pps, got {plain(pps)}")
     return min(int(pps / unit / THRESHOLD_STEP + 0.5), VELOCITY_MAX // THRESHOLD_STEP) * THRESHOLD_STEP
 
 
@@ -155,7 +156,7 @@ def _units(name: str, seconds: float, clocks: int, most: int, clock_hz: float) -
     unit_s = clocks / clock_of(clock_hz)
     units = seconds / unit_s
     if not 0 <= units < most + 0.5:  # also false for NaN
-        raise ValueError(f"{name} is 0 to {most * unit_s:.4g} s at this clock, got {seconds:g}")
+        raise ValueError(f"{name} is 0 to {plain(most * unit_s, 4)} s at this clock, got {plain(seconds)}")
     return int(units + 0.5)
 
 

@@ -14,6 +14,8 @@ from typing import Any, TypeAlias, overload
 import numpy as np
 from numpy.typing import NDArray
 
+from app.calc.number_text import plain
+
 FloatArray: TypeAlias = NDArray[np.float64]
 Numbers: TypeAlias = float | list[float] | list[int] | NDArray[Any]
 
@@ -30,7 +32,9 @@ _FULL_SCALE_SLACK = 1e-9
 def _finite(name: str, values: Numbers, low: float, high: float, unit: str = "") -> FloatArray:
     array = np.asarray(values, dtype=np.float64)
     if not np.all((array >= low) & (array <= high)):  # also false for NaN
-        raise ValueError(f"{name} is {low:g} to {high:g}{unit}, got {_first_outside(array, low, high):g}")
+        raise ValueError(
+            f"{name} is {plain(low)} to {plain(high)}{unit}, got {plain(_first_outside(array, low, high))}"
+        )
     return array
 
 
@@ -182,4 +186,4 @@ def _check_reach(register: FloatArray, name: str, unit_name: str, unit: FloatArr
     inside = np.abs(register) <= limit * (1 + _FULL_SCALE_SLACK)
     if not np.all(inside):  # also false for NaN
         reach = np.extract(~inside, np.broadcast_to(unit * limit, inside.shape))[0]
-        raise ValueError(f"{name} is {-reach:g} to {reach:g} {unit_name} with these dividers and this clock")
+        raise ValueError(f"{name} is {plain(-reach)} to {plain(reach)} {unit_name} with these dividers and this clock")

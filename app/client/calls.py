@@ -183,7 +183,7 @@ def health() -> Call[Json]:
 def telemetry_path(name: str, channels: Sequence[str], rate_hz: float, history_s: float) -> str:
     """Path and query of the telemetry socket."""
     asked = quote(",".join(channels), safe=",.")
-    return f"{_of(name)}/telemetry?channels={asked}&rate_hz={rate_hz:g}&history_s={history_s:g}"
+    return f"{_of(name)}/telemetry?channels={asked}&rate_hz={rate_hz!r}&history_s={history_s!r}"
 
 
 def _of(name: str) -> str:

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from app.calc.number_text import plain
 from app.commands.completion import complete_device
 from app.commands.shared import (
     AsJson,
@@ -40,8 +41,8 @@ def axis(
             ("really", (state.ground_truth or {}).get("summary", "")),
             ("position", f"{state.position} microsteps"),
             ("target", "" if state.target_position is None else f"{state.target_position} microsteps"),
-            ("velocity", f"{state.velocity_pps:g} pps"),
-            ("deviation", "" if state.deviation is None else f"{state.deviation:g} microsteps"),
+            ("velocity", f"{plain(state.velocity_pps)} pps"),
+            ("deviation", "" if state.deviation is None else f"{plain(state.deviation)} microsteps"),
             ("mode", state.mode),
             ("state", "moving" if state.moving else "arrived" if state.position_reached else "stands"),
             ("active", ", ".join(active)),
@@ -97,7 +98,7 @@ def rotate(
         if as_json:
             print_json(turning)
         else:
-            typer.echo(f"turns at {turning['velocity_pps']:g} pps")
+            typer.echo(f"turns at {plain(turning['velocity_pps'])} pps")
 
 
 def stop(

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from app.calc.number_text import plain
 from app.commands.completion import complete_channel, complete_device
 
 if TYPE_CHECKING:
@@ -96,6 +97,6 @@ def shown(progress: Progress, task: Any) -> Callable[[float, AxisState], None]:
     """What a waiting move tells the bar."""
 
     def show(share: float, state: AxisState) -> None:
-        progress.update(task, completed=share, description=f"at {state.position}, {state.velocity_pps:g} pps")
+        progress.update(task, completed=share, description=f"at {state.position}, {plain(state.velocity_pps)} pps")
 
     return show

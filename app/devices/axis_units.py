@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from app.calc.mechanics import POSITION_UNITS, RATE_UNITS, Mechanics
+from app.calc.number_text import plain
 from app.calc.units import MAX_VELOCITY, pulse_rate_hz
 from app.links.errors import OutOfRange, UsageError
 
@@ -41,7 +42,7 @@ def to_chip_velocity(
     if chip == 0 and value:
         raise OutOfRange("velocity", value, one, limit * one, f"{unit}; less than one chip unit is a standstill")
     if chip and abs(chip / exact - 1) > 0.01:
-        return chip, [f"rounded to {chip} chip units, {chip * one:.6g} {unit}"]
+        return chip, [f"rounded to {chip} chip units, {plain(chip * one, 6)} {unit}"]
     return chip, []
 
 

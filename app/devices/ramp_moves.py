@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+from app.calc.number_text import plain
 from app.calc.units import pulse_rate_hz
 from app.devices.axis_rows import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOCITY_MODE, AxisRows
 from app.devices.axis_units import one_chip_unit, to_chip_velocity, to_position
@@ -119,7 +120,7 @@ class RampMoves(RampChip):
         wanted = to_position(self.mechanics(move.axis), move.target, move.unit)
         if move.unit == "microsteps" and wanted != move.target:
             warnings.append(f"rounded to {wanted} microsteps")
-        shown = "" if move.unit == "microsteps" else f"; {move.target:g} {move.unit} asked"
+        shown = "" if move.unit == "microsteps" else f"; {plain(move.target)} {move.unit} asked"
         target = x_actual + wanted if move.relative else wanted
         if not move.over_the_end:
             checked_target(move.axis, target, x_actual, shown)

@@ -18,6 +18,8 @@ BenchError
 
 from __future__ import annotations
 
+from app.calc.number_text import plain
+
 
 class BenchError(Exception):
     """Root of everything that stepscope raises on purpose. Text is for people, attributes for code."""
@@ -86,7 +88,7 @@ def _plain(limit: float | None) -> str:
     """A limit as somebody would type it: whole numbers in full."""
     if limit is None:
         return ""
-    return str(limit) if isinstance(limit, int) else f"{limit:.10g}"
+    return str(limit) if isinstance(limit, int) else plain(limit, 10)
 
 
 class SoftLimit(UsageError):

@@ -90,7 +90,7 @@ def test_gains_are_staged_with_their_register_and_read_back(loop: Page, chip: Lo
     expect(changes).to_contain_text("CL_BETA")
     expect(changes).to_contain_text("200")
     changes.get_by_role("button", name="Apply 1 edit").click()
-    expect(changes.get_by_text("verified")).to_be_visible(timeout=PATIENCE_MS)
+    expect(changes.get_by_text("read back")).to_be_visible(timeout=PATIENCE_MS)
     changes.get_by_role("button", name="Close the changes").click()
     assert chip.register("CL_BETA") == 200
     expect(loop.get_by_test_id("load-dial")).to_contain_text("±70.3°", timeout=PATIENCE_MS)

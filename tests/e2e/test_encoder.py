@@ -187,7 +187,7 @@ def test_a_chips_encoder_is_set_up_from_its_counts(
         assert chip.register("ENCMODE")["fields"]["enc_sel_decimal"] == 0, "nothing goes out before Apply"
         page.get_by_role("button", name="Apply", exact=True).click()
         wait_for(lambda: chip.register("ENC_CONST")["value"] == 65_536 + 2800, "applied")
-        expect(page.get_by_text("last apply: 2 verified")).to_be_visible()
+        expect(page.get_by_text("last apply: 2 read back")).to_be_visible()
         fields = chip.register("ENCMODE")["fields"]
         assert (fields["enc_sel_decimal"], fields["clr_cont"], fields["latch_x_act"]) == (1, 1, 1)
         page.get_by_test_id("encoder-to-actual").click()

@@ -50,7 +50,7 @@ def test_a_speed_is_typed_in_turns_and_read_back(page: Page, api: httpx.Client, 
     expect(speed).to_have_attribute("data-staged", "true")
     assert value(api, drive, "ap4") == 51_200, "nothing is sent before Apply"
     page.get_by_role("button", name="Apply", exact=True).click()
-    expect(page.get_by_text("1 verified")).to_be_visible()
+    expect(page.get_by_text("1 read back")).to_be_visible()
     expect(speed).to_have_attribute("data-staged", "false")
     expect(speed).to_contain_text("2 rps")
     assert value(api, drive, "ap4") == 102_400
@@ -76,7 +76,7 @@ def test_names_and_flags_are_chosen_in_the_row(page: Page, api: httpx.Client, dr
     changes = page.get_by_role("tabpanel", name="Changes")
     expect(changes).to_contain_text("last target")
     page.get_by_role("button", name="Apply 2 edits").click()
-    expect(page.get_by_text("2 verified")).to_be_visible()
+    expect(page.get_by_text("2 read back")).to_be_visible()
     assert value(api, drive, "ap127") == 1
     assert value(api, drive, "ap14") == 1
 
@@ -142,7 +142,7 @@ def test_a_lost_module_shows_its_values_as_old_and_edits_wait(
     page.get_by_role("main").get_by_role("button", name="Connect").click()
     expect(page.locator("table")).to_have_attribute("data-old", "false")
     page.get_by_role("button", name="Apply", exact=True).click()
-    expect(page.get_by_text("1 verified")).to_be_visible()
+    expect(page.get_by_text("1 read back")).to_be_visible()
 
 
 def test_a_chip_has_no_parameters_and_the_page_says_where_to_go(page: Page, drive: str) -> None:

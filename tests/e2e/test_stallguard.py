@@ -166,7 +166,7 @@ def test_a_chips_load_and_thresholds_are_in_its_registers(
     assert chip.register("TCOOLTHRS")["value"] == 0, "nothing goes out before Apply"
     check_axe(page)
     page.get_by_role("button", name="Apply", exact=True).click()
-    expect(page.get_by_text("last apply: 2 verified")).to_be_visible()
+    expect(page.get_by_text("last apply: 2 read back")).to_be_visible()
     assert chip.register("TCOOLTHRS")["value"] == 320
     assert chip.register("COOLCONF")["fields"]["semin"] == 4
     wait_for(lambda: shown(page, "current") <= 60, "CoolStep takes current back")

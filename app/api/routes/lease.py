@@ -1,9 +1,10 @@
 """The lease: one session at a time may change anything. Stopping is never refused to anybody.
 
-A session is a browser, with all its tabs, or a client that sends `Stepscope-Session` with a random id that it tells nobody. Any request with it
-is a sign of life. A page should give its signs from a worker: browsers slow the timers of hidden tabs down to one a
-minute. The last tab that is closed should not give the lease back but leave (`POST /lease/leave`): the bench is free at
-once where nothing moves, else the next session takes it, and until then `on_vanish` will take care of its motors.
+A session is a browser, with all its tabs, or a client that sends `Stepscope-Session` with a random id that it tells
+nobody. Any request with it is a sign of life. A page should give its signs from a worker: browsers slow the timers of
+hidden tabs down to one a minute. The last tab that is closed should not give the lease back but leave (`POST
+/lease/leave`): the bench is free at once where nothing moves, else the next session takes it, and until then
+`on_vanish` will take care of its motors.
 """
 
 from __future__ import annotations

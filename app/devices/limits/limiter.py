@@ -15,6 +15,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
+from app.calc.number_text import plain
 from app.devices.limits.axis_limits import AxisLimits
 from app.devices.limits.parts import UNITS, Going, Part, View, limit_of
 from app.devices.limits.rules import SLACK, Rules
@@ -193,7 +194,7 @@ class Limiter:
             if limit is not None and value is not None and value > limit * SLACK:
                 unit = UNITS[part.quantity]
                 told.append(
-                    f"{part.name} is {value:.6g} {unit}, above the limit of {limit:.6g} {unit}: "
+                    f"{part.name} is {plain(value, 6)} {unit}, above the limit of {plain(limit, 6)} {unit}: "
                     f"{part.said(view, limit)}"
                 )
         position = self.positions.get(axis)

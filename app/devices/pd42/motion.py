@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from app.calc.extended_position import Counter
+from app.calc.number_text import plain
 from app.calc.sixpoint import MotionPlan
 from app.clock import Clock
 from app.devices.axis_units import CHIP, SPELLINGS, to_position
@@ -117,7 +118,7 @@ class Motion(Console):
         if move.over_the_end:
             return target
         if not VALUE_MIN <= target <= VALUE_MAX:
-            shown = "" if move.unit == "microsteps" else f"; {move.target:g} {move.unit} asked"
+            shown = "" if move.unit == "microsteps" else f"; {plain(move.target)} {move.unit} asked"
             raise OutOfRange("target of axis 0", target, VALUE_MIN, VALUE_MAX, f"microsteps{shown}")
         if abs(target - position) > VALUE_MAX:
             raise OutOfRange(
@@ -166,7 +167,7 @@ class Motion(Console):
             self.limiter.require_velocity(axis, exact * self.speed_unit_pps)
             speed = self.limiter.rounded(axis, speed, self.speed_unit_pps)
         if speed and abs(speed / exact - 1) > 0.01:
-            warnings.append(f"rounded to {speed * one:.6g} {unit}")
+            warnings.append(f"rounded to {plain(speed * one, 6)} {unit}")
         return speed
 
     def _one_speed(self, axis: int, unit: str) -> float:

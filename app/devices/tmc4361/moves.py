@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 
 from app.calc.extended_position import Counter
 from app.calc.mechanics import RATE_UNITS
+from app.calc.number_text import plain
 from app.calc.sramp_plan import SRampPlan
 from app.clock import Clock
 from app.devices.axis_units import CHIP, SPELLINGS, to_position
@@ -145,7 +146,7 @@ class Moves(Events):
         if move.unit == "microsteps" and wanted != move.target:
             before.warnings.append(f"rounded to {wanted} microsteps")
         target = before.position + wanted if move.relative else wanted
-        shown = "" if move.unit == "microsteps" else f"; {move.target:g} {move.unit} asked"
+        shown = "" if move.unit == "microsteps" else f"; {plain(move.target)} {move.unit} asked"
         if not move.over_the_end and not LOWEST <= target <= HIGHEST:
             raise OutOfRange("target of axis 0", target, LOWEST, HIGHEST, f"microsteps{shown}")
         if not move.over_the_end and abs(target - before.position) > HIGHEST:

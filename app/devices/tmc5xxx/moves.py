@@ -13,6 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 from app.calc.mechanics import RATE_UNITS
+from app.calc.number_text import plain
 from app.calc.sixpoint import MotionPlan
 from app.calc.tmc5xxx_units import VELOCITY_MAX, velocity_unit_pps
 from app.clock import Clock
@@ -144,7 +145,7 @@ class Moves(Events):
         if move.over_the_end:
             distance = _signed(distance)
             target = _signed(target)
-        shown = "" if move.unit == "microsteps" else f"; {move.target:g} {move.unit} asked"
+        shown = "" if move.unit == "microsteps" else f"; {plain(move.target)} {move.unit} asked"
         if not LOWEST <= target <= HIGHEST:
             raise OutOfRange(f"target of axis {move.axis}", target, LOWEST, HIGHEST, f"microsteps{shown}")
         if abs(distance) > HIGHEST:
@@ -232,7 +233,7 @@ class Moves(Events):
             self.limiter.require_velocity(axis, exact * before.ramp.velocity_unit_pps)
             speed = self.limiter.rounded(axis, speed, before.ramp.velocity_unit_pps)
         if speed and abs(speed / exact - 1) > 0.01:
-            before.warnings.append(f"rounded to {speed} chip units, {speed * one:.6g} {unit}")
+            before.warnings.append(f"rounded to {speed} chip units, {plain(speed * one, 6)} {unit}")
         return speed
 
     def _one_speed(self, axis: int, unit: str) -> float:

@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Self, overload
 
+from app.calc.number_text import plain
 from app.emulators.drive import kernel as k
 from app.emulators.drive.options import DriveOptions
 
@@ -72,7 +73,7 @@ class _Number:
 
     def __set__(self, world: World, value: float) -> None:
         if not self.low <= value <= self.high:
-            raise ValueError(f"{self.name} is {value:g}, allowed is {self.low:g}..{self.high:g}")
+            raise ValueError(f"{self.name} is {plain(value)}, allowed is {plain(self.low)}..{plain(self.high)}")
         world.numbers[self.name] = float(value)
         world.push()
 
@@ -181,7 +182,7 @@ class World:
     @rotor_fullsteps.setter
     def rotor_fullsteps(self, value: float) -> None:
         if not abs(value) <= 1e7:
-            raise ValueError(f"rotor_fullsteps is {value:g}, allowed is -1e7..1e7")
+            raise ValueError(f"rotor_fullsteps is {plain(value)}, allowed is -1e7..1e7")
         self._f[k.THETA] = value * self.fullstep_rad
         self._f[k.OMEGA] = 0.0
         self.push()

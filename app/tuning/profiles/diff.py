@@ -99,6 +99,13 @@ class Side:
     firmware: str = ""
 
 
+def _apart(left: tuple[str, str], right: tuple[str, str]) -> tuple[str, str]:
+    """The names of both sides; where they are the same, each with what it is beside it."""
+    if left[0] != right[0]:
+        return left[0], right[0]
+    return f"{left[0]} ({left[1]})", f"{right[0]} ({right[1]})"
+
+
 # --- against a device -------------------------------------------------------------------------------
 
 
@@ -140,8 +147,9 @@ async def diff(device: Device, document: ProfileDocument) -> Diff:
 
 def difference_of(device: Device, held: Held, document: ProfileDocument, wants: Mapping[Key, Want]) -> Diff:
     """The same of what was read already."""
-    left = Side(device.name, world_of_device(device, held), device.firmware if isinstance(device, Pd42) else "")
-    right = Side(document.name or "the profile", world_of_document(document, wants, held), document.firmware)
+    names = _apart((device.name, "as it is"), (document.name or "the profile", "profile"))
+    left = Side(names[0], world_of_device(device, held), device.firmware if isinstance(device, Pd42) else "")
+    right = Side(names[1], world_of_document(document, wants, held), document.firmware)
     found = list(_registers(left, right, held.words, wants))
     axes = [axis_part(axis.settings) for axis in device.axes]
     settings = [*_axes(axes, document.axes, against_device=True)]
@@ -163,8 +171,9 @@ def compare(left: ProfileDocument, right: ProfileDocument) -> Diff:
             f"one profile is of a {left.title}, the other of a {right.title}", "compare two of the same model"
         )
     ours, theirs = wants_of(left), wants_of(right)
-    one = Side(left.name or "the first", world_of_document(left, ours), left.firmware)
-    other = Side(right.name or "the second", world_of_document(right, theirs), right.firmware)
+    names = _apart((left.name or "the first", "first"), (right.name or "the second", "second"))
+    one = Side(names[0], world_of_document(left, ours), left.firmware)
+    other = Side(names[1], world_of_document(right, theirs), right.firmware)
     words = {key: want.word for key, want in ours.items()}
     found = list(_registers(one, other, words, theirs))
     missing = [_missing(one, want) for key, want in ours.items() if key not in theirs]

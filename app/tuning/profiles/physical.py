@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from app.calc.mechanics import Mechanics
+from app.calc.number_text import plain
 from app.calc.tmc5xxx_units import acceleration_unit_pps2, velocity_unit_pps
 from app.calc.tmc4361_formats import FORMATS, Units
 from app.calc.units import MAX_DIVIDER, acceleration_hz_s, pulse_rate_hz
@@ -43,7 +44,7 @@ class Physical:
     unit: str
 
     def __str__(self) -> str:
-        return f"{self.value:.6g} {self.unit}".rstrip()
+        return f"{plain(self.value, 6)} {self.unit}".rstrip()
 
 
 @dataclass(frozen=True, slots=True)

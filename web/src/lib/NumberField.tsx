@@ -1,5 +1,5 @@
 import { Text, TextInput, type TextInputProps } from "@mantine/core";
-import { useState } from "react";
+import { useRef, useState } from "react";
 import { compact, decimalSum, exactText, parseNumber } from "./format";
 import { symbolOf } from "./units";
 
@@ -40,6 +40,8 @@ export function NumberField(props: NumberFieldProps) {
   const [draft, setDraft] = useState<string | null>(null);
   const [wrong, setWrong] = useState<string | null>(null);
   const [entered, setEntered] = useState(false);
+  /** the last arrow key, while the answer to it is under way: the next one goes on from there */
+  const nudged = useRef<{ from: number | null; to: number } | null>(null);
   const exact = value === null ? "" : exactText(value);
 
   function judge(text: string | null) {
@@ -72,16 +74,20 @@ export function NumberField(props: NumberFieldProps) {
     judge(text);
     if (text !== null || candidate === null) return null;
     setDraft(null);
+    nudged.current = null;
     if (candidate !== value) onChange(candidate);
     return candidate;
   }
 
   function nudge(by: number) {
-    const base = parseNumber(draft ?? "") ?? value ?? 0;
-    const next = decimalSum(base, by);
+    const { current: last } = nudged;
+    const known = last !== null && last.from === value ? last.to : value;
+    const next = decimalSum(parseNumber(draft ?? "") ?? known ?? 0, by);
+    const to = Math.min(max ?? Number.POSITIVE_INFINITY, Math.max(min ?? Number.NEGATIVE_INFINITY, next));
+    nudged.current = { from: value, to };
     setDraft(null);
     judge(null);
-    onChange(Math.min(max ?? Number.POSITIVE_INFINITY, Math.max(min ?? Number.NEGATIVE_INFINITY, next)));
+    onChange(to);
   }
 
   const symbol = symbolOf(unit);

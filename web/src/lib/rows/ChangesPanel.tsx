@@ -4,8 +4,10 @@ import type { ReactNode } from "react";
 import { EmptyState } from "../EmptyState";
 import { fixed, hex } from "../format";
 import { ProblemAlert } from "../ProblemAlert";
-import { enumName, type RegisterRow } from "./bits";
+import { timeOf } from "../time";
+import { enumName, type RegisterRow, readable } from "./bits";
 import { RegisterName } from "./parts";
+import { proofOf } from "./proof";
 import css from "./rows.module.css";
 import { type Applied, type Change, changes, countChanges, type Edit, type Key, keyOf } from "./staging";
 import type { Staged } from "./store";
@@ -71,9 +73,7 @@ export function ChangesPanel(props: Props) {
       )}
       {staged.applied.length > 0 && (
         <>
-          <h2 className={css.smallTitle}>
-            Written {staged.appliedAt !== null && `at ${new Date(staged.appliedAt).toLocaleTimeString()}`}
-          </h2>
+          <h2 className={css.smallTitle}>Written {staged.appliedAt !== null && `at ${timeOf(staged.appliedAt)}`}</h2>
           <ul className={css.diff}>
             {staged.applied.map((done) => {
               const row = rows.get(keyOf(done.edit));
@@ -165,7 +165,7 @@ function AppliedEntry({ applied, row, axis }: { applied: Applied; row: RegisterR
       <Title row={row} axis={axis}>
         <span className={css.verified}>
           {written.verified === true && <IconCheck size={13} aria-hidden />}
-          {written.verified === true ? "verified" : "sent"}
+          {proofOf(written)}
         </span>
       </Title>
       <div className={css.diffLine}>
@@ -177,7 +177,9 @@ function AppliedEntry({ applied, row, axis }: { applied: Applied; row: RegisterR
                 .map((f) => f.name)
                 .join(", ")}
         </span>
-        <span className={`num ${css.diffValues}`}>reads {hex(written.raw, row.width)}</span>
+        <span className={`num ${css.diffValues}`}>
+          {readable(row.access) ? "reads" : "written"} {hex(written.raw, row.width)}
+        </span>
       </div>
       {(written.note !== "" || written.verified === null) && (
         <Text size="xs" className={css.note}>

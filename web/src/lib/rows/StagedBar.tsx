@@ -48,8 +48,8 @@ function Outcome({ staged }: { staged: Staged }) {
   const verified = staged.applied.filter(({ written }) => written.verified === true).length;
   const sent = staged.applied.length - verified;
   const said = [
-    verified > 0 && `${verified} verified`,
-    sent > 0 && `${sent} sent`,
+    verified > 0 && `${verified} read back`,
+    sent > 0 && `${sent} written`,
     failed > 0 && `${failed} refused`,
     untried > 0 && `${untried} not tried`,
   ].filter(Boolean);

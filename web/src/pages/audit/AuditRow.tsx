@@ -3,6 +3,7 @@ import { memo } from "react";
 import { Link } from "wouter";
 import type { Device } from "../../api/queries";
 import { familyOf } from "../../lib/family";
+import { dateTimeOf } from "../../lib/time";
 import classes from "./audit.module.css";
 import type { Entry } from "./filters";
 import { detailText, hasFields, outcomeOf, timeText, valueText } from "./words";
@@ -24,7 +25,7 @@ export const AuditRow = memo(function AuditRow({ entry, device, onSelect }: Prop
   return (
     <tr data-outcome={kind} data-testid="audit-entry">
       <td className={`num ${classes.time}`}>
-        <time dateTime={entry.time} title={new Date(entry.time).toLocaleString("en-GB")}>
+        <time dateTime={entry.time} title={dateTimeOf(Date.parse(entry.time))}>
           {timeText(entry.time)}
         </time>
       </td>

@@ -1,4 +1,5 @@
 import { fixed } from "../../lib/format";
+import { timeOf } from "../../lib/time";
 import type { Entry, Outcome } from "./filters";
 
 const DAY_MS = 24 * 3600 * 1000;
@@ -6,7 +7,7 @@ const DAY_MS = 24 * 3600 * 1000;
 /** 18:45:09.3, in the browser's zone. */
 export function timeText(iso: string): string {
   const at = new Date(iso);
-  return `${at.toLocaleTimeString("en-GB")}.${Math.floor(at.getMilliseconds() / 100)}`;
+  return `${timeOf(at)}.${Math.floor(at.getMilliseconds() / 100)}`;
 }
 
 /** Today, Yesterday, or Friday 20 November. */

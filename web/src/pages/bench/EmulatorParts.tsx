@@ -1,8 +1,9 @@
 import { Button, Divider, Group, SegmentedControl, Slider, Switch, Text } from "@mantine/core";
 import { IconPower } from "@tabler/icons-react";
-import { type ReactNode, useState } from "react";
+import type { ReactNode } from "react";
 import { fixed } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
+import { useHeld } from "../../lib/useHeld";
 import classes from "./bench.module.css";
 
 const SCALES = [0, 0.1, 0.25, 0.5, 1, 2, 5, 10] as const;
@@ -44,6 +45,7 @@ interface TimeProps {
 export function EmulatorTime({ state, send }: TimeProps) {
   const { time_scale: scale, chip_time_s: chipTimeS } = state;
   const index = SCALES.findIndex((candidate) => candidate >= scale);
+  const [shown, hold] = useHeld(index < 0 ? SCALES.length - 1 : index);
   return (
     <>
       <Divider label="Time" labelPosition="left" />
@@ -52,8 +54,11 @@ export function EmulatorTime({ state, send }: TimeProps) {
         min={0}
         max={SCALES.length - 1}
         step={1}
-        value={index < 0 ? SCALES.length - 1 : index}
-        onChange={(chosen) => send({ time_scale: SCALES[chosen] ?? 1 })}
+        value={shown}
+        onChange={(chosen) => {
+          hold(chosen);
+          send({ time_scale: SCALES[chosen] ?? 1 });
+        }}
         label={(chosen) => `${SCALES[chosen]} x`}
         marks={SCALES.map((each, place) => ({ value: place, label: String(each) }))}
         mb="lg"
@@ -74,8 +79,7 @@ interface LoadProps {
 
 /** Sends while it is dragged, and shows the hand's value, not the answer that is still under way. */
 export function LoadSlider({ value, most, send }: LoadProps) {
-  const [held, setHeld] = useState<number | null>(null);
-  const shown = held ?? value;
+  const [shown, hold] = useHeld(value);
   return (
     <div>
       <Group justify="space-between" gap={4}>
@@ -93,10 +97,9 @@ export function LoadSlider({ value, most, send }: LoadProps) {
         label={(torque) => `${fixed(torque * 1000)} mN·m`}
         marks={[{ value: 0 }]}
         onChange={(torque) => {
-          setHeld(torque);
+          hold(torque);
           send(torque);
         }}
-        onChangeEnd={() => setHeld(null)}
       />
     </div>
   );

@@ -2,6 +2,7 @@ import { ActionIcon, Text } from "@mantine/core";
 import { IconTerminal2, IconTrash } from "@tabler/icons-react";
 import { EmptyState } from "../../lib/EmptyState";
 import { duration, fixed } from "../../lib/format";
+import { timeOf } from "../../lib/time";
 import { Bytes } from "./Bytes";
 import css from "./console.module.css";
 import { bytesOf, replyFields, requestFields } from "./frames";
@@ -48,7 +49,7 @@ export function Entries({ device, entries, onAgain }: Props) {
               <Result entry={entry} />
               <span className={`num ${css.took}`}>
                 {entry.answer && duration(entry.answer.took_ms / 1000)}
-                <span className={css.at}>{new Date(entry.atMs).toLocaleTimeString()}</span>
+                <span className={css.at}>{timeOf(entry.atMs)}</span>
               </span>
             </div>
             {entry.answer && <Exchange answer={entry.answer} />}

@@ -2,6 +2,7 @@ import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { api, unwrap } from "../../api/client";
 import type { Device } from "../../api/queries";
+import { timeOf } from "../../lib/time";
 import { ChipSection, whileRunning } from "./ChipSection";
 import { sameTable } from "./table";
 import { useMotor } from "./useMotor";
@@ -33,7 +34,7 @@ export function ChipPanel({ device, axis, held, values, stale, onRead }: Props) 
         }),
       );
       queries.setQueryData(tableKey(id), answer);
-      const time = new Date().toLocaleTimeString();
+      const time = timeOf(Date.now());
       setSent(
         sameTable(answer.values, table)
           ? `All 64 values written and read back at ${time}${whileRunning(motor)}.`

@@ -1,41 +1,20 @@
-import { useEffect, useMemo, useState } from "react";
-import { type AxisAddress, motion } from "../../api/motion";
+import { useEffect, useMemo, useSyncExternalStore } from "react";
+import type { AxisAddress } from "../../api/motion";
 import type { TelemetrySource } from "../../live/TelemetrySource";
-import { STOP_EVENT } from "../../shell/stopEverything";
-import { HeldRun, type Leg, type RunState } from "./HeldRun";
+import type { Leg } from "./HeldRun";
+import { runOf } from "./heldRuns";
 
 /** Of these the module tells when somebody wanted the motor to stop. */
 const WANTED = ["stop_command", "target_reached", "unknown"];
 
 /**
- * A held run of one axis; it ends with the page, with the page's stop, when another axis is chosen, and when the motor
- * runs into something.
+ * A held run of one axis. It goes on while another page is looked at; it ends with the tab, with the page's stop, and
+ * when the motor runs into something.
  */
 export function useHeldRun(at: AxisAddress, source: TelemetrySource) {
-  const [state, setState] = useState<RunState>({ phase: "idle" });
   const { device, axis } = at;
-  const run = useMemo(
-    () =>
-      new HeldRun(
-        {
-          rotate: (velocity, hold_s) => motion.rotate({ device, axis }, { velocity, unit: "pps", hold_s }),
-          keep: (hold_s) => motion.keepRotating({ device, axis }, { hold_s }),
-          halt: () => motion.stop({ device, axis }, "ramp"),
-        },
-        setState,
-      ),
-    [device, axis],
-  );
-  useEffect(() => {
-    const abort = () => run.abort();
-    window.addEventListener("pagehide", abort);
-    window.addEventListener(STOP_EVENT, abort);
-    return () => {
-      run.abort();
-      window.removeEventListener("pagehide", abort);
-      window.removeEventListener(STOP_EVENT, abort);
-    };
-  }, [run]);
+  const { run, subscribe } = useMemo(() => runOf({ device, axis }), [device, axis]);
+  const state = useSyncExternalStore(subscribe, () => run.state);
   useEffect(
     () =>
       source.onStop((stop) => {

@@ -1,6 +1,7 @@
 import { Button, Tooltip } from "@mantine/core";
 import { fixed } from "../../lib/format";
 import type { RegisterRow } from "../../lib/rows/bits";
+import { timeOf } from "../../lib/time";
 import type { EepromAction, Kept } from "./eeprom";
 import css from "./parameters.module.css";
 import { nameText } from "./subjects";
@@ -53,7 +54,7 @@ export function Memory({ row, kept, busy, connected, onCopy }: Props) {
         Restore
       </Button>
       {kept && (
-        <span className={css.kept} title={`${kept.how} at ${new Date(kept.at).toLocaleTimeString()}`}>
+        <span className={css.kept} title={`${kept.how} at ${timeOf(kept.at)}`}>
           EEPROM <span className="num">{fixed(kept.value)}</span>
         </span>
       )}

@@ -4,6 +4,7 @@ import { enumName, type RegisterRow, toSigned, unpackField, writable } from "../
 import { LiveText } from "../../lib/rows/LiveText";
 import common from "../../lib/rows/rows.module.css";
 import type { Edit } from "../../lib/rows/staging";
+import { timeOf } from "../../lib/time";
 import css from "./parameters.module.css";
 import { nameText } from "./subjects";
 import type { Asked } from "./useRead";
@@ -126,7 +127,7 @@ export function OnDemand({ row, asked, busy, connected, onRead }: OnDemandProps)
       {asked ? (
         <>
           <Flags row={row} raw={asked.reading.raw} />
-          <span className={common.dim}>at {new Date(asked.at).toLocaleTimeString()}</span>
+          <span className={common.dim}>at {timeOf(asked.at)}</span>
         </>
       ) : (
         <span className={common.dim}>reading it clears it, so it is read only when asked for</span>

@@ -3,11 +3,11 @@ import { IconArrowBackUp, IconCheck, IconMinus, IconX } from "@tabler/icons-reac
 import type { ReactNode } from "react";
 import { useState } from "react";
 import { problemOf, type Schemas } from "../../api/client";
-import type { Device } from "../../api/queries";
+import { type Device, useCatalogModel } from "../../api/queries";
 import { compact, fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import css from "./profiles.module.css";
-import { type Fate, fatesOf, type StepLine } from "./steps";
+import { type Fate, fatesOf, type StepLine, WRITTEN_BLIND, writtenLines } from "./steps";
 import { type Applied, type Profile, useApply, useApplyState, useUnfinished } from "./useProfiles";
 
 interface Props {
@@ -18,7 +18,7 @@ interface Props {
 
 const PHASES: Readonly<Record<NonNullable<Schemas["ApplyProgress"]["phase"]>, string>> = {
   comparing: "Reading what the device holds",
-  writing: "Writing, each read back",
+  writing: "Writing, each read back that can be",
   checking: "Reading everything once more",
   "way back": "A step failed: going back",
   over: "Done",
@@ -55,8 +55,8 @@ export function Apply({ profile, device, dry }: Props) {
         )}
         {writes > 0 && !running && (
           <Text className={css.hint}>
-            All of it or nothing: every write is read back, and the first that fails takes the others back. The motor
-            has to stand.
+            All of it or nothing: every write is read back where the chip allows it, and the first that fails takes the
+            others back. The motor has to stand.
           </Text>
         )}
       </div>
@@ -89,6 +89,9 @@ export function Apply({ profile, device, dry }: Props) {
 }
 
 function Done({ applied, onClose }: { applied: Applied; onClose: () => void }) {
+  const catalog = useCatalogModel(applied.model);
+  const lines = writtenLines(applied, catalog.data?.rows ?? null);
+  const blind = lines.filter(({ fate }) => fate === WRITTEN_BLIND).length;
   return (
     <Alert
       mt={8}
@@ -103,7 +106,8 @@ function Done({ applied, onClose }: { applied: Applied; onClose: () => void }) {
       onClose={onClose}
     >
       <Text size="sm">
-        <span className="num">{fixed(applied.written.length)}</span> registers written and read back
+        <span className="num">{fixed(applied.written.length)}</span> registers written
+        {blind === 0 ? ", each read back" : `, ${fixed(blind)} of them cannot be read back`}
         {applied.settings.length > 0 && `, ${fixed(applied.settings.length)} settings of the connection changed`}
         {applied.took_s != null && (
           <>
@@ -118,7 +122,7 @@ function Done({ applied, onClose }: { applied: Applied; onClose: () => void }) {
           {each}
         </Text>
       ))}
-      <Steps lines={applied.written.map((change) => ({ ...change, fate: "read back" as const }))} />
+      <Steps lines={lines} />
     </Alert>
   );
 }
@@ -174,6 +178,7 @@ function Unfinished({ device, left }: { device: Device; left: Schemas["Unfinishe
 const ICONS: Readonly<Record<Fate, ReactNode>> = {
   "read back": <IconCheck size={13} aria-hidden />,
   written: <IconCheck size={13} aria-hidden />,
+  [WRITTEN_BLIND]: <IconCheck size={13} aria-hidden />,
   failed: <IconX size={13} aria-hidden />,
   "gone back": <IconArrowBackUp size={13} aria-hidden />,
   left: <IconX size={13} aria-hidden />,

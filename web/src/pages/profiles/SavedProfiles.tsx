@@ -8,6 +8,7 @@ import { EmptyState } from "../../lib/EmptyState";
 import { fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Section } from "../../lib/Section";
+import { dateTimeOf } from "../../lib/time";
 import { useSelection } from "../../live/selection";
 import css from "./profiles.module.css";
 import { type Saved, useProfiles, useSave } from "./useProfiles";
@@ -149,7 +150,7 @@ function Entry({ profile, current, onSelect }: { profile: Saved; current: boolea
 
 /** When, as people note it beside a measurement. */
 export function dateOf(unixS: number): string {
-  return new Date(unixS * 1e3).toLocaleString(undefined, { dateStyle: "short", timeStyle: "short" });
+  return dateTimeOf(unixS * 1e3);
 }
 
 function notRead(file: string, error: unknown): Problem {

@@ -1,11 +1,27 @@
 import type { Problem, Schemas } from "../../api/client";
+import { type RegisterRow, readable } from "../../lib/rows/bits";
+import { READ_BACK, WRITTEN_BLIND } from "../../lib/rows/proof";
+import { byName } from "./diff";
 import type { Applied } from "./useProfiles";
 
-export type Fate = "read back" | "written" | "failed" | "gone back" | "left" | "not begun";
+export { READ_BACK, WRITTEN_BLIND };
+
+export type Fate = typeof READ_BACK | typeof WRITTEN_BLIND | "written" | "failed" | "gone back" | "left" | "not begun";
 type Change = Pick<Schemas["RegisterChange"], "name" | "axis" | "was" | "now" | "why">;
 
 export interface StepLine extends Change {
   fate: Fate;
+}
+
+/** Each write of a profile that was applied, and whether the chip could be asked for it: null rows, nobody knows yet. */
+export function writtenLines({ written }: Pick<Applied, "written">, rows: readonly RegisterRow[] | null): StepLine[] {
+  const known = rows === null ? null : byName(rows);
+  return written.map((change) => {
+    const find = (axis: number | null) => known?.get(`${axis ?? "-"}/${change.name.toLowerCase()}`);
+    const row = find(change.axis) ?? find(null);
+    const fate = row === undefined ? "written" : readable(row.access) ? READ_BACK : WRITTEN_BLIND;
+    return { ...change, fate };
+  });
 }
 
 /** What became of each write of a transaction that failed; nothing where it failed before it wrote. */

@@ -65,6 +65,17 @@ function Field(props: {
   );
 }
 
+/** What another microstep resolution does to everything that counts in microsteps; null where it stays. */
+export function microstepShift(now: number | null, then: number | null): string | null {
+  if (now === null || then === null || now === then) return null;
+  const [old, next] = [2 ** now, 2 ** then];
+  const size = next > old ? `1/${next / old}` : `${old / next} times`;
+  return (
+    `Take over also changes ${old} to ${next} microsteps a full step. Positions, targets, soft limits and switch ` +
+    `distances in µsteps keep their numbers and are then ${size} as far: set zero or search the reference again.`
+  );
+}
+
 /** From speed and acceleration as an engineer wants them to the registers that come nearest. */
 export function Inverse({ model, scale, design, mechanics, reduction, onUse }: Props) {
   const [wanted, setWanted] = useSessionStorage<Wanted>({
@@ -115,6 +126,8 @@ export function Inverse({ model, scale, design, mechanics, reduction, onUse }: P
       ]
     : [];
 
+  const shift = suggested === null ? null : microstepShift(design.usrs, suggested.usrs);
+
   return (
     <Section title="From wanted motion" note="registers that come nearest">
       <div className={classes.inverse}>
@@ -123,7 +136,7 @@ export function Inverse({ model, scale, design, mechanics, reduction, onUse }: P
           value={wanted.velocity}
           unit={velocityUnit}
           units={velocityUnits}
-          onValue={(velocity) => setWanted({ ...wanted, velocity })}
+          onValue={(velocity) => setWanted({ ...wanted, velocity, velocityUnit })}
           onUnit={(unit) => setWanted({ ...wanted, velocityUnit: unit })}
         />
         <Field
@@ -131,7 +144,7 @@ export function Inverse({ model, scale, design, mechanics, reduction, onUse }: P
           value={wanted.acceleration}
           unit={accelerationUnit}
           units={accelerationUnits}
-          onValue={(acceleration) => setWanted({ ...wanted, acceleration })}
+          onValue={(acceleration) => setWanted({ ...wanted, acceleration, accelerationUnit })}
           onUnit={(unit) => setWanted({ ...wanted, accelerationUnit: unit })}
         />
       </div>
@@ -175,6 +188,11 @@ export function Inverse({ model, scale, design, mechanics, reduction, onUse }: P
               Take over
             </Button>
           </div>
+          {shift !== null && (
+            <p className={classes.caution} role="status" data-testid="microstep-shift">
+              {shift}
+            </p>
+          )}
           {result.warnings.map((warning) => (
             <p key={warning} className={classes.caution}>
               {warning}

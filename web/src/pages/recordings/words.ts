@@ -1,4 +1,5 @@
 import { fixed } from "../../lib/format";
+import { dateTimeOf } from "../../lib/time";
 import { isRunning, type Recording, titleOf } from "./api";
 
 export type SortKey = "name" | "device" | "started_unix_s" | "channels" | "size_bytes" | "state";
@@ -34,10 +35,7 @@ export function sizeText(bytes: number): string {
 /** The day and the time, in the browser's zone: 21 Nov 18:45:09. */
 export function whenText(unixS: number | null): string {
   if (unixS === null) return "–";
-  const at = new Date(unixS * 1000);
-  const day = at.toLocaleDateString("en-GB", { day: "numeric", month: "short" });
-  const year = at.getFullYear() === new Date().getFullYear() ? "" : ` ${at.getFullYear()}`;
-  return `${day}${year} ${at.toLocaleTimeString("en-GB")}`;
+  return dateTimeOf(unixS * 1000);
 }
 
 export function stateText(recording: Recording): string {

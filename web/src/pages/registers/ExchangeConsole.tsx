@@ -6,6 +6,7 @@ import type { Device } from "../../api/queries";
 import { hex } from "../../lib/format";
 import { type RegisterRow, readable, writable } from "../../lib/rows/bits";
 import common from "../../lib/rows/rows.module.css";
+import { timeOf } from "../../lib/time";
 import {
   decodedLines,
   decodeRequest,
@@ -170,7 +171,7 @@ export function ExchangeConsole({ device: { id: device, model, link }, connected
           {entries.map((entry) => (
             <li key={entry.id}>
               <button type="button" className={css.sent} onClick={() => setText(entry.sent)} title="Use it again">
-                <span className={common.dim}>{entry.at.toLocaleTimeString()}</span>
+                <span className={common.dim}>{timeOf(entry.at)}</span>
                 <span className="num">{entry.sent}</span>
                 <span className={common.dim}>{shortRequest(entry.sent, wire, rows)}</span>
               </button>

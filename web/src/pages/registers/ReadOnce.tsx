@@ -6,6 +6,7 @@ import type { Device } from "../../api/queries";
 import { hex } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { type RegisterRow, summary } from "../../lib/rows/bits";
+import { timeOf } from "../../lib/time";
 import css from "./registers.module.css";
 
 /** Of a register that a read clears: one look, for somebody who has asked for it and was told what it costs. */
@@ -14,7 +15,7 @@ export function ReadOnce({ device, row }: { device: Device | undefined; row: Reg
     mutationFn: async () => {
       const params = { path: { device: device?.id ?? "", name: row.name }, query: { axis: row.axis } };
       const reading = unwrap(await api.GET("/api/v1/devices/{device}/registers/{name}", { params }));
-      return { raw: reading.raw, at: new Date().toLocaleTimeString() };
+      return { raw: reading.raw, at: timeOf(Date.now()) };
     },
   });
   return (

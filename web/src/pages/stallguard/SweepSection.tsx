@@ -1,6 +1,6 @@
 import { Button, Switch } from "@mantine/core";
+import { useSessionStorage } from "@mantine/hooks";
 import { IconPlayerStop, IconStairs } from "@tabler/icons-react";
-import { useState } from "react";
 import { duration } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { Section } from "../../lib/Section";
@@ -19,20 +19,46 @@ interface Props {
 
 /** Through several speeds and back, so that the plot over speed fills. */
 export function SweepSection({ run, microstepsPerTurn, accelerationPps2, disabled }: Props) {
-  const [from, setFrom] = useState(15);
-  const [to, setTo] = useState(240);
-  const [steps, setSteps] = useState(10);
-  const [forS, setForS] = useState(1);
-  const [bothWays, setBothWays] = useState(true);
+  const [wanted, setWanted] = useSessionStorage({
+    key: "stepscope.stallguard.sweep",
+    defaultValue: { from: 15, to: 240, steps: 10, forS: 1, bothWays: true },
+    getInitialValueInEffect: false,
+  });
+  const { from, to, steps, forS, bothWays } = wanted;
+  const put = (part: Partial<typeof wanted>) => setWanted((old) => ({ ...old, ...part }));
   const locked = disabled || run.running;
   const pps = (rpm: number) => (rpm / 60) * microstepsPerTurn;
   const legs = withRamps(sweep(pps(from), pps(to), steps, forS, bothWays), accelerationPps2);
   return (
     <Section title="Speed sweep" note={`takes ${duration(durationOf(legs))}`}>
       <div className={classes.fields}>
-        <NumberField label="From" unit="rpm" value={from} min={-3000} max={3000} disabled={locked} onChange={setFrom} />
-        <NumberField label="To" unit="rpm" value={to} min={-3000} max={3000} disabled={locked} onChange={setTo} />
-        <NumberField label="Speeds" integer value={steps} min={1} max={100} disabled={locked} onChange={setSteps} />
+        <NumberField
+          label="From"
+          unit="rpm"
+          value={from}
+          min={-3000}
+          max={3000}
+          disabled={locked}
+          onChange={(value) => put({ from: value })}
+        />
+        <NumberField
+          label="To"
+          unit="rpm"
+          value={to}
+          min={-3000}
+          max={3000}
+          disabled={locked}
+          onChange={(value) => put({ to: value })}
+        />
+        <NumberField
+          label="Speeds"
+          integer
+          value={steps}
+          min={1}
+          max={100}
+          disabled={locked}
+          onChange={(value) => put({ steps: value })}
+        />
         <NumberField
           label="Each for"
           unit="s"
@@ -41,7 +67,7 @@ export function SweepSection({ run, microstepsPerTurn, accelerationPps2, disable
           max={60}
           step={0.5}
           disabled={locked}
-          onChange={setForS}
+          onChange={(value) => put({ forS: value })}
         />
       </div>
       <Switch
@@ -50,7 +76,7 @@ export function SweepSection({ run, microstepsPerTurn, accelerationPps2, disable
         label="each speed there and back"
         checked={bothWays}
         disabled={locked}
-        onChange={(event) => setBothWays(event.currentTarget.checked)}
+        onChange={(event) => put({ bothWays: event.currentTarget.checked })}
       />
       {run.running ? (
         <Button

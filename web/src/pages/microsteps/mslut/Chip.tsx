@@ -3,6 +3,7 @@ import { useState } from "react";
 import { api, type Schemas, unwrap } from "../../../api/client";
 import type { Device } from "../../../api/queries";
 import { fixed } from "../../../lib/format";
+import { timeOf } from "../../../lib/time";
 import { ChipSection, whileRunning } from "../ChipSection";
 import { useMotor } from "../useMotor";
 import { tableKey } from "../useTable";
@@ -47,7 +48,7 @@ export function Chip({ device, axis, held, seen, table, stale, onRead }: Props) 
       );
       queries.setQueryData(tableKey(id), answer);
       if (!answer) return;
-      const time = new Date().toLocaleTimeString();
+      const time = timeOf(Date.now());
       setSent(
         sameRegisters(answer.registers, wanted.registers)
           ? `Ten registers written at ${time}${whileRunning(motor)}.`
@@ -61,7 +62,7 @@ export function Chip({ device, axis, held, seen, table, stale, onRead }: Props) 
     held === null
       ? ""
       : same
-        ? "holds this wave"
+        ? sameNote(table, held)
         : table === null
           ? "this wave cannot be encoded"
           : `${different(table, held)} of 256 values differ from the chip's`;
@@ -84,6 +85,13 @@ export function Chip({ device, axis, held, seen, table, stale, onRead }: Props) 
           }`}
     </ChipSection>
   );
+}
+
+/** The same values may lie in other registers: then the design's own were not written, and it says so. */
+export function sameNote(table: Pick<Table, "registers"> | null, held: Pick<Held, "registers" | "written">): string {
+  const others = table?.registers.filter((row, at) => row.value !== held.registers[at]?.value).length ?? 0;
+  if (others > 0) return `the same values in other registers: ${others} of ${held.registers.length} differ`;
+  return held.written ? "this wave was written" : "this wave is taken to be there";
 }
 
 function different(table: Table, held: Table): number {
