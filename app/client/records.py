@@ -48,6 +48,8 @@ class LeaseState:
     holder: str | None
     mine: bool
     """Whether this client has it."""
+    left: bool
+    """The holder's last page was closed: any other session may take it."""
     since_s: float | None
     expires_in_s: float | None
     asking: tuple[Json, ...]

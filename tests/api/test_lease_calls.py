@@ -30,6 +30,7 @@ async def test_from_free_to_taken_and_back(client: httpx.AsyncClient, clock: Vir
         "holder": None,
         "mine": False,
         "since_s": None,
+        "left": False,
         "expires_in_s": None,
         "asking": [],
         "on_vanish": "stop",
