@@ -80,12 +80,17 @@ _LINKS: dict[str, TypeAdapter[AnyLink]] = {
 
 def suited(link: AnyLink, model: str) -> AnyLink:
     """The link as that model understands it. Raises UsageError where it has no such link or option."""
+    return require_suited(link.model_dump(exclude_unset=True) | {"kind": link.kind}, model)
+
+
+def require_suited(link: Link, model: str) -> AnyLink:
+    """`suited` for a link as it is kept."""
     family = MODELS[model]
     links = _LINKS[
         "sixpoint" if model in get_args(Tmc5xxxName) else "chip40" if model in datagram40.MODELS else family.kind
     ]
     try:
-        return links.validate_python(link.model_dump(exclude_unset=True) | {"kind": link.kind})
+        return links.validate_python(dict(link))
     except ValidationError as error:
         raise UsageError(f"this link does not suit a {family.title}: {findings(error)}") from error
 

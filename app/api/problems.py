@@ -28,6 +28,7 @@ from app.links.errors import (
     LinkDown,
     LinkError,
     LinkTimeout,
+    OtherModel,
     OutOfRange,
     SoftLimit,
     StoreUnavailable,
@@ -63,6 +64,7 @@ KINDS: dict[type[Exception], Kind] = {
     BenchTaken: Kind(409, "/problems/bench-taken", "Somebody else has the bench"),
     BenchNotTaken: Kind(409, "/problems/bench-not-taken", "This session has not taken the bench"),
     DownloadMode: Kind(409, "/problems/download-mode", "Download mode: polling paused"),
+    OtherModel: Kind(409, "/problems/other-model", "This is another model"),
     UnknownParameter: Kind(409, "/problems/unknown-parameter", "This module has no such parameter"),
     WrongState: Kind(409, "/problems/wrong-state", "Not possible now"),
     LinkDown: Kind(

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BaseModel, Discriminator, Field, RootModel, StringConstraints, Tag
 
-from app.api.schemas import AxisConfig, Body, Chip40Name, ChipName, ModuleName, Name, Tmc5xxxName
+from app.api.schemas import AxisConfig, Body, Chip40Name, ChipName, ModelName, ModuleName, Name, Tmc5xxxName
 from app.api.schemas_calc import ClockHz
 from app.api.schemas_links import Address, Baud
 from app.emulators.options import EmulatorOptions
@@ -264,9 +264,12 @@ def _any_of(schema: dict[str, Any]) -> None:
 
 
 class DeviceChange(Body):
-    """What to change; what is left out stays. The link has to suit the model, which stays too."""
+    """What to change; what is left out stays. The link has to suit the model."""
 
     name: Name | None = None
+    model: ModelName | None = Field(
+        default=None, description="what really answers there; another model is another connection over the same link"
+    )
     link: (
         Annotated[
             Annotated[EmulatorLink, Tag("emulator")]

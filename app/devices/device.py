@@ -17,6 +17,7 @@ from app.clock import Clock
 from app.devices.changes import RegisterChanged
 from app.devices.config import AxisSettings, DeviceConfig
 from app.devices.counter import CounterLook, CounterWritten, PositionSeen
+from app.devices.holding_back import OnlyReading
 from app.devices.limits.limiter import Limiter
 from app.devices.prediction import Prediction
 from app.devices.results import (
@@ -39,9 +40,9 @@ from app.devices.results import (
 )
 from app.devices.sample_plan import Channel, SamplePlan, Taken
 from app.devices.signs import Signs
-from app.links.errors import BenchError, LinkError, UnknownThing, WrongState
+from app.links.errors import BenchError, DownloadMode, LinkError, UnknownThing, WrongState
 from app.links.port import FramePort, SamplingPort
-from app.links.queue import LinkQueue, Priority
+from app.links.queue import FrameHold, LinkQueue, Priority
 from app.links.registry import Link
 from app.registers.catalog import MODELS, Model
 
@@ -140,6 +141,8 @@ class Device(ABC):
         """How many commands each axis got from this session that may move or stop it."""
         self._state: DeviceState = "disconnected"
         self._problem: BenchError | None = None
+        self._stranger: WrongState | None = None
+        """Why what answers is not the chip or module of this connection; None where it is, or nobody knows."""
         self.notes: tuple[str, ...] = ()
         """What a user has to know of this device at present: see `found_moving`."""
         self._listeners: list[Callable[[DeviceEvent], None]] = []
@@ -317,7 +320,29 @@ class Device(ABC):
     @property
     def held_back(self) -> WrongState | None:
         """Why the driver keeps still although the link may work; None while it does not."""
-        return None
+        return self._stranger
+
+    async def identify(self) -> None:
+        """`probe`, and be warned: as long as something else answers than expected, nothing goes out but readings and
+        stops. Raises what `probe` raises."""
+        try:
+            await self.probe()
+        except DownloadMode:
+            raise
+        except WrongState as error:
+            self._stranger = error
+            self.queue.holds = (*self._holds(), OnlyReading(error, self.only_reads))
+            raise
+        self._stranger = None
+        self.queue.holds = self._holds()
+
+    def _holds(self) -> tuple[FrameHold, ...]:
+        """What this family always holds back."""
+        return ()
+
+    @abstractmethod
+    def only_reads(self, frame: bytes) -> bool:
+        """Whether a frame of this link reads, and neither writes nor moves anything."""
 
     def _link_result(self, error: LinkError | None) -> None:
         if self._state == "disconnected":
@@ -338,7 +363,13 @@ class Device(ABC):
         """For the manager, before it closes the port: end whatever the driver does on its own."""
 
     def stop_guard(self, axes: Sequence[int]) -> Callable[[], None]:
-        """For turns of commands: raises WrongState as soon as one of `axes` was stopped after this call."""
+        """For turns of commands: raises WrongState as soon as one of `axes` was stopped after this call.
+
+        Raises it at once where another chip or module answers: else the first thing missing in its registers would be
+        told, and not who it is.
+        """
+        if axes and self._stranger is not None:
+            raise self._stranger
         stops_then = [self.stops[axis] for axis in axes]
 
         def check() -> None:

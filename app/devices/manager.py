@@ -19,8 +19,9 @@ from app.devices.families import make_device
 from app.devices.limits.apply import apply_limits, learn, require_clock
 from app.devices.results import StopMode, StopOutcome
 from app.devices.watch import Watch
-from app.links.errors import BenchError, UnknownThing, WrongState
+from app.links.errors import BenchError, DownloadMode, UnknownThing, WrongState
 from app.links.registry import Link, PortFactory, open_port
+from app.registers.catalog import MODELS
 
 LET_GO_S = 1.0
 """How long letting go of a device may take to stop its motors [s]."""
@@ -28,9 +29,10 @@ LET_GO_S = 1.0
 
 @dataclass(frozen=True, slots=True)
 class DeviceChange:
-    """What to edit; None leaves as it is. A new name makes a new id, a new link a new connection."""
+    """What to edit; None leaves as it is. A new name makes a new id, a new link or model a new connection."""
 
     name: str | None = None
+    model: str | None = None
     link: Link | None = None
     clock_hz: float | None = None
     axes: tuple[AxisSettings, ...] | None = None
@@ -92,23 +94,30 @@ class DeviceManager:
         return device
 
     async def edit(self, device_id: str, change: DeviceChange) -> Device:
-        """Change a connection. Only a new link disturbs it. An edited demo device becomes an ordinary one.
+        """Change a connection. Only a new link or model disturbs it. An edited demo device becomes an ordinary one.
 
         Raises UnknownThing, or UsageError for what cannot be; then nothing has changed.
         """
         device = self.get(device_id)
         old = device.config
+        model = old.model if change.model is None else change.model
+        clock_hz = old.clock_hz if change.clock_hz is None else change.clock_hz
+        axes = old.axes if change.axes is None else change.axes
+        if model != old.model:  # what was never chosen is the new model's own
+            clock_hz = 0.0 if change.clock_hz is None and clock_hz == device.family.clock_hz_default else clock_hz
+            axes = axes[: MODELS[model].axes]
         config = replace(
             old,
+            model=model,
             name=old.name if change.name is None else change.name,
             link=old.link if change.link is None else change.link,
-            clock_hz=old.clock_hz if change.clock_hz is None else change.clock_hz,
-            axes=old.axes if change.axes is None else change.axes,
+            clock_hz=clock_hz,
+            axes=axes,
             demo=False,
         )
         others = [other for other in self._devices if other != device_id]
         new_id = device_id if config.name == old.name else unique_slug(config.name, others)
-        if config.link == old.link:
+        if (config.link, config.model) == (old.link, old.model):
             require_clock(device, config)
             device.reconfigure(new_id, config)
             apply_limits(device)
@@ -198,7 +207,7 @@ class DeviceManager:
     async def _let_go(self, device: Device) -> None:
         await self._end_watch(device)
         moved = [axis.index for axis in device.axes if device.motion_commands[axis.index]]
-        if moved and (device.state == "connected" or device.held_back is not None):
+        if moved and (device.state == "connected" or isinstance(device.held_back, DownloadMode)):
             # What comes of it nobody is there to hear; the link is closed next.
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(LET_GO_S):

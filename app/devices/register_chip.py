@@ -38,6 +38,9 @@ class RegisterChip(Device):
         self.table = self.family.table
         self.find = Lookup(self.table, self.family.axes)
 
+    def only_reads(self, frame: bytes) -> bool:
+        return self.access.is_read(frame)
+
     # --- reading --------------------------------------------------------------------------------
 
     async def read(self, name: str, axis: int | None = None) -> RegisterReading:

@@ -16,7 +16,7 @@ from app.devices.results import ChainContents
 from app.devices.sample_plan import Decoder, FloatArray
 from app.devices.words import Words, read_once_more
 from app.links.datagram32 import STATUS_TMC428
-from app.links.errors import OutOfRange, UsageError, WriteRefused, WrongState
+from app.links.errors import OtherModel, OutOfRange, UsageError, WriteRefused, WrongState
 from app.links.port import FramePort
 from app.links.queue import Priority
 from app.registers.model import Field, Register
@@ -66,7 +66,7 @@ class Tmc428(RampSamples):
     async def probe(self) -> str:
         kind = await read_once_more(self.queue, TYPE_ADDRESS)
         if kind == TYPE_VERSION:
-            raise WrongState("a TMC4210 or TMC429 answers here, not a TMC428", "choose the model TMC4210")
+            raise OtherModel("a TMC4210 or TMC429 answers here, not a TMC428", self.model, ("tmc4210",))
         async with self.queue.turn() as turn:
             words = self.words(turn)
             settings = await words.read(self._global)

@@ -82,7 +82,7 @@ class Watch:
     async def _attempt(self) -> None:
         device = self._device
         try:
-            await device.probe()
+            await device.identify()
             await device.refresh()
             if device.limiter is not None:
                 await device.limiter.rules.learn()

@@ -38,6 +38,9 @@ class Spi32Access:
     def write_frames(self, writes: Sequence[tuple[int, int]]) -> tuple[bytes, ...]:
         return tuple(datagram32.write(address, data) for address, data in writes)
 
+    def is_read(self, frame: bytes) -> bool:
+        return bool(frame[0] & 1)
+
     def check(self, frame: bytes, reply: bytes) -> None:
         del frame  # a reply says nothing of what it answers
         if len(reply) != datagram32.FRAME_BYTES:

@@ -12,6 +12,7 @@ BenchError
     +-- SoftLimit           a value beyond what the user allows the axis: nothing was sent
     +-- WrongState          right request, wrong moment (mode, not connected, busy)
         +-- DownloadMode    a module stores commands instead of doing them: nobody asks it anything
+        +-- OtherModel      another chip or module answers than the connection says: it is only read and stopped
         +-- UnknownParameter    the firmware of a module has no such parameter, port or type
         +-- WriteRefused    the chip did not take a write: the read-back differs
 """
@@ -124,6 +125,23 @@ class DownloadMode(WrongState):
             f"download mode: polling paused, because the module stores commands instead of doing them ({why})",
             "leave download mode (command 133) when the program is loaded; a stop does that by itself, and then stops",
         )
+
+
+class OtherModel(WrongState):
+    """Another chip or module answers than the connection says.
+
+    model : of the connection. found : models that it may be, as far as known. foreign : their registers are others,
+    so that the connection's model cannot even stop them
+    """
+
+    def __init__(self, message: str, model: str, found: tuple[str, ...] = (), *, foreign: bool = False) -> None:
+        change = f"change the model of this connection to {' or '.join(name.upper() for name in found)}"
+        stop = ", so that it can be stopped; until then only its power switch does" if foreign else ""
+        super().__init__(
+            f"{message}; it is only read{'' if foreign else ' and stopped'}",
+            f"{change}{stop}" if found else "choose the connection of another model, or check the wiring",
+        )
+        self.model, self.found, self.foreign = model, found, foreign
 
 
 class UnknownParameter(WrongState):

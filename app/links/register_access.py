@@ -52,6 +52,10 @@ class RegisterAccess(Protocol):
         arrived; none for none."""
         ...
 
+    def is_read(self, frame: bytes) -> bool:
+        """Whether `frame` reads, and writes nothing."""
+        ...
+
     def check(self, frame: bytes, reply: bytes) -> None:
         """Raises BadReply where `reply` cannot be the reply to `frame`."""
         ...
@@ -93,6 +97,9 @@ class Spi40Access:
 
     def write_frames(self, writes: Sequence[tuple[int, int]]) -> tuple[bytes, ...]:
         return (*(datagram40.write(address, data) for address, data in writes), self._fetch) if writes else ()
+
+    def is_read(self, frame: bytes) -> bool:
+        return not frame[0] & datagram40.WRITE_BIT
 
     def check(self, frame: bytes, reply: bytes) -> None:
         del frame  # the reply speaks of the frame before
@@ -146,6 +153,9 @@ class LandungsbrueckeAccess:
 
     def write_frames(self, writes: Sequence[tuple[int, int]]) -> tuple[bytes, ...]:
         return tuple(self.write_frame(address, data) for address, data in writes)
+
+    def is_read(self, frame: bytes) -> bool:
+        return frame[1] in (BoardOpcode.READ_MC, BoardOpcode.READ_DRV) or tmcl.is_retriable(frame)
 
     def check(self, frame: bytes, reply: bytes) -> None:
         answer = tmcl.check_reply(self.name, frame, reply)
@@ -207,6 +217,9 @@ class UartAccess:
 
     def write_frames(self, writes: Sequence[tuple[int, int]]) -> tuple[bytes, ...]:
         return tuple(self.form.write(address, data) for address, data in writes)
+
+    def is_read(self, frame: bytes) -> bool:
+        return not self.form.is_write(frame)
 
     def check(self, frame: bytes, reply: bytes) -> None:
         self._word(reply, IFCNT if self.form.is_write(frame) else self.form.register_of(frame))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fastapi import APIRouter, HTTPException
 
-from app.api.convert import axis_settings, clock_of, device_info, link_of, suited, with_memory
+from app.api.convert import axis_settings, clock_of, device_info, link_of, require_suited, suited, with_memory
 from app.api.deps import CurrentBench, CurrentDevice, DeviceId
 from app.api.problems import problem_of, problems
 from app.api.schemas import DeviceInfo, LinkTest
@@ -66,10 +66,14 @@ async def get_device(device: CurrentDevice, bench: CurrentBench) -> DeviceInfo:
 
 @router.patch("/{device}", responses=problems(UnknownThing, UsageError, SoftLimit))
 async def edit_device(device: DeviceId, body: DeviceChange, bench: CurrentBench) -> DeviceInfo:
-    """Change a connection. A new name gives a new id; only a new link interrupts the device."""
-    model = bench.manager.get(device).model
+    """Change a connection. A new name gives a new id; only a new link or model interrupts the device."""
+    edited = bench.manager.get(device)
+    model = body.model or edited.model
+    if body.link is None and model != edited.model:
+        require_suited(edited.link, model)
     change = manager.DeviceChange(
         name=body.name,
+        model=body.model,
         link=None if body.link is None else link_of(suited(body.link, model), body.clock_hz),
         clock_hz=body.clock_hz,
         axes=None if body.axes is None else axis_settings(body.axes),

@@ -18,11 +18,11 @@ from app.devices.own_tasks import OwnTasks
 from app.devices.pd42 import rows, units
 from app.devices.pd42.calls import Calls, Lacking
 from app.links.download import DownloadHold, Downloads
-from app.links.errors import BadReply, DownloadMode, LinkError, WrongState
+from app.links.errors import BadReply, DownloadMode, LinkError, OtherModel, WrongState
 from app.links.port import FramePort
-from app.links.queue import Priority
+from app.links.queue import FrameHold, Priority
 from app.links.serial_line import LinePort
-from app.links.tmcl import Request, module_version
+from app.links.tmcl import Request, is_retriable, module_version
 from app.links.wire_budget import WireBudget
 from app.registers.model import Register, Space
 from app.registers.pd42 import MODULE
@@ -58,7 +58,7 @@ class Module(Device):
         self._tasks = OwnTasks()
         self.download = self._hold_of(port)
         """Whether the module is in download mode; then nothing goes out but what its user sends, and stops."""
-        self.queue.holds = (self.download,)
+        self.queue.holds = self._holds()
 
     # --- turns ----------------------------------------------------------------------------------
 
@@ -76,18 +76,18 @@ class Module(Device):
     async def probe(self) -> str:
         async with self.calls() as calls:
             reply = await calls.do(Request(self.address, Opcode.GET_VERSION, 1))
+            number, version = module_version(reply.value)
+            if number != MODULE:
+                raise OtherModel(
+                    f"this is a module {number}, firmware {version}, not a {self.family.title} (module {MODULE})",
+                    self.model,
+                )
             # Alone: where the module is in download mode already, this one question tells, and is stored.
             told = await calls.reply(Request(self.address, Opcode.GGP, DOWNLOADING))
         if told.status == Status.OK and told.value:
             self.download.downloads.begin(self.download.address, f"global parameter {DOWNLOADING} is {told.value}")
         if (problem := self.download.problem) is not None:
             raise problem
-        number, version = module_version(reply.value)
-        if number != MODULE:
-            raise WrongState(
-                f"this is a module {number}, firmware {version}, not a {self.family.title} (module {MODULE})",
-                "choose the connection of another module",
-            )
         self.firmware = version
         found = f"{self.family.title}, firmware {version}, address {self.address}"
         return found if version == FIRMWARE else f"{found}; stepscope knows {FIRMWARE}, so parameters may differ"
@@ -154,6 +154,12 @@ class Module(Device):
         """Axis parameters of which nobody knows any more what they are."""
         for number in numbers:
             self._known.pop(number, None)
+
+    def only_reads(self, frame: bytes) -> bool:
+        return is_retriable(frame)
+
+    def _holds(self) -> tuple[FrameHold, ...]:
+        return (self.download,)
 
     # --- download mode --------------------------------------------------------------------------
 

@@ -8,14 +8,16 @@ from app.devices.config import DeviceConfig
 from app.devices.keeping_chip import NOTHING, KeepingChip
 from app.devices.planned_motion import PlannedMotion
 from app.devices.prediction import Prediction, PredictionBook
+from app.devices.recognition import models_found
 from app.devices.results import DeviceState
 from app.devices.tmc4361 import rows
 from app.devices.tmc4361.cruise import Cruise
+from app.devices.tmc4361.identity import is_one
 from app.devices.tmc4361.setting import Setting
-from app.links.errors import BenchError, WrongState
+from app.links.errors import BenchError, OtherModel, WrongState
 from app.links.port import FramePort
 from app.registers.model import Register
-from app.registers.tmc4361_general import CLOCK_HZ_MAX, CLOCK_HZ_MIN, RESET_CODE
+from app.registers.tmc4361_general import RESET_CODE
 
 CLOCK_TOLERANCE = 0.005
 """By how much CLK_FREQ may differ from the clock before a move warns of it: a crystal's error and some rounding."""
@@ -38,16 +40,19 @@ class Chip(KeepingChip):
         where = await self._on_board()
         async with self.queue.turn() as turn:
             version, clock_hz = await self.words(turn).read_many((rows.VERSION, rows.CLK_FREQ))
-        if version == clock_hz and version in NOTHING:
+        if is_one(version, clock_hz):
+            return f"a TMC4361 answers, version {version}, CLK_FREQ {clock_hz / 1e6:g} MHz{where}"
+        found = await models_found(self.queue, self.access)
+        if version == clock_hz and version in NOTHING and not found:
             raise WrongState(
                 f"no TMC4361 answers here: all bits read {version & 1}", "check power, wiring and chip select"
             )
-        if version >> 4 or not CLOCK_HZ_MIN <= clock_hz <= CLOCK_HZ_MAX:
-            raise WrongState(
-                f"this is no TMC4361: VERSION_NO reads {version:#010x} and CLK_FREQ {clock_hz:#010x}",
-                "choose another model, or check the wiring",
-            )
-        return f"a TMC4361 answers, version {version}, CLK_FREQ {clock_hz / 1e6:g} MHz{where}"
+        raise OtherModel(
+            f"this is no TMC4361: VERSION_NO reads {version:#010x} and CLK_FREQ {clock_hz:#010x}",
+            self.model,
+            found,
+            foreign=bool(found),
+        )
 
     async def refresh(self) -> None:
         async with self.queue.turn() as turn:

@@ -10,17 +10,16 @@ from app.devices.config import DeviceConfig
 from app.devices.keeping_chip import NOTHING, KeepingChip
 from app.devices.planned_motion import PlannedMotion
 from app.devices.prediction import Prediction, PredictionBook
+from app.devices.recognition import models_found
 from app.devices.results import DeviceState, RegisterWritten
+from app.devices.tmc5xxx.identity import VERSIONS, models_of
 from app.devices.tmc5xxx.ramp import Ramp
 from app.devices.tmc5xxx.rows import RAMP, AxisRows, rows_of
 from app.devices.words import Words
-from app.links.errors import BenchError, WrongState
+from app.links.errors import BenchError, OtherModel, WrongState
 from app.links.port import FramePort
 from app.registers.model import Register
 
-VERSIONS = {"tmc5031": 0x01, "tmc5062": 0x01, "tmc5072": 0x10, "tmc5130": 0x11, "tmc5160": 0x30}
-"""VERSION of the first silicon of each, by their data sheets. A later one may have another, but not that of another
-chip."""
 TABLE_MICROSTEPS = 256
 
 
@@ -55,12 +54,24 @@ class Chip(KeepingChip):
                 f"no {title} answers here: all bits read {word & 1}", "check power, wiring and chip select"
             )
         version = inputs.unpack(word)["VERSION"]
-        others = {model.upper() for model, number in VERSIONS.items() if number == version}
-        if version in (0, 0xFF) or (others and self.model.upper() not in others):
-            seems = f", which is that of a {' or '.join(sorted(others))}" if others else ""
-            raise WrongState(
-                f"this is no {title}: VERSION reads {version:#04x}{seems}", "choose another model, or check the wiring"
+        others = models_of(version)
+        if others and self.model not in others:
+            # A TMC5031 and a TMC5062 show what another family's chip may show there by chance.
+            other = await models_found(self.queue, self.access)
+            foreign = bool(other) and not set(other) <= VERSIONS.keys()
+            seems = "" if foreign else f", which is that of a {' or '.join(model.upper() for model in others)}"
+            raise OtherModel(
+                f"this is no {title}: VERSION reads {version:#04x}{seems}",
+                self.model,
+                other or others,
+                foreign=foreign,
             )
+        if version in (0, 0xFF) or not others:
+            other = await models_found(self.queue, self.access)
+            if other or version in (0, 0xFF):
+                raise OtherModel(
+                    f"this is no {title}: VERSION reads {version:#04x}", self.model, other, foreign=bool(other)
+                )
         return f"a {title} answers, version {version:#04x}{where}"
 
     # --- what is kept in mind -------------------------------------------------------------------

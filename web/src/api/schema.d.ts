@@ -500,7 +500,7 @@ export interface paths {
         head?: never;
         /**
          * Edit Device
-         * @description Change a connection. A new name gives a new id; only a new link interrupts the device.
+         * @description Change a connection. A new name gives a new id; only a new link or model interrupts the device.
          */
         patch: operations["edit_device"];
         trace?: never;
@@ -3148,11 +3148,16 @@ export interface components {
         };
         /**
          * DeviceChange
-         * @description What to change; what is left out stays. The link has to suit the model, which stays too.
+         * @description What to change; what is left out stays. The link has to suit the model.
          */
         DeviceChange: {
             /** Name */
             name?: string | null;
+            /**
+             * Model
+             * @description what really answers there; another model is another connection over the same link
+             */
+            model?: ("tmc428" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "pd42-1241") | null;
             /** Link */
             link?: components["schemas"]["EmulatorLink"] | components["schemas"]["Chip40EmulatorLink"] | components["schemas"]["SixPointEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"] | components["schemas"]["ModuleEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"] | null;
             /** Clock Hz */

@@ -6,6 +6,7 @@ import { ColorSchemeToggle } from "./ColorSchemeToggle";
 import { ConditionBar } from "./ConditionBar";
 import { ConnectionBanner } from "./ConnectionBanner";
 import { DevicePicker } from "./DevicePicker";
+import { HeldBack } from "./HeldBack";
 import { LeaseControl } from "./lease/LeaseControl";
 import { LeaseNews } from "./lease/LeaseNews";
 import { LeaseQuestion } from "./lease/LeaseQuestion";
@@ -75,6 +76,7 @@ export function Shell({ children }: PropsWithChildren) {
       </nav>
       <main id="main" tabIndex={-1} className={classes.main}>
         <ConnectionBanner />
+        <HeldBack />
         <PageBoundary key={location}>{children}</PageBoundary>
       </main>
       <footer className={classes.footer}>

@@ -4,6 +4,7 @@ import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useMemo, useState } from "react";
 import { api, problemOf, unwrap } from "../../api/client";
 import { type Device, useCatalogModel } from "../../api/queries";
+import { inDownloadMode } from "../../lib/heldBack";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Section } from "../../lib/Section";
 import { Catalog } from "./Catalog";
@@ -30,7 +31,10 @@ export function DirectMode({ device }: { device: Device }) {
       setText("");
     },
     onError: (error, line) => remember(device.id, { line, answer: null, problem: problemOf(error) }),
-    onSettled: () => queries.invalidateQueries({ queryKey: ["registers", device.id] }),
+    onSettled: async () => {
+      await queries.invalidateQueries({ queryKey: ["registers", device.id] });
+      await queries.invalidateQueries({ queryKey: ["devices"] });
+    },
   });
   const commands = catalog.data?.commands ?? [];
 
@@ -59,7 +63,7 @@ export function DirectMode({ device }: { device: Device }) {
         lines={lines}
         text={text}
         onText={setText}
-        connected={device.state === "connected"}
+        connected={device.state === "connected" || inDownloadMode(device)}
         busy={send.isPending}
         onSend={(line) => send.mutate(line)}
       />
