@@ -40,7 +40,8 @@ def report(document: Document, tests: dict[tuple[str, str], set[str]]) -> tuple[
         if here:
             lines.append(f"    {number:<10} {len(here):>5}  {section.title}{note}")
         else:
-            gaps.append(f"    {number:<10}   gap  {section.title}{note}")
+            reason = f": {section.not_done}" if section.not_done else ""
+            gaps.append(f"    {number:<10}   gap  {section.title}{reason}{note}")
     silent = [section for number, section in document.sections.items() if section.why_not]
     lines += gaps
     lines.append(f"    {covered} of {testable} sections covered, {len(held)} statements tested, {len(gaps)} gaps")

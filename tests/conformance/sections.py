@@ -13,11 +13,13 @@ import pytest
 
 @dataclass(frozen=True)
 class Section:
-    """One numbered section; `why_not` where it states nothing to test, `facts` where our copy lacks its text."""
+    """One numbered section; `why_not` where it states nothing to test, `not_done` where nothing here does what it
+    states, `facts` where our copy lacks its text."""
 
     n: str
     title: str
     why_not: str = ""
+    not_done: str = ""
     facts: bool = False
 
 
@@ -52,6 +54,10 @@ def marks(item: pytest.Item) -> Iterator[tuple[str, str]]:
         if document not in documents() or section not in documents()[document].sections:
             raise pytest.UsageError(
                 f"{item.nodeid}: no section {section} of document {document} in tests/conformance/sections.toml"
+            )
+        if reason := documents()[document].sections[section].not_done:
+            raise pytest.UsageError(
+                f"{item.nodeid}: section {section} of document {document} cannot be held: {reason} (sections.toml)"
             )
         yield document, section
 

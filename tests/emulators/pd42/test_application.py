@@ -114,7 +114,6 @@ def test_the_accumulator_to_a_global_parameter() -> None:
     assert bench.ask(Opcode.AGP, 77, 0).status == Status.INVALID_VALUE
 
 
-@pytest.mark.sheet("004", "3.6.29")
 def test_clearing_flags() -> None:
     bench = Bench()
     for flag in range(5):
@@ -122,9 +121,6 @@ def test_clearing_flags() -> None:
     assert bench.ask(Opcode.CLE, 5).status == Status.WRONG_TYPE
 
 
-@pytest.mark.sheet("004", "3.6.30")
-@pytest.mark.sheet("004", "3.6.31")
-@pytest.mark.sheet("004", "3.5.6")
 def test_switching_interrupts() -> None:
     bench = Bench()
     for opcode in (Opcode.EI, Opcode.DI):
@@ -239,7 +235,6 @@ def test_run_stop_step_and_reset_show_in_the_status() -> None:
     assert bench.ggp(131) == 0
 
 
-@pytest.mark.sheet("004", "8.7")
 def test_automatic_start() -> None:
     bench = Bench()
     bench.power_cycle()

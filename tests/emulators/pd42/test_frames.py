@@ -174,14 +174,7 @@ def test_user_functions_are_not_in_this_firmware(opcode: int) -> None:
 FOR_PROGRAMS = [row for row in BY_OPCODE.values() if not row.direct]
 
 
-@pytest.mark.sheet("004", "3.5.3")
-@pytest.mark.parametrize(
-    "opcode",
-    [
-        pytest.param(row.opcode, marks=pytest.mark.sheet("004", row.source.removeprefix("004, ")), id=row.mnemonic)
-        for row in FOR_PROGRAMS
-    ],
-)
+@pytest.mark.parametrize("opcode", [pytest.param(row.opcode, id=row.mnemonic) for row in FOR_PROGRAMS])
 def test_commands_of_programs_are_not_available_in_direct_mode(opcode: int) -> None:
     # Open in all sources: what such a command is answered with. Here status 6, and nothing happens.
     bench = Bench()

@@ -58,7 +58,6 @@ def test_numbers_that_there_are_not(number: int, bank: int) -> None:
 
 
 @pytest.mark.sheet("004", "5.4")
-@pytest.mark.sheet("004", "3.5.6.3")
 @pytest.mark.parametrize("row", BANK3, ids=lambda row: row.name)
 def test_bank_3_keeps_how_interrupts_are_set_up(row) -> None:  # type: ignore[no-untyped-def]
     bench = Bench()
