@@ -99,13 +99,13 @@ def pages(new_context: Callable[..., BrowserContext], rig: Chip) -> list[Page]:
     return opened
 
 
-def blocked(chip: Chip) -> None:
+def blocked(chip: Chip, target: int = 4_000_000) -> None:
     chip.world(axes=[{"axis": 0, "blocked": True}])
-    chip.call("move", target=60_000)
+    chip.call("move", target=target)
 
 
 def blocked_for_good(chip: Chip) -> None:
-    blocked(chip)
+    blocked(chip, 60_000)
     wait_for(lambda: not chip.axis()["moving"], "the ramp has ended")
 
 
