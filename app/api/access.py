@@ -1,17 +1,17 @@
 """Who may come in: everybody on this machine's own address, and on any other who knows the token.
 
 A server that listens to a network asks for a token: as `Authorization: Bearer`, or once, at `/?token=...` or
-the page `/login`, for a cookie that holds a session until the server ends. Guessing is slow: after a few wrong
-tokens an address has to wait, and what it says meanwhile is not even looked at. Sessions cannot be guessed, so
-nobody who is in is shut out by somebody else's guesses: a stop gets through.
+the page `/login`, for a cookie that holds a session until the server ends. Guesses are told off: after a few wrong
+tokens an address hears how long it should wait. The right token and a session always come in, whoever else guesses
+from behind the same address, so a stop gets through; what keeps guessing hopeless is the token's length.
 """
 
 from __future__ import annotations
 
 import hmac
 import html
-import ipaddress
 import math
+import re
 import secrets
 from collections import OrderedDict, deque
 from collections.abc import Iterable
@@ -33,6 +33,8 @@ TOO_MANY = Kind(429, "/problems/too-many-guesses", "Too many wrong tokens from t
 OPEN_PATHS = frozenset({"/api/v1/health"})
 """What a container's health check has to see; it tells nothing but that we run."""
 LOGIN = "/login"
+STOP = re.compile(r"/api/v1/(devices/[^/]+/axes/[^/]+/)?stop")
+"""Where motors are stopped."""
 SESSIONS_MAX = 1000
 """The oldest session ends where there are more."""
 SESSION_S = 30 * 24 * 3600
@@ -57,14 +59,9 @@ def new_token() -> str:
     return secrets.token_urlsafe(24)
 
 
-def is_loopback(host: str) -> bool:
-    """Whether a server that listens there can only be reached from its own machine."""
-    if host.casefold() == "localhost":
-        return True
-    try:
-        return ipaddress.ip_address(host.strip("[]")).is_loopback
-    except ValueError:
-        return False  # a name may mean anything, and "" is every address
+def is_stop(method: str, path: str) -> bool:
+    """Whether that request stops motors."""
+    return method == "POST" and STOP.fullmatch(path) is not None
 
 
 class Guesses:
@@ -110,29 +107,38 @@ class Access:
             await self._app(scope, receive, send)
             return
         address = (scope.get("client") or ("",))[0]
-        wait_s = self._guesses.wait_s(address)
-        if wait_s:
-            seconds = f"{math.ceil(wait_s)}"
-            facts = {"wait_s": wait_s}
-            refusal = problem_answer(TOO_MANY, f"{seconds} s to wait", scope["path"], facts, **{"Retry-After": seconds})
-            await refusal(scope, receive, send)
-            return
         bearer = next((value for key, value in headers if key == b"authorization"), "")
         scheme, _, said = bearer.partition(" ")
-        if scheme.casefold() == "bearer" and self._is_token(said.strip(), address):
+        if scheme.casefold() == "bearer" and self._is_token(said.strip()):
             await self._app(scope, receive, send)
             return
+        refusal: Response | None = None
         if scope["type"] == "http":
-            response = await self._visitor(Request(scope, receive), address)
-            if response is not None:
-                await response(scope, receive, send)
-                return
-        detail = "the token is wrong" if bearer else "there is no token, and no session of a browser"
-        refusal = problem_answer(UNKNOWN, detail, scope["path"], None, **{"WWW-Authenticate": "Bearer"})
+            try:
+                refusal = await self._visitor(Request(scope, receive))
+            except _Wrong as wrong:
+                refusal = self._told_off(scope, address) or wrong.page
+        if refusal is None and bearer:
+            refusal = self._told_off(scope, address)
+        if refusal is None:
+            detail = "the token is wrong" if bearer else "there is no token, and no session of a browser"
+            refusal = problem_answer(UNKNOWN, detail, scope["path"], None, **{"WWW-Authenticate": "Bearer"})
         await refusal(scope, receive, send)
 
-    async def _visitor(self, request: Request, address: str) -> Response | None:
-        """What a browser gets that is not in yet; None where it is no browser that opens a page."""
+    def _told_off(self, scope: Scope, address: str) -> Response | None:
+        """That address said a wrong token: None while it may guess on."""
+        wait_s = self._guesses.wait_s(address)
+        if not wait_s:
+            self._guesses.was_wrong(address)
+            return None
+        if scope["type"] == "http" and is_stop(scope["method"], scope["path"]):
+            return None  # nobody who stops a motor is told to wait: the token is wrong, and that is what helps
+        seconds = f"{math.ceil(wait_s)}"
+        facts = {"wait_s": wait_s}
+        return problem_answer(TOO_MANY, f"{seconds} s to wait", scope["path"], facts, **{"Retry-After": seconds})
+
+    async def _visitor(self, request: Request) -> Response | None:
+        """What a browser gets that is not in yet; None where it is no browser that opens a page. Raises _Wrong."""
         if request.method == "POST" and request.url.path == LOGIN:
             body = b""
             async for chunk in request.stream():
@@ -140,7 +146,9 @@ class Access:
                 if len(body) > FORM_BYTES_MAX:
                     return _page("That is no token.", 413)
             said = parse_qs(body.decode("latin-1")).get("token", [""])[0]
-            return self._welcome(request, "/") if self._is_token(said.strip(), address) else _page("Wrong token.", 401)
+            if self._is_token(said.strip()):
+                return self._welcome(request, "/")
+            raise _Wrong(_page("Wrong token.", 401))
         if request.method not in ("GET", "HEAD") or request.url.path.startswith("/api/"):
             return None
         query = dict(request.query_params)
@@ -148,7 +156,7 @@ class Access:
             if self._is_token(query.pop("token"), address):
                 # Another address, so that the token stands in no history and no bookmark.
                 return self._welcome(request, request.url.path + (f"?{urlencode(query)}" if query else ""))
-            return _page("The token in the address is wrong.", 401)
+            raise _Wrong(_page("The token in the address is wrong.", 401))
         return _page(WHERE, 401) if "text/html" in request.headers.get("accept", "") else None
 
     def _welcome(self, request: Request, path: str) -> Response:
@@ -167,11 +175,8 @@ class Access:
         )
         return response
 
-    def _is_token(self, said: str, address: str) -> bool:
-        if hmac.compare_digest(said.encode("utf-8", "replace"), self._token):
-            return True
-        self._guesses.was_wrong(address)
-        return False
+    def _is_token(self, said: str) -> bool:
+        return hmac.compare_digest(said.encode("utf-8", "replace"), self._token)
 
     def _in_session(self, scope: Scope, headers: Iterable[tuple[bytes, str]]) -> bool:
         for key, value in headers:
@@ -184,6 +189,13 @@ class Access:
                 if ends is not None and ends > self._clock.now():
                     return True
         return False
+
+
+class _Wrong(Exception):
+    """A token was said, and it is wrong; `page` says so."""
+
+    def __init__(self, page: Response) -> None:
+        self.page = page
 
 
 def _cookie_name(scope: Scope) -> str:

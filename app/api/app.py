@@ -9,10 +9,10 @@ from fastapi import FastAPI
 
 from app import __version__
 from app.api import openapi, problems
-from app.api.access import Access, is_loopback, new_token
+from app.api.access import Access, new_token
 from app.api.auditing import Auditing
 from app.api.bench import Bench
-from app.api.guard import Guard
+from app.api.guard import Guard, is_loopback
 from app.api.lease_gate import Free, LeaseGate
 from app.api.routes import (
     audit,
@@ -105,7 +105,10 @@ def make_app(bench: Bench, lifespan: Lifespan) -> FastAPI:
         app.add_middleware(Access, token=app.state.token, clock=bench.clock)
     # Added last, so it looks first: a foreign page may not even guess.
     app.add_middleware(
-        Guard, allowed_hosts=bench.settings.allowed_hosts, body_limit_bytes=bench.settings.body_limit_bytes
+        Guard,
+        allowed_hosts=bench.settings.allowed_hosts,
+        body_limit_bytes=bench.settings.body_limit_bytes,
+        local=is_loopback(bench.settings.host),
     )
     return app
 

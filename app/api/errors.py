@@ -37,3 +37,7 @@ class BenchNotTaken(WrongState):
 
     def __init__(self, why: str = "this session only looks") -> None:
         super().__init__(why, "take the bench first, it is free: POST /lease")
+
+
+class ForeignPage(WrongState):
+    """A page of another web site asks for what changes something, although it is asked by GET."""

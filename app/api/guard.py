@@ -3,7 +3,12 @@
 A motor must not move because some web page elsewhere posted to 127.0.0.1. Browsers say where a
 request comes from (Origin, Sec-Fetch-Site); scripts say nothing and are let through. A page that
 points its own DNS name at this machine (rebinding) looks same-origin, but bears that name in Host:
-so Host must be an address, a name that public DNS cannot give, or one that the settings allow.
+so Host must be an address, a name that public DNS cannot give, or one that the settings allow. In a network anybody
+may give out names without a dot, and under .local: a server that only its own machine can reach takes none but those
+of this machine.
+
+A GET changes nothing, so any page may send one, and the browser keeps the answer from it. Those few that do change
+something (reading clears a register) ask `require_own_page`.
 """
 
 from __future__ import annotations
@@ -14,6 +19,7 @@ from functools import lru_cache
 from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from app.api.errors import ForeignPage
 from app.api.problems import FOREIGN, TOO_LARGE, problem_answer
 
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
@@ -27,14 +33,26 @@ def host_name(authority: str) -> str:
 
 
 @lru_cache(maxsize=256)  # asked for every request, and nearly always the same
-def host_is_ours(authority: str, allowed: frozenset[str]) -> bool:
-    """Whether a browser under that Host can only mean this machine."""
+def host_is_ours(authority: str, allowed: frozenset[str], local: bool = False) -> bool:
+    """Whether a browser under that Host can only mean this server; `local` if only its own machine reaches it."""
     name = host_name(authority)
     if not name:
         return False
+    if local:
+        return name in allowed or name == "localhost" or name.endswith(".localhost") or is_loopback(name)
     if "." not in name or name in allowed or name.endswith((".localhost", ".local")):
         return True  # no dot: localhost, a container, a machine in this network; never from public DNS
     return is_address(name)
+
+
+def is_loopback(host: str) -> bool:
+    """Whether a server that listens there can only be reached from its own machine."""
+    if host.casefold() == "localhost":
+        return True
+    try:
+        return ipaddress.ip_address(host.strip("[]")).is_loopback
+    except ValueError:
+        return False  # a name may mean anything, and "" is every address
 
 
 def is_address(name: str) -> bool:
@@ -53,11 +71,27 @@ def origin_is_ours(origin: str, authority: str, allowed: frozenset[str]) -> bool
     return page.casefold() == authority.casefold() or host_name(page) in allowed
 
 
-class Guard:
-    """ASGI middleware: 403 for foreign pages, 413 for long bodies."""
+_FOREIGN_PAGE = "stepscope.foreign_page"
 
-    def __init__(self, app: ASGIApp, allowed_hosts: tuple[str, ...], body_limit_bytes: int) -> None:
+
+def require_own_page(scope: Scope) -> None:
+    """Raises ForeignPage where another web site's page sent this request, although it is a GET."""
+    finding = scope.get(_FOREIGN_PAGE, "")
+    if finding:
+        raise ForeignPage(finding)
+
+
+class Guard:
+    """ASGI middleware: 403 for foreign pages, 413 for long bodies.
+
+    `local`: as in `host_is_ours`; None is for those connections that came to an address of this machine alone.
+    """
+
+    def __init__(
+        self, app: ASGIApp, allowed_hosts: tuple[str, ...], body_limit_bytes: int, *, local: bool | None = None
+    ) -> None:
         self._app = app
+        self._local = local
         self._allowed = frozenset(allowed_hosts)
         self._limit = body_limit_bytes
 
@@ -75,7 +109,11 @@ class Guard:
                 site = value.decode("latin-1")
             elif key == b"content-length":
                 length = value.decode("latin-1")
-        finding = self._foreign(scope, host, origin, site)
+        finding = self._foreign_host(scope, host)
+        if not finding:
+            finding = self._foreign_page(host, origin, site)
+            if finding and scope["type"] == "http" and scope["method"] in SAFE_METHODS:
+                scope[_FOREIGN_PAGE], finding = finding, ""
         if finding:
             await problem_answer(FOREIGN, finding, scope["path"])(scope, receive, send)
             return
@@ -87,11 +125,14 @@ class Guard:
             receive = _Counted(receive, self._limit)
         await self._app(scope, receive, send)
 
-    def _foreign(self, scope: Scope, host: str, origin: str, site: str) -> str:
-        if not host_is_ours(host, self._allowed):
-            return f"Host {host!r} is not a name of this server; STEPSCOPE_ALLOWED_HOSTS can make it one"
-        if scope["type"] == "http" and scope["method"] in SAFE_METHODS:
+    def _foreign_host(self, scope: Scope, host: str) -> str:
+        local = is_loopback((scope.get("server") or ("",))[0]) if self._local is None else self._local
+        if host_is_ours(host, self._allowed, local):
             return ""
+        here = "; only localhost is, since it listens to its own machine" if local else ""
+        return f"Host {host!r} is not a name of this server{here}; STEPSCOPE_ALLOWED_HOSTS can make it one"
+
+    def _foreign_page(self, host: str, origin: str, site: str) -> str:
         if origin:
             ours = origin_is_ours(origin, host, self._allowed)
             return "" if ours else f"a page of {origin} may not use the bench at {host}"

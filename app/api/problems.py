@@ -19,7 +19,7 @@ from pydantic import ValidationError
 from starlette.exceptions import HTTPException
 
 from app.api.conditions import condition_out
-from app.api.errors import BenchNotTaken, BenchTaken, UnencodableWave
+from app.api.errors import BenchNotTaken, BenchTaken, ForeignPage, UnencodableWave
 from app.api.schemas import AxisProblem, Condition, Problem
 from app.links.errors import (
     BadReply,
@@ -57,6 +57,8 @@ class Kind:
     way_out: str | None = None
 
 
+FOREIGN = Kind(403, "/problems/foreign-origin", "Refused: this request comes from another web site")
+
 KINDS: dict[type[Exception], Kind] = {
     UnknownThing: Kind(404, "/problems/unknown-thing", "There is no such thing"),
     WriteRefused: Kind(409, "/problems/write-refused", "The chip did not take the write"),
@@ -66,6 +68,7 @@ KINDS: dict[type[Exception], Kind] = {
     DownloadMode: Kind(409, "/problems/download-mode", "Download mode: polling paused"),
     OtherModel: Kind(409, "/problems/other-model", "This is another model"),
     UnknownParameter: Kind(409, "/problems/unknown-parameter", "This module has no such parameter"),
+    ForeignPage: FOREIGN,
     WrongState: Kind(409, "/problems/wrong-state", "Not possible now"),
     LinkDown: Kind(
         409,
@@ -93,7 +96,6 @@ KINDS: dict[type[Exception], Kind] = {
 """Every class of the BenchError tree; a test walks the tree for one that is missing."""
 
 UNDECODABLE = Kind(400, "/problems/undecodable-body", "The body is not JSON", "send JSON with its content type")
-FOREIGN = Kind(403, "/problems/foreign-origin", "Refused: this request comes from another web site")
 INVALID = Kind(422, "/problems/invalid-request", "The request does not fit the contract")
 TOO_LARGE = Kind(413, "/problems/body-too-large", "The body is too long")
 INTERNAL = Kind(500, "/problems/internal", "stepscope failed", "the server's log says more; please report it")

@@ -394,6 +394,10 @@ class Device(ABC):
         """Read one register, or a field by its own name, from the chip, past any cache."""
 
     @abstractmethod
+    def clears_when_read(self, name: str, axis: int | None = None) -> bool:
+        """Whether reading that register, or field, sets it back. Raises UnknownThing, UsageError."""
+
+    @abstractmethod
     async def read_all(self, axis: int | None = None, groups: Collection[str] = ()) -> list[RegisterReading]:
         """Every readable register; with `axis` only of that axis (no global ones), with `groups` only of those."""
 

@@ -55,6 +55,9 @@ class RegisterChip(Device):
         self._delivered(register)
         return reading(register, part, shown)
 
+    def clears_when_read(self, name: str, axis: int | None = None) -> bool:
+        return self.find(name, axis)[0].read_clears
+
     async def read_all(self, axis: int | None = None, groups: Collection[str] = ()) -> list[RegisterReading]:
         if axis is not None:
             self.axis(axis)

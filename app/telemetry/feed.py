@@ -13,12 +13,15 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from app.clock import Clock
-from app.devices.device import Device, DeviceEvent, MotionStarted
+from app.devices.changes import RegisterChanged
+from app.devices.device import Device, DeviceEvent, MotionCommanded, MotionStarted, StateChanged
 from app.devices.results import ChipEvents, MotionEnd
 from app.links.errors import BenchError, OutOfRange
 from app.telemetry.group import PUMP_S, FloatArray, Group, Subscription, WireUse
-from app.telemetry.history import HISTORY_RATE_HZ, SHARED_RATE_HZ, SHARED_SHARE, History
+from app.telemetry.history import HISTORY_RATE_HZ, REST_RATE_HZ, SHARED_RATE_HZ, SHARED_SHARE, History
 from app.telemetry.reader import QUEUED_ROWS_LEAST, QUEUED_S, Gap, MoveSeen, Reader
 from app.telemetry.sampling import Block, Sampling
 
@@ -26,6 +29,14 @@ log = logging.getLogger("stepscope.telemetry")
 
 IDLE_PUMP_S = 0.1
 """The beat of the pump while nobody reads [s]: often enough for the history."""
+REST_PUMP_S = 0.5
+"""The same while the history rests [s]."""
+LIVELY_S = 2.0
+"""How long after the latest change of place or speed, and after a command, the history goes on at its full rate [s]."""
+LATE_S = 0.25
+"""A pump that wakes later than this [s] finds a machine with more to do than it can: the history then rests for
+`CROWDED_S` [s], so that requests and readers have what there is."""
+CROWDED_S = 5.0
 RATE_LIMITS_HZ = (1.0, 1000.0)
 BATCH_LIMITS_HZ = (1.0, 60.0)
 
@@ -53,8 +64,18 @@ class Feed:
         self._clock = clock
         self._unix_s = unix_s
         self._groups: dict[Subscription, Group] = {}
-        self._history = History([channel.name for channel in device.channels()], history_minutes)
+        channels = device.channels()
+        self._history = History([channel.name for channel in channels], history_minutes)
+        self._tells_motion = [
+            index
+            for index, channel in enumerate(channels)
+            if "position" in channel.quantity or "velocity" in channel.quantity
+        ]
+        """Columns of the history that change while something moves."""
         self._history_sampling: Sampling | None = None
+        self._history_wanted_hz = 0.0
+        self._lively_until_s = clock.now() + LIVELY_S
+        self._crowded_until_s = clock.now()
         self._live: Sampling | None = None
         self._wanted_hz = 0.0
         """What the readers want of it; it may be less."""
@@ -127,10 +148,7 @@ class Feed:
                     port.run_due_samples()
                 except BenchError as error:
                     self._gap(str(error))
-        if self._history_sampling is not None:
-            block = self._history_sampling.take()
-            self._in_gap = self._in_gap and not len(block.time_s)
-            self._history.append(block)
+        self._take_history()
         if self._live is not None:
             block = self._live.take()
             if self.device.shares_rows and len(block.time_s):
@@ -168,9 +186,12 @@ class Feed:
     async def _run(self) -> None:
         due_s = self._clock.now()
         while True:
-            beat_s = PUMP_S if self._groups else IDLE_PUMP_S
+            beat_s = PUMP_S if self._groups else IDLE_PUMP_S if self._lively else REST_PUMP_S
             due_s = max(due_s + beat_s, self._clock.now())
             await self._clock.sleep(due_s - self._clock.now())
+            now_s = self._clock.now()
+            if now_s - due_s > LATE_S:
+                self._crowded_until_s = now_s + CROWDED_S
             try:
                 self.pump()
             except Exception:  # a mistake of ours must not end the telemetry of everybody
@@ -185,6 +206,11 @@ class Feed:
             group.offer(block, oldest_s)
 
     def _hear(self, event: DeviceEvent) -> None:
+        # A stop sets nothing in motion: what it ends is sampled at the full rate already.
+        if isinstance(event, RegisterChanged | StateChanged | MotionStarted) or (
+            isinstance(event, MotionCommanded) and event.what != "stop"
+        ):
+            self._rouse()
         if isinstance(event, MotionStarted):
             for group in self._groups.values():
                 group.tell(MoveSeen(event.axis, event.started_at_s))
@@ -215,6 +241,36 @@ class Feed:
             sampled_per_s = sum(sampling.rate_hz * sampling.questions for sampling in both if sampling is not None)
         return WireUse(device.calls_per_s + sampled_per_s, device.calls_per_s_possible, spread_s * 1e3)
 
+    # --- the history, at its full rate and at rest ------------------------------------------------
+
+    @property
+    def _lively(self) -> bool:
+        """Whether the history is sampled at its full rate."""
+        now_s = self._clock.now()
+        return self._crowded_until_s <= now_s < self._lively_until_s
+
+    def _rouse(self) -> None:
+        """Something is about to happen: sample the history at its full rate from now on."""
+        rested = not self._lively
+        self._lively_until_s = self._clock.now() + LIVELY_S
+        if rested and self._lively and self._history_sampling is not None:
+            self._remember()
+            self._restart_pump()
+
+    def _take_history(self) -> None:
+        """Keep what was sampled for the history, and see whether anything moves."""
+        if self._history_sampling is None:
+            return
+        block = self._history_sampling.take()
+        if not len(block.time_s):
+            return
+        self._in_gap = False
+        before = self._history.latest
+        rows = block.samples if before is None else np.vstack((before, block.samples))
+        if (np.ptp(rows[:, self._tells_motion], axis=0) > 0).any():
+            self._lively_until_s = self._clock.now() + LIVELY_S
+        self._history.append(block)
+
     def _resume(self) -> None:
         self._remember()
         if self._live is None:
@@ -222,16 +278,20 @@ class Feed:
 
     def _remember(self) -> None:
         """Sample for the history, but not where that would take the wire from readers: then they share rows."""
-        shares = self.device.shares_rows
-        if self._history_sampling is None and not (shares and self._groups):
-            channels = self._history.channels
-            rate_hz = HISTORY_RATE_HZ
-            if shares:
-                most_hz = self.device.sample_rate_max_hz(self.device.sample_plan(channels))
-                rate_hz = min(SHARED_RATE_HZ, SHARED_SHARE * most_hz)
-            self._history_sampling = self._sampling(channels, rate_hz)
-        elif self._history_sampling is not None and shares and self._groups:
+        if self.device.shares_rows and self._groups:
             self._end_history()
+            return
+        wanted_hz = HISTORY_RATE_HZ if self._lively else REST_RATE_HZ
+        if self._history_sampling is not None and self._history_wanted_hz == wanted_hz:
+            return
+        self._take_history()
+        self._end_history()
+        self._history_wanted_hz = rate_hz = wanted_hz
+        channels = self._history.channels
+        if self.device.shares_rows:
+            most_hz = self.device.sample_rate_max_hz(self.device.sample_plan(channels))
+            rate_hz = min(rate_hz, SHARED_RATE_HZ, SHARED_SHARE * most_hz)
+        self._history_sampling = self._sampling(channels, rate_hz)
 
     def _pause(self) -> None:
         if self._history_sampling is not None:

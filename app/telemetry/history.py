@@ -13,6 +13,8 @@ from app.telemetry.sampling import Block
 FloatArray = NDArray[np.float64]
 
 HISTORY_RATE_HZ = 50.0
+REST_RATE_HZ = 2.0
+"""The same while nothing moves and nobody commands anything: 64 devices at rest must not keep a computer busy."""
 SHARED_RATE_HZ = 10.0
 """The same on a wire that readers share, while there are none."""
 SHARED_SHARE = 0.25
@@ -24,6 +26,8 @@ class History:
 
     def __init__(self, channels: Sequence[str], minutes: float) -> None:
         self.channels = tuple(channels)
+        self.latest: FloatArray | None = None
+        """The row that was added last."""
         self._column = {name: index for index, name in enumerate(self.channels)}
         self._slot = np.nan
         self._ring = Ring(len(self.channels), max(1, round(minutes * 60 * HISTORY_RATE_HZ)))
@@ -35,6 +39,7 @@ class History:
         """Add what was sampled."""
         if len(block.time_s):
             self._ring.append(block.time_s, block.samples)
+            self.latest = block.samples[-1]
 
     def append_shared(self, block: Block, channels: Sequence[str]) -> None:
         """Add what was sampled for readers, no more than the history wants; what they did not ask is not known."""

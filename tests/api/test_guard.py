@@ -32,6 +32,65 @@ def test_addresses_and_local_names_are_ours(authority: str) -> None:
     assert host_is_ours(authority, frozenset())
 
 
+LOCAL = ["127.0.0.1:8000", "127.8.9.1", "[::1]:8000", "localhost:8000", "LOCALHOST.", "x.localhost:1"]
+ELSEWHERE = ["evil.local", "bench-pc:8000", "192.168.1.20", "[fe80::1]", "localhost.local", "localhostx", "0.0.0.0"]
+
+
+@pytest.mark.parametrize("authority", LOCAL)
+def test_a_server_of_one_machine_takes_the_names_of_that_machine(authority: str) -> None:
+    assert host_is_ours(authority, frozenset(), local=True)
+
+
+@pytest.mark.parametrize("authority", ELSEWHERE)
+def test_and_none_that_somebody_in_the_network_can_give_out(authority: str) -> None:
+    assert not host_is_ours(authority, frozenset(), local=True)
+    assert host_is_ours(authority, frozenset({host_name(authority)}), local=True)
+
+
+@pytest.mark.parametrize("name", ["evil.local:8000", "bench-pc:8000"])
+async def test_a_name_of_the_network_moves_nothing_on_a_server_without_a_token(
+    client: httpx.AsyncClient, name: str
+) -> None:
+    headers = {"host": name, "origin": f"http://{name}"}
+    for method, path in (("GET", "devices"), ("POST", "devices/bench/axes/0/move")):
+        answer = await client.request(method, path, headers=headers, json={"target": 100})
+        assert answer.status_code == 403
+        assert "STEPSCOPE_ALLOWED_HOSTS" in answer.json()["detail"]
+    assert (await client.get("devices/bench/axes/0")).json()["position"] == 0
+
+
+async def _with_an_event(client: httpx.AsyncClient) -> str:
+    """The address of a register that reading clears, of a chip that nothing else looks at, with something in it."""
+    link = {"kind": "emulator"}
+    assert (await client.post("devices", json={"name": "Six", "model": "tmc5130", "link": link})).status_code == 201
+    return "devices/six/registers/GSTAT"
+
+
+@pytest.mark.parametrize(
+    "headers", [{"sec-fetch-site": "cross-site"}, {"sec-fetch-site": "same-site"}, {"origin": "http://evil.com"}]
+)
+async def test_a_foreign_page_clears_no_register_by_reading_it(
+    client: httpx.AsyncClient, headers: dict[str, str]
+) -> None:
+    where = await _with_an_event(client)
+    answer = await client.get(where, headers=headers)
+    assert answer.status_code == 403
+    assert answer.json()["type"] == "/problems/foreign-origin"
+    assert (await client.get("devices/six/registers/GCONF", headers=headers)).status_code == 200
+    assert (await client.get(where, headers={"sec-fetch-site": "same-origin"})).status_code == 200
+
+
+async def test_neither_does_who_only_looks(client: httpx.AsyncClient) -> None:
+    where = await _with_an_event(client)
+    anna, otto = ({"stepscope-session": f"session-of-{name}-0001"} for name in ("anna", "otto"))
+    assert (await client.get(where, headers=otto)).json()["type"] == "/problems/bench-not-taken"
+    assert (await client.post("lease", json={"name": "Anna"}, headers=anna)).status_code == 200
+    for headers in (otto, {}):
+        assert (await client.get(where, headers=headers)).json()["type"] == "/problems/bench-taken"
+    assert (await client.get(where, headers=anna)).status_code == 200
+    assert (await client.get("devices/six/registers/GCONF", headers=otto)).status_code == 200
+
+
 @pytest.mark.parametrize("authority", ["evil.com", "127.0.0.1.evil.com:8000", "localhost.evil.com", "", ":8000"])
 def test_names_of_public_dns_are_not(authority: str) -> None:
     assert not host_is_ours(authority, frozenset())

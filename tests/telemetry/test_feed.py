@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from app.links.errors import OutOfRange, UnknownThing
-from app.telemetry.feed import Joined
+from app.telemetry.feed import CROWDED_S, LATE_S, Joined
 from app.telemetry.frames import FloatArray, decode
+from app.telemetry.history import REST_RATE_HZ
 from app.telemetry.reader import Gap, MoveSeen, Reader, Status
 from tests.telemetry.conftest import Rig
 
@@ -101,18 +102,57 @@ async def test_nobody_reads_and_nothing_but_the_history_is_sampled(rig: Rig) -> 
 
 
 async def test_a_page_that_is_reloaded_has_its_history(rig: Rig) -> None:
-    await rig.device.move(0, 4000)
+    await rig.device.rotate(0, 1000)
     await rig.clock.advance(20.0)
     joined = rig.hub.join("chip", ("position.0", "velocity.1"), 1000.0, history_s=15.0)
     past_s, past = joined.history_time_s, joined.history
     assert len(past_s) == pytest.approx(15 * 50, abs=2)
     np.testing.assert_allclose(np.diff(past_s), 0.02, atol=1e-9)
-    assert past[-1].tolist() == [4000, 0]
+    assert past[-1, 0] == pytest.approx((await rig.device.axis_state(0)).position, abs=25)
+    assert past[-1, 1] == 0
     live_s, _ = await run(rig, joined, 1.0)
     assert live_s[0] >= past_s[-1], "the past and the present do not overlap"
     assert live_s[0] - past_s[-1] <= 0.021
     without = rig.hub.join("chip", ("position.0",), 1000.0)
     assert len(without.history_time_s) == 0
+
+
+async def test_the_history_of_what_rests_is_thin_and_of_what_moves_is_not(rig: Rig) -> None:
+    await rig.clock.advance(60.0)
+    rest_s = rig.hub.join("chip", ("position.0",), 100.0, history_s=30.0).history_time_s
+    assert len(rest_s) == pytest.approx(30 * REST_RATE_HZ, abs=1)
+    began_s = rig.device.device_time_s()
+    await rig.device.move(0, 4000)
+    await rig.clock.advance(30.0)
+    joined = rig.hub.join("chip", ("position.0",), 100.0, history_s=30.0)
+    time_s, position = joined.history_time_s, joined.history[:, 0]
+    there_s = time_s[np.argmax(position == 4000)]
+    assert np.diff(time_s[(began_s <= time_s) & (time_s <= there_s)]).max() <= 0.02 + 1e-9
+    assert time_s[time_s >= began_s][0] - began_s <= 0.02
+    assert there_s - began_s > 0.2
+    assert len(time_s[time_s > there_s + 3.0]) < 30 * REST_RATE_HZ
+
+
+async def test_a_history_comes_back_to_its_full_rate_where_nobody_here_commanded_it(rig: Rig) -> None:
+    await rig.clock.advance(60.0)
+    rig.emulator.exchange(bytes.fromhex("00 10 00 00"))  # x_target of axis 0, by another master
+    await rig.clock.advance(3.0)
+    joined = rig.hub.join("chip", ("position.0",), 100.0, history_s=1.0)
+    assert len(joined.history_time_s) == pytest.approx(50, abs=2)
+
+
+async def test_a_machine_with_too_much_to_do_gets_a_thin_history(rig: Rig) -> None:
+    await rig.device.rotate(0, 1000)
+    await rig.clock.advance(10.0)
+    rig.clock.set(rig.clock.now() + 2 * LATE_S)  # every timer is late
+    await rig.clock.advance(1.0)
+    began_s = rig.device.device_time_s()
+    await rig.clock.advance(2.0)
+    joined = rig.hub.join("chip", ("position.0",), 100.0, history_s=rig.device.device_time_s() - began_s)
+    assert len(joined.history_time_s) == pytest.approx(2 * REST_RATE_HZ, abs=1)
+    await rig.clock.advance(CROWDED_S + 2.0)
+    joined = rig.hub.join("chip", ("position.0",), 100.0, history_s=1.0)
+    assert len(joined.history_time_s) == pytest.approx(50, abs=2)
 
 
 async def test_a_slow_reader_loses_the_oldest_and_knows_how_many(rig: Rig) -> None:

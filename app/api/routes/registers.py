@@ -9,6 +9,8 @@ from fastapi import APIRouter, Query, Request
 from app.api.abilities import CurrentStoringDevice
 from app.api.convert import batch_result
 from app.api.deps import AxisQuery, CurrentDevice, DeviceId, RegisterName, device_of
+from app.api.errors import ForeignPage
+from app.api.guard import require_own_page
 from app.api.problems import DEVICE_PROBLEMS, problems
 from app.api.schemas import (
     Exchange,
@@ -19,6 +21,7 @@ from app.api.schemas import (
     RegisterWrite,
     RegisterWritten,
 )
+from app.devices.actor import actor
 from app.devices.results import WriteItem
 from app.links.errors import SoftLimit, WriteRefused
 
@@ -52,13 +55,17 @@ async def write_registers(device: CurrentDevice, body: RegisterBatch) -> Registe
     return batch_result(await device.write_many(items))
 
 
-@router.get("/registers/{name}", responses=problems(*DEVICE_PROBLEMS))
+@router.get("/registers/{name}", responses=problems(*DEVICE_PROBLEMS, ForeignPage))
 async def read_register(
     request: Request, device: DeviceId, name: RegisterName, axis: AxisQuery = None
 ) -> RegisterReading:
-    """Read one register, or a field by its own name, past any cache."""
+    """Read one register, or a field by its own name, past any cache. Where reading clears it, this is a change."""
     # The call that scripts poll with: without the dependency it is a quarter faster.
-    return RegisterReading.model_validate(await device_of(request, device).read(name, axis))
+    asked = device_of(request, device)
+    if asked.clears_when_read(name, axis):  # whoever only looks must not take an event from whoever works
+        require_own_page(request.scope)
+        request.app.state.bench.lease.require(actor.get().session)
+    return RegisterReading.model_validate(await asked.read(name, axis))
 
 
 @router.put("/registers/{name}", responses=problems(*DEVICE_PROBLEMS, SoftLimit, WriteRefused))

@@ -58,6 +58,9 @@ class Parameters(Module):
             reading.name, reading.value, reading.unit = part.name, reading.fields[part.name], part.unit
         return reading
 
+    def clears_when_read(self, name: str, axis: int | None = None) -> bool:
+        return self.find(name, axis)[0].read_clears
+
     async def read_all(self, axis: int | None = None, groups: Collection[str] = ()) -> list[RegisterReading]:
         """Every parameter but those that a read would clear: these only somebody who asks for them by name gets."""
         if axis is not None:
