@@ -291,9 +291,14 @@ def _controlling(app: FastAPI, listener: socket.socket) -> Iterator[None]:
     """The control port, in a thread of its own, as long as the block runs. The line's server has to run meanwhile."""
     import uvicorn  # a quarter of a second that most lines need not wait for
 
+    from app.connections import Door, Limits, Listener, descriptor_limit, limited_http
+
+    door = Door(Limits.of_descriptors(descriptor_limit()))
     web = uvicorn.Server(
         uvicorn.Config(
             app,
+            http=limited_http(door, lambda method, path: False),
+            loop="asyncio",
             log_level="warning",
             access_log=False,
             lifespan="off",
@@ -301,7 +306,9 @@ def _controlling(app: FastAPI, listener: socket.socket) -> Iterator[None]:
             timeout_graceful_shutdown=1,
         )
     )
-    thread = threading.Thread(target=web.run, kwargs={"sockets": [listener]}, name="control", daemon=True)
+    thread = threading.Thread(
+        target=web.run, kwargs={"sockets": [Listener.over(listener, door)]}, name="control", daemon=True
+    )
     thread.start()
     try:
         yield

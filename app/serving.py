@@ -14,6 +14,8 @@ from urllib.parse import urlencode
 import uvicorn
 from fastapi import FastAPI
 
+from app.api.access import is_stop
+from app.connections import Door, Limits, Listener, descriptor_limit, limited_http, raise_descriptor_limit
 from app.listening import listen, url_of
 from app.main import bench_of, create_app, stop_motors
 from app.settings import Settings
@@ -37,6 +39,7 @@ def serve(settings: Settings, announce: Callable[[str], None]) -> None:
 
 def _serve(settings: Settings, listener: socket.socket, announce: Callable[[str], None]) -> None:
     port = listener.getsockname()[1]
+    raise_descriptor_limit()
     app = create_app(settings)
     ready = f"stepscope is at {_address(app, settings, port)}  (Ctrl-C stops the motors and ends it)"
     server = BenchServer(app, settings, on_ready=lambda: announce(ready))
@@ -65,12 +68,14 @@ class BenchServer(uvicorn.Server):
     """uvicorn that stops the motors before it says goodbye to anybody."""
 
     def __init__(self, app: FastAPI, settings: Settings, on_ready: Callable[[], None]) -> None:
-        super().__init__(uvicorn.Config(app, **_options(settings)))  # type: ignore[arg-type]  # a table of options
+        self.door = Door(Limits.of_descriptors(descriptor_limit()))
+        options = {**_options(settings), "http": limited_http(self.door, is_stop)}
+        super().__init__(uvicorn.Config(app, **options))  # type: ignore[arg-type]  # a table of options
         self._bench = bench_of(app)
         self._on_ready = on_ready
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:
-        await super().startup(sockets)
+        await super().startup([Listener.over(each, self.door) for each in sockets or ()])
         self._on_ready()
 
     async def shutdown(self, sockets: list[socket.socket] | None = None) -> None:
@@ -112,6 +117,7 @@ def _options(settings: Settings) -> dict[str, object]:
         "host": settings.host,
         "port": settings.port,
         "http": "httptools",
+        "loop": "asyncio",  # others accept by themselves: `Listener` would not be asked
         "ws": "websockets-sansio",
         "ws_per_message_deflate": False,  # float64 noise hardly shrinks, and compressing costs more than the wire
         "log_level": "warning" if settings.log_level == "info" else settings.log_level,

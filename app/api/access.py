@@ -153,7 +153,7 @@ class Access:
             return None
         query = dict(request.query_params)
         if "token" in query:
-            if self._is_token(query.pop("token"), address):
+            if self._is_token(query.pop("token")):
                 # Another address, so that the token stands in no history and no bookmark.
                 return self._welcome(request, request.url.path + (f"?{urlencode(query)}" if query else ""))
             raise _Wrong(_page("The token in the address is wrong.", 401))

@@ -57,7 +57,7 @@ export interface paths {
         };
         /**
          * Read Register
-         * @description Read one register, or a field by its own name, past any cache.
+         * @description Read one register, or a field by its own name, past any cache. Where reading clears it, this is a change.
          */
         get: operations["read_register"];
         /**
@@ -10579,7 +10579,7 @@ export interface operations {
                     "application/json": components["schemas"]["RegisterReading"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); Refused: this request comes from another web site (/problems/foreign-origin) */
             403: {
                 headers: {
                     [name: string]: unknown;

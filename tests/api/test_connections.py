@@ -1,0 +1,175 @@
+"""Connections of strangers have limits, and a stop gets past all of them."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import re
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+from websockets.asyncio.client import connect
+
+from app.connections import DESCRIPTORS_KEPT, HEAD_BYTES_MAX, STOPS_KEPT, Limits
+from tests.api.live import live_server
+
+TOTAL, OF_ADDRESS = 12, 9
+HALF = b"GET /api/v1/devices HTTP/1.1\r\nHost: 127.0.0.1\r\n"
+Streams = tuple[asyncio.StreamReader, asyncio.StreamWriter]
+PATIENCE_S = 20.0
+
+
+class Visitors:
+    """Everybody who talks to one server."""
+
+    def __init__(self, url: str) -> None:
+        self.url = url
+        self.port = int(url.rpartition(":")[2])
+        self.all: list[Streams] = []
+
+    async def come(self, said: bytes = b"") -> Streams:
+        streams = await asyncio.open_connection("127.0.0.1", self.port)
+        self.all.append(streams)
+        streams[1].write(said)
+        await streams[1].drain()
+        return streams
+
+    async def ask(self, method: str, path: str) -> int:
+        """The status of one request over a connection of its own."""
+        reader, _ = await self.come(f"{method} /api/v1/{path} HTTP/1.1\r\nHost: 127.0.0.1\r\n\r\n".encode())
+        return await status_of(reader)
+
+    async def left(self) -> int:
+        """How many connections were not ended by the server."""
+        ended = 0
+        for reader, _ in self.all:
+            with contextlib.suppress(TimeoutError, ConnectionError):
+                async with asyncio.timeout(0.01):
+                    while await reader.read(65_536):
+                        pass
+            ended += reader.at_eof() or reader.exception() is not None
+        return len(self.all) - ended
+
+
+async def status_of(reader: asyncio.StreamReader) -> int:
+    async with asyncio.timeout(PATIENCE_S):
+        line = await reader.readline()
+    found = re.match(rb"HTTP/1.1 (\d+)", line)
+    assert found, line
+    return int(found[1])
+
+
+async def ended(reader: asyncio.StreamReader) -> bool:
+    """Whether the server ends that connection, before this test loses its patience."""
+    async with asyncio.timeout(PATIENCE_S):
+        with contextlib.suppress(ConnectionError):
+            await reader.read()
+    return True
+
+
+@pytest.fixture
+async def visitors(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> AsyncIterator[Visitors]:
+    monkeypatch.setattr("app.connections.CONNECTIONS_MAX", TOTAL)
+    async with live_server(tmp_path) as url:
+        visitors = Visitors(url)
+        yield visitors
+        for _, writer in visitors.all:
+            writer.close()
+
+
+def test_limits_leave_descriptors_for_links_and_for_stops() -> None:
+    limits = Limits.of_descriptors(1024)
+    assert limits.total + STOPS_KEPT + DESCRIPTORS_KEPT <= 1024
+    assert 500 < limits.of_address < limits.total
+
+
+async def test_connections_without_a_request_make_room(visitors: Visitors) -> None:
+    first = await visitors.come(HALF)
+    for _ in range(4 * TOTAL):
+        await visitors.come(HALF)
+        assert await visitors.ask("POST", "stop") == 200
+    assert await ended(first[0])
+    assert await visitors.left() <= OF_ADDRESS
+    assert await visitors.ask("GET", "devices") == 200
+
+
+async def test_what_is_in_use_is_not_cut_off_and_a_stop_comes_in_all_the_same(visitors: Visitors) -> None:
+    socket = visitors.url.replace("http", "ws") + "/api/v1/devices/bench/telemetry?channels=position.0"
+    async with contextlib.AsyncExitStack() as stack:
+        readers = [await stack.enter_async_context(connect(socket)) for _ in range(OF_ADDRESS)]
+        for _ in range(5):
+            assert await visitors.ask("GET", "devices") == 503
+            assert await visitors.ask("POST", "stop") == 200
+            assert await visitors.ask("POST", "devices/bench/axes/0/stop") == 200
+        for reader in readers:
+            async with asyncio.timeout(PATIENCE_S):
+                await reader.recv()
+    async with asyncio.timeout(PATIENCE_S):
+        while await visitors.ask("GET", "devices") != 200:
+            pass  # the server hears one after the other that they have gone
+
+
+@pytest.mark.parametrize("said", [b"", b"GET ", HALF, HALF + b"a: b\r\n"])
+async def test_a_head_has_a_deadline(visitors: Visitors, monkeypatch: pytest.MonkeyPatch, said: bytes) -> None:
+    monkeypatch.setattr("app.connections.HEAD_WITHIN_S", 0.2)
+    reader, _ = await visitors.come(said)
+    assert await ended(reader)
+
+
+async def test_dripping_does_not_put_it_off(visitors: Visitors, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("app.connections.HEAD_WITHIN_S", 0.5)
+    reader, writer = await visitors.come(HALF)
+    ending = asyncio.create_task(ended(reader))
+    while not ending.done():
+        writer.write(b"a: b\r\n")
+        await asyncio.sleep(0.02)
+    assert await ending
+
+
+async def test_a_body_has_a_deadline(visitors: Visitors, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("app.connections.BODY_WITHIN_S", 0.2)
+    reader, _ = await visitors.come(b"POST /api/v1/stop HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 100\r\n\r\n{")
+    assert await ended(reader)
+
+
+@pytest.mark.parametrize("part", [b"x" * 4096, b"a: " + b"b" * 500 + b"\r\n"])
+async def test_a_long_head_is_refused_and_not_kept(visitors: Visitors, part: bytes) -> None:
+    reader, writer = await visitors.come(HALF)
+    sent = 0
+    with contextlib.suppress(ConnectionError):
+        while sent < 100 * HEAD_BYTES_MAX and not reader.at_eof():
+            writer.write(part)
+            await writer.drain()
+            sent += len(part)
+    assert sent < 100 * HEAD_BYTES_MAX
+    with contextlib.suppress(ConnectionError):
+        assert await status_of(reader) == 431
+
+
+async def test_a_body_that_nobody_wanted_is_not_read_for_ever(visitors: Visitors) -> None:
+    reader, writer = await visitors.come(
+        b"POST /api/v1/nothing HTTP/1.1\r\nHost: 127.0.0.1\r\nTransfer-Encoding: chunked\r\n\r\n"
+    )
+    assert await status_of(reader) == 404
+    sent, chunk = 0, b"10000\r\n" + b"x" * 0x10000 + b"\r\n"
+    with contextlib.suppress(ConnectionError):
+        while sent < 64 << 20:
+            writer.write(chunk)
+            await writer.drain()
+            sent += len(chunk)
+    assert sent < 64 << 20
+
+
+async def test_a_connection_serves_many_requests_one_after_another(visitors: Visitors) -> None:
+    reader, writer = await visitors.come()
+    for _ in range(30):
+        writer.write(
+            b"POST /api/v1/stop HTTP/1.1\r\nHost: 127.0.0.1\r\n"
+            b"Content-Type: application/json\r\nContent-Length: 2\r\n\r\n{}"
+        )
+        assert await status_of(reader) == 200
+        head = await reader.readuntil(b"\r\n\r\n")
+        length = re.search(rb"content-length: (\d+)", head)
+        assert length
+        await reader.readexactly(int(length[1]))
