@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 from app.clock import Clock
@@ -18,8 +18,9 @@ from app.devices.device import Device
 from app.devices.families import make_device
 from app.devices.limits.apply import apply_limits, learn, require_clock
 from app.devices.results import StopMode, StopOutcome
-from app.devices.watch import Watch
-from app.links.errors import BenchError, DownloadMode, UnknownThing, WrongState
+from app.devices.stopping import Stopping
+from app.devices.watch import ANSWER_WITHIN_S, Watch
+from app.links.errors import BenchError, DownloadMode, LinkTimeout, UnknownThing
 from app.links.registry import Link, PortFactory, open_port
 from app.registers.catalog import MODELS
 
@@ -59,6 +60,7 @@ class DeviceManager:
         self._on_change = on_change or (lambda: None)
         self._devices: dict[str, Device] = {}
         self._watches: dict[Device, Watch] = {}
+        self._stopping = Stopping()
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -159,9 +161,13 @@ class DeviceManager:
         """Try a link without keeping it. Raises UsageError for a link that cannot be."""
         device = self._make(DeviceConfig(name="trial", model=model, link=link), "trial")
         try:
-            detail = await device.probe()
-            once = time.perf_counter()  # the first one opened the link: only the second is a round trip
-            await device.probe()
+            async with asyncio.timeout(ANSWER_WITHIN_S):
+                detail = await device.probe()
+                once = time.perf_counter()  # the first one opened the link: only the second is a round trip
+                await device.probe()
+        except TimeoutError:
+            late = LinkTimeout(device.port.name, ANSWER_WITHIN_S, "who it is")
+            return LinkTrial(False, str(late), None, late)
         except BenchError as error:
             return LinkTrial(False, str(error), None, error)
         else:
@@ -172,15 +178,24 @@ class DeviceManager:
     async def stop_all(self, mode: StopMode = "ramp") -> list[StopOutcome]:
         """Every axis of every device, ahead of all queues, all devices at once. Never raises.
 
-        A device that does not answer costs its own timeout and nobody else's. One that is
-        disconnected cannot be stopped, and its outcome says so.
+        Answers in `STOP_WITHIN_S`, whatever a device does. One that is disconnected cannot be stopped, and its
+        outcome says so.
         """
-        outcomes = await asyncio.gather(*(self._stop_device(device, mode) for device in self.devices))
-        return [outcome for of_device in outcomes for outcome in of_device]
+        stops = [self._stopping.stop(each, [axis.index for axis in each.axes], mode) for each in self.devices]
+        return [outcome for outcomes in await asyncio.gather(*stops) for outcome in outcomes]
+
+    async def stop_axis(self, device: Device, axis: int, mode: StopMode = "ramp") -> StopOutcome:
+        """One axis, as soon. Raises what went wrong."""
+        device.require_connected()
+        outcome = (await self._stopping.stop(device, [device.axis(axis).index], mode))[0]
+        if outcome.problem is not None:
+            raise outcome.problem
+        return outcome
 
     async def close(self) -> None:
         """Let go of everything. For the end of the program."""
         await asyncio.gather(*(self._let_go(device) for device in self.devices))
+        await self._stopping.close()
 
     # --- inside ---------------------------------------------------------------------------------
 
@@ -215,11 +230,3 @@ class DeviceManager:
         device.set_state("disconnected")
         await device.let_go()
         await device.port.aclose()
-
-    @staticmethod
-    async def _stop_device(device: Device, mode: StopMode) -> Sequence[StopOutcome]:
-        axes = [axis.index for axis in device.axes]
-        if device.state == "disconnected":
-            problem = WrongState(f"{device.name} is not connected, so it cannot be stopped", "use its power switch")
-            return [StopOutcome(device.id, axis, False, 0.0, problem) for axis in axes]
-        return await device.stop_axes(axes, mode)

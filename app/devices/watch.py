@@ -20,6 +20,10 @@ RETRIES_S = (0.25, 0.5, 1.0)
 time that an attempt takes."""
 
 
+ANSWER_WITHIN_S = 5.0
+"""How long whoever connects a device waits for what comes of it [s]; the attempt itself goes on."""
+
+
 class Watch:
     """One device from connect to disconnect."""
 
@@ -30,14 +34,17 @@ class Watch:
         self._end_listening: Callable[[], None] = _nothing
 
     async def start(self, *, wait: bool) -> None:
-        """Connect, and go on watching. With `wait` the first attempt is over when this returns."""
+        """Connect, and go on watching. With `wait` the first attempt is over on return, or takes too long."""
         self._device.set_state("connecting")
         on_down = getattr(self._device.port, "on_down", None)
         if on_down is not None:
             self._end_listening = on_down(self._went_down)
+        attempted = asyncio.Event()
+        self._task = asyncio.create_task(self._run(attempted), name=f"watch {self._device.id}")
         if wait:
-            await self._attempt()
-        self._task = asyncio.create_task(self._run(attempt_first=not wait), name=f"watch {self._device.id}")
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(ANSWER_WITHIN_S):
+                    await attempted.wait()
 
     async def stop(self) -> None:
         """End watching. A second call does nothing."""
@@ -48,9 +55,11 @@ class Watch:
             with contextlib.suppress(asyncio.CancelledError):
                 await task
 
-    async def _run(self, *, attempt_first: bool) -> None:
-        if attempt_first:
+    async def _run(self, attempted: asyncio.Event) -> None:
+        try:
             await self._attempt()
+        finally:
+            attempted.set()
         failures = 0
         while True:
             if self._works():

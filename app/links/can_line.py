@@ -108,13 +108,13 @@ class CanStream:
     def read(self, timeout_s: float) -> bytes:
         until_s = time.monotonic() + timeout_s
         while True:
-            left_s = max(0.0, until_s - time.monotonic())
+            left_s = until_s - time.monotonic()
             try:
-                message = self._bus.recv(min(left_s, SLICE_S))
+                message = self._bus.recv(min(max(0.0, left_s), SLICE_S))
             except Exception as error:
                 raise ConnectionError(f"the bus has gone: {error}") from error
             frame = b"" if message is None else self._frame(message)
-            if frame or not (left_s or message):
+            if frame or (left_s <= 0 and (message is None or left_s < -SLICE_S)):  # others may never stop talking
                 return frame
             if self._closing:
                 raise Closing("closed")

@@ -20,6 +20,8 @@ SILENCE_BYTES = 20
 SILENCE_MIN_S = 0.003
 DRAIN_MAX_S = 0.5
 """A line that does not fall silent for so long has somebody else on it [s]."""
+HEARD_MAX = 16 * 1024
+"""So many bytes of what nobody asked for are looked at [bytes]; a line that says more is not worth more time."""
 FOREIGN = "somebody else talks on the line"
 
 
@@ -38,6 +40,8 @@ class Conversation(ABC):
         """Came while nobody asked, and is not yet judged."""
         self._foreign = ""
         """What was heard that nobody can have asked for; the next question fails with it."""
+        self.wanted: Callable[[], bool] = _never
+        """Whether somebody waits to ask: then nothing more is listened to than is there."""
 
     @abstractmethod
     def ask_all(
@@ -85,8 +89,10 @@ class Conversation(ABC):
 
     def hear(self, data: bytes) -> None:
         """Something came while nobody asked; b"" when nothing came for `silence_s` [s]."""
-        self._heard += data
+        self._heard = (self._heard + data)[-HEARD_MAX:]
         self._take_unasked()
+        if self.wanted():
+            return  # whoever asks next judges it
         if self._heard and (not data or len(self._heard) >= self.frame_bytes):
             self._judge(self._listen(b""))
 
@@ -99,7 +105,7 @@ class Conversation(ABC):
             more = self._stream.read(self.silence_s)
             if not more:
                 break
-            self._heard += more
+            self._heard = (self._heard + more)[-HEARD_MAX:]
             self._take_unasked()
         heard, self._heard = self._heard, b""
         return heard
@@ -115,7 +121,7 @@ class Conversation(ABC):
                 foreign += 0 if self._is_owed(frame) else len(frame)
         if not foreign:
             self._to_drain = True
-            self._incidents.add("late", f"thrown away: {heard.hex(' ')}")
+            self._incidents.add("late", f"thrown away: {heard[:64].hex(' ')}")
             return
         self._mistrust_all()
         self._foreign = f"{FOREIGN}: {foreign} bytes that nobody asked for"
@@ -138,9 +144,15 @@ class Conversation(ABC):
         """Read until the line is silent. Raises BadReply where it never is."""
         until_s = time.monotonic() + DRAIN_MAX_S
         data, self._heard = self._heard, b""
+        sifted = 0
         while more := self._stream.read(self.silence_s):
-            data = self._sift(data + more)
+            sifted += len(more)
+            data = self._sift(data + more) if sifted <= HEARD_MAX else b""
             if time.monotonic() > until_s:
                 self._incidents.add("foreign", f"{FOREIGN}: it does not fall silent")
                 raise BadReply(self._name, f"{FOREIGN}: it does not fall silent", data)
         self._to_drain = False
+
+
+def _never() -> bool:
+    return False

@@ -19,7 +19,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 
-from app.links.conversation import FOREIGN, Conversation
+from app.links.conversation import DRAIN_MAX_S, FOREIGN, HEARD_MAX, Conversation
 from app.links.errors import BadReply, LinkTimeout
 from app.links.incidents import IncidentKind, Incidents
 from app.links.port import Answer
@@ -81,7 +81,10 @@ class Dialogue(Conversation):
         clear, send = self._stream.clear, self._stream.send
         always = answer is Answer.ALWAYS
         if self._heard:
-            self._judge(self._listen(b""))
+            if frames and stops(frames[0]):
+                self._throw_away()
+            else:
+                self._judge(self._listen(b""))
         for frame in frames:
             if replies and (preempted() or _was_stored(replies[-1])):
                 break  # in download mode the next frame would be stored too: whoever asks has to be told first
@@ -92,9 +95,11 @@ class Dialogue(Conversation):
                     send(frame)
                 else:
                     unasked = read(0)
-                    if unasked:
+                    if unasked and stops(frame):
+                        self._throw_away()
+                    elif unasked:
                         self._judge(self._listen(unasked))
-                        if address not in trusted and not stops(frame):
+                        if address not in trusted:
                             raise self._not_sent()
                     write(frame)
                 reply = read(timeout_s)
@@ -118,9 +123,11 @@ class Dialogue(Conversation):
                     if preempted():
                         break
                 unasked = read(0)
-                if unasked:
+                if unasked and stops(frame):
+                    self._throw_away()
+                elif unasked:
                     self._judge(self._listen(unasked))
-                    if self._foreign and not stops(frame):
+                    if self._foreign:
                         raise self._not_sent()
                 write(frame)
                 reply = self._sort_out(
@@ -139,6 +146,7 @@ class Dialogue(Conversation):
         until_s = time.monotonic() + wait_s
         stopping = frame[0] not in self._trusted and stops(frame)
         found: bytes | None = None
+        heard = 0
         while True:
             while len(data) >= FRAME_BYTES and not (stopping and found is not None):
                 head, rest = data[:FRAME_BYTES], data[FRAME_BYTES:]
@@ -156,9 +164,12 @@ class Dialogue(Conversation):
             if found is not None and (stopping or not data):
                 break
             left_s = until_s - time.monotonic()
+            if left_s <= -DRAIN_MAX_S or heard > HEARD_MAX:
+                break  # it has not fallen silent, and will not
             more = read(self.silence_s if found is not None else max(0.0, left_s))
             if not more:
                 break
+            heard += len(more)
             data += more
         if data and not stopping:
             raise self._wrong(frame, data, found)
@@ -220,6 +231,11 @@ class Dialogue(Conversation):
 
     # --- listening ------------------------------------------------------------------------------
 
+    def _throw_away(self) -> None:
+        """A stop waits for no judgement of what was heard: nobody is trusted any more, and it goes out."""
+        self._heard = b""
+        self._mistrust()
+
     def _in_step(self) -> bool:
         return bool(self._trusted)
 
@@ -275,6 +291,7 @@ class Dialogue(Conversation):
         self._stream.write(fence.encode())
         until_s, data = time.monotonic() + timeout_s, b""
         passed = miscounted = False
+        heard = 0
         while True:
             while len(data) >= FRAME_BYTES:
                 head = data[:FRAME_BYTES]
@@ -293,9 +310,13 @@ class Dialogue(Conversation):
             if passed and not data:
                 break
             # Something behind the answer can only be the rest of an event, or somebody else.
-            more = self._stream.read(self.silence_s if passed else max(0.0, until_s - time.monotonic()))
+            left_s = until_s - time.monotonic()
+            if left_s <= -DRAIN_MAX_S or heard > HEARD_MAX:
+                break
+            more = self._stream.read(self.silence_s if passed else max(0.0, left_s))
             if not more:
                 break
+            heard += len(more)
             data += more
         if not passed:
             if miscounted:

@@ -235,6 +235,7 @@ class LineThread:
         self._baud = baud
         self._stream = stream
         self._talk = self._converse(stream, baud)
+        self._talk.wanted = lambda: bool(self._jobs)
         return self._talk
 
     def _went_down(self, error: Exception) -> LinkDown:

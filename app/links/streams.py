@@ -264,9 +264,13 @@ def _send_at_once(fd: int) -> None:
 
 
 def _close(port: Any) -> None:
+    # pyserial leaves a socket open that the other side has reset: it shuts down first, and that fails.
+    connection = getattr(port, "_socket", None)
     # What is unplugged already need not close well.
     with contextlib.suppress(OSError):
         port.close()
+    if connection is not None:
+        connection.close()
 
 
 def _why(url: str, error: Exception) -> str:

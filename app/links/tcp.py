@@ -137,7 +137,7 @@ class _Stream(asyncio.Protocol):
 
     def data_received(self, data: bytes) -> None:
         if self._answer is None:
-            self.trusted = False
+            self.abort()  # and not only mistrusted: what talks without end would have to be read without end
             return
         self._received += data
         if len(self._received) >= self._due and not self._answer.done():

@@ -21,7 +21,7 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Literal
 
-from app.links.conversation import FOREIGN, Conversation
+from app.links.conversation import DRAIN_MAX_S, FOREIGN, HEARD_MAX, Conversation
 from app.links.datagram_uart import IFCNT, WRITE_BIT, UartForm, is_sound
 from app.links.errors import BadReply, LinkTimeout
 from app.links.incidents import IncidentKind, Incidents
@@ -77,7 +77,11 @@ class UartDialogue(Conversation):
         clear, send, is_answer = self._stream.clear, self._stream.send, self._is_answer
         is_clear = False
         if self._heard:
-            self._judge(self._listen(b""))
+            if frames and self._stops(frames[0]):
+                self._heard = b""
+                self._mistrust_all()
+            else:
+                self._judge(self._listen(b""))
         for frame in frames:
             if replies and preempted():
                 break
@@ -264,7 +268,10 @@ class UartDialogue(Conversation):
                     data = data[1:]  # the echo, old answers and garbage: frames may begin anywhere
             if passed and not data:
                 break
-            more = self._stream.read(self.silence_s if passed else max(0.0, until_s - time.monotonic()))
+            left_s = until_s - time.monotonic()
+            if left_s <= -DRAIN_MAX_S or len(came) > HEARD_MAX:
+                break
+            more = self._stream.read(self.silence_s if passed else max(0.0, left_s))
             if not more:
                 break
             came += more

@@ -14,12 +14,15 @@ router = APIRouter(tags=["stop"])
 
 @router.post("/stop")
 async def stop_everything(bench: CurrentBench, body: Stop | None = None) -> StopReport:
-    """Stop every axis of every device, ahead of all queues. Always answers; each result tells for itself."""
+    """Stop every axis of every device, ahead of all queues. Always answers, within a second; each result tells for
+    itself."""
     outcomes = await bench.manager.stop_all((body or Stop()).mode)
     return StopReport(results=[stop_result(outcome) for outcome in outcomes])
 
 
 @router.post("/devices/{device}/axes/{axis}/stop", responses=problems(*DEVICE_PROBLEMS))
-async def stop_axis(device: CurrentDevice, axis: CurrentAxis, body: Stop | None = None) -> StopResult:
+async def stop_axis(
+    bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis, body: Stop | None = None
+) -> StopResult:
     """Stop one axis, ahead of its device's queue."""
-    return stop_result(await device.stop(axis.index, (body or Stop()).mode))
+    return stop_result(await bench.manager.stop_axis(device, axis.index, (body or Stop()).mode))

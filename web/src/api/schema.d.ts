@@ -309,7 +309,8 @@ export interface paths {
         put?: never;
         /**
          * Stop Everything
-         * @description Stop every axis of every device, ahead of all queues. Always answers; each result tells for itself.
+         * @description Stop every axis of every device, ahead of all queues. Always answers, within a second; each result tells for
+         *     itself.
          */
         post: operations["stop_everything"];
         delete?: never;
