@@ -107,7 +107,6 @@ def create_app(
             ear.sync(manager.devices)
 
     found_moving = FoundMoving(clock)
-    conditions = ConditionService(clock)
     manager = DeviceManager(kinds, clock, on_change=changed)
     saver = Saver(store, manager.configs, clock)
     positions = PositionStore(settings.data_dir)
@@ -127,6 +126,7 @@ def create_app(
     lease.listen(partial(lease_words, audit))
     twin = Twin(clock, hub)
     procedures = Procedures(clock)
+    conditions = ConditionService(clock, lambda device, axis: procedures.search_state(device, axis).state)
 
     def under_way(device: Device) -> str:
         running = procedures.running(device)

@@ -43,6 +43,34 @@ class EventfulDevice(Protocol):
         ...
 
 
+@runtime_checkable
+class EncodedDevice(Protocol):
+    """Can take its position from an encoder."""
+
+    async def position_from_encoder(self, axis: int, /) -> int:
+        """Call the place where the motor stands what its encoder shows; the difference. Raises WrongState."""
+        ...
+
+
+@runtime_checkable
+class FlaggedDevice(Protocol):
+    """Keeps flags until somebody has taken notice of them."""
+
+    async def clear_flags(self, axis: int, /) -> None: ...
+
+
+async def _encoded_device(device: CurrentDevice) -> EncodedDevice:
+    if not isinstance(device, EncodedDevice):
+        raise WrongState(f"a {device.family.title} cannot take its position from an encoder", "search its reference")
+    return device
+
+
+async def _flagged_device(device: CurrentDevice) -> FlaggedDevice:
+    if not isinstance(device, FlaggedDevice):
+        raise WrongState(f"a {device.family.title} keeps no flags", "its condition tells what is so now")
+    return device
+
+
 async def _six_point_device(device: CurrentDevice) -> Tmc5xxx:
     if not isinstance(device, Tmc5xxx):
         raise WrongState(f"a {device.family.title} has no start-up of this kind", "write its registers")
@@ -71,3 +99,5 @@ CurrentSixPointDevice = Annotated[Tmc5xxx, Depends(_six_point_device)]
 CurrentEventfulDevice = Annotated[EventfulDevice, Depends(_eventful_device)]
 CurrentTmclDevice = Annotated[TmclDevice, Depends(_tmcl_device)]
 CurrentStoringDevice = Annotated[StoringDevice, Depends(_storing_device)]
+CurrentEncodedDevice = Annotated[EncodedDevice, Depends(_encoded_device)]
+CurrentFlaggedDevice = Annotated[FlaggedDevice, Depends(_flagged_device)]

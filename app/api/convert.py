@@ -140,6 +140,8 @@ def axis_config(settings: AxisSettings) -> AxisConfig:
         gear_ratio=settings.gear_ratio,
         travel_mm_per_rev=settings.travel_mm_per_rev,
         limits=AxisLimits.model_validate(settings.limits),
+        lost_steps_microsteps=settings.lost_steps_microsteps,
+        following_error_microsteps=settings.following_error_microsteps,
     )
 
 

@@ -141,6 +141,7 @@ class Port(Answer):
 
 
 Limit = Annotated[float, Field(gt=0, le=1e12, allow_inf_nan=False, strict=True)]
+Threshold = Annotated[int, Field(ge=1, le=1 << 31, strict=True)]
 Counted = Annotated[int, Field(ge=-(1 << 31), lt=1 << 31, strict=True)]
 
 
@@ -182,6 +183,14 @@ class AxisConfig(Body):
         default=None, description="travel of the load per turn of the load [mm]; null for a rotary axis"
     )
     limits: AxisLimits = Field(default_factory=AxisLimits, description="soft limits; what is left out is not limited")
+    lost_steps_microsteps: Threshold | None = Field(
+        default=None,
+        description="deviation of the encoder that tells of lost steps at rest [microsteps]; null: two full steps",
+    )
+    following_error_microsteps: Threshold | None = Field(
+        default=None,
+        description="deviation that tells of a motion not followed [microsteps]; null: four full steps",
+    )
 
 
 class AxisInfo(Standing):
@@ -192,6 +201,8 @@ class AxisInfo(Standing):
     gear_ratio: float
     travel_mm_per_rev: float | None
     limits: AxisLimits
+    lost_steps_microsteps: int | None
+    following_error_microsteps: int | None
     limit_warnings: list[str] = Field(
         description="what the chip is set to beyond these limits, and what to write; motion is refused until then"
     )

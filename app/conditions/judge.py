@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 from app.devices.results import AxisState, DeviceState, MotionEnd, StopReason
-from app.devices.signs import NO_SIGNS, Evidence, Remedy, Sign, Signs
+from app.devices.signs import NO_SIGNS, Evidence, Remedy, Sign, Signs, start_up
 
 Kind = Literal[
     "not_connected",
@@ -55,6 +55,8 @@ class Seen:
     end : how the latest motion ended; None where none has, or another one was commanded since
     sent : the latest command here was to go to a target
     stopped : the latest command here was a stop
+    limit : the soft limit of its range that stopped it
+    reset_s : when the device was seen to have been reset, device time; None where nobody has, or it was seen to since
     """
 
     axis: int
@@ -65,6 +67,8 @@ class Seen:
     end: MotionEnd | None = None
     sent: bool = False
     stopped: bool = False
+    reset_s: float | None = None
+    limit: Sign | None = None
     thresholds: Thresholds = Thresholds(512, 1024)
 
 
@@ -77,12 +81,12 @@ def judge(seen: Seen) -> Condition:
         )
         evidence = (Evidence("link", seen.link), *((Evidence("problem", seen.problem),) if seen.problem else ()))
         return Condition("not_connected", said, evidence, () if seen.link == "connecting" else (CONNECT,))
-    state, signs = seen.state, seen.signs
+    state = seen.state
     if state is None:
         return Condition("unknown", seen.problem or "nobody has looked at this axis yet")
     worst: tuple[tuple[Kind, Sign | None], ...] = (
         ("driver_fault", _fault(seen, state)),
-        ("cannot_move", _block(signs)),
+        ("cannot_move", _block(seen)),
         ("stalled", _stall(seen, state)),
     )
     for kind, found in worst:
@@ -138,6 +142,11 @@ def search(axis: int) -> Remedy:
     return Remedy("search reference again", "POST", f"axes/{axis}/reference-search", {}, moves=True)
 
 
+def from_encoder(axis: int) -> Remedy:
+    """Believe the encoder."""
+    return Remedy("set position from encoder", "POST", f"axes/{axis}/position-from-encoder")
+
+
 def _end(seen: Seen, state: AxisState, *reasons: StopReason) -> MotionEnd | None:
     """How the latest motion ended, where it did for one of these reasons and nothing has moved since."""
     end = seen.end
@@ -150,9 +159,25 @@ def _fault(seen: Seen, state: AxisState) -> Sign | None:
     return _ended(end) if found is None and end is not None else found
 
 
-def _block(signs: Signs) -> Sign | None:
-    found = _first(signs.blocks)
-    return None if found is None else replace(found, cause=f"{found.cause}: no command can move this axis")
+def _block(seen: Seen) -> Sign | None:
+    found, reset = _first(seen.signs.blocks), _reset(seen)
+    if found is None:
+        return None
+    said = replace(found, cause=f"{found.cause}: no command can move this axis")
+    if reset is None:
+        return said
+    cause = f"the device was reset, start it up again; {said.cause}"
+    return Sign(cause, (*reset.evidence, *said.evidence), said.remedies)
+
+
+def _reset(seen: Seen) -> Sign | None:
+    if seen.reset_s is None:
+        return None
+    return Sign(
+        "the device was reset, and its position counter began again: start it up and search its reference",
+        (Evidence("reset", "seen", seen.reset_s),),
+        (start_up(seen.axis), search(seen.axis)),
+    )
 
 
 def _stall(seen: Seen, state: AxisState) -> Sign | None:
@@ -188,7 +213,7 @@ def _off(seen: Seen, state: AxisState) -> Condition | None:
         "lost_steps",
         f"it stands {abs(deviation):,.0f} microsteps from where its position says, by the encoder: steps are lost",
         (*evidence, Evidence("told from", f"{limits.lost_steps:,.0f} microsteps on")),
-        (search(seen.axis),),
+        (*((from_encoder(seen.axis),) if seen.signs.takes_encoder else ()), search(seen.axis)),
     )
 
 
@@ -208,13 +233,13 @@ def _moving(state: AxisState) -> Condition:
 
 
 def _hold(seen: Seen, state: AxisState) -> Sign | None:
-    found = _first(seen.signs.holds)
+    found = _first((*seen.signs.holds, *(() if seen.limit is None else (seen.limit,))))
     end = _end(seen, state, "left_switch", "right_switch")
     return _ended(end) if found is None and end is not None else found
 
 
 def _doubt(seen: Seen, state: AxisState) -> Sign | None:
-    found = _first(seen.signs.doubts)
+    found = _first(seen.signs.doubts) or _reset(seen)
     if found is not None:
         return found
     end = _end(seen, state, "unknown", "lost_link")

@@ -11,9 +11,11 @@ from functools import partial
 from app.clock import Clock
 from app.conditions.judge import Condition, Seen, Thresholds, judge
 from app.conditions.truth import Truth, truth_of
-from app.devices.device import Device, DeviceEvent, MotionCommanded, StateChanged
+from app.devices.counter import CounterWritten
+from app.devices.device import Device, DeviceEvent, LimitReached, MotionCommanded, StateChanged
 from app.devices.own_tasks import OwnTasks
 from app.devices.results import AxisState, MotionEnd
+from app.devices.signs import Evidence, Sign, Signs
 from app.links.errors import BenchError
 from app.links.queue import Priority, SampleDropped
 
@@ -22,6 +24,8 @@ LOOK_EVERY_S = 0.25
 WIRE_SHARE = 0.2
 """How much of a wire's time the looks may take: on a slow one they come less often."""
 
+SETS_POSITION = frozenset({"set_position"})
+"""Commands, as `commanded` names them, by which somebody has said where an axis is."""
 LOST_FULLSTEPS, FOLLOWING_FULLSTEPS = 2, 4
 """Thresholds where the user has set none: a rotor that is pulled no further than one full step comes back."""
 MICROSTEPS = 256
@@ -49,8 +53,16 @@ class _Axis:
     over: MotionEnd | None = None
     """An end of a motion that counts no more: another command came behind it."""
     referenced: bool | None = None
+    searched: str = "idle"
+    """What the reference search did at the latest look."""
+    resets: int | None = None
+    reset_s: float | None = None
+    limit: Sign | None = None
+    """The soft limit that stopped it, until the next command to move."""
 
 
+Searched = Callable[[Device, int], str]
+"""What the reference search of an axis does, or how the latest ended."""
 Listener = Callable[[str, int, Standing | None], None]
 """Hears the id of a device, the axis, and how it stands now; None: it is no more."""
 
@@ -66,8 +78,9 @@ class _Watched:
 class ConditionService:
     """The conditions of all axes of the devices that it was told of by `sync`."""
 
-    def __init__(self, clock: Clock) -> None:
+    def __init__(self, clock: Clock, searched: Searched) -> None:
         self._clock = clock
+        self._searched = searched
         self._watched: dict[Device, _Watched] = {}
         self._listeners: list[Listener] = []
         self._tasks = OwnTasks()
@@ -140,6 +153,10 @@ class ConditionService:
 
     # --- looking on -----------------------------------------------------------------------------
 
+    async def _look_soon(self, device: Device, axis: int) -> None:
+        with contextlib.suppress(BenchError):
+            await self.look(device, axis, Priority.SAMPLE)
+
     async def _look_on(self, device: Device) -> None:
         pause_s = LOOK_EVERY_S
         while True:
@@ -149,9 +166,7 @@ class ConditionService:
                 continue
             began_s = self._clock.now()
             for axis in range(len(device.axes)):
-                # What goes wrong is judged as well, and a busy link is looked at later.
-                with contextlib.suppress(BenchError):
-                    await self.look(device, axis, Priority.SAMPLE)
+                await self._look_soon(device, axis)  # what goes wrong is judged too; a busy link is looked at later
             took_s = self._clock.now() - began_s
             pause_s = max(LOOK_EVERY_S - took_s, took_s * (1 / WIRE_SHARE - 1))
 
@@ -173,8 +188,12 @@ class ConditionService:
             thresholds=thresholds(device, axis),
         )
         if state is not None:
-            seen = replace(seen, signs=device.signs(axis, state))
+            signs = device.signs(axis, state)
+            self._follow(known, signs, self._searched(device, axis), state.time_s)
+            seen = replace(seen, signs=signs, reset_s=known.reset_s, limit=known.limit)
         condition = judge(seen)
+        if condition.kind in ("lost_steps", "stalled"):
+            known.referenced = False
         now_s = device.device_time_s() if state is None else state.time_s
         before = known.standing
         since_s = now_s if before is None or before.condition.kind != condition.kind else before.condition.since_s
@@ -183,6 +202,21 @@ class ConditionService:
         if before is None or _said(before) != _said(standing):
             self._tell(device.id, axis, standing)
         return standing
+
+    def _follow(self, known: _Axis, signs: Signs, searched: str, now_s: float) -> None:
+        """See whether the device was reset, and what became of a reference search."""
+        if signs.resets is not None:
+            if signs.resets > (known.resets or 0):
+                known.referenced = False
+                # The first that is seen may be its power-on, and nobody has known another place before.
+                known.reset_s = None if known.resets is None else now_s
+            known.resets = signs.resets
+        if searched != known.searched:
+            if searched == "done":
+                known.referenced, known.reset_s = True, None
+            elif searched == "running":
+                known.referenced = False
+            known.searched = searched
 
     def _tell(self, device_id: str, axis: int, standing: Standing | None) -> None:
         for listener in tuple(self._listeners):
@@ -202,9 +236,24 @@ class ConditionService:
             if event.what == "stop":
                 known.sent, known.stopped = False, True
                 return
+            known.limit = None
             known.over = ends[-1] if ends else None
             known.sent = "target" in event.asked or "target" in event.what.lower()
             known.stopped = False
+            if known.sent:
+                known.reset_s = None
+        elif isinstance(event, LimitReached):
+            way = "greater" if event.name.endswith("min") else "smaller"
+            axes[event.axis].limit = Sign(
+                f"it reached its soft limit {event.name} {event.limit:,}: only the way to {way} positions is free",
+                (Evidence(event.name, f"{event.limit:,}"), Evidence("position there", f"{event.position:,}")),
+            )
+        elif isinstance(event, MotionEnd):
+            self._tasks.begin(self._look_soon(device, event.axis), f"end of a motion of {device.id}")
+        elif isinstance(event, CounterWritten) and event.what in SETS_POSITION:
+            known = axes[event.axis]
+            if known.searched != "running":  # a search that is not over has found nothing yet
+                known.referenced, known.reset_s = True, None
 
 
 def _said(standing: Standing) -> tuple[object, ...]:
@@ -215,5 +264,8 @@ def _said(standing: Standing) -> tuple[object, ...]:
 
 def thresholds(device: Device, axis: int) -> Thresholds:
     """As the user has set them for the axis, or by its full steps."""
-    microsteps = device.axis(axis).microsteps_per_full_step or MICROSTEPS
-    return Thresholds(LOST_FULLSTEPS * microsteps, FOLLOWING_FULLSTEPS * microsteps)
+    known, microsteps = device.axis(axis).settings, device.axis(axis).microsteps_per_full_step or MICROSTEPS
+    return Thresholds(
+        known.lost_steps_microsteps or LOST_FULLSTEPS * microsteps,
+        known.following_error_microsteps or FOLLOWING_FULLSTEPS * microsteps,
+    )

@@ -30,6 +30,10 @@ class AxisSettings:
     travel_mm_per_rev: float | None = None
     limits: AxisLimits = field(default_factory=AxisLimits)
     """Soft limits: what the axis may be asked for at most."""
+    lost_steps_microsteps: int | None = None
+    """From which deviation of the encoder on steps count as lost at rest; None: two full steps."""
+    following_error_microsteps: int | None = None
+    """From which deviation on a motion counts as not followed; None: four full steps."""
 
     @classmethod
     def of(cls, entry: Mapping[str, Any]) -> AxisSettings:
@@ -43,8 +47,10 @@ class AxisSettings:
         for name, number, lowest, highest in (
             ("full_steps_per_rev", self.full_steps_per_rev, 1, 100_000),
             ("driver_microsteps", self.driver_microsteps, 1, 256),
+            ("lost_steps_microsteps", self.lost_steps_microsteps, 1, 1 << 31),
+            ("following_error_microsteps", self.following_error_microsteps, 1, 1 << 31),
         ):
-            if not lowest <= number <= highest:
+            if number is not None and not lowest <= number <= highest:
                 raise OutOfRange(name, number, lowest, highest)
         for name, ratio in (("gear_ratio", self.gear_ratio), ("travel_mm_per_rev", self.travel_mm_per_rev)):
             if ratio is not None and not (math.isfinite(ratio) and 0 < ratio <= 1e6):

@@ -7,10 +7,14 @@ first look of a connection, since nobody who has set a chip up for moving leaves
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 from app.clock import Clock
 from app.devices.config import DeviceConfig
 from app.devices.counter import CounterLook
 from app.devices.ramp_stops import RampStops
+from app.devices.results import AxisState
+from app.devices.signs import Signs
 from app.devices.ticked_prediction import POSITION_BITS
 from app.devices.words import Words
 from app.links.port import FramePort
@@ -32,6 +36,16 @@ class RampCounter(RampStops):
         """Per axis whether its setting was seen last as after power-on; None before it was seen."""
         self._reset_seen = [False] * len(self.axes)
         """Per axis whether a reset was seen that `look` has not told of."""
+        self._resets = [0] * len(self.axes)
+        """Per axis how often a reset was seen."""
+
+    async def axis_state(self, axis: int, priority: Priority = Priority.COMMAND) -> AxisState:
+        state = await super().axis_state(axis, priority)
+        self._judge_setting(axis)
+        return state
+
+    def signs(self, axis: int, state: AxisState) -> Signs:
+        return replace(super().signs(axis, state), resets=self._resets[axis])
 
     def counter_bits(self, axis: int) -> int | None:
         self.axis(axis)
@@ -75,4 +89,5 @@ class RampCounter(RampStops):
         unset = all(self._known.get(register.address) == register.reset for register in self._power_on_rows(axis))
         if unset and self._unset[axis] is not True:
             self._reset_seen[axis] = True
+            self._resets[axis] += 1
         self._unset[axis] = unset

@@ -48,6 +48,8 @@ class Signs:
     stall : a stall stopped it, and holds it
     holds : what keeps it from going one way
     doubts : why what the position counter shows may not be true
+    resets : how often a reset of the device was seen, that of its power-on included; None where it cannot tell
+    takes_encoder : the position can be set to what the encoder shows (`EncodedDevice`)
     encoder_apart_s : how long after the position the encoder was read, of the state [s]
     regulated : the motor follows the encoder, so that a deviation is no lost step
     """
@@ -57,6 +59,8 @@ class Signs:
     stall: Sign | None = None
     holds: tuple[Sign, ...] = ()
     doubts: tuple[Sign, ...] = ()
+    resets: int | None = None
+    takes_encoder: bool = False
     encoder_apart_s: float = 0.0
     regulated: bool = False
 
@@ -67,6 +71,11 @@ NO_SIGNS = Signs()
 def start_up(axis: int) -> Remedy:
     """Set everything that the axis needs to move."""
     return Remedy("start up", "POST", "start-up", {"axes": [axis]})
+
+
+def clear_flags(axis: int, *, moves: bool = False) -> Remedy:
+    """Take notice of what the flag registers keep."""
+    return Remedy("clear the flag", "POST", f"axes/{axis}/clear-flags", None, moves)
 
 
 def write(register: str, axis: int | None, value: int, field: str = "") -> Remedy:

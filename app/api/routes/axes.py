@@ -6,7 +6,12 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from app.api.abilities import CurrentEventfulDevice, CurrentSixPointDevice
+from app.api.abilities import (
+    CurrentEncodedDevice,
+    CurrentEventfulDevice,
+    CurrentFlaggedDevice,
+    CurrentSixPointDevice,
+)
 from app.api.convert import axis_out, batch_result, prediction_out, start_of, stops_out
 from app.api.deps import CurrentAxis, CurrentBench, CurrentDevice
 from app.api.problems import DEVICE_PROBLEMS, problems
@@ -41,6 +46,24 @@ async def get_axis(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis
 async def move_axis(device: CurrentDevice, axis: CurrentAxis, body: Move) -> MoveStarted:
     """Start a move to a position, or by a distance. Answers when it has started, not when it has arrived."""
     return MoveStarted.model_validate(await device.move(axis.index, body.target, body.relative, body.unit))
+
+
+@router.post("/axes/{axis}/position-from-encoder", responses=problems(*DEVICE_PROBLEMS, SoftLimit))
+async def take_position_from_encoder(
+    bench: CurrentBench, device: CurrentDevice, encoded: CurrentEncodedDevice, axis: CurrentAxis
+) -> AxisStateOut:
+    """Call the place where the motor stands what its encoder shows: the way out after lost steps. Nothing moves."""
+    await encoded.position_from_encoder(axis.index)
+    return axis_out(device, *await bench.conditions.look(device, axis.index))
+
+
+@router.post("/axes/{axis}/clear-flags", responses=problems(*DEVICE_PROBLEMS))
+async def clear_flags(
+    bench: CurrentBench, device: CurrentDevice, flagged: CurrentFlaggedDevice, axis: CurrentAxis
+) -> AxisStateOut:
+    """Take notice of the flags that the device keeps, so that they tell of what comes next."""
+    await flagged.clear_flags(axis.index)
+    return axis_out(device, *await bench.conditions.look(device, axis.index))
 
 
 @router.post("/move", responses=problems(*DEVICE_PROBLEMS, SoftLimit))

@@ -6,11 +6,17 @@ the module was reset in between, or somebody has set the timer: either is a reas
 
 from __future__ import annotations
 
+import contextlib
+from dataclasses import replace
+
 from app.devices.counter import CounterLook
 from app.devices.pd42 import rows
 from app.devices.pd42.calls import Calls
 from app.devices.pd42.searches import Searches
+from app.devices.results import AxisState
+from app.devices.signs import Signs
 from app.links.errors import UnknownParameter
+from app.links.queue import Priority, SampleDropped
 from app.registers.model import Space
 from app.registers.pd42 import PD42
 
@@ -29,6 +35,8 @@ class Counting(Searches):
 
     _ticks: tuple[float, int] | None = None
     """When the tick timer was read last, device time [s], and what it showed [ms]."""
+    _resets = _resets_told = 0
+    """How often a reset was seen, and how many of those `look` has told of."""
 
     def writes_counter(self, what: str) -> bool:
         # By hand, and at the end of a search, which sets the counter to 0 by itself.
@@ -45,9 +53,22 @@ class Counting(Searches):
         async with self.calls() as calls:
             asked_at_s = self.device_time_s()
             count = await calls.get(rows.ACTUAL_POSITION)
-            reset_seen = await self._reset_since(calls)
+            seen = await self._reset_since(calls)
+        before, self._resets_told = self._resets_told, self._resets
+        reset_seen = None if seen is None else self._resets > before
         self.saw_position(axis, count, asked_at_s)
         return CounterLook(count, asked_at_s, reset_seen)
+
+    async def axis_state(self, axis: int, priority: Priority = Priority.COMMAND) -> AxisState:
+        state = await super().axis_state(axis, priority)
+        if priority is Priority.SAMPLE:  # whoever looks on all the time has to see a reset too
+            with contextlib.suppress(SampleDropped):  # the line is busy: later then
+                async with self.calls(priority=priority) as calls:
+                    await self._reset_since(calls)
+        return state
+
+    def signs(self, axis: int, state: AxisState) -> Signs:
+        return replace(super().signs(axis, state), resets=None if self._ticks is None else self._resets)
 
     async def _reset_since(self, calls: Calls) -> bool | None:
         """Whether the module was reset since the timer was read last; None where it never was."""
@@ -61,7 +82,9 @@ class Counting(Searches):
             return None
         elapsed_s = time_s - before[0]
         went_s = (ticks - before[1]) % TICKS_WRAP / 1000
-        return went_s < elapsed_s * (1 - BEHIND) - BEHIND_S or went_s > elapsed_s * (1 + BEHIND) + 1.0
+        reset = went_s < elapsed_s * (1 - BEHIND) - BEHIND_S or went_s > elapsed_s * (1 + BEHIND) + 1.0
+        self._resets += reset
+        return reset
 
     async def runs_for_s(self) -> float | None:
         return None if self._ticks is None else self._ticks[1] / 1000

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from app.devices.results import AxisState
-from app.devices.signs import Evidence, Sign, Signs, start_up, zero
+from app.devices.signs import Evidence, Sign, Signs, clear_flags, start_up, zero
 from app.devices.tmc4361 import rows
 from app.devices.tmc4361.events import Events
 from app.devices.tmc4361.switches import stopped_by
@@ -23,8 +23,10 @@ def signs(chip: Events, axis: int, state: AxisState) -> Signs:
             if state.flags.get(name)
         ),
         blocks=tuple(_blocks(chip, axis, state)),
-        stall=_stall(state),
+        stall=_stall(axis, state),
         holds=tuple(_holds(chip, state)),
+        takes_encoder=True,
+        resets=chip.resets,
         regulated=rows.REGULATION.unpack(chip.known(rows.ENC_IN_CONF) or 0) != 0,
     )
 
@@ -46,10 +48,11 @@ def _blocks(chip: Events, axis: int, state: AxisState) -> list[Sign]:
     return found
 
 
-def _stall(state: AxisState) -> Sign | None:
+def _stall(axis: int, state: AxisState) -> Sign | None:
     for register, name in ((rows.STATUS, "ACTIVE_STALL_F"), (rows.EVENTS, "STOP_ON_STALL")):
         if state.flags.get(name):
-            return Sign("the motor driver reported a stall", (Evidence(f"{register.name}.{name}", "1", state.time_s),))
+            evidence = (Evidence(f"{register.name}.{name}", "1", state.time_s),)
+            return Sign("the motor driver reported a stall", evidence, (clear_flags(axis, moves=True),))
     return None
 
 

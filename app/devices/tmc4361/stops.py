@@ -156,6 +156,18 @@ class Stops(Moves):
                 )
         return shift
 
+    async def position_from_encoder(self, axis: int) -> int:
+        """Call the place where the motor stands what its encoder shows; the difference. Raises WrongState."""
+        if not self.known(rows.ENC_CONST):
+            raise WrongState("no encoder counts on this axis", "write ENC_IN_RES first")
+        encoder = (await self.read(rows.ENC_POS.name, axis)).value
+        return await self.set_position(axis, encoder, with_encoder=False)
+
+    async def clear_flags(self, axis: int) -> None:
+        """Take notice of EVENTS, as reading it does: an axis that an event holds goes on to its target."""
+        self.axis(axis)
+        await self.read(rows.EVENTS.name, axis)
+
 
 def _half_turn(offset: int) -> int:
     """An electrical angle as -512..511."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from app.calc.tmc5xxx_units import acceleration_units, velocity_units
 from app.devices.results import AxisState
-from app.devices.signs import Evidence, Sign, Signs, start_up, write, zero
+from app.devices.signs import Evidence, Sign, Signs, clear_flags, start_up, write, zero
 from app.devices.tmc5xxx import rows as r
 from app.devices.tmc5xxx.events import Events
 from app.devices.tmc5xxx.start_up import CHOPCONF
@@ -29,6 +29,8 @@ def signs(chip: Events, axis: int, state: AxisState, encoder_apart_s: float) -> 
         blocks=tuple(_blocks(chip, axis, state)),
         stall=_stall(chip, axis, state),
         holds=tuple(_holds(chip, axis, state)),
+        takes_encoder=True,
+        resets=chip.resets,
         encoder_apart_s=encoder_apart_s,
     )
 
@@ -41,7 +43,9 @@ def _faults(chip: Events, axis: int, state: AxisState) -> list[Sign]:
     for register, told in ((rows.drv_status, DRIVER_FAULTS), (chip.chip.gstat, {**GSTAT_FAULTS, **errors})):
         for name, cause in told.items():
             if state.flags.get(name):
-                found.append(Sign(cause, (Evidence(f"{register.name}.{name}", "1", state.time_s),)))
+                found.append(
+                    Sign(cause, (Evidence(f"{register.name}.{name}", "1", state.time_s),), (clear_flags(axis),))
+                )
     return found
 
 
@@ -73,7 +77,8 @@ def _stall(chip: Events, axis: int, state: AxisState) -> Sign | None:
     stops = r.part(rows.sw_mode, "sg_stop").unpack(chip.known(rows.sw_mode) or 0)
     if not stops or not state.flags.get("event_stop_sg"):
         return None
-    return Sign("StallGuard stopped the motor", (Evidence(f"{rows.ramp_stat.name}.event_stop_sg", "1", state.time_s),))
+    evidence = (Evidence(f"{rows.ramp_stat.name}.event_stop_sg", "1", state.time_s),)
+    return Sign("StallGuard stopped the motor", evidence, (clear_flags(axis),))
 
 
 def _holds(chip: Events, axis: int, state: AxisState) -> list[Sign]:

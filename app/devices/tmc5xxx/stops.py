@@ -85,9 +85,9 @@ class Stops(Moves):
 
     # --- setting the position -------------------------------------------------------------------
 
-    async def set_position(self, axis: int, position: int) -> int:
-        """Call the place where the motor stands `position`; XTARGET follows, and an encoder that counts. Returns the
-        difference.
+    async def set_position(self, axis: int, position: int, *, with_encoder: bool = True) -> int:
+        """Call the place where the motor stands `position`; XTARGET follows, and an encoder that counts, but for
+        `with_encoder` False. Returns the difference.
 
         The axis is in velocity mode with VMAX 0 afterwards, as after a stop. Raises WrongState while the motor turns,
         OutOfRange outside 32 bits.
@@ -114,7 +114,7 @@ class Stops(Moves):
                 (rows.xactual, to_raw(position, 32)),
                 (rows.xtarget, to_raw(position, 32)),
             ]
-            if encoder is not None:
+            if encoder is not None and with_encoder:
                 steps.append((encoder, to_raw(read.value(encoder) - shift, 32)))
             checked = (rows.xactual, rows.xtarget, rows.rampmode)
             back = Held(checked, (await words.chain(*(Write(*step) for step in steps), checked))[0])
@@ -127,3 +127,25 @@ class Stops(Moves):
                 )
         self.saw_position(axis, position, words.asked_s)
         return shift
+
+    async def position_from_encoder(self, axis: int) -> int:
+        """Call the place where the motor stands what its encoder shows; the difference. Raises WrongState."""
+        rows = self.rows(self.axis(axis).index)
+        if rows.x_enc is None or not self.counts_encoder(axis):
+            raise WrongState("no encoder counts on this axis", "set ENC_CONST first")
+        return await self.set_position(axis, (await self.read(rows.x_enc.name, axis)).value, with_encoder=False)
+
+    async def clear_flags(self, axis: int) -> None:
+        """Take notice of RAMP_STAT and GSTAT, as reading or writing them does. An axis that a stall holds is kept
+        where it is first, so nothing moves."""
+        rows = self.rows(self.axis(axis).index)
+        self.require_connected()
+        async with self.queue.turn() as turn:
+            words = self.words(turn)
+            if self._stat[axis] & self.flags[axis].stall or not self._may_read_stat(axis):
+                await self._stand_still(words, axis)
+        for row, where in ((rows.ramp_stat, axis), (self.chip.gstat, None)):
+            if row.read_clears:
+                await self.read(row.name, where)
+            else:
+                await self.write(row.name, where, value=(await self.read(row.name, where)).value)

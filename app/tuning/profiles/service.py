@@ -171,13 +171,14 @@ def _settings(device: Device, document: ProfileDocument, *, with_limits: bool) -
             limits = AxisLimits(**part.limits.model_dump())
             limits.require_model(device.model)
         wanted.append(
-            AxisSettings(
-                part.name,
-                part.full_steps_per_rev,
-                part.driver_microsteps,
-                part.gear_ratio,
-                part.travel_mm_per_rev,
-                limits,
+            replace(
+                axis.settings,
+                name=part.name,
+                full_steps_per_rev=part.full_steps_per_rev,
+                driver_microsteps=part.driver_microsteps,
+                gear_ratio=part.gear_ratio,
+                travel_mm_per_rev=part.travel_mm_per_rev,
+                limits=limits,
             )
         )
     return wanted

@@ -150,6 +150,10 @@ export function draftOf(device: Device): Draft {
         gear: String(axis.gear_ratio),
         travelMm: axis.travel_mm_per_rev === null ? "" : String(axis.travel_mm_per_rev),
         limits: limitDraftOf(axis.limits),
+        thresholds: {
+          lost_steps_microsteps: axis.lost_steps_microsteps,
+          following_error_microsteps: axis.following_error_microsteps,
+        },
       })),
       module: isModule(device.model) ? moduleOf(link) : { ...newModule(), serialPort: linePortOf(link) },
       uart: uartOf(link),
@@ -214,6 +218,7 @@ export function axisConfigs(draft: Draft): AxisConfig[] {
     gear_ratio: numberOf(axis.gear) ?? AXIS_LIMITS.gear.fallback,
     travel_mm_per_rev: numberOf(axis.travelMm) ?? null,
     limits: limitsOf(axis.limits),
+    ...axis.thresholds,
   }));
 }
 

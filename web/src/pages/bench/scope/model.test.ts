@@ -33,6 +33,8 @@ function device(id: string, axes: number, rate: number): Device {
         current_full_scale_a: null,
         sense_resistor_ohm: null,
       },
+      lost_steps_microsteps: null,
+      following_error_microsteps: null,
       limit_warnings: [],
       microsteps_per_full_step: 64,
       pulse_div: 5,
