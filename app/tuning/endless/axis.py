@@ -149,7 +149,9 @@ class WatchedAxis(Mover):
             except BenchError as error:
                 self.trouble = f"the encoder could not be read: {error}"
                 return
-        if self.track.away is not None or now_s - self.track.asked_s > FRESH_S or self.encoder is not None:
+        # What others have seen of the position does not tell of a reset: only a look of our own does.
+        looked_s = float("-inf") if self._times is None else self._times[1]
+        if self.track.away is not None or now_s - looked_s > FRESH_S or self.encoder is not None:
             await self.look()
 
     async def require_trusted(self) -> None:
