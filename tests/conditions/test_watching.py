@@ -1,0 +1,69 @@
+"""How often the service looks, over a wire that takes its time: 9 bytes there and 9 back at 9600 baud."""
+
+from __future__ import annotations
+
+import asyncio
+
+from app.clock import Clock, VirtualClock
+from app.conditions.service import WIRE_SHARE, ConditionService
+from app.devices.config import DeviceConfig
+from app.devices.manager import DeviceManager
+from app.emulators.build import build_emulator
+from app.emulators.pd42.options import Pd42Options
+from app.links.emulator import EmulatorPort
+from app.links.port import FramePort
+from app.links.queue import Priority
+from app.links.registry import Link
+
+GET_POSITION = bytes((1, 6, 1, 0, 0, 0, 0, 0, 8))
+FRAME_S = 18 * 10 / 9600
+
+
+class SlowPort(EmulatorPort):
+    """An emulator's port each exchange of which takes as long as at 9600 baud."""
+
+    frames = 0
+
+    async def exchange(self, frame: bytes, timeout_s: float | None = None) -> bytes:
+        SlowPort.frames += 1
+        await self._server.sleep(FRAME_S)
+        return await super().exchange(frame, timeout_s)
+
+
+def slow(model: str, link: Link, clock: Clock) -> FramePort:
+    return SlowPort(build_emulator("pd42-1241", clock, Pd42Options()))
+
+
+async def pass_time(clock: VirtualClock, seconds: float) -> None:
+    for _ in range(round(seconds / 0.01)):
+        await clock.advance(0.01)
+
+
+async def test_looks_keep_to_their_share_of_a_slow_wire_and_commands_overtake_them() -> None:
+    clock = VirtualClock()
+    manager = DeviceManager({"emulator": slow}, clock)
+    adding = asyncio.create_task(manager.add(DeviceConfig("slow", "pd42-1241", {"kind": "emulator"})))
+    while not adding.done():
+        await clock.advance(0.01)
+    device = adding.result()
+    conditions = ConditionService(clock, lambda device, axis: "idle")
+    before = device.queue.counts.frames[2]
+    conditions.sync(manager.devices)
+    try:
+        await pass_time(clock, 30.0)
+        looked = device.queue.counts.frames[2] - before
+        assert conditions.standing(device, 0).condition.kind == "ready"
+        assert 30 < looked <= WIRE_SHARE * 30.0 / FRAME_S * 1.05
+        # A stop waits for the one frame that is on the wire. A move waits for that, and for the 5 frames with which the
+        # connection is looked in on; a look of conditions is 16 frames long.
+        for priority, frames in ((Priority.STOP, 2), (Priority.COMMAND, 7)):
+            for _ in range(20):
+                began_s = clock.now()
+                sending = asyncio.create_task(device.queue.exchange(GET_POSITION, priority))
+                while not sending.done():
+                    await clock.advance(0.001)
+                assert clock.now() - began_s <= frames * FRAME_S + 0.003, priority
+                await pass_time(clock, 0.37)
+    finally:
+        await conditions.close()
+        await manager.close()
