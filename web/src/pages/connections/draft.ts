@@ -30,6 +30,8 @@ export interface AxisDraft {
   gear: string;
   travelMm: string;
   limits: SoftLimitDraft;
+  /** From which deviations on the axis is judged otherwise: kept as they are. */
+  thresholds?: Pick<AxisConfig, "lost_steps_microsteps" | "following_error_microsteps">;
 }
 
 export interface StageDraft {
