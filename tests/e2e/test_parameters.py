@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 
 import httpx
 import pytest
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import BrowserContext, Locator, Page, ViewportSize, expect
 
 from tests.e2e.conftest import DESKTOP, PHONE, Errors
 from tests.e2e.modules import a_module, select
@@ -165,3 +165,61 @@ def test_the_page_is_open_to_everybody(page: Page, drive: str, check_axe: Callab
             check_axe(page)
         sideways = page.evaluate("document.scrollingElement.scrollWidth - document.documentElement.clientWidth")
         assert sideways <= 0
+
+
+NOTHING_BELOW = """() => {
+  const root = document.documentElement;
+  const scrolls = (node) => ['auto', 'scroll'].includes(getComputedStyle(node).overflowY);
+  const clips = (node) => getComputedStyle(node).overflowY !== 'visible';
+  const shown = (node) => {
+    const box = node.getBoundingClientRect();
+    return node.checkVisibility({ opacityProperty: true, visibilityProperty: true }) && box.width > 1 && box.height > 1;
+  };
+  const bottomWithin = (node, end) => {
+    let bottom = node.getBoundingClientRect().bottom;
+    for (let at = node.parentElement; at && at !== end; at = at.parentElement) {
+      if (getComputedStyle(at).position === 'fixed') return -Infinity;
+      if (clips(at) && at !== document.body) bottom = Math.min(bottom, at.getBoundingClientRect().bottom);
+    }
+    return bottom;
+  };
+  // a bar that stays at the lower edge covers the end of the window
+  const bars = [...document.querySelectorAll('body *')]
+    .map((node) => [getComputedStyle(node).position, node.getBoundingClientRect()])
+    .filter(([position, box]) => position === 'fixed' && box.width >= innerWidth - 1 && box.top > innerHeight / 2)
+    .map(([, box]) => box.top);
+  const floor = Math.min(innerHeight, ...bars);
+  return [root, ...document.querySelectorAll('body *')]
+    .filter((node) => (node === root || scrolls(node)) && node.scrollHeight > node.clientHeight + 1)
+    .map((node) => {
+      node.scrollTop = node.scrollHeight;
+      const end = node === root ? floor : node.getBoundingClientRect().top + node.clientTop + node.clientHeight;
+      const leaves = [...node.querySelectorAll('*')].filter((leaf) => leaf.childElementCount === 0 && shown(leaf));
+      const last = Math.max(...leaves.map((leaf) => bottomWithin(leaf, node)));
+      return { node: node.className || node.tagName, nothing: end - last, scrolled: node.scrollTop };
+    });
+}"""
+"""Scrolls all that scrolls to its end: how much lies there below the last thing that can be seen [px]."""
+
+
+@pytest.mark.parametrize("size", [DESKTOP, PHONE], ids=["desktop", "phone"])
+def test_the_page_ends_where_its_content_ends(
+    new_context: Callable[..., BrowserContext], module: str, size: ViewportSize
+) -> None:
+    context = new_context(viewport=size)
+    select(context, module)
+    page = context.new_page()
+    page.goto("/parameters")
+    expect(row(page, "target_position")).to_be_visible()
+    closed = page.locator("[data-subject] button[aria-expanded=false][data-row^='group ']")
+    for left in range(closed.count(), 0, -1):
+        expect(closed).to_have_count(left)
+        closed.first.click()
+    expect(closed).to_have_count(0)
+    page.locator("[data-row]").last.scroll_into_view_if_needed()
+    ends = page.evaluate(NOTHING_BELOW)
+    assert any(end["scrolled"] > 1000 for end in ends), "the list is longer than the window"
+    # below the last thing is the padding around it, on a phone with the place of the bar of staged edits
+    assert [end for end in ends if end["nothing"] > 100] == []
+    if size is DESKTOP:
+        assert page.evaluate("document.documentElement.scrollHeight - document.documentElement.clientHeight") == 0
