@@ -60,6 +60,7 @@ from app.tuning.at_rest import after_vanishing, stop_moving
 from app.tuning.endless import EndlessService
 from app.tuning.procedures import Procedures
 from app.tuning.profiles.service import ProfileService
+from app.tuning.start_up import Wish, start_up
 from app.twin.service import Twin
 
 log = logging.getLogger("stepscope")
@@ -107,7 +108,16 @@ def create_app(
             ear.sync(manager.devices)
 
     found_moving = FoundMoving(clock)
-    manager = DeviceManager(kinds, clock, on_change=changed)
+
+    async def set_up(device: Device) -> None:
+        if device.family.kind == "module":
+            return  # it keeps its parameters itself
+        try:
+            await start_up(profiles, device, Wish())
+        except BenchError as error:
+            log.warning("%s is not started up: %s", device.name, error)
+
+    manager = DeviceManager(kinds, clock, on_change=changed, start_up=set_up)
     saver = Saver(store, manager.configs, clock)
     positions = PositionStore(settings.data_dir)
     endless = EndlessService(clock, changed=lambda: position_saver.request())

@@ -8,7 +8,6 @@ from fastapi import Depends
 
 from app.api.deps import CurrentDevice
 from app.devices.results import EventPage, RegisterReading, TmclExchange
-from app.devices.tmc5xxx.driver import Tmc5xxx
 from app.links.errors import WrongState
 
 
@@ -71,12 +70,6 @@ async def _flagged_device(device: CurrentDevice) -> FlaggedDevice:
     return device
 
 
-async def _six_point_device(device: CurrentDevice) -> Tmc5xxx:
-    if not isinstance(device, Tmc5xxx):
-        raise WrongState(f"a {device.family.title} has no start-up of this kind", "write its registers")
-    return device
-
-
 async def _eventful_device(device: CurrentDevice) -> EventfulDevice:
     if not isinstance(device, EventfulDevice):
         raise WrongState(f"a {device.family.title} has no event register", "its flags are in the axis's state")
@@ -95,7 +88,6 @@ async def _storing_device(device: CurrentDevice) -> StoringDevice:
     return device
 
 
-CurrentSixPointDevice = Annotated[Tmc5xxx, Depends(_six_point_device)]
 CurrentEventfulDevice = Annotated[EventfulDevice, Depends(_eventful_device)]
 CurrentTmclDevice = Annotated[TmclDevice, Depends(_tmcl_device)]
 CurrentStoringDevice = Annotated[StoringDevice, Depends(_storing_device)]

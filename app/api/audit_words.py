@@ -37,15 +37,21 @@ BY_EVENTS = frozenset(
         ("PUT", "devices/{}/registers/{}"),
         ("POST", "devices/{}/registers"),
         ("POST", "devices/{}/registers/{}/restore"),
-        ("POST", "devices/{}/axes/{}/start-up"),
         ("POST", "devices/{}/exchange"),
         ("POST", "devices/{}/tmcl"),
     }
 )
 """What registers hold afterwards, drivers tell: only what they have not told is entered for these."""
-PARTLY = frozenset({("POST", "devices/{}/registers"), ("POST", "devices/{}/axes/{}/start-up"), ("POST", "stop")})
+PARTLY = frozenset({("POST", "devices/{}/registers"), ("POST", "stop")})
 """Answers that are a success as a whole and may hold failures."""
-WHOLE = frozenset({("PUT", "devices/{}/profile"), ("POST", "devices/{}/profile/apply/way-back")})
+WHOLE = frozenset(
+    {
+        ("PUT", "devices/{}/profile"),
+        ("POST", "devices/{}/profile/apply/way-back"),
+        ("POST", "devices/{}/start-up"),
+        ("POST", "devices/{}/axes/{}/start-up"),
+    }
+)
 """Many writes that are one thing: entered as such too, when one of them has failed and the drivers have told of it."""
 TEXT_MAX = 200
 
@@ -113,7 +119,9 @@ def is_silent(call: Call) -> bool:
 
 
 def only_reads(call: Call) -> bool:
-    """Whether a raw frame has changed nothing, as far as its answer tells."""
+    """Whether a raw frame, or a start-up tried dry, has changed nothing, as far as its answer tells."""
+    if call.key == ("POST", "devices/{}/start-up") and isinstance(call.answer, dict):
+        return call.answer.get("state") == "dry run"
     if call.key == ("POST", "devices/{}/exchange") and isinstance(call.answer, dict):
         decoded = call.answer.get("decoded")
         return isinstance(decoded, dict) and decoded.get("rw") == "read"
@@ -252,7 +260,8 @@ WORDS: Mapping[tuple[str, str], Callable[[Call], Said]] = {
     ("POST", "devices/{}/registers"): _batch,
     ("POST", "devices/{}/registers/{}/store"): lambda call: Said("store", call.names[1]),
     ("POST", "devices/{}/registers/{}/restore"): lambda call: Said("restore", call.names[1]),
-    ("POST", "devices/{}/axes/{}/start-up"): _plain("start up"),
+    ("POST", "devices/{}/start-up"): lambda call: Said("start up", detail=compact(call.body)),
+    ("POST", "devices/{}/axes/{}/start-up"): lambda call: Said("start up", detail=compact(call.body)),
     ("POST", "devices/{}/exchange"): _exchange,
     ("POST", "devices/{}/tmcl"): _tmcl,
     ("PUT", "devices/{}/microstep-table"): lambda _: Said("write table", "microstep table"),

@@ -91,7 +91,7 @@ class Auditing:
             return
         if not done and request.failures and call.key not in WHOLE:
             return  # told by the driver already, and better
-        if done and call.key in BY_EVENTS and not outcomes and (request.changes or only_reads(call)):
+        if done and not outcomes and (only_reads(call) or (call.key in BY_EVENTS and request.changes)):
             return
         said = in_words(call)
         for outcome in outcomes or [DONE]:

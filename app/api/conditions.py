@@ -8,21 +8,13 @@ from app.api.schemas import Condition as ConditionOut
 from app.api.schemas import Evidence, GroundTruth, Remedy
 from app.conditions.judge import Condition
 from app.conditions.service import Standing
+from app.devices import signs
 from app.devices.device import Device
 
 
 def condition_out(device: Device, condition: Condition) -> ConditionOut:
     """A condition for clients: the paths of its remedies from the root."""
-    remedies = [
-        Remedy(
-            label=remedy.label,
-            method=remedy.method,
-            path=f"/api/v1/devices/{device.id}/{remedy.path}",
-            body=None if remedy.body is None else dict(remedy.body),
-            moves=remedy.moves,
-        )
-        for remedy in condition.remedies
-    ]
+    remedies = [remedy_out(device, remedy) for remedy in condition.remedies]
     return ConditionOut(
         kind=condition.kind,
         cause=condition.cause,
@@ -30,6 +22,17 @@ def condition_out(device: Device, condition: Condition) -> ConditionOut:
         remedies=remedies,
         remedy=remedies[0] if remedies else None,
         since_s=condition.since_s,
+    )
+
+
+def remedy_out(device: Device, remedy: signs.Remedy) -> Remedy:
+    """A remedy for clients, as a button would make it."""
+    return Remedy(
+        label=remedy.label,
+        method=remedy.method,
+        path=f"/api/v1/devices/{device.id}/{remedy.path}",
+        body=None if remedy.body is None else dict(remedy.body),
+        moves=remedy.moves,
     )
 
 

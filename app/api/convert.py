@@ -21,7 +21,7 @@ from app.api.schemas import (
     RegisterWritten,
     Tmc5xxxName,
 )
-from app.api.schemas_axes import AxisStateOut, MotionEnd, Prediction, StartUp, StopResult, Switches
+from app.api.schemas_axes import AxisStateOut, MotionEnd, Prediction, StopResult, Switches
 from app.api.schemas_calc import Phase
 from app.api.schemas_closed_loop import Recording, ResponseState, Score
 from app.api.schemas_devices import (
@@ -47,7 +47,6 @@ from app.devices import prediction, results
 from app.devices.config import AxisSettings, slug, unique_slug
 from app.devices.device import Axis, Device
 from app.devices.results import StopOutcome
-from app.devices.tmc5xxx.start_up import Start
 from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxPatch
 from app.emulators.tmc5xxx.options import AxisChange
 from app.emulators.tmc4361 import EmulatedTmc4361
@@ -166,6 +165,7 @@ def device_info(device: Device, conditions: ConditionService, not_saved: str = "
         notes=[*device.notes, *device.shortcomings, *([not_saved] if not_saved and not device.config.demo else [])],
         emulated=device.emulated,
         demo=device.config.demo,
+        start_up=device.config.start_up,
         axes=[_axis_info(device, axis, conditions.standing(device, axis.index)) for axis in device.axes],
         channels=[ChannelInfo.model_validate(channel) for channel in device.channels()],
         rate_max_hz=device.rate_max_hz,
@@ -195,21 +195,6 @@ def batch_result(result: results.BatchResult) -> RegisterBatchResult:
         done=[RegisterWritten.model_validate(written) for written in result.done],
         failed=None if result.failed is None else problem_of(result.failed),
         not_tried=result.not_tried,
-    )
-
-
-def start_of(body: StartUp) -> Start:
-    return Start(
-        vmax=body.velocity_pps,
-        amax=body.acceleration_pps2,
-        dmax=body.deceleration_pps2,
-        d1=body.deceleration_pps2,
-        irun=body.irun,
-        ihold=body.ihold,
-        counts_per_rev=body.counts_per_rev,
-        invert_encoder=body.invert_encoder,
-        stops=body.stops,
-        stop_low_active=body.stop_low_active,
     )
 
 

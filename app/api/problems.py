@@ -18,12 +18,14 @@ from fastapi.responses import JSONResponse
 from pydantic import ValidationError
 from starlette.exceptions import HTTPException
 
-from app.api.conditions import condition_out
+from app.api.conditions import condition_out, remedy_out
 from app.api.errors import BenchNotTaken, BenchTaken, ForeignPage, UnencodableWave
-from app.api.schemas import AxisProblem, Condition, Problem
+from app.api.schemas import AxisProblem, Condition, Problem, Remedy
+from app.devices.signs import start_up
 from app.links.errors import (
     BadReply,
     BenchError,
+    CannotMove,
     DownloadMode,
     LinkDown,
     LinkError,
@@ -169,15 +171,25 @@ def findings(error: ValidationError) -> str:
 # --- handlers -----------------------------------------------------------------------------------
 
 
-def error_answer(error: BenchError, instance: str | None, condition: Condition | None = None) -> JSONResponse:
-    """An error of the tree as a response; `condition` is that of the axis which it is about."""
-    problem = problem_of(error, instance)
+def error_answer(
+    error: BenchError, instance: str | None, condition: Condition | None = None, remedies: Sequence[Remedy] = ()
+) -> JSONResponse:
+    """An error of the tree as a response; `condition` is that of the axis which it is about, `remedies` what helps."""
+    problem = problem_of(error, instance).model_copy(update={"remedies": list(remedies)})
     return _answer(problem if condition is None else AxisProblem(**problem.model_dump(), condition=condition))
 
 
 async def _bench_error(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, BenchError)
-    return error_answer(error, request.url.path, _condition(request, error))
+    return error_answer(error, request.url.path, _condition(request, error), _remedies(request, error))
+
+
+def _remedies(request: Request, error: BenchError) -> list[Remedy]:
+    """Calls that put the error right."""
+    if not isinstance(error, CannotMove) or "device" not in request.path_params:
+        return []
+    device = request.app.state.bench.manager.get(request.path_params["device"])
+    return [remedy_out(device, start_up(error.axis))]
 
 
 def _condition(request: Request, error: BenchError) -> Condition | None:

@@ -108,6 +108,7 @@ class Problem(Answer):
     instance: str | None = None
     way_out: str | None = Field(default=None, description="what to do about it")
     facts: dict[str, object] = Field(default_factory=dict, description="the numbers behind: minimum, maximum, known...")
+    remedies: list[Remedy] = Field(default_factory=list, description="calls that put it right, the main one first")
 
 
 class AxisProblem(Problem):
@@ -238,6 +239,7 @@ class DeviceInfo(Answer):
     )
     emulated: bool
     demo: bool = Field(description="made by --demo; not kept")
+    start_up: bool = Field(description="an emulator that is set up whenever it is powered, so that it can move")
     axes: list[AxisInfo]
     channels: list[ChannelInfo]
     rate_max_hz: float

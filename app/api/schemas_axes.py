@@ -119,8 +119,6 @@ class Prediction(Answer):
 
 
 SearchSpeed = Annotated[float, Field(strict=True, gt=0, le=8e6, allow_inf_nan=False)]
-Acceleration = Annotated[float, Field(strict=True, gt=0, le=1e7, allow_inf_nan=False)]
-Scale = Annotated[int, Field(strict=True, ge=0, le=31)]
 SearchMode = Literal[1, 2, 3, 4, 5, 6, 7, 8, 65, 66, 67, 68, 133, 134, 135, 136]
 """AP 193 of a PD42-1241: 1..8, +64 mirrors 1..4, +128 inverts the home switch of 5..8."""
 
@@ -157,23 +155,6 @@ class ReferenceSearchState(Answer):
     last_position: int | None = Field(
         default=None, description="PD42-1241: AP 197, where the zero point lay in the old counting [microsteps]"
     )
-
-
-class StartUp(Body):
-    """How an axis of a TMC5xxx shall move after power-on. What is null follows from the rest, or is the maker's."""
-
-    velocity_pps: SearchSpeed = Field(default=51_200.0, description="VMAX: a turn a second, of 51,200 microsteps [pps]")
-    acceleration_pps2: Acceleration = Field(default=204_800.0, description="AMAX, A1 [pps^2]")
-    deceleration_pps2: Acceleration | None = Field(default=None, description="DMAX, D1; null: the same [pps^2]")
-    irun: Scale | None = Field(default=None, description="run current [(n + 1) / 32 of full scale]")
-    ihold: Scale | None = Field(default=None, description="standstill current [(n + 1) / 32 of full scale]")
-    counts_per_rev: Annotated[int, Field(strict=True, ge=0, le=1 << 22)] = Field(
-        default=0,
-        description="of the encoder, four a line; 0: none. That of a second axis takes the pins of both right switches",
-    )
-    invert_encoder: Flag = False
-    stops: Flag = Field(default=True, description="the stop switches are in force")
-    stop_low_active: Flag = False
 
 
 class ShuttleStart(Body):

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
-from pydantic import BaseModel, Discriminator, Field, RootModel, StringConstraints, Tag
+from pydantic import BaseModel, Discriminator, Field, RootModel, StringConstraints, Tag, model_validator
 
-from app.api.schemas import AxisConfig, Body, Chip40Name, ChipName, ModelName, ModuleName, Name, Tmc5xxxName
+from app.api.schemas import AxisConfig, Body, Chip40Name, ChipName, Flag, ModelName, ModuleName, Name, Tmc5xxxName
 from app.api.schemas_calc import ClockHz
 from app.api.schemas_links import Address, Baud
 from app.emulators.options import EmulatorOptions
@@ -166,6 +166,18 @@ class _Create(Body):
     name: Name
     clock_hz: ClockHz | None = Field(default=None, description="the chip's clock [Hz]; null: 16 MHz")
     axes: Axes | None = None
+    start_up: Flag = Field(
+        default=False,
+        description="of an emulator: set it up whenever it is powered, by the defaults of POST .../start-up, so that "
+        "it can move at once; else it is as after power-on",
+    )
+
+    @model_validator(mode="after")
+    def _only_an_emulator(self) -> Self:
+        link: AnyLink | None = getattr(self, "link", None)
+        if self.start_up and link is not None and link.kind != "emulator":
+            raise ValueError("start_up is for emulators: of hardware look at POST .../start-up with dry_run first")
+        return self
 
 
 class ChipCreate(_Create):

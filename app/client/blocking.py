@@ -180,6 +180,16 @@ class Bench:
         """Where it is and what it does."""
         return self._send(calls.axis_state(device, axis))
 
+    def start_up(
+        self, device: str, axes: Sequence[int] | None = None, *, dry_run: bool = False, **figures: Any
+    ) -> Json:
+        """Set axes up after power-on, none for all: currents, microsteps, switches, ramp; all of it, or nothing.
+
+        `figures` are velocity_pps, acceleration_pps2, microsteps, run_current_a, run_scale, counts_per_rev and others,
+        and `motor={"rated_current_a": 1.0, "sense_resistor_ohm": 0.11}`. Tells each write and what was chosen.
+        """
+        return self._send(calls.start_up(device, axes, dry_run=dry_run, more=figures), profiles.APPLY_TIMEOUT_S)
+
     def move(
         self,
         device: str,

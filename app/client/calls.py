@@ -85,6 +85,11 @@ def conditions() -> Call[list[Standing]]:
     )
 
 
+def start_up(name: str, axes: Sequence[int] | None, *, dry_run: bool, more: Json) -> Call[Json]:
+    body = {"axes": None if axes is None else list(axes), "dry_run": dry_run, **more}
+    return Call("POST", f"{_of(name)}/start-up", _as_it_is, body)
+
+
 def move(name: str, axis: int, target: float, *, relative: bool, unit: str) -> Call[MoveStarted]:
     body = {"target": target, "relative": relative, "unit": unit}
     return Call("POST", f"{_of_axis(name, axis)}/move", _move_started, body)

@@ -21,6 +21,7 @@ from app.commands.measuring import compare, record, recordings, replay, watch
 from app.commands.motion import axis, move, rotate, stop
 from app.commands.profile_scripts import script
 from app.commands.profiles import profile
+from app.commands.start_up import start_up
 
 COMMANDS: Sequence[Callable[..., None]] = (
     devices,
@@ -28,6 +29,7 @@ COMMANDS: Sequence[Callable[..., None]] = (
     axis,
     read,
     write,
+    start_up,
     move,
     rotate,
     stop,

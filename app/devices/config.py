@@ -74,6 +74,8 @@ class DeviceConfig:
     """Chip clock [Hz]; 0 stands for the model's default."""
     axes: tuple[AxisSettings, ...] = field(default=())
     demo: bool = False
+    start_up: bool = False
+    """Of an emulator: it is set up whenever it is powered, so that it can move at once."""
 
     def __post_init__(self) -> None:
         model = MODELS.get(self.model)

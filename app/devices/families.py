@@ -5,13 +5,18 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from app.clock import Clock
+from app.devices import start_up as ramp_start
 from app.devices.config import DeviceConfig
 from app.devices.device import Device
 from app.devices.limits.apply import apply_limits
+from app.devices.pd42 import start_up as pd42_start
 from app.devices.pd42.driver import Pd42
+from app.devices.starting import StartPlanner
+from app.devices.tmc5xxx import start_up as tmc5xxx_start
 from app.devices.tmc5xxx.driver import Tmc5xxx
 from app.devices.tmc428 import Tmc428
 from app.devices.tmc4210 import Tmc4210
+from app.devices.tmc4361 import start_up as tmc4361_start
 from app.devices.tmc4361.driver import Tmc4361
 from app.links.port import FramePort
 from app.registers.tmc5xxx import TABLES as TMC5XXX
@@ -23,6 +28,14 @@ DRIVERS: dict[str, Callable[[str, DeviceConfig, FramePort, Clock], Device]] = {
     **dict.fromkeys(TMC5XXX, Tmc5xxx),
     "pd42-1241": Pd42,
 }
+START_PLANS: dict[str, StartPlanner] = {
+    "tmc428": ramp_start.plan,
+    "tmc4210": ramp_start.plan,
+    "tmc4361": tmc4361_start.plan,
+    **dict.fromkeys(TMC5XXX, tmc5xxx_start.plan),
+    "pd42-1241": pd42_start.plan,
+}
+"""How each model is set up after power-on."""
 
 
 def make_device(device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> Device:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, replace
 
 from app.clock import Clock
@@ -50,14 +50,20 @@ class LinkTrial:
 
 
 class DeviceManager:
-    """`kinds` are the link kinds that the composition root offers; `on_change` hears of any change worth storing."""
+    """`kinds` are the link kinds that the composition root offers; `on_change` hears of any change worth storing;
+    `start_up` sets up an emulator that was just powered, where its connection says so, and raises nothing."""
 
     def __init__(
-        self, kinds: Mapping[str, PortFactory], clock: Clock, on_change: Callable[[], None] | None = None
+        self,
+        kinds: Mapping[str, PortFactory],
+        clock: Clock,
+        on_change: Callable[[], None] | None = None,
+        start_up: Callable[[Device], Awaitable[None]] | None = None,
     ) -> None:
         self._kinds = dict(kinds)
         self._clock = clock
         self._on_change = on_change or (lambda: None)
+        self._start_up = start_up
         self._devices: dict[str, Device] = {}
         self._watches: dict[Device, Watch] = {}
         self._stopping = Stopping()
@@ -86,13 +92,15 @@ class DeviceManager:
     async def add(self, config: DeviceConfig, *, connect: bool = True, wait: bool = True) -> Device:
         """Add a connection. One that does not answer is added all the same; its state tells why.
 
-        With `wait` the first attempt is over on return. Raises UsageError for a link that cannot be.
+        With `wait` the first attempt is over on return, and always that of an emulator to be set up. Raises UsageError
+        for a link that cannot be.
         """
         device = self._make(config, unique_slug(config.name, self._devices))
         self._devices[device.id] = device
         self._on_change()
         if connect:
-            await self._start(device, wait=wait)
+            await self._start(device, wait=wait or config.start_up)
+            await self._powered(device)
         return device
 
     async def edit(self, device_id: str, change: DeviceChange) -> Device:
@@ -134,6 +142,7 @@ class DeviceManager:
         await self._let_go(device)
         if connected:
             await self._start(successor, wait=True)
+            await self._powered(successor)
         return successor
 
     async def remove(self, device_id: str) -> None:
@@ -213,6 +222,11 @@ class DeviceManager:
     async def _start(self, device: Device, *, wait: bool) -> None:
         watch = self._watches[device] = Watch(device, self._clock)
         await watch.start(wait=wait)
+
+    async def _powered(self, device: Device) -> None:
+        """Its emulator is new: as after power-on."""
+        if self._start_up is not None and device.config.start_up and device.state == "connected":
+            await self._start_up(device)
 
     async def _end_watch(self, device: Device) -> None:
         watch = self._watches.pop(device, None)

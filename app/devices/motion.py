@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from app.calc.ramp import RampParameters
 from app.devices.axis_rows import HOLD_MODE, VELOCITY_MODE, AxisRows
 from app.devices.words import Words
-from app.links.errors import OutOfRange, WrongState
+from app.links.errors import CannotMove, OutOfRange
 from app.registers.model import Register, to_signed
 
 MODE_NAMES = ("ramp", "soft", "velocity", "hold")
@@ -89,21 +89,24 @@ class Setting:
         )
 
     def require_motion(self, axis: int) -> None:
-        """Raises WrongState where no command can move the motor."""
+        """Raises CannotMove where no command can move the motor."""
         if self.v_max == 0:
-            raise WrongState(f"axis {axis} cannot move: v_max is 0", "write v_max, 1..2047, first")
+            raise CannotMove(f"axis {axis} cannot move: v_max is 0", "write v_max, 1..2047", axis)
         if self.a_max == 0:
-            raise WrongState(
-                f"axis {axis} cannot change its speed: a_max is 0", "write a_max, 1..2047, and a matching pmul and pdiv"
+            raise CannotMove(
+                f"axis {axis} cannot change its speed: a_max is 0",
+                "write a_max, 1..2047, and a matching pmul and pdiv",
+                axis,
             )
 
     def require_proportionality(self, axis: int) -> None:
-        """Raises WrongState where pmul and pdiv were plainly never set."""
+        """Raises CannotMove where pmul and pdiv were plainly never set."""
         if self.p_mul == P_MUL_FIRST and self.pdiv == 0 and self.p > self.p_ideal:
-            raise WrongState(
+            raise CannotMove(
                 f"axis {axis} would swing around its target: pmul and pdiv are as after power-on, p = {self.p:g}"
                 f" where a_max and the dividers want {self.p_ideal:.4g} at most",
                 "design a pair (POST /calc/pmul-pdiv) and write it first",
+                axis,
             )
 
     def proportionality_warnings(self) -> list[str]:

@@ -14,6 +14,7 @@ BenchError
         +-- DownloadMode    a module stores commands instead of doing them: nobody asks it anything
         +-- OtherModel      another chip or module answers than the connection says: it is only read and stopped
         +-- UnknownParameter    the firmware of a module has no such parameter, port or type
+        +-- CannotMove      an axis is not set up so that any command could move it: a start-up is the cure
         +-- WriteRefused    the chip did not take a write: the read-back differs
 """
 
@@ -146,6 +147,14 @@ class OtherModel(WrongState):
 
 class UnknownParameter(WrongState):
     """The firmware of a module has no such parameter, port or type."""
+
+
+class CannotMove(WrongState):
+    """An axis is not set up so that any command could move it, as after power-on: a start-up is the cure."""
+
+    def __init__(self, message: str, way_out: str, axis: int) -> None:
+        super().__init__(message, f"{way_out}, or start it up (POST .../start-up)")
+        self.axis = axis
 
 
 class WriteRefused(WrongState):

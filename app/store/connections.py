@@ -122,6 +122,7 @@ def _entry(config: DeviceConfig) -> Entry:
         "link": dict(config.link),
         "clock_hz": config.clock_hz,
         "axes": [asdict(axis) for axis in config.axes],
+        **({"start_up": True} if config.start_up else {}),
     }
 
 
@@ -134,7 +135,7 @@ def _whole(entry: Entry) -> Entry:
 
 
 def _config(entry: Entry) -> DeviceConfig:
-    unknown = set(entry) - {"name", "model", "link", "clock_hz", "axes"}
+    unknown = set(entry) - {"name", "model", "link", "clock_hz", "axes", "start_up"}
     if unknown:
         raise ValueError(f"unknown keys {', '.join(sorted(unknown))}")
     name, model, link = entry["name"], entry["model"], entry["link"]
@@ -151,4 +152,7 @@ def _config(entry: Entry) -> DeviceConfig:
         raise ValueError("it has text that is none")
     settings = [AxisSettings.of(axis) for axis in axes]
     _axes.validate_json(json.dumps([asdict(axis) for axis in settings]), strict=True)
-    return DeviceConfig(name, model, link, float(clock_hz), tuple(settings))
+    started = entry.get("start_up", False)
+    if not isinstance(started, bool):
+        raise TypeError("start_up is true or false")
+    return DeviceConfig(name, model, link, float(clock_hz), tuple(settings), start_up=started)

@@ -13,7 +13,7 @@ from typing import Protocol
 from app.clock import Clock
 from app.devices.device import Device
 from app.devices.results import AxisState
-from app.links.errors import OutOfRange, WrongState
+from app.links.errors import CannotMove, OutOfRange
 from app.tuning.edges import SLACK_S, Switch
 from app.tuning.procedure import POLL_S, Failed
 from app.tuning.search import ReferenceSearchState, Search, State
@@ -107,7 +107,7 @@ class StopSearch(Search):
         limit_pps = self._latching_chip.cruise_pps(self.axis)
         if not limit_pps:
             told = "VMAX is 0" if limit_pps == 0 else "nobody knows VMAX"
-            raise WrongState(f"the axis cannot move: {told}", "write VMAX first")
+            raise CannotMove(f"the axis cannot move: {told}", "write VMAX", self.axis)
         wanted = limit_pps / 4 if self._velocity_pps is None else self._velocity_pps
         if wanted > limit_pps:
             raise OutOfRange("velocity", wanted, 0, limit_pps, "pps; VMAX is the limit")

@@ -63,7 +63,7 @@ async def test_one_call_sets_a_fresh_axis_up(client: httpx.AsyncClient, clock: V
     encoder = {} if model == "tmc5031" else {"counts_per_rev": 40_000}
     done = (await client.post(f"{axis}/start-up", json={"velocity_pps": 30_000.0, **encoder})).json()
     assert (done["failed"], done["not_tried"]) == (None, 0)
-    assert done["done"][-1]["name"] == "VMAX"
+    assert "VMAX" in {written["name"] for written in done["done"]}
     started = (await client.post(f"{axis}/move", json={"target": 20_000})).json()
     assert started["warnings"] == []
     await let(clock, 2)
@@ -72,9 +72,7 @@ async def test_one_call_sets_a_fresh_axis_up(client: httpx.AsyncClient, clock: V
     assert (state["deviation"] is None) == (model == "tmc5031")
 
 
-async def test_other_chips_have_no_such_start_up(client: httpx.AsyncClient) -> None:
-    refused = await client.post("devices/bench/axes/0/start-up")
-    assert refused.status_code == 409
+async def test_figures_beyond_its_registers_are_refused(client: httpx.AsyncClient) -> None:
     link = {"kind": "emulator", "motor": "rigid"}
     await client.post("devices", json={"name": "Slide", "model": "tmc5160", "link": link})
     refused = await client.post(f"{AXIS}/start-up", json={"velocity_pps": 7.9e6, "acceleration_pps2": 9e6})

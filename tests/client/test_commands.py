@@ -54,6 +54,20 @@ async def test_turning_and_stopping(server: str) -> None:
     assert not json.loads(said(await run(server, "axis", "bench", "--axis", "1", "--json")))["moving"]
 
 
+async def test_a_start_up_is_shown_and_then_done(server: str) -> None:
+    said(await run(server, "write", "slider", "V_MAX=0", "--axis", "0"))
+    refused = await run(server, "move", "slider", "100")
+    assert (refused.exit_code, "start it up" in refused.output) == (1, True)
+    shown = said(await run(server, "start-up", "slider", "velocity_pps=8000", "--dry-run"))
+    assert "would be written" in shown
+    assert "V_MAX" in shown
+    assert json.loads(said(await run(server, "read", "slider", "V_MAX", "--axis", "0", "--json")))[0]["value"] == 0
+    assert "written" in said(await run(server, "start-up", "slider", "velocity_pps=8000", "--axis", "0"))
+    assert "at 100" in said(await run(server, "move", "slider", "100"))
+    assert "unchanged" in said(await run(server, "start-up", "slider", "velocity_pps=8000"))
+    assert (await run(server, "start-up", "slider", "microsteps=3")).exit_code == 1
+
+
 async def test_calculators_and_any_other_call(server: str) -> None:
     answer = said(await run(server, "calc", "pmul-pdiv", "chip=tmc428", "a_max=500", "ramp_div=7", "pulse_div=5"))
     assert json.loads(answer)["pmul"] == 109
@@ -101,7 +115,7 @@ async def test_a_switch_in_the_way_is_told(server: str) -> None:
 
 def test_every_command_explains_itself() -> None:
     for command in COMMANDS:
-        result = CliRunner().invoke(cli, [command.__name__, "--help"])
+        result = CliRunner().invoke(cli, [command.__name__.replace("_", "-"), "--help"])
         assert result.exit_code == 0
         assert "Usage" in result.output
 

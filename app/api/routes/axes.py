@@ -6,16 +6,11 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from app.api.abilities import (
-    CurrentEncodedDevice,
-    CurrentEventfulDevice,
-    CurrentFlaggedDevice,
-    CurrentSixPointDevice,
-)
-from app.api.convert import axis_out, batch_result, prediction_out, start_of, stops_out
+from app.api.abilities import CurrentEncodedDevice, CurrentEventfulDevice, CurrentFlaggedDevice
+from app.api.convert import axis_out, prediction_out, stops_out
 from app.api.deps import CurrentAxis, CurrentBench, CurrentDevice
 from app.api.problems import DEVICE_PROBLEMS, problems
-from app.api.schemas import AxisProblem, RegisterBatchResult
+from app.api.schemas import AxisProblem
 from app.api.schemas_axes import (
     AxisStateOut,
     KeepRotating,
@@ -26,11 +21,9 @@ from app.api.schemas_axes import (
     Prediction,
     Rotate,
     Rotating,
-    StartUp,
 )
 from app.api.schemas_events import AxisEvents
 from app.devices.results import AxisMove
-from app.devices.tmc5xxx.start_up import start_items
 from app.links.errors import OutOfRange, SoftLimit, UnknownThing, WrongState
 
 router = APIRouter(prefix="/devices/{device}", tags=["axes"])
@@ -86,17 +79,6 @@ async def rotate_axis(bench: CurrentBench, device: CurrentDevice, axis: CurrentA
 async def keep_rotating(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis, body: KeepRotating) -> Rotating:
     """Keep a rotation with `hold_s` up. It never begins one: coming late, behind a stop, it moves nothing."""
     return Rotating.model_validate(bench.procedures.keep_rotating(device, axis.index, body.hold_s))
-
-
-@router.post("/axes/{axis}/start-up", responses=problems(*DEVICE_PROBLEMS, SoftLimit))
-async def start_axis_up(
-    device: CurrentSixPointDevice, axis: CurrentAxis, body: StartUp | None = None
-) -> RegisterBatchResult:
-    """Set an axis of a freshly powered TMC5xxx up, so that it can move: chopper, currents, switches, ramp.
-
-    Nothing moves meanwhile: the speed limit comes last. The answer says how far it came.
-    """
-    return batch_result(await device.write_many(start_items(device, axis.index, start_of(body or StartUp()))))
 
 
 @router.get("/axes/{axis}/stops", responses=problems(UnknownThing))

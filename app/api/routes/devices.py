@@ -40,6 +40,7 @@ async def add_device(body: DeviceCreate, bench: CurrentBench) -> DeviceInfo:
         link=with_memory(link_of(wanted.link, wanted.clock_hz), wanted, bench.manager.devices),
         clock_hz=clock_of(wanted.link, wanted.clock_hz),
         axes=axis_settings(wanted.axes),
+        start_up=wanted.start_up,
     )
     return device_info(await bench.manager.add(config), bench.conditions, await bench.saver.settled())
 

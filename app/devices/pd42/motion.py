@@ -24,7 +24,7 @@ from app.devices.planned_motion import PlannedMotion
 from app.devices.prediction import Prediction, PredictionBook
 from app.devices.results import AxisMove, MotionEnd, MoveStarted, RegisterWritten, Rotating
 from app.devices.sixpoint_plans import move_plan, turn_plan
-from app.links.errors import BenchError, LinkError, OutOfRange, UsageError, WriteRefused, WrongState
+from app.links.errors import BenchError, CannotMove, LinkError, OutOfRange, UsageError, WriteRefused, WrongState
 from app.links.port import FramePort
 from app.links.tmcl import VALUE_MAX, VALUE_MIN, Request
 from app.registers.model import Register
@@ -85,7 +85,7 @@ class Motion(Console):
             target = self._target(move, before.position, warnings)
             warnings += self._blocked(COUNTER.way(target, before.position), before)
             if self._known.get(rows.MAX_SPEED.address) == 0:
-                raise WrongState("the motor would not move: maximum_positioning_speed (AP 4) is 0", "write AP 4 first")
+                raise CannotMove("the motor would not move: maximum_positioning_speed (AP 4) is 0", "write AP 4", axis)
             if self.limiter is not None:
                 self.limiter.require_target(axis, COUNTER.shows(target), before.position)
             request = Request(self.address, Opcode.MVP, ABS, axis, target)

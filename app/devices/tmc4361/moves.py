@@ -26,7 +26,7 @@ from app.devices.tmc4361.events import Events
 from app.devices.tmc4361.setting import Setting
 from app.devices.tmc4361.switches import stopped_by
 from app.devices.words import Held, Words, Write
-from app.links.errors import LinkError, OutOfRange, UsageError, WriteRefused, WrongState
+from app.links.errors import CannotMove, LinkError, OutOfRange, UsageError, WriteRefused, WrongState
 from app.links.port import FramePort
 from app.registers.model import Register, to_raw
 
@@ -121,7 +121,7 @@ class Moves(Events):
             speed = self.cruise.speed if speed is None else speed
             before.setting.require_motion(shape)
             if speed == 0:
-                raise WrongState("the axis cannot move: VMAX is 0", "write VMAX, in 1/256 pps, first")
+                raise CannotMove("the axis cannot move: VMAX is 0", "write VMAX, in 1/256 pps", axis)
             target = self._target(move, before)
             before.warnings += before.setting.units.warnings("VMAX", speed / 256, positioning=True)
             if self.limiter is not None:

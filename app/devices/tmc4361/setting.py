@@ -9,7 +9,7 @@ from app.calc.sramp_parameters import SRamp
 from app.calc.sramp_trapezoid import Trapezoid
 from app.calc.tmc4361_formats import CLOCK_HZ_DEFAULT, CLOCK_HZ_MAX, CLOCK_HZ_MIN, Units
 from app.devices.tmc4361 import rows
-from app.links.errors import WrongState
+from app.links.errors import CannotMove, WrongState
 from app.registers.model import Register
 
 SHAPES = {rows.HOLD: "hold", rows.TRAPEZOID: "trapezoid", rows.S_SHAPED: "S-ramp"}
@@ -116,7 +116,8 @@ class Setting:
         }[shape]
         for register in needed:
             if self.value(register) == 0:
-                raise WrongState(
+                raise CannotMove(
                     f"the axis cannot change its speed: {register.name} is 0 and the ramp is a {SHAPES[shape]}",
-                    f"write {register.name} first",
+                    f"write {register.name}",
+                    0,
                 )

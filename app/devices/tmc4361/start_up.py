@@ -9,11 +9,12 @@ from app.calc.sramp_parameters import default_bow
 from app.calc.tmc4361_formats import Units
 from app.devices.device import Device
 from app.devices.results import WriteItem
+from app.devices.starting import StartPlan, Wanted
 from app.links.errors import UsageError
 
 S_RAMP_POSITIONING = 6
-MICROSTEPS_256 = 0
-"""MSTEP_PER_FS: closed loop needs it."""
+MICROSTEPS = (256, 128, 64, 32, 16, 8, 4, 2, 1)
+"""By MSTEP_PER_FS; closed loop needs 256."""
 STEP_CLOCKS, DIR_CLOCKS = 4, 4
 """STP_LENGTH_ADD and DIR_SETUP_TIME: long enough for any step/direction driver's input at 16 MHz."""
 
@@ -42,6 +43,7 @@ class Closed:
 class Start:
     """How the axis moves. Velocities in pps, accelerations in pps^2, bows in pps^3.
 
+    microsteps : per full step
     bow : of all four phases; None for the one with which a slope to `vmax` just touches `amax`
     counts_per_rev : of the encoder, four a line; 0 for none
     invert_encoder : the encoder counts the other way
@@ -52,6 +54,7 @@ class Start:
     vmax: float
     amax: float
     dmax: float | None = None
+    microsteps: int = MICROSTEPS[0]
     bow: float | None = None
     counts_per_rev: int = 0
     invert_encoder: bool = False
@@ -68,6 +71,27 @@ async def start_up(device: Device, start: Start, full_steps_per_rev: int | None 
     """
     for item in _items(device, start, full_steps_per_rev or device.axes[0].settings.full_steps_per_rev):
         await device.write(item.name, item.axis, item.value, item.fields)
+
+
+async def plan(device: Device, wanted: Sequence[Wanted]) -> StartPlan:
+    """What a chip after power-on needs, in its order. The power stage is outside: it sets the current."""
+    (one,) = wanted
+    figures = one.figures
+    one.require_no_current("the power stage outside does; scale it down with CURRENT_CONF and SCALE_VALUES")
+    microsteps = one.microsteps(MICROSTEPS[0], MICROSTEPS)
+    velocity, slope = one.velocity_pps(microsteps), one.acceleration_pps2(microsteps)
+    start = Start(
+        velocity,
+        slope,
+        one.deceleration_pps2(slope),
+        microsteps,
+        counts_per_rev=figures.counts_per_rev,
+        invert_encoder=figures.invert_encoder,
+        stops=figures.stops,
+        stop_high_active=not figures.stop_low_active,
+    )
+    encoders = {one.axis: "ENC_POS"} if figures.counts_per_rev else {}
+    return StartPlan(list(_items(device, start, one.settings.full_steps_per_rev)), encoders=encoders)
 
 
 def _items(device: Device, start: Start, full_steps: int) -> Sequence[WriteItem]:
@@ -87,7 +111,9 @@ def _items(device: Device, start: Start, full_steps: int) -> Sequence[WriteItem]
         # At rest until the very last write: without a speed limit nothing moves.
         WriteItem("VMAX", 0, 0),
         WriteItem("CLK_FREQ", 0, round(device.clock_hz)),
-        WriteItem("STEP_CONF", 0, fields={"mstep_per_fs": MICROSTEPS_256, "fs_per_rev": full_steps}),
+        WriteItem(
+            "STEP_CONF", 0, fields={"mstep_per_fs": MICROSTEPS.index(start.microsteps), "fs_per_rev": full_steps}
+        ),
         WriteItem(
             "STP_LENGTH_ADD___DIR_SETUP_TIME", 0, fields={"STP_LENGTH_ADD": STEP_CLOCKS, "DIR_SETUP_TIME": DIR_CLOCKS}
         ),

@@ -28,7 +28,7 @@ from app.devices.tmc5xxx import rows as r
 from app.devices.tmc5xxx.events import Events
 from app.devices.tmc5xxx.ramp import Ramp
 from app.devices.words import Held, Words, Write
-from app.links.errors import BadReply, LinkError, OutOfRange, UsageError, WriteRefused, WrongState
+from app.links.errors import BadReply, CannotMove, LinkError, OutOfRange, UsageError, WriteRefused
 from app.links.port import FramePort
 from app.registers.model import Register, to_raw
 
@@ -127,13 +127,14 @@ class Moves(Events):
         ]
 
     def _require_speed(self, before: Before) -> None:
-        """Raises WrongState where the speed of moves was overwritten before anybody here knew it."""
+        """Raises CannotMove where the speed of moves was overwritten before anybody here knew it."""
         rows = self.rows(before.axis)
         for row in (rows.vmax, rows.amax):
             if self.wanted(row) is None and row.address in self._overwritten:
-                raise WrongState(
+                raise CannotMove(
                     f"{row.name} cannot be read, and a stop or a rotation has written over what it was",
                     f"write {row.name}",
+                    before.axis,
                 )
 
     def _target(self, move: AxisMove, before: Before) -> int:
@@ -216,7 +217,7 @@ class Moves(Events):
     def _require_acceleration_known(self, axis: int) -> None:
         row = self.rows(axis).amax
         if row.address in self._overwritten and self.wanted(row) is None:
-            raise WrongState("AMAX cannot be read, and a stop has written over what it was", "write AMAX")
+            raise CannotMove("AMAX cannot be read, and a stop has written over what it was", "write AMAX", axis)
 
     def _speed(self, axis: int, velocity: float, unit: str, before: Before) -> int:
         """A velocity in chip units, with its sign. Raises OutOfRange with the limits in `unit`."""

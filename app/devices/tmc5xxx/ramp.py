@@ -14,7 +14,7 @@ from app.calc.sixpoint_registers import findings, ramp_of
 from app.calc.tmc5xxx_times import zero_wait_s
 from app.calc.tmc5xxx_units import VELOCITY_MAX, velocity_unit_pps
 from app.devices.tmc5xxx.rows import RAMP
-from app.links.errors import WrongState
+from app.links.errors import CannotMove
 
 LONG_WAIT_S = 0.5
 """From this TZEROWAIT on a move tells of it [s]."""
@@ -61,20 +61,20 @@ class Ramp:
             return None
 
     def require_acceleration(self, axis: int) -> None:
-        """Raises WrongState where no command can change the velocity."""
+        """Raises CannotMove where no command can change the velocity."""
         if self.words["AMAX"] == 0:
-            raise WrongState(f"axis {axis} cannot change its speed: AMAX is 0", "write AMAX, 1..65535, first")
+            raise CannotMove(f"axis {axis} cannot change its speed: AMAX is 0", "write AMAX, 1..65535", axis)
 
     def require_move(self, axis: int) -> None:
-        """Raises WrongState where no target can be reached."""
+        """Raises CannotMove where no target can be reached."""
         if self.words["VMAX"] == 0:
-            raise WrongState(f"axis {axis} cannot move: VMAX is 0", f"write VMAX, 1..{VELOCITY_MAX}, first")
+            raise CannotMove(f"axis {axis} cannot move: VMAX is 0", f"write VMAX, 1..{VELOCITY_MAX}", axis)
         self.require_acceleration(axis)
         needed = ("DMAX", *(("A1", "D1") if self.words["V1"] else ()))
         for name in needed:
             if self.words[name] == 0:
                 why = "nothing brakes at a target" if name != "A1" else "nothing gets it to V1"
-                raise WrongState(f"axis {axis} cannot move: {name} is 0, and {why}", f"write {name}, 1..65535, first")
+                raise CannotMove(f"axis {axis} cannot move: {name} is 0, and {why}", f"write {name}, 1..65535", axis)
 
     def warnings(self) -> list[str]:
         """What a move by this ramp will do that nobody may want."""

@@ -6,20 +6,28 @@ on an evaluation board: SpreadCycle with toff 3 (TMC5160) or 5, and a run curren
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
+from app.calc.coil_current import CHIPS, SCALER_FULL, CurrentStage, nearest_hold
 from app.calc.tmc5xxx_units import acceleration_units, velocity_units
+from app.devices.config import AxisSettings
 from app.devices.device import Device
 from app.devices.results import WriteItem
-from app.links.errors import UsageError
+from app.devices.starting import HOLD_SHARE, StartPlan, Wanted, scale_of
+from app.links.errors import OutOfRange, UsageError
 
 CHOPCONF: dict[str, int | str] = {"toff": 5, "hstrt": 5, "hend": 3, "tbl": 2, "chm": 0}
 CHOPCONF_5160: dict[str, int | str] = {"toff": 3, "hstrt": 5, "hend": 2, "tbl": 2, "chm": 0}
 IRUN, IRUN_5160, IHOLD, HOLD_DELAY = 0x17, 0x0A, 0x03, 0x07
 TPOWERDOWN = 10
-TABLE_MICROSTEPS = 256
+MICROSTEPS = (256, 128, 64, 32, 16, 8, 4, 2, 1)
+"""By CHOPCONF.mres; a TMC5031 has the first alone."""
+TABLE_MICROSTEPS = MICROSTEPS[0]
+MOST = 31
+"""The greatest IRUN and IHOLD."""
 DECIMAL = 10_000
 
 
@@ -31,6 +39,8 @@ class Start:
     v1 : 0 leaves a1 and d1 out
     vstop : at least 10 chip units, as the data sheets advise, and not below vstart
     irun, ihold : 0..31; None for the maker's
+    select : vsense, or of a TMC5160 the scaler of 256; None as it is set
+    microsteps : per full step; None as it is set, and reckoned as 256
     counts_per_rev : of the encoder, four a line; 0 for none. That of a second axis takes the pins of both right
         switches, which then stop nothing
     stops : the stop switches are in force, active at high level unless `stop_low_active`
@@ -46,10 +56,76 @@ class Start:
     vstop: float = 10.0
     irun: int | None = None
     ihold: int | None = None
+    select: int | None = None
+    microsteps: int | None = None
     counts_per_rev: int = 0
     invert_encoder: bool = False
     stops: bool = True
     stop_low_active: bool = False
+
+
+async def plan(device: Device, wanted: Sequence[Wanted]) -> StartPlan:
+    """What each of these axes needs after power-on, in its order."""
+    right_switch = not any(one.figures.counts_per_rev for one in wanted if one.axis)
+    items: list[WriteItem] = []
+    encoders = {}
+    for one in wanted:
+        figures = one.figures
+        fine = device.family.table.get("CHOPCONF", one.axis).field_named("mres") is not None
+        microsteps = one.microsteps(TABLE_MICROSTEPS, MICROSTEPS if fine else MICROSTEPS[:1])
+        velocity, slope = one.velocity_pps(microsteps), one.acceleration_pps2(microsteps)
+        braking = one.deceleration_pps2(slope)
+        irun, ihold, select = _currents(device.model, one)
+        start = Start(
+            vmax=velocity,
+            amax=slope,
+            dmax=braking,
+            d1=braking,
+            irun=irun,
+            ihold=ihold,
+            select=select,
+            microsteps=microsteps if fine else None,
+            counts_per_rev=figures.counts_per_rev,
+            invert_encoder=figures.invert_encoder,
+            stops=figures.stops,
+            stop_low_active=figures.stop_low_active,
+        )
+        if figures.counts_per_rev:
+            if not _has(device, "ENC_CONST", one.axis):
+                raise UsageError(f"a {device.family.title} reads no encoder: leave counts_per_rev out")
+            encoders[one.axis] = "X_ENC"
+        items += start_items(device, one.axis, start, right_switch=right_switch, settings=one.settings)
+    return StartPlan(items, encoders=encoders)
+
+
+def _currents(model: str, one: Wanted) -> tuple[int, int, int | None]:
+    """IRUN, IHOLD, and vsense or the scaler, nearest to the amperes asked for; the maker's where nobody tells any.
+
+    Raises UsageError where nobody knows what a scale is in A, OutOfRange beyond full scale.
+    """
+    strong = CHIPS[model].scaled
+    limits, run_a = one.settings.limits, one.run_current_a()
+    if run_a is not None and limits.current_full_scale_a is None and limits.sense_resistor_ohm is not None:
+        stage = CurrentStage(model, limits.sense_resistor_ohm)
+        full_a = stage.full_scale_a(SCALER_FULL if strong else 0) / math.sqrt(2)
+        if run_a > full_a:
+            raise OutOfRange("run_current_a", run_a, 0, full_a, "A RMS, full scale with this sense resistor")
+        hold_a = min(one.hold_current_a(run_a), run_a)
+        least = min(stage.settings(), key=lambda setting: setting.peak_a)
+        within = [s for s in stage.ranked(run_a * math.sqrt(2)) if s.rms_a <= run_a * (1 + 1e-9)]
+        run = within[0] if within else least
+        return run.scale, nearest_hold(stage.settings(run.select), hold_a * math.sqrt(2)).scale, run.select
+    shares = one.share_of_full_scale("sense_resistor_ohm or current_full_scale_a")
+    if shares is not None:
+        run_share, hold_share = shares
+        return scale_of(run_share, MOST), scale_of(hold_share, MOST), SCALER_FULL if strong else 0
+    maker = IRUN_5160 if strong else IRUN
+    limit, full = limits.current_max_a, limits.current_full_scale_a
+    if full is None and limits.sense_resistor_ohm is not None:
+        full = CurrentStage(model, limits.sense_resistor_ohm).full_scale_a(SCALER_FULL if strong else 0) / math.sqrt(2)
+    if limit is not None and full is not None:
+        maker = min(maker, scale_of(limit / full, MOST))
+    return (*one.scales(MOST, maker, min(IHOLD, int(maker * HOLD_SHARE))), None)
 
 
 async def start_up(device: Device, starts: Sequence[Start]) -> None:
@@ -66,10 +142,13 @@ async def start_up(device: Device, starts: Sequence[Start]) -> None:
             await device.write(item.name, item.axis, item.value, item.fields)
 
 
-def start_items(device: Device, axis: int, start: Start, *, right_switch: bool = True) -> Sequence[WriteItem]:
+def start_items(
+    device: Device, axis: int, start: Start, *, right_switch: bool = True, settings: AxisSettings | None = None
+) -> Sequence[WriteItem]:
     """What `start_up` writes for one axis, in its order. Raises UsageError for numbers that no register can hold.
 
     right_switch : its pin is that of a switch, and not taken by the encoder of a second axis
+    settings : of the axis as they will be; None for those that it has
     """
     strong = device.model == "tmc5160"
 
@@ -82,6 +161,11 @@ def start_items(device: Device, axis: int, start: Start, *, right_switch: bool =
 
     irun = (IRUN_5160 if strong else IRUN) if start.irun is None else start.irun
     ihold = IHOLD if start.ihold is None else start.ihold
+    chopper = dict(CHOPCONF_5160 if strong else CHOPCONF)
+    if start.microsteps is not None:
+        chopper["mres"] = MICROSTEPS.index(start.microsteps)
+    if start.select is not None and not strong:
+        chopper["vsense"] = start.select
     stops, low = int(start.stops), int(start.stop_low_active)
     return [
         # At rest until the very last write: without a speed limit nothing moves.
@@ -89,7 +173,12 @@ def start_items(device: Device, axis: int, start: Start, *, right_switch: bool =
         WriteItem("RAMPMODE", axis, 0),
         *([WriteItem("TPOWERDOWN", axis, TPOWERDOWN)] if _has(device, "TPOWERDOWN", axis) else []),
         WriteItem("IHOLD_IRUN", axis, fields={"IHOLD": ihold, "IRUN": irun, "IHOLDDELAY": HOLD_DELAY}),
-        WriteItem("CHOPCONF", axis, fields=dict(CHOPCONF_5160 if strong else CHOPCONF)),
+        *(
+            [WriteItem("GLOBAL_SCALER", axis, start.select % SCALER_FULL)]
+            if strong and start.select is not None
+            else []
+        ),
+        WriteItem("CHOPCONF", axis, fields=chopper),
         WriteItem(
             "SW_MODE",
             axis,
@@ -100,7 +189,7 @@ def start_items(device: Device, axis: int, start: Start, *, right_switch: bool =
                 "pol_stop_r": low,
             },
         ),
-        *_encoder(device, axis, start),
+        *_encoder(device, axis, start, settings or device.axes[axis].settings),
         velocity("VSTART", start.vstart),
         velocity("VSTOP", max(start.vstop, start.vstart)),
         velocity("V1", start.v1),
@@ -112,11 +201,11 @@ def start_items(device: Device, axis: int, start: Start, *, right_switch: bool =
     ]
 
 
-def _encoder(device: Device, axis: int, start: Start) -> Sequence[WriteItem]:
+def _encoder(device: Device, axis: int, start: Start, settings: AxisSettings) -> Sequence[WriteItem]:
     if not start.counts_per_rev:
         return []
-    settings = device.axes[axis].settings
-    ratio = Fraction(settings.full_steps_per_rev * TABLE_MICROSTEPS, start.counts_per_rev)
+    microsteps = start.microsteps or TABLE_MICROSTEPS
+    ratio = Fraction(settings.full_steps_per_rev * microsteps, start.counts_per_rev)
     decimal, word = encoder_constant(-ratio if start.invert_encoder else ratio)
     gconf = device.family.table.get("GCONF")
     second = axis > 0 and gconf.field_named("enc2_enable") is not None

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from app.devices.device import Device, DeviceEvent, MotionCommanded, motion_owner
+from app.devices.results import AxisState
 from app.links.errors import WriteRefused, WrongState
 from app.tuning.profiles.capture import Held, read_held, read_item
 from app.tuning.profiles.diff import Diff, difference_of, require_fit
@@ -67,6 +68,8 @@ class Transaction:
     document: ProfileDocument
     progress: Progress = field(default_factory=Progress)
     journal: Journal | None = None
+    encoders: Mapping[int, str] = field(default_factory=dict)
+    """By axis: the counter of an encoder that is set to the position before the encoder's own settings change."""
     _disturbed: str = ""
     _now: dict[Key, int] = field(default_factory=dict)
     """What was read back of the registers that are written; a module may hold a number that is a little off."""
@@ -95,12 +98,22 @@ class Transaction:
         unlisten = device.listen(self._heard)
         try:
             prepared = await hold_still(device, states, steps)
+            prepared += await self._align(states, steps)
             written = await self._all(held, steps, prepared)
         finally:
             unlisten()
             motion_owner.reset(owner)
             self.progress.phase = "over"
         return Applied(difference, written, prepared)
+
+    async def _align(self, states: Mapping[int, AxisState], steps: Sequence[Step]) -> list[str]:
+        told = []
+        for axis, counter in self.encoders.items():
+            resolved = any(step.register.group == "encoder" and step.register.axis == axis for step in steps)
+            if resolved and (await self.device.read(counter, axis)).value != states[axis].position:
+                await self.device.write(counter, axis, states[axis].position)
+                told.append(f"axis {axis}: {counter} shows the position, {states[axis].position}")
+        return told
 
     def _heard(self, event: DeviceEvent) -> None:
         if isinstance(event, MotionCommanded) and event.by is not self:

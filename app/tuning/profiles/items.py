@@ -67,8 +67,14 @@ RANKS: Mapping[str, str] = {
     "reference search, interrupts, application, coordinates, variables, step/dir",
 }
 """By family: groups of registers in the order in which they are written; those that are not named follow."""
-FIRST = ("unit_mode", "microstep_resolution", "GLOBAL_SCALER", "lp_ref_conf_rm", "lp_REF_CONF_RAMP_MODE")
-LAST = ("IF_CONFIGURATION_4210", "RAMPMODE", "CHOPCONF", "velocity_vstart", "START_CONF")
+FIRST = (
+    *("unit_mode", "microstep_resolution", "GLOBAL_SCALER", "lp_ref_conf_rm", "lp_REF_CONF_RAMP_MODE"),
+    # What v_max and a_max count in: with the dividers of power-on they would be a multiple of what is meant.
+    *("pulse_div_ramp_div_usrs", "PULSE_DIV_RAMP_DIV"),
+    # By which ramp: on that of power-on, none, the velocity would jump.
+    "RAMPMODE",
+)
+LAST = ("IF_CONFIGURATION_4210", "CHOPCONF", "velocity_vstart", "START_CONF")
 """Registers that come first or last of their group."""
 
 

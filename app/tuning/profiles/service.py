@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 import time
-from collections.abc import Awaitable, Callable, Coroutine, Sequence
+from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, TypeVar
@@ -72,9 +72,17 @@ class ProfileService:
 
     # --- applying -------------------------------------------------------------------------------
 
-    async def apply(self, device: Device, document: ProfileDocument, *, with_limits: bool = False) -> Outcome:
+    async def apply(
+        self,
+        device: Device,
+        document: ProfileDocument,
+        *,
+        with_limits: bool = False,
+        encoders: Mapping[int, str] | None = None,
+    ) -> Outcome:
         """Bring a profile into a device, its mechanics too; its soft limits only `with_limits`.
 
+        `encoders` are counters to be set to the position where an encoder's settings change: see `Transaction`.
         Goes on although the caller goes away. Raises what `Transaction.run` does; WrongState while another one is under
         way, something else drives the device, or an earlier one is unfinished.
         """
@@ -87,7 +95,7 @@ class ProfileService:
         settings = _settings(device, document, with_limits=with_limits)
         progress = Progress()
         file = FileJournal(journal.path_of(self._data_dir, device.id), device, document)
-        transaction = Transaction(device, document, progress, file)
+        transaction = Transaction(device, document, progress, file, encoders or {})
 
         async def work() -> Outcome:
             began_s = time.perf_counter()

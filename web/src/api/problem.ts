@@ -22,6 +22,7 @@ export function problemOf(error: unknown): Problem {
     detail: error instanceof Error ? error.message : String(error),
     way_out: "Check that stepscope is still running; this page reconnects by itself.",
     facts: {},
+    remedies: [],
     instance: null,
   };
 }

@@ -256,28 +256,6 @@ export interface paths {
         patch: operations["keep_rotating"];
         trace?: never;
     };
-    "/api/v1/devices/{device}/axes/{axis}/start-up": {
-        parameters: {
-            query?: never;
-            header?: never;
-            path?: never;
-            cookie?: never;
-        };
-        get?: never;
-        put?: never;
-        /**
-         * Start Axis Up
-         * @description Set an axis of a freshly powered TMC5xxx up, so that it can move: chopper, currents, switches, ramp.
-         *
-         *     Nothing moves meanwhile: the speed limit comes last. The answer says how far it came.
-         */
-        post: operations["start_axis_up"];
-        delete?: never;
-        options?: never;
-        head?: never;
-        patch?: never;
-        trace?: never;
-    };
     "/api/v1/devices/{device}/axes/{axis}/stops": {
         parameters: {
             query?: never;
@@ -791,6 +769,49 @@ export interface paths {
          * @description Take the load away and end the recording.
          */
         delete: operations["abort_disturbance"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/start-up": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Start Device Up
+         * @description Set axes up after power-on, so that they can move: currents, microsteps, switches, ramp, and what all share.
+         *
+         *     One transaction, as applying a profile: all of it, each register read back, or everything as it was before. The
+         *     motors stand meanwhile. `dry_run` tells what would be written, and writes nothing.
+         */
+        post: operations["start_device_up"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/axes/{axis}/start-up": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Start Axis Up
+         * @description The same for one axis, told as a batch of writes: `done` are those that were needed.
+         */
+        post: operations["start_axis_up"];
+        delete?: never;
         options?: never;
         head?: never;
         patch?: never;
@@ -2208,6 +2229,78 @@ export interface components {
             /** @description null where the profile does not speak of them */
             limits: components["schemas"]["Limits-Output"] | null;
         };
+        /**
+         * AxisStartUp
+         * @description Set one axis up after power-on. irun and ihold are other names of run_scale and hold_scale.
+         */
+        AxisStartUp: {
+            /**
+             * Velocity Pps
+             * @description of moves [microsteps/s]; null: a turn a second
+             */
+            velocity_pps?: number | null;
+            /**
+             * Acceleration Pps2
+             * @description [microsteps/s^2]; null: a turn a second within 0.25 s
+             */
+            acceleration_pps2?: number | null;
+            /**
+             * Deceleration Pps2
+             * @description null: the same [microsteps/s^2]
+             */
+            deceleration_pps2?: number | null;
+            /**
+             * Microsteps
+             * @description of a full step; null: the finest of the chip
+             */
+            microsteps?: (1 | 2 | 4 | 8 | 16 | 32 | 64 | 128 | 256) | null;
+            /**
+             * Run Current A
+             * @description of a coil in motion, RMS [A]
+             */
+            run_current_a?: number | null;
+            /**
+             * Hold Current A
+             * @description of a coil at rest, RMS [A]; null: half of it
+             */
+            hold_current_a?: number | null;
+            /**
+             * Run Scale
+             * @description current in motion in steps of the chip's own scale
+             */
+            run_scale?: number | null;
+            /**
+             * Hold Scale
+             * @description current at rest in steps of the chip's own scale
+             */
+            hold_scale?: number | null;
+            /**
+             * Counts Per Rev
+             * @description of the encoder, four a line; 0: none. That of a second axis takes the pins of both right switches
+             * @default 0
+             */
+            counts_per_rev?: number;
+            /**
+             * Invert Encoder
+             * @default false
+             */
+            invert_encoder?: boolean;
+            /**
+             * Stops
+             * @description the stop switches are in force
+             * @default true
+             */
+            stops?: boolean;
+            /**
+             * Stop Low Active
+             * @default false
+             */
+            stop_low_active?: boolean;
+            /** Irun */
+            irun?: number | null;
+            /** Ihold */
+            ihold?: number | null;
+        };
         /** AxisStateOut */
         AxisStateOut: {
             condition: components["schemas"]["Condition"];
@@ -2504,6 +2597,12 @@ export interface components {
             /** Axes */
             axes?: components["schemas"]["AxisConfig"][] | null;
             /**
+             * Start Up
+             * @description of an emulator: set it up whenever it is powered, by the defaults of POST .../start-up, so that it can move at once; else it is as after power-on
+             * @default false
+             */
+            start_up?: boolean;
+            /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
@@ -2595,6 +2694,12 @@ export interface components {
             clock_hz?: number | null;
             /** Axes */
             axes?: components["schemas"]["AxisConfig"][] | null;
+            /**
+             * Start Up
+             * @description of an emulator: set it up whenever it is powered, by the defaults of POST .../start-up, so that it can move at once; else it is as after power-on
+             * @default false
+             */
+            start_up?: boolean;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
@@ -3265,6 +3370,11 @@ export interface components {
              * @description made by --demo; not kept
              */
             demo: boolean;
+            /**
+             * Start Up
+             * @description an emulator that is set up whenever it is powered, so that it can move
+             */
+            start_up: boolean;
             /** Axes */
             axes: components["schemas"]["AxisInfo"][];
             /** Channels */
@@ -3276,6 +3386,92 @@ export interface components {
              * @description samples bear the device's own time (emulators), else the server's
              */
             chip_timed: boolean;
+        };
+        /**
+         * DeviceStartUp
+         * @description Set axes up after power-on.
+         * @example {
+         *       "axes": [
+         *         0
+         *       ],
+         *       "dry_run": true
+         *     }
+         */
+        DeviceStartUp: {
+            /**
+             * Velocity Pps
+             * @description of moves [microsteps/s]; null: a turn a second
+             */
+            velocity_pps?: number | null;
+            /**
+             * Acceleration Pps2
+             * @description [microsteps/s^2]; null: a turn a second within 0.25 s
+             */
+            acceleration_pps2?: number | null;
+            /**
+             * Deceleration Pps2
+             * @description null: the same [microsteps/s^2]
+             */
+            deceleration_pps2?: number | null;
+            /**
+             * Microsteps
+             * @description of a full step; null: the finest of the chip
+             */
+            microsteps?: (1 | 2 | 4 | 8 | 16 | 32 | 64 | 128 | 256) | null;
+            /**
+             * Run Current A
+             * @description of a coil in motion, RMS [A]
+             */
+            run_current_a?: number | null;
+            /**
+             * Hold Current A
+             * @description of a coil at rest, RMS [A]; null: half of it
+             */
+            hold_current_a?: number | null;
+            /**
+             * Run Scale
+             * @description current in motion in steps of the chip's own scale
+             */
+            run_scale?: number | null;
+            /**
+             * Hold Scale
+             * @description current at rest in steps of the chip's own scale
+             */
+            hold_scale?: number | null;
+            /**
+             * Counts Per Rev
+             * @description of the encoder, four a line; 0: none. That of a second axis takes the pins of both right switches
+             * @default 0
+             */
+            counts_per_rev?: number;
+            /**
+             * Invert Encoder
+             * @default false
+             */
+            invert_encoder?: boolean;
+            /**
+             * Stops
+             * @description the stop switches are in force
+             * @default true
+             */
+            stops?: boolean;
+            /**
+             * Stop Low Active
+             * @default false
+             */
+            stop_low_active?: boolean;
+            /**
+             * Axes
+             * @description which; null: all of the device
+             */
+            axes?: number[] | null;
+            motor?: components["schemas"]["MotorData"] | null;
+            /**
+             * Dry Run
+             * @description only tell what would be written
+             * @default false
+             */
+            dry_run?: boolean;
         };
         /**
          * DeviceTrial
@@ -5152,6 +5348,12 @@ export interface components {
             /** Axes */
             axes?: components["schemas"]["AxisConfig"][] | null;
             /**
+             * Start Up
+             * @description of an emulator: set it up whenever it is powered, by the defaults of POST .../start-up, so that it can move at once; else it is as after power-on
+             * @default false
+             */
+            start_up?: boolean;
+            /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
@@ -5370,6 +5572,32 @@ export interface components {
              * @description of the driver's bridges: warning from 120, shutdown from 150 [deg C]
              */
             temperature_c?: number | null;
+        };
+        /**
+         * MotorData
+         * @description The motor and its power stage; null as the axis's settings have it.
+         */
+        MotorData: {
+            /**
+             * Full Steps Per Rev
+             * @description becomes the axis's setting
+             */
+            full_steps_per_rev?: number | null;
+            /**
+             * Rated Current A
+             * @description of a coil, RMS [A]: what it is run with
+             */
+            rated_current_a?: number | null;
+            /**
+             * Sense Resistor Ohm
+             * @description makes amperes of current scales [ohm]; not kept
+             */
+            sense_resistor_ohm?: number | null;
+            /**
+             * Current Full Scale A
+             * @description RMS at the greatest current scale, instead of the resistor [A]; not kept
+             */
+            current_full_scale_a?: number | null;
         };
         /**
          * MotorOptions
@@ -6381,6 +6609,11 @@ export interface components {
             facts: {
                 [key: string]: unknown;
             };
+            /**
+             * Remedies
+             * @description calls that put it right, the main one first
+             */
+            remedies: components["schemas"]["Remedy"][];
         };
         /**
          * ProfileApplied
@@ -8291,6 +8524,12 @@ export interface components {
             /** Axes */
             axes?: components["schemas"]["AxisConfig"][] | null;
             /**
+             * Start Up
+             * @description of an emulator: set it up whenever it is powered, by the defaults of POST .../start-up, so that it can move at once; else it is as after power-on
+             * @default false
+             */
+            start_up?: boolean;
+            /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
              */
@@ -8550,59 +8789,124 @@ export interface components {
             home_to_fullsteps?: number;
         };
         /**
-         * StartUp
-         * @description How an axis of a TMC5xxx shall move after power-on. What is null follows from the rest, or is the maker's.
+         * StartChoice
+         * @description A figure that nobody asked for.
          */
-        StartUp: {
+        StartChoice: {
+            /** Name */
+            name: string;
+            /** Axis */
+            axis: number;
+            /** Value */
+            value: number;
+            /** Unit */
+            unit: string;
+            /** Why */
+            why: string;
+        };
+        /**
+         * StartUpReport
+         * @description What a start-up writes, or has written and read back.
+         */
+        StartUpReport: {
             /**
-             * Velocity Pps
-             * @description VMAX: a turn a second, of 51,200 microsteps [pps]
-             * @default 51200
+             * State
+             * @enum {string}
              */
-            velocity_pps?: number;
+            state: "dry run" | "applied" | "unchanged";
+            /** Axes */
+            axes: number[];
             /**
-             * Acceleration Pps2
-             * @description AMAX, A1 [pps^2]
-             * @default 204800
+             * Writes
+             * @description what was not as it shall be, in the order of writing
              */
-            acceleration_pps2?: number;
+            writes: components["schemas"]["StartWrite"][];
             /**
-             * Deceleration Pps2
-             * @description DMAX, D1; null: the same [pps^2]
+             * Same
+             * @description how many registers were right already
              */
-            deceleration_pps2?: number | null;
+            same: number;
             /**
-             * Irun
-             * @description run current [(n + 1) / 32 of full scale]
+             * Chosen
+             * @description figures that nobody asked for, and why they are these
              */
-            irun?: number | null;
+            chosen: components["schemas"]["StartChoice"][];
             /**
-             * Ihold
-             * @description standstill current [(n + 1) / 32 of full scale]
+             * Prepared
+             * @description what was done before, so that nothing moves; it stays
              */
-            ihold?: number | null;
+            prepared: string[];
+            /** Warnings */
+            warnings: string[];
+            /** Took S */
+            took_s: number | null;
+        };
+        /**
+         * StartWrite
+         * @description A register: `left` is what it holds, or held, and `right` what it shall hold.
+         */
+        StartWrite: {
             /**
-             * Counts Per Rev
-             * @description of the encoder, four a line; 0: none. That of a second axis takes the pins of both right switches
-             * @default 0
+             * Kind
+             * @enum {string}
              */
-            counts_per_rev?: number;
+            kind: "register" | "parameter" | "table" | "mechanics" | "limits" | "clock";
+            /** Name */
+            name: string;
+            /** Axis */
+            axis: number | null;
             /**
-             * Invert Encoder
-             * @default false
+             * Table
+             * @description the table that it is a word of
              */
-            invert_encoder?: boolean;
+            table: string | null;
             /**
-             * Stops
-             * @description the stop switches are in force
+             * Left
+             * @description as the chip has it; null where nobody knows
+             */
+            left: number | string | null;
+            /** Right */
+            right: number | string | null;
+            /**
+             * Unit
+             * @description what both count in
+             * @default
+             */
+            unit: string;
+            /**
+             * Left Physical
+             * @description in people's units, by that side's clock and dividers
+             */
+            left_physical: string | null;
+            /** Right Physical */
+            right_physical: string | null;
+            /**
+             * Fields
+             * @description those that differ
+             */
+            fields: components["schemas"]["FieldDifference"][];
+            /**
+             * Written
+             * @description whether apply would write it
              * @default true
              */
-            stops?: boolean;
+            written: boolean;
             /**
-             * Stop Low Active
-             * @default false
+             * Why
+             * @description what to know about it, or why it is not written
+             * @default
              */
-            stop_low_active?: boolean;
+            why: string;
+            /**
+             * Now
+             * @description as read back; null of a dry run, and where it cannot be read
+             */
+            now: number | null;
+            /**
+             * Verified
+             * @description it was read back; null of a dry run, and where it cannot be read
+             */
+            verified: boolean | null;
         };
         /**
          * StepDirState
@@ -10144,6 +10448,11 @@ export interface components {
                 [key: string]: unknown;
             };
             /**
+             * Remedies
+             * @description calls that put it right, the main one first
+             */
+            remedies?: components["schemas"]["Remedy"][];
+            /**
              * @description of the axis, where its link or state is the reason
              * @default null
              */
@@ -11669,107 +11978,6 @@ export interface operations {
             };
             /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
             422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-        };
-    };
-    start_axis_up: {
-        parameters: {
-            query?: never;
-            header?: never;
-            path: {
-                /** @description the device's id: a slug of its name */
-                device: string;
-                /** @description the axis, from 0 */
-                axis: number;
-            };
-            cookie?: never;
-        };
-        requestBody?: {
-            content: {
-                "application/json": components["schemas"]["StartUp"] | null;
-            };
-        };
-        responses: {
-            /** @description Successful Response */
-            200: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/json": components["schemas"]["RegisterBatchResult"];
-                };
-            };
-            /** @description The body is not JSON (/problems/undecodable-body) */
-            400: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
-            403: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description There is no such thing (/problems/unknown-thing) */
-            404: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
-            409: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The body is too long (/problems/body-too-large) */
-            413: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
-            422: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The device answered wrongly (/problems/bad-reply) */
-            502: {
-                headers: {
-                    [name: string]: unknown;
-                };
-                content: {
-                    "application/problem+json": components["schemas"]["Problem"];
-                };
-            };
-            /** @description The device did not answer (/problems/no-reply) */
-            504: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -14304,6 +14512,224 @@ export interface operations {
             };
             /** @description The request does not fit the contract (/problems/invalid-request) */
             422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    start_device_up: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["DeviceStartUp"] | null;
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StartUpReport"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); Not applied: all is as it was before (/problems/profile-taken-back); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply); Not applied, and not all is as it was before (/problems/profile-left) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    start_axis_up: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+                /** @description the axis, from 0 */
+                axis: number;
+            };
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["AxisStartUp"] | null;
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["RegisterBatchResult"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); Not applied: all is as it was before (/problems/profile-taken-back); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply); Not applied, and not all is as it was before (/problems/profile-left) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
                 headers: {
                     [name: string]: unknown;
                 };

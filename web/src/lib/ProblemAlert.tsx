@@ -2,6 +2,7 @@ import { Alert, Button, Group, Text } from "@mantine/core";
 import { IconAlertTriangle, IconEye } from "@tabler/icons-react";
 import { problemOf } from "../api/client";
 import { ONLY_LOOKING } from "../api/lease/gate";
+import { Remedies } from "./Remedies";
 
 interface Props {
   /** whatever a failed call gave: an ApiError, a problem+json, an Error */
@@ -36,6 +37,7 @@ export function ProblemAlert({ error, doing, retry, onClose }: Props) {
           {problem.way_out}
         </Text>
       )}
+      <Remedies remedies={problem.remedies} onDone={onClose} />
       {retry && (
         <Group mt="xs">
           <Button size="compact-sm" variant="default" onClick={retry}>

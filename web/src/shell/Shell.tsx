@@ -2,6 +2,7 @@ import { Group, Text } from "@mantine/core";
 import { useHotkeys } from "@mantine/hooks";
 import { type PropsWithChildren, useEffect, useRef } from "react";
 import { Link, useLocation } from "wouter";
+import { StartUpDialog } from "../lib/startup/StartUpDialog";
 import { ColorSchemeToggle } from "./ColorSchemeToggle";
 import { ConditionBar } from "./ConditionBar";
 import { ConnectionBanner } from "./ConnectionBanner";
@@ -40,6 +41,7 @@ export function Shell({ children }: PropsWithChildren) {
       <a className={classes.skip} href="#main">
         Skip to the page
       </a>
+      <StartUpDialog />
       <LeaseQuestion />
       <LeaseNews />
       <header className={classes.header}>

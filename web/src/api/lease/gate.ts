@@ -17,6 +17,7 @@ function notSent(request: Request): Response {
     detail: "You are only looking: the bench is as it was.",
     way_out: "Take the bench, above, and do it again.",
     facts: {},
+    remedies: [],
     instance: new URL(request.url).pathname,
   };
   return new Response(JSON.stringify(problem), {

@@ -42,7 +42,7 @@ export function TryModels({ devices }: { devices: readonly Device[] }) {
   const others = catalog.data?.filter((model) => emulated.has(model.name) && !there.has(model.name)) ?? [];
   if (others.length === 0 && !action.failure) return null;
   const add = async (model: Model) => {
-    const body = { name: model, model, link: { kind: "emulator" } } as Schemas["DeviceCreate"];
+    const body = { name: model, model, link: { kind: "emulator" }, start_up: true } as Schemas["DeviceCreate"];
     const device = unwrap(await api.POST("/api/v1/devices", { body }));
     await queries.invalidateQueries({ queryKey: ["devices"] });
     selection.select(device.id, 0);

@@ -6,6 +6,7 @@ import { familyOf } from "../../lib/family";
 import { compact, fixed, frequency } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { StateDot } from "../../lib/StateDot";
+import { StartUpButton } from "../../lib/startup/StartUpButton";
 import { useLinkInfo } from "../../lib/wire/useLinkInfo";
 import { WireBar } from "../../lib/wire/WireBar";
 import css from "./connections.module.css";
@@ -46,6 +47,14 @@ export function DeviceEntry({ device, selected, edited, onUse, onEdit, onRemoved
           >
             {up ? "Disconnect" : "Connect"}
           </Button>
+          <StartUpButton
+            size="compact-xs"
+            variant="default"
+            disabled={device.state !== "connected"}
+            device={device.id}
+            axes={null}
+            axisNames={device.axes.map((axis) => axis.name)}
+          />
           <Button size="compact-xs" variant="default" onClick={onEdit}>
             Edit
           </Button>

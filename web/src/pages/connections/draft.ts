@@ -230,6 +230,7 @@ export interface DeviceBody {
   link: Link;
   clock_hz: number | null;
   axes: AxisConfig[];
+  start_up: boolean;
 }
 
 export function createBody(draft: Draft): DeviceBody {
@@ -240,6 +241,8 @@ export function createBody(draft: Draft): DeviceBody {
     // a module's crystal is its own affair
     clock_hz: isModule(draft.model) ? null : (clockOf(draft) ?? null),
     axes: axisConfigs(draft),
+    // one that a click adds can move at once
+    start_up: draft.kind === "emulator",
   };
 }
 

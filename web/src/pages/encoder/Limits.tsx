@@ -101,6 +101,7 @@ export function Counter({ alias, write, actual, moving, onSet, disabled }: Count
             detail: "The encoder can be set while the axis stands still and its position is known.",
             way_out: moving() ? "Stop it first." : "Wait for samples, or set a number.",
             facts: {},
+            remedies: [],
             instance: null,
           });
         await write(Math.round(target));

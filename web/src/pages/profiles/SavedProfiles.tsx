@@ -162,6 +162,7 @@ function notRead(file: string, error: unknown): Problem {
     instance: null,
     way_out: "Choose a file that was exported here, or by `stepscope profile export`.",
     facts: {},
+    remedies: [],
   };
 }
 

@@ -18,10 +18,12 @@ interface Props {
 /** To a position, or by a distance. */
 export function MoveSection({ at, scale, unit, action, disabled }: Props) {
   // kept as typed: another unit of the card shows the same place, and what goes out is the entry itself
-  const [target, setTarget] = useState<Entry>({ value: 0, unit });
-  const [distance, setDistance] = useState<Entry>(() =>
+  const [turn] = useState<Entry>(() =>
     scale.microstepsPerFullStep === null ? { value: 1000, unit: "microsteps" } : { value: 1, unit: "rev" },
   );
+  // a turn from zero, where a new device stands: the first click moves it
+  const [target, setTarget] = useState(turn);
+  const [distance, setDistance] = useState(turn);
   const [wrong, setWrong] = useState({ target: false, distance: false });
   const go = ({ value, unit: typedIn }: Entry, relative: boolean) =>
     void action.run("Moving", () =>

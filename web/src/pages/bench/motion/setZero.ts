@@ -81,6 +81,7 @@ export async function setZero({ device, axis }: AxisAddress, model: Device["mode
       detail: "Zero can only be set while the axis stands still.",
       way_out: "Stop it, then set zero.",
       facts: {},
+      remedies: [],
       instance: null,
     });
   const writes = await WRITES[model](device);

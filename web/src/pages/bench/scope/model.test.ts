@@ -17,6 +17,7 @@ function device(id: string, axes: number, rate: number): Device {
     notes: [],
     emulated: true,
     demo: true,
+    start_up: false,
     axes: Array.from({ length: axes }, (_, index) => ({
       index,
       name: "xyz"[index] ?? "",

@@ -1,0 +1,159 @@
+import { Button, Group, Loader, Modal, Stack, Text } from "@mantine/core";
+import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { useSyncExternalStore } from "react";
+import { api, unwrap } from "../../api/client";
+import { compact, fixed } from "../format";
+import { ProblemAlert } from "../ProblemAlert";
+import { RegisterName } from "../rows/parts";
+import { linesOf, type Report } from "./changes";
+import css from "./startup.module.css";
+import { onWantedStartUp, type StartUpWanted, wantedStartUp, wantStartUp } from "./wanted";
+
+async function ask(device: string, axes: StartUpWanted["axes"], dryRun: boolean): Promise<Report> {
+  const body = { axes: axes === null ? null : [...axes], dry_run: dryRun } as never;
+  return unwrap(await api.POST("/api/v1/devices/{device}/start-up", { params: { path: { device } }, body }));
+}
+
+/** What a start-up would write, register by register, then all of it at once; what came of it. */
+export function StartUpDialog() {
+  const wanted = useSyncExternalStore(onWantedStartUp, wantedStartUp);
+  const close = () => wantStartUp(null);
+  return (
+    <Modal
+      opened={wanted !== null}
+      onClose={close}
+      title={wanted && titleOf(wanted)}
+      size="lg"
+      closeButtonProps={{ "aria-label": "Close" }}
+      transitionProps={{ duration: 120 }}
+    >
+      {wanted && <Body {...wanted} close={close} />}
+    </Modal>
+  );
+}
+
+function titleOf({ device, axes, axisNames }: StartUpWanted): string {
+  return axes === null ? `Start up ${device}` : `Start up ${device}, ${named(axes, axisNames)}`;
+}
+
+function named(axes: readonly number[], names: readonly string[]): string {
+  return axes.map((axis) => (names.length > 1 && names[axis]) || `axis ${axis}`).join(", ");
+}
+
+function Body({ device, axes, axisNames, close, onDone }: StartUpWanted & { close: () => void }) {
+  const queries = useQueryClient();
+  const dry = useQuery({
+    queryKey: ["start-up", device, axes],
+    queryFn: () => ask(device, axes, true),
+    retry: false,
+    gcTime: 0,
+    refetchOnWindowFocus: false,
+  });
+  const apply = useMutation({
+    mutationFn: () => ask(device, axes, false),
+    onSuccess: () => onDone?.(),
+    onSettled: () => queries.invalidateQueries({ predicate: ({ queryKey }) => queryKey[0] !== "start-up" }),
+  });
+  if (dry.isError) return <ProblemAlert error={dry.error} doing="Planning the start-up" retry={() => dry.refetch()} />;
+  if (dry.data === undefined)
+    return (
+      <Group gap="xs">
+        <Loader size="xs" aria-hidden />
+        <Text size="sm" role="status">
+          Reading what the device holds
+        </Text>
+      </Group>
+    );
+  const report = apply.data ?? dry.data;
+  const lines = linesOf(report);
+  return (
+    <Stack gap="sm" data-testid="start-up">
+      <Text size="sm" role="status" data-testid="start-up-state">
+        {said(report)}
+      </Text>
+      {lines.length > 0 && <Changes lines={lines} axisNames={axisNames} applied={report.state !== "dry run"} />}
+      {report.state === "dry run" && report.chosen.length > 0 && (
+        <ul className={css.chosen} aria-label="Chosen figures">
+          {report.chosen.map((each) => (
+            <li key={`${each.axis}/${each.name}`}>
+              {report.axes.length > 1 && `${axisNames[each.axis] ?? `axis ${each.axis}`}: `}
+              {each.name.replaceAll("_", " ").replace(/ (pps2?|a)$/, "")}{" "}
+              <span className="num">
+                {compact(each.value)} {each.unit}
+              </span>
+              : {each.why}
+            </li>
+          ))}
+        </ul>
+      )}
+      {[...report.warnings, ...report.prepared].map((each) => (
+        <Text key={each} size="sm">
+          {each}
+        </Text>
+      ))}
+      {apply.isError && <ProblemAlert error={apply.error} doing="Starting up" />}
+      <Group gap="xs">
+        {report.state === "dry run" && lines.length > 0 && (
+          <Button size="sm" loading={apply.isPending} onClick={() => apply.mutate()} data-autofocus>
+            Apply {fixed(report.writes.length)} {report.writes.length === 1 ? "change" : "changes"}
+          </Button>
+        )}
+        <Button size="sm" variant="default" onClick={close}>
+          {report.state === "dry run" && lines.length > 0 ? "Cancel" : "Close"}
+        </Button>
+      </Group>
+    </Stack>
+  );
+}
+
+function said(report: Report): string {
+  if (report.writes.length === 0) return "It is set up already: nothing to write.";
+  if (report.state === "dry run")
+    return "Nothing is written yet. All of it is written and read back, or everything stays as it was. No motor moves.";
+  return `Done${report.took_s == null ? "" : ` in ${compact(report.took_s, 2)} s`}: the axis can move now.`;
+}
+
+interface ChangesProps {
+  lines: ReturnType<typeof linesOf>;
+  axisNames: readonly string[];
+  applied: boolean;
+}
+
+function Changes({ lines, axisNames, applied }: ChangesProps) {
+  return (
+    // biome-ignore lint/a11y/noNoninteractiveTabindex: what can be scrolled must be reached by keyboard
+    <section className={css.box} tabIndex={0} aria-label="Changes">
+      <table className={css.table}>
+        <thead>
+          <tr>
+            <th scope="col">Register</th>
+            <th scope="col">{applied ? "Was" : "Is"}</th>
+            <th scope="col">{applied ? "Is" : "Will be"}</th>
+            {applied && <th scope="col">Check</th>}
+          </tr>
+        </thead>
+        <tbody>
+          {lines.map((line) => (
+            <tr key={line.key}>
+              <td>
+                <RegisterName name={line.name} />
+                {line.axis !== null && axisNames.length > 1 && (
+                  <span className={css.axis}> {axisNames[line.axis] ?? `axis ${line.axis}`}</span>
+                )}
+              </td>
+              <td>
+                <span className="num">{line.before}</span>
+                {line.beforePhysical !== "" && <span className={css.physical}>{line.beforePhysical}</span>}
+              </td>
+              <td>
+                <span className="num">{line.after}</span>
+                {line.afterPhysical !== "" && <span className={css.physical}>{line.afterPhysical}</span>}
+              </td>
+              {applied && <td>{line.readBack}</td>}
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </section>
+  );
+}
