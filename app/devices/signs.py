@@ -86,11 +86,8 @@ def write(register: str, axis: int | None, value: int, field: str = "") -> Remed
     return Remedy(f"write {name} {value:,}", "PUT", f"registers/{register}{query}", body, moves=True)
 
 
-def zero(register: str, axis: int, value: int, seen_s: float | None = None, field: str = "") -> Sign:
-    """A register, or field, that keeps an axis from moving while it is 0; with `value` it moves."""
-    name = f"{register}.{field}" if field else register
-    return Sign(
-        f"{name} is 0",
-        (Evidence(name, "0", seen_s),),
-        (start_up(axis), write(register, axis, value, field)),
-    )
+def zero(register: str, axis: int, value: int | None, seen_s: float | None = None) -> Sign:
+    """A register that keeps an axis from moving while it is 0; with `value` it can. None where writing it alone would
+    make it turn on and on."""
+    helps = (start_up(axis),) if value is None else (start_up(axis), write(register, axis, value))
+    return Sign(f"{register} is 0", (Evidence(register, "0", seen_s),), helps)

@@ -18,25 +18,28 @@ async def added(client: httpx.AsyncClient, model: str, **link: object) -> str:
     return f"devices/{answer.json()['id']}/axes/0"
 
 
-@pytest.mark.parametrize("model", MODELS)
-async def test_a_new_device_says_whether_it_can_move_and_what_would_help(
+@pytest.mark.parametrize("model", [model for model in MODELS if model != "pd42-1241"])
+async def test_a_device_as_after_power_on_says_that_it_cannot_move_and_the_remedy_is_a_call_that_helps(
     client: httpx.AsyncClient, clock: VirtualClock, model: str
 ) -> None:
     url = await added(client, model)
+    await client.patch(f"{url.split('/axes')[0]}/emulator", json={"power_cycle": True})
     state = (await client.get(url)).json()
     condition = state["condition"]
-    if model == "pd42-1241":  # its parameters come from its memory
-        assert condition["kind"] == "ready"
-    else:
-        assert (condition["kind"], condition["remedy"]["label"]) == ("cannot_move", "start up")
-        assert condition["cause"].endswith(": no command can move this axis")
-        zeros = [piece["what"] for piece in condition["evidence"]]
-        assert [name for name in zeros if name.upper().replace("_", "") == "VMAX"]
-        assert len(condition["remedies"]) == 1 + len(zeros)
-    assert state["referenced"] is None
+    assert (condition["kind"], condition["remedy"]["label"]) == ("cannot_move", "start up")
+    assert condition["cause"].endswith(": no command can move this axis")
+    zeros = [piece["what"] for piece in condition["evidence"]]
+    assert [name for name in zeros if name.upper().replace("_", "") == "VMAX"]
     assert state["ground_truth"]["summary"]
     listed = {device["id"]: device for device in (await client.get("devices")).json()}
     assert listed[url.split("/")[1]]["axes"][0]["condition"] == condition
+    if model == "tmc4361":  # it is in velocity mode then, and VMAX alone would make it turn
+        assert len(condition["remedies"]) == 1
+        return
+    for remedy in condition["remedies"][1:]:  # one register at a time, where nobody wants all of a start-up
+        done = await client.request(remedy["method"], remedy["path"].removeprefix("/api/v1/"), json=remedy["body"])
+        assert done.status_code == 200, done.text
+    assert (await client.get(url)).json()["condition"]["kind"] in ("ready", "unknown")  # unknown: it was reset
 
 
 async def test_arrival_names_what_would_not_be_seen(client: httpx.AsyncClient, clock: VirtualClock) -> None:
@@ -67,7 +70,7 @@ async def test_a_connection_that_is_gone_is_told_with_the_error(client: httpx.As
     assert (await client.get(device)).json()["axes"][0]["condition"]["kind"] == "not_connected"
     await client.patch(f"{device}/emulator", json={"faults": {"unplugged": False}})
     assert (await client.post(condition["remedy"]["path"].removeprefix("/api/v1/"))).json()["state"] == "connected"
-    assert (await client.get(url)).json()["condition"]["kind"] == "cannot_move"
+    assert (await client.get(url)).json()["condition"]["kind"] in ("ready", "cannot_move")
 
 
 def test_the_judge_knows_no_family() -> None:

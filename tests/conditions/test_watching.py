@@ -19,19 +19,31 @@ GET_POSITION = bytes((1, 6, 1, 0, 0, 0, 0, 0, 8))
 FRAME_S = 18 * 10 / 9600
 
 
-class SlowPort(EmulatorPort):
-    """An emulator's port each exchange of which takes as long as at 9600 baud."""
+class SlowPort:
+    """An emulator each exchange with which takes as long as at 9600 baud."""
 
-    frames = 0
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._port = EmulatorPort(build_emulator("pd42-1241", clock, Pd42Options()))
+        self.name = "slow"
+
+    @property
+    def last_exchange_s(self) -> float:
+        return self._port.last_exchange_s
+
+    def device_time_s(self) -> float:
+        return self._port.device_time_s()
 
     async def exchange(self, frame: bytes, timeout_s: float | None = None) -> bytes:
-        SlowPort.frames += 1
-        await self._server.sleep(FRAME_S)
-        return await super().exchange(frame, timeout_s)
+        await self._clock.sleep(FRAME_S)
+        return await self._port.exchange(frame, timeout_s)
+
+    async def aclose(self) -> None:
+        await self._port.aclose()
 
 
 def slow(model: str, link: Link, clock: Clock) -> FramePort:
-    return SlowPort(build_emulator("pd42-1241", clock, Pd42Options()))
+    return SlowPort(clock)
 
 
 async def pass_time(clock: VirtualClock, seconds: float) -> None:

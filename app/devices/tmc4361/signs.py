@@ -40,7 +40,7 @@ def _blocks(chip: Events, axis: int, state: AxisState) -> list[Sign]:
     if setting is None or state.moving:
         return found
     if chip.cruise.speed == 0:
-        found.append(zero(rows.VMAX.name, axis, VELOCITY_PPS * 256, state.time_s))
+        found.append(zero(rows.VMAX.name, axis, VELOCITY_PPS * 256 if setting.positioning else None, state.time_s))
     try:
         setting.require_motion(chip.cruise.shape)
     except WrongState as error:

@@ -68,7 +68,8 @@ def _blocks(chip: Events, axis: int, state: AxisState) -> list[Sign]:
         (rows.amax, acceleration_units(ACCELERATION_PPS2, chip.clock_hz)),
     ):
         if chip.wanted(row) == 0:
-            found.append(zero(row.name, axis, round(value), state.time_s))
+            positioning = state.target_position is not None
+            found.append(zero(row.name, axis, round(value) if positioning or row is rows.amax else None, state.time_s))
     return found
 
 
