@@ -62,6 +62,17 @@ async def test_applying_brings_it_back_and_says_what_it_wrote(client: httpx.Asyn
     assert (await client.get("devices/bench/profile/apply")).json()["state"] == "idle"
 
 
+async def test_the_thresholds_of_an_axis_stay_when_a_profile_is_applied(client: httpx.AsyncClient) -> None:
+    axes: list[dict[str, Any]] = [{"name": axis["name"]} for axis in (await client.get("devices/bench")).json()["axes"]]
+    axes[0] |= {"lost_steps_microsteps": 77, "following_error_microsteps": 88}
+    assert (await client.patch("devices/bench", json={"axes": axes})).status_code == 200
+    document = await profile_of(client)
+    document["axes"][0] |= {"gear_ratio": 2.5}
+    assert (await client.put("devices/bench/profile", json=document)).json()["state"] == "applied"
+    axis = (await client.get("devices/bench")).json()["axes"][0]
+    assert (axis["gear_ratio"], axis["lost_steps_microsteps"], axis["following_error_microsteps"]) == (2.5, 77, 88)
+
+
 async def test_mechanics_come_with_it_and_limits_only_on_request(client: httpx.AsyncClient) -> None:
     document = await profile_of(client)
     document["axes"][0] |= {"gear_ratio": 2.5, "limits": {"velocity_max_pps": 30_000.0}}

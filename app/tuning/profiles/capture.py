@@ -133,6 +133,7 @@ def document_of(device: Device, held: Held, name: str, note: str, unix_s: float)
 
 def axis_part(settings: AxisSettings) -> AxisPart:
     """Mechanics and limits of an axis."""
-    plain = asdict(settings)
+    # What is judged of its condition is how the axis is watched, and no configuration of the device.
+    plain = {name: value for name, value in asdict(settings).items() if name in AxisPart.model_fields}
     limits = {name: value for name, value in plain.pop("limits").items() if value is not None}
     return AxisPart(**plain, limits=Limits(**limits) if limits else Limits())
