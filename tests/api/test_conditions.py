@@ -42,6 +42,21 @@ async def test_a_device_as_after_power_on_says_that_it_cannot_move_and_the_remed
     assert (await client.get(url)).json()["condition"]["kind"] in ("ready", "unknown")  # unknown: it was reset
 
 
+@pytest.mark.parametrize("model", [model for model in MODELS if model != "pd42-1241"])
+async def test_the_start_up_that_is_offered_after_a_power_cycle_lets_it_move(
+    client: httpx.AsyncClient, clock: VirtualClock, model: str
+) -> None:
+    url = await added(client, model)
+    await client.patch(f"{url.split('/axes')[0]}/emulator", json={"power_cycle": True})
+    remedy = (await client.get(url)).json()["condition"]["remedy"]
+    done = await client.request(remedy["method"], remedy["path"].removeprefix("/api/v1/"), json=remedy["body"])
+    assert done.status_code == 200, done.text
+    moved = await client.post(f"{url}/move", json={"target": 500, "relative": True})
+    assert moved.status_code == 200, moved.text
+    await clock.advance(10)
+    assert (await client.get(url)).json()["condition"]["kind"] == "on_target"
+
+
 async def test_arrival_names_what_would_not_be_seen(client: httpx.AsyncClient, clock: VirtualClock) -> None:
     url = "devices/bench/axes/0"
     assert (await client.get(url)).json()["condition"]["kind"] == "ready"
