@@ -19,7 +19,8 @@ Rate = Annotated[float, Field(strict=True, ge=10, le=1000, allow_inf_nan=False)]
 
 class CalibrationStart(Body):
     """The motor turns to a full step, and there the chip takes the encoder's offset. It needs an encoder that counts
-    the right way, 256 microsteps per full step, and no load on the shaft."""
+    the right way, 256 microsteps per full step, and no load on the shaft. One that does not is measured over 16 full
+    steps there and back."""
 
     velocity_pps: Annotated[float, Field(strict=True, gt=0, le=1e6, allow_inf_nan=False)] = Field(
         default=10_000.0, description="speed on the way to a full step [pps]"
@@ -28,6 +29,18 @@ class CalibrationStart(Body):
         default=0.1, description="rest on the full step before the offset is taken, and as long until it is there [s]"
     )
     switch_on: Flag = Field(default=True, description="leave closed loop on when done; else the regulation is off")
+
+
+class EncoderFound(Answer):
+    """An encoder that is not what the chip has been told, as a move of 16 full steps has shown."""
+
+    counts_per_turn: float = Field(description="as measured; below 0: it counts against the motor")
+    uncertainty: float = Field(description="it may be so much more or less [counts a turn]")
+    usual_counts: int | None = Field(description="the one usual resolution that fits; null: none, or more than one")
+    set_counts: float = Field(description="counts a turn that the chip reckons with now")
+    writes: dict[str, dict[str, int]] = Field(
+        description="fields by register that put it right; empty where nothing is sure enough"
+    )
 
 
 class CalibrationState(Answer):
@@ -40,6 +53,7 @@ class CalibrationState(Answer):
     offset_before: int | None
     regulation: Regulation | None = Field(description="what is on now; null before anything was seen")
     message: str
+    encoder: EncoderFound | None = Field(description="what encoder there is instead; null where that was not measured")
 
 
 class _ResponseStart(Body):

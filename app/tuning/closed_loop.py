@@ -10,11 +10,12 @@ a closed loop run away, and with regulation off it can be seen by a single full 
 
 from __future__ import annotations
 
+from app.calc.encoder_resolution import constant_of, measured_encoder
 from app.clock import Clock
 from app.devices.results import RegisterReading
 from app.devices.tmc4361.driver import Tmc4361
 from app.links.errors import OutOfRange, WrongState
-from app.tuning.closed_loop_state import REGULATIONS, CalibrationState, Regulation, State
+from app.tuning.closed_loop_state import REGULATIONS, CalibrationState, EncoderFound, Regulation, State
 from app.tuning.procedure import POLL_S, Failed, Procedure
 
 PHASES = ("prepare", "regulation off", "look at the encoder", "to a full step", "take the offset", "switch on")
@@ -22,6 +23,10 @@ FULL_STEP = 256
 """Microsteps of a full step: closed loop needs MSTEP_PER_FS = 0."""
 MIDDLE = 128
 """MSCNT modulo a full step where both coils have the same current: a full step position."""
+MEASURED_WAY = 16 * FULL_STEP
+"""How far the motor goes to measure an encoder that a full step has shown to be another one."""
+LEAST_COUNTS = 4
+"""Fewer over that way are no encoder that turns with the motor."""
 TRIES = 8
 REACH_S = 5.0
 """How long a way of some full steps may take at the most, device time [s]."""
@@ -57,6 +62,7 @@ class Calibration(Procedure):
         self._switch_on = switch_on
         self._how: State = "running"
         self._phase = PHASES[0]
+        self._encoder: EncoderFound | None = None
         self._offset: int | None = None
         self._offset_before: int | None = None
         self._regulation: Regulation | None = None
@@ -69,7 +75,14 @@ class Calibration(Procedure):
     def state(self) -> CalibrationState:
         progress = 1.0 if self._how == "done" else PHASES.index(self._phase) / len(PHASES)
         return CalibrationState(
-            self._how, self._phase, progress, self._offset, self._offset_before, self._regulation, self.message
+            self._how,
+            self._phase,
+            progress,
+            self._offset,
+            self._offset_before,
+            self._regulation,
+            self.message,
+            self._encoder,
         )
 
     def _over(self, how: str) -> None:
@@ -116,19 +129,50 @@ class Calibration(Procedure):
         for way in (FULL_STEP, -FULL_STEP):  # the rotor may have stood anywhere: now it follows the field
             await self._go(way)
             await self._pass(self._settle_s)
+        turned = await self._encoder_over(FULL_STEP)
+        if FULL_STEP // 2 < turned < 2 * FULL_STEP:
+            return
+        self._encoder = await self._measure_encoder()
+        found = self._encoder
+        if found is not None and "ENC_IN_RES" not in found.writes and "ENC_IN_CONF" in found.writes:
+            raise Failed(f"the encoder counts the other way ({turned} microsteps): set ENC_IN_CONF.invert_enc_dir")
+        told = f"the encoder went {turned} microsteps while the motor went {FULL_STEP}"
+        if found is None:
+            raise Failed(f"{told}: is it connected, is ENC_IN_RES the counts of a turn, and is the current on?")
+        raise Failed(
+            f"{told}: by {MEASURED_WAY // FULL_STEP} full steps it has {found.counts_per_turn:.0f} "
+            f"\N{PLUS-MINUS SIGN}{found.uncertainty:.0f} counts a turn; ENC_CONST is for {found.set_counts:.0f}"
+        )
+
+    async def _encoder_over(self, way: int) -> int:
+        """Return how far ENC_POS goes while the motor goes `way` [microsteps]; the motor comes back."""
         before = (await self._read("ENC_POS")).value
-        await self._go(FULL_STEP)
+        await self._go(way)
         await self._pass(self._settle_s)
         turned = (await self._read("ENC_POS")).value - before
-        await self._go(-FULL_STEP)
+        await self._go(-way)
         await self._pass(self._settle_s)
-        if turned < -FULL_STEP // 2:
-            raise Failed(f"the encoder counts the other way ({turned} microsteps): set ENC_IN_CONF.invert_enc_dir")
-        if not FULL_STEP // 2 < turned < 2 * FULL_STEP:
-            raise Failed(
-                f"the encoder went {turned} microsteps while the motor went {FULL_STEP}: is it connected, is "
-                "ENC_IN_RES the counts of a turn, and is the current on?"
-            )
+        return turned
+
+    async def _measure_encoder(self) -> EncoderFound | None:
+        """What encoder it is by a longer way; None where none turns with the motor."""
+        conf = (await self._read("ENC_IN_CONF")).fields
+        constant = constant_of((await self._read("ENC_CONST")).value, decimal=bool(conf["enc_sel_decimal"]))
+        turn = FULL_STEP * (await self._read("STEP_CONF")).fields["fs_per_rev"]
+        if constant == 0 or turn == 0:
+            return None
+        counts = await self._encoder_over(MEASURED_WAY) / constant
+        if abs(counts) < LEAST_COUNTS:
+            return None
+        measured = measured_encoder(counts, MEASURED_WAY, turn)
+        now = turn / constant
+        right = abs(abs(measured.counts_per_turn) - now) <= measured.uncertainty
+        writes: dict[str, dict[str, int]] = {}
+        if measured.usual is not None and not right:
+            writes["ENC_IN_RES"] = {"ENC_IN_RES": measured.usual, "MANUAL_ENC_CONST": 0}
+        if measured.counts_per_turn < 0 and (right or writes):
+            writes["ENC_IN_CONF"] = {"invert_enc_dir": 1 - int(conf["invert_enc_dir"])}
+        return EncoderFound(measured.counts_per_turn, measured.uncertainty, measured.usual, now, writes)
 
     async def _to_full_step(self) -> None:
         for _ in range(TRIES):

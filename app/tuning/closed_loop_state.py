@@ -28,6 +28,19 @@ class Load:
 
 
 @dataclass(frozen=True, slots=True)
+class EncoderFound:
+    """An encoder that is not what the chip has been told, as a move has shown, and what would put that right."""
+
+    counts_per_turn: float
+    uncertainty: float
+    usual_counts: int | None
+    set_counts: float
+    """What ENC_CONST makes of it now."""
+    writes: dict[str, dict[str, int]]
+    """Fields by register; empty where nothing is sure enough."""
+
+
+@dataclass(frozen=True, slots=True)
 class CalibrationState:
     """Names as in the REST contract; offsets are CL_OFFSET [microsteps]."""
 
@@ -38,6 +51,7 @@ class CalibrationState:
     offset_before: int | None
     regulation: Regulation | None
     message: str
+    encoder: EncoderFound | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -121,6 +121,34 @@ def test_calibration_finds_the_offset_and_switches_on(loop: Page, chip: Loop) ->
     wait_for(lambda: abs(number(loop, "deviation")) < 64, "the rotor is where it is wanted", 30)
 
 
+def test_a_wrong_resolution_is_measured_and_put_right_by_a_press(loop: Page, chip: Loop) -> None:
+    chip.write("regulation_modus", 0)
+    loop.get_by_test_id("start-values").click()
+    apply(loop)
+    right = chip.register("ENC_CONST")
+    chip.write("ENC_IN_RES", 4000)
+    try:
+        wrong = chip.register("ENC_CONST")  # ENC_IN_RES itself cannot be read back
+        assert wrong != right
+        expect(loop.get_by_test_id("calibration-way")).to_contain_text("28.8°")
+        before = chip.axis()["position"]
+        loop.get_by_test_id("calibrate").click()
+        state = loop.get_by_test_id("calibration-state")
+        expect(state).to_have_attribute("data-state", "failed", timeout=LONG_MS)
+        offer = loop.get_by_test_id("encoder-offer")
+        expect(offer).to_contain_text("Set: 4000")
+        assert abs(chip.axis()["position"] - before) <= 4 * 256, "it has come back"
+        assert chip.register("ENC_CONST") == wrong, "nothing is written before the press"
+        offer.get_by_role("button", name="Write 40\u202f000 counts a turn").click()
+        expect(offer).to_contain_text("Calibrate again", timeout=PATIENCE_MS)
+        assert chip.register("ENC_CONST") == right
+        loop.get_by_test_id("calibrate").click()
+        expect(state).to_have_attribute("data-state", "done", timeout=LONG_MS)
+        expect(offer).to_have_count(0)
+    finally:
+        chip.write("ENC_IN_RES", COUNTS)
+
+
 def test_steps_lie_over_one_another_with_their_scores(loop: Page, chip: Loop) -> None:
     calibrated(loop, chip)
     for runs in (1, 2):

@@ -111,12 +111,36 @@ async def test_an_encoder_that_counts_the_other_way_is_found_before_the_loop_is_
         assert (await t.calibrate()).state == "done"
 
 
+@pytest.mark.parametrize("counts", [400, 1000, 16_384], ids=str)
+@pytest.mark.parametrize("reversed_", [False, True], ids=["with", "against"])
+async def test_an_encoder_of_another_resolution_is_measured_and_its_writes_put_it_right(
+    counts: int, reversed_: bool
+) -> None:
+    async with tuned(encoder={"reversed": reversed_}) as t:
+        right = (await t.b.device.read("ENC_CONST", 0)).value
+        await t.b.device.write("ENC_IN_RES", 0, fields={"ENC_IN_RES": counts, "MANUAL_ENC_CONST": 0})
+        failed = await t.calibrate()
+        assert failed.state == "failed"
+        found = failed.encoder
+        assert found is not None
+        assert found.set_counts == pytest.approx(counts, rel=1e-3)
+        assert (found.counts_per_turn < 0) is reversed_
+        assert str(round(found.set_counts)) in failed.message
+        for register, fields in found.writes.items():
+            await t.b.device.write(register, 0, fields=dict(fields))
+        assert (await t.b.device.read("ENC_CONST", 0)).value == right
+        done = await t.calibrate()
+        assert done.state == "done"
+        assert done.encoder is None
+
+
 async def test_a_motor_that_does_not_turn_is_told() -> None:
     async with tuned() as t:
         t.b.patch(Tmc4361Patch(blocked=True))
         failed = await t.calibrate()
         assert failed.state == "failed"
         assert "current on" in failed.message
+        assert failed.encoder is None
 
 
 async def test_closed_loop_needs_256_microsteps() -> None:

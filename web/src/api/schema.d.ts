@@ -2362,7 +2362,8 @@ export interface components {
         /**
          * CalibrationStart
          * @description The motor turns to a full step, and there the chip takes the encoder's offset. It needs an encoder that counts
-         *     the right way, 256 microsteps per full step, and no load on the shaft.
+         *     the right way, 256 microsteps per full step, and no load on the shaft. One that does not is measured over 16 full
+         *     steps there and back.
          */
         CalibrationStart: {
             /**
@@ -2412,6 +2413,8 @@ export interface components {
             regulation: ("off" | "closed_loop" | "pid_around_zero" | "pid_around_velocity") | null;
             /** Message */
             message: string;
+            /** @description what encoder there is instead; null where that was not measured */
+            encoder: components["schemas"]["EncoderFound"] | null;
         };
         /** CatalogEntry */
         CatalogEntry: {
@@ -3787,6 +3790,41 @@ export interface components {
             powered_down: boolean;
             driver_chain: components["schemas"]["ChainState"] | null;
             step_dir: components["schemas"]["StepDirState"] | null;
+        };
+        /**
+         * EncoderFound
+         * @description An encoder that is not what the chip has been told, as a move of 16 full steps has shown.
+         */
+        EncoderFound: {
+            /**
+             * Counts Per Turn
+             * @description as measured; below 0: it counts against the motor
+             */
+            counts_per_turn: number;
+            /**
+             * Uncertainty
+             * @description it may be so much more or less [counts a turn]
+             */
+            uncertainty: number;
+            /**
+             * Usual Counts
+             * @description the one usual resolution that fits; null: none, or more than one
+             */
+            usual_counts: number | null;
+            /**
+             * Set Counts
+             * @description counts a turn that the chip reckons with now
+             */
+            set_counts: number;
+            /**
+             * Writes
+             * @description fields by register that put it right; empty where nothing is sure enough
+             */
+            writes: {
+                [key: string]: {
+                    [key: string]: number;
+                };
+            };
         };
         /**
          * EncoderOptions

@@ -1,5 +1,8 @@
 import { Button, Checkbox, Group, Progress, Text } from "@mantine/core";
+import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
+import { api, unwrap } from "../../api/client";
+import type { AxisAddress } from "../../api/motion";
 import { fixed } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { ProblemAlert } from "../../lib/ProblemAlert";
@@ -7,17 +10,22 @@ import css from "../../lib/rows/rows.module.css";
 import { Section } from "../../lib/Section";
 import { degrees } from "./angle";
 import classes from "./closedloop.module.css";
-import type { Calibrating } from "./useProcedures";
+import type { Calibrating, CalibrationState } from "./useProcedures";
 
 interface Props {
+  at: AxisAddress;
   calibration: Calibrating;
   disabled: boolean;
   /** why it cannot be done now; null where it can */
   why: string | null;
+  fullStepsPerRev: number;
 }
 
+/** How far the motor goes there and back where the encoder turns out to be another one [full steps]. */
+const MEASURED_FULL_STEPS = 16;
+
 /** The chip finds CL_OFFSET: it turns to a full step, and takes the encoder's place there. */
-export function Calibration({ calibration, disabled, why }: Props) {
+export function Calibration({ at, calibration, disabled, why, fullStepsPerRev }: Props) {
   const [velocity, setVelocity] = useState(10_000);
   const [settleS, setSettleS] = useState(0.1);
   const [switchOn, setSwitchOn] = useState(true);
@@ -56,6 +64,11 @@ export function Calibration({ calibration, disabled, why }: Props) {
         disabled={disabled || running}
         onChange={(event) => setSwitchOn(event.currentTarget.checked)}
       />
+      <Text size="xs" mt={6} data-testid="calibration-way">
+        The shaft turns by two full steps; by {MEASURED_FULL_STEPS} there and back (
+        {fixed((MEASURED_FULL_STEPS * 360) / fullStepsPerRev, 1)}°) where the encoder is another than is set. No load
+        should pull at it.
+      </Text>
       <Group gap={6} mt={8} wrap="nowrap">
         <Button
           size="xs"
@@ -87,11 +100,14 @@ export function Calibration({ calibration, disabled, why }: Props) {
       >
         {why ??
           (state === undefined || state.state === "idle"
-            ? "The shaft turns by up to two full steps. No load should pull at it, and the encoder has to count the right way."
+            ? ""
             : running
               ? `${state.phase}…`
               : state.message || state.phase)}
       </Text>
+      {state?.state === "failed" && state.encoder && (
+        <EncoderOffer key={state.message} at={at} found={state.encoder} disabled={disabled} />
+      )}
       {state?.offset !== null && state?.offset !== undefined && (
         <Text size="sm" data-testid="calibration-offset">
           CL_OFFSET {state.offset_before !== null && `${fixed(state.offset_before)} → `}
@@ -105,5 +121,52 @@ export function Calibration({ calibration, disabled, why }: Props) {
         <ProblemAlert error={calibration.error} doing="Calibrating" onClose={calibration.dismiss} />
       )}
     </Section>
+  );
+}
+
+interface OfferProps {
+  at: AxisAddress;
+  found: NonNullable<CalibrationState["encoder"]>;
+  disabled: boolean;
+}
+
+/** The encoder that a move has shown instead of the one that is set, and the writes that put it right. */
+function EncoderOffer({ at, found, disabled }: OfferProps) {
+  const queries = useQueryClient();
+  const writes = Object.entries(found.writes);
+  const write = useMutation({
+    mutationFn: async () => {
+      for (const [name, fields] of writes)
+        unwrap(
+          await api.PUT("/api/v1/devices/{device}/registers/{name}", {
+            params: { path: { device: at.device, name }, query: { axis: at.axis } },
+            body: { fields },
+          }),
+        );
+    },
+    onSettled: () => queries.invalidateQueries(),
+  });
+  const counts = found.writes.ENC_IN_RES?.ENC_IN_RES;
+  const words = [
+    ...(counts === undefined ? [] : [`${fixed(counts)} counts a turn`]),
+    ...(found.writes.ENC_IN_CONF === undefined ? [] : ["the other direction"]),
+  ].join(", ");
+  return (
+    <div className={classes.offer} role="alert" data-testid="encoder-offer">
+      <Text size="sm">
+        Measured: <b>{fixed(found.counts_per_turn)}</b> ± {fixed(found.uncertainty)} counts a turn. Set:{" "}
+        {fixed(found.set_counts)}.
+      </Text>
+      {writes.length === 0 ? (
+        <Text size="sm">No usual encoder has that many: look at its data sheet, and at its wires.</Text>
+      ) : write.isSuccess ? (
+        <Text size="sm">Written: {words}. Calibrate again.</Text>
+      ) : (
+        <Button size="xs" disabled={disabled} loading={write.isPending} onClick={() => write.mutate()}>
+          Write {words}
+        </Button>
+      )}
+      {write.error && <ProblemAlert error={write.error} doing="Writing the resolution" onClose={write.reset} />}
+    </div>
   );
 }

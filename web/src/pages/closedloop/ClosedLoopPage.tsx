@@ -187,6 +187,8 @@ function ClosedLoop({ device, axis }: Props) {
                 />
               </Section>
               <Calibration
+                at={at}
+                fullStepsPerRev={axis.full_steps_per_rev}
                 calibration={calibration}
                 disabled={!connected}
                 why={constant === 0 ? "Set the encoder's resolution first: without it ENC_POS does not count." : null}

@@ -1,11 +1,13 @@
-import { useMemo } from "react";
+import { Button } from "@mantine/core";
+import { useMemo, useState } from "react";
 import { colorOf } from "../../lib/palette";
 import { useScheme } from "../../lib/useScheme";
 import { Plot } from "../../plots/Plot";
+import { roundRange } from "../../plots/ranges";
 import type { PlotData } from "../../plots/series";
 import type { Level, Overlay, PlotSeries } from "../../plots/types";
 import classes from "./closedloop.module.css";
-import { columnOf, originOf, type Run, type View, wayOf } from "./runs";
+import { columnOf, farOnes, originOf, type Run, reachOf, type View, wayOf } from "./runs";
 
 /** Curves of before, from the newer to the older: paler, and told apart by their dashes. */
 const GHOSTS: readonly { light: string; dark: string; dash: number[] }[] = [
@@ -66,6 +68,14 @@ export function ResponsePlot({ runs, view, band }: Props) {
         }),
     [runs, view, scheme],
   );
+  const [whole, setWhole] = useState(false);
+  const far = useMemo(() => {
+    const reaches = runs.map((run) => reachOf([columnOf(run.recording, view)]));
+    const places = farOnes(reaches);
+    const near = reaches.flatMap((reach, place) => (reach === null || places.includes(place) ? [] : [...reach]));
+    const numbers = places.map((place) => runs[place]?.number ?? 0);
+    return { numbers, range: roundRange(Math.min(0, ...near), Math.max(0, ...near)) };
+  }, [runs, view]);
   if (!newest || !data) return null;
   const series: Record<View, PlotSeries[]> = {
     position: [
@@ -95,6 +105,15 @@ export function ResponsePlot({ runs, view, band }: Props) {
         }));
   return (
     <div className={classes.responsePlot} data-testid="response-plot" data-runs={runs.length}>
+      {far.numbers.length > 0 && (
+        <div className={classes.far} data-testid="far-runs">
+          {far.numbers.length === 1 ? "Run" : "Runs"} {far.numbers.map((number) => `#${number}`).join(", ")}{" "}
+          {far.numbers.length === 1 ? "goes" : "go"} far beyond the others
+          <Button size="compact-xs" variant="light" aria-pressed={whole} onClick={() => setWhole(!whole)}>
+            {whole ? "Show the others closely" : "Show all of it"}
+          </Button>
+        </div>
+      )}
       <Plot
         key={view}
         label={`${NAMES[view]} over the time from the ${newest.kind === "step" ? "step" : "load"}`}
@@ -104,7 +123,13 @@ export function ResponsePlot({ runs, view, band }: Props) {
         overlays={ghosts}
         levels={levels}
         x={{ label: newest.kind === "step" ? "time from the step" : "time from the load", unit: "s" }}
-        scales={{ y: { unit: UNITS[view], include: [0] } }}
+        scales={{
+          y: {
+            unit: UNITS[view],
+            include: [0],
+            ...(far.numbers.length > 0 && !whole ? { range: far.range } : {}),
+          },
+        }}
         height="100%"
         legend
       />

@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import { degrees, onCircle, sector, zoneOf } from "./angle";
 import { countsOf, encConst, encConstValue, fractionText, negativeWord } from "./encConst";
-import { bestOf, columnOf, KEPT, type Recording, type Run, type Score, wayOf, withRun } from "./runs";
+import { bestOf, columnOf, farOnes, KEPT, type Recording, type Run, reachOf, type Score, wayOf, withRun } from "./runs";
 
 /** counts a turn, constant, binary word, drift of it [microsteps a turn], decimal word, drift of it. */
 const TABLE: readonly (readonly [number, string, number, number, number, number])[] = [
@@ -138,5 +138,38 @@ describe("runs", () => {
     expect(bestOf(three, (score) => score.rms)).toBe(2);
     expect(bestOf(three, (score) => score.peak)).toBeNull();
     expect(bestOf(withRun(three, run(4, { settling_s: null })), (score) => score.settling_s)).toBeNull();
+  });
+});
+
+describe("runs that spoil a plot", () => {
+  it("are those far beyond the lower half of them, never all", () => {
+    expect(
+      farOnes([
+        [-1, 10],
+        [0, 12],
+        [-20_000, 3],
+      ]),
+    ).toEqual([2]);
+    expect(
+      farOnes([
+        [0, 5000],
+        [-1, 10],
+      ]),
+    ).toEqual([0]);
+    expect(
+      farOnes([
+        [0, 10],
+        [0, 40],
+        [0, 49],
+      ]),
+    ).toEqual([]);
+    expect(farOnes([[0, 5000]])).toEqual([]);
+    expect(farOnes([null, [0, 10], [0, 900]])).toEqual([2]);
+    expect(farOnes([])).toEqual([]);
+  });
+
+  it("are told by the values that there are", () => {
+    expect(reachOf([Float64Array.of(Number.NaN, 2, -3)])).toEqual([-3, 2]);
+    expect(reachOf([Float64Array.of(Number.NaN)])).toBeNull();
   });
 });

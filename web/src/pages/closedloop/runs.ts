@@ -89,6 +89,31 @@ export function originOf(recording: Recording): number {
   return recording.commanded.find((value) => value !== null) ?? 0;
 }
 
+/** How far a curve reaches: its smallest and largest value, null where it has none. */
+export function reachOf(columns: readonly ArrayLike<number>[]): readonly [number, number] | null {
+  let low = Number.POSITIVE_INFINITY;
+  let high = Number.NEGATIVE_INFINITY;
+  for (const column of columns)
+    for (let row = 0; row < column.length; row++) {
+      const value = column[row] as number;
+      if (value < low) low = value;
+      if (value > high) high = value;
+    }
+  return low <= high ? [low, high] : null;
+}
+
+/** A run that reaches so many times further than most is drawn beyond the plot: what the others differ by is small. */
+const FAR = 5;
+
+/** The places of the runs that reach far beyond the others: beyond the lower half of them, so that one is never all. */
+export function farOnes(reaches: readonly (readonly [number, number] | null)[]): number[] {
+  const sizes = reaches.map((reach) => (reach ? Math.max(Math.abs(reach[0]), Math.abs(reach[1])) : 0));
+  const usual = sizes.filter((size) => size > 0).sort((one, other) => one - other);
+  const middle = usual[Math.floor((usual.length - 1) / 2)];
+  if (middle === undefined) return [];
+  return sizes.flatMap((size, index) => (size > FAR * middle ? [index] : []));
+}
+
 /** Which of two scores is the better one, by a figure that should be small; null where that cannot be said. */
 export function bestOf(runs: readonly Run[], figure: (score: Score) => number | null): number | null {
   const known = runs.flatMap((run) => {
