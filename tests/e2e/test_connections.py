@@ -91,6 +91,32 @@ def test_an_emulated_chip_is_added_and_removed(page: Page, api: httpx.Client) ->
     assert api.get(f"/devices/{NAME}").status_code == 404
 
 
+def test_thresholds_of_the_encoder_are_set_and_emptied_in_the_form(page: Page, api: httpx.Client) -> None:
+    def kept() -> list[int | None]:
+        axis = api.get(f"/devices/{NAME}").raise_for_status().json()["axes"][0]
+        return [axis["lost_steps_microsteps"], axis["following_error_microsteps"]]
+
+    api.post("/devices", json={"name": NAME, "model": "tmc5130", "link": {"kind": "emulator"}}).raise_for_status()
+    page.goto("/connections")
+    entry = page.get_by_role("region", name=NAME)
+    entry.get_by_role("button", name="Edit").click()
+    page.get_by_text("Encoder thresholds").click()
+    lost = page.get_by_label("Lost steps from [µsteps]")
+    lost.fill("0")
+    expect(page.get_by_text("Wanted: a whole number, 1 to")).to_be_visible()
+    lost.fill("700")
+    page.get_by_label("Following error from [µsteps]").fill("1900")
+    page.get_by_role("button", name="Save").click()
+    expect(page.get_by_role("form")).to_have_count(0)
+    assert kept() == [700, 1900]
+    entry.get_by_role("button", name="Edit").click()
+    expect(lost).to_have_value("700")
+    lost.fill("")
+    page.get_by_role("button", name="Save").click()
+    expect(page.get_by_role("form")).to_have_count(0)
+    assert kept() == [None, 1900]
+
+
 def test_a_name_is_needed_and_asked_for(page: Page) -> None:
     open_form(page)
     page.get_by_label("Name", exact=True).fill("")

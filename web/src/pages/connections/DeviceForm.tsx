@@ -11,8 +11,9 @@ import { axisConfigs, type Draft, linkOf, moduleKind, problemsOf, withModel } fr
 import { EmulatorOptions } from "./EmulatorOptions";
 import { LimitFields } from "./LimitFields";
 import { ModuleLinkFields } from "./ModuleLinkFields";
-import { axesOf, isModule, type Kind, kindsOf, type Model } from "./models";
+import { axesOf, hasEncoder, isModule, type Kind, kindsOf, type Model } from "./models";
 import { TestResult } from "./TestResult";
+import { ThresholdFields } from "./ThresholdFields";
 import { useCatalog, useLinkTest, useSaveDevice } from "./useConnections";
 
 interface Props {
@@ -150,6 +151,7 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
       </fieldset>
       <AxesFields draft={draft} problems={all} strict={tried} onChange={(axes) => set({ axes })} />
       <LimitFields draft={draft} problems={all} scales={scales} onChange={(axes) => set({ axes })} />
+      {hasEncoder(model) && <ThresholdFields draft={draft} problems={all} onChange={(axes) => set({ axes })} />}
       <div className={css.results}>
         <TestResult
           test={test.data}

@@ -30,8 +30,9 @@ export interface AxisDraft {
   gear: string;
   travelMm: string;
   limits: SoftLimitDraft;
-  /** From which deviations on the axis is judged otherwise: kept as they are. */
-  thresholds?: Pick<AxisConfig, "lost_steps_microsteps" | "following_error_microsteps">;
+  /** from which deviation of the encoder on steps count as lost, and a motion as not followed [microsteps] */
+  lostSteps: string;
+  followingError: string;
 }
 
 export interface StageDraft {
@@ -73,12 +74,23 @@ export const AXIS_LIMITS = {
   driverMicrosteps: { minimum: 1, maximum: 256, integer: true, fallback: 16 },
   gear: { minimum: 0, above: true, maximum: 1e6, fallback: 1 },
   travelMm: { minimum: 0, above: true, maximum: 1e6, fallback: null },
+  lostSteps: { minimum: 1, maximum: 2 ** 31, integer: true, fallback: null },
+  followingError: { minimum: 1, maximum: 2 ** 31, integer: true, fallback: null },
 } as const satisfies Record<string, Limits>;
 
 const EMPTY_STAGE: StageDraft = { left: "", right: "", refFrom: "", refTo: "", start: "" };
 
 function emptyAxis(name: string): AxisDraft {
-  return { name, fullSteps: "", driverMicrosteps: "", gear: "", travelMm: "", limits: NO_LIMITS };
+  return {
+    name,
+    fullSteps: "",
+    driverMicrosteps: "",
+    gear: "",
+    travelMm: "",
+    limits: NO_LIMITS,
+    lostSteps: "",
+    followingError: "",
+  };
 }
 
 const AXIS_NAMES = ["X", "Y", "Z"];
@@ -152,10 +164,8 @@ export function draftOf(device: Device): Draft {
         gear: String(axis.gear_ratio),
         travelMm: axis.travel_mm_per_rev === null ? "" : String(axis.travel_mm_per_rev),
         limits: limitDraftOf(axis.limits),
-        thresholds: {
-          lost_steps_microsteps: axis.lost_steps_microsteps,
-          following_error_microsteps: axis.following_error_microsteps,
-        },
+        lostSteps: said(axis.lost_steps_microsteps),
+        followingError: said(axis.following_error_microsteps),
       })),
       module: isModule(device.model) ? moduleOf(link) : { ...newModule(), serialPort: linePortOf(link) },
       uart: uartOf(link),
@@ -188,7 +198,7 @@ export function problemsOf(draft: Draft, others: readonly string[] = []): Record
   draft.axes.forEach((axis, index) => {
     if (axis.name.trim() === "") note(`axes.${index}.name`, "A name is needed");
     else if (axis.name.trim().length > 60) note(`axes.${index}.name`, "At most 60 characters");
-    for (const part of ["fullSteps", "driverMicrosteps", "gear", "travelMm"] as const)
+    for (const part of ["fullSteps", "driverMicrosteps", "gear", "travelMm", "lostSteps", "followingError"] as const)
       note(`axes.${index}.${part}`, numberProblem(axis[part], AXIS_LIMITS[part]));
     for (const [part, problem] of limitProblems(axis.limits, model)) note(`axes.${index}.limits.${part}`, problem);
   });
@@ -220,7 +230,8 @@ export function axisConfigs(draft: Draft): AxisConfig[] {
     gear_ratio: numberOf(axis.gear) ?? AXIS_LIMITS.gear.fallback,
     travel_mm_per_rev: numberOf(axis.travelMm) ?? null,
     limits: limitsOf(axis.limits),
-    ...axis.thresholds,
+    lost_steps_microsteps: numberOf(axis.lostSteps) ?? null,
+    following_error_microsteps: numberOf(axis.followingError) ?? null,
   }));
 }
 

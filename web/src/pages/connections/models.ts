@@ -13,11 +13,13 @@ interface ChipFacts {
   wires: readonly ("uart" | "landungsbruecke" | "spidev")[];
   /** whether its datagrams on a UART bear a node address */
   nodes: boolean;
+  /** whether it reads an encoder */
+  encoder: boolean;
   clockMhz: Limits;
 }
 
-const PULSES = { wires: [], nodes: false } as const;
-const MOTOR = { wires: ["landungsbruecke", "spidev"], nodes: false } as const;
+const PULSES = { wires: [], nodes: false, encoder: false } as const;
+const MOTOR = { wires: ["landungsbruecke", "spidev"], nodes: false, encoder: true } as const;
 const SIXPOINT = {
   ...MOTOR,
   axes: 1,
@@ -30,7 +32,7 @@ const CHIPS: Record<ChipModel, ChipFacts> = {
   tmc428: { ...PULSES, axes: 3, clockMhz: { minimum: 0, above: true, maximum: 16, fallback: 16 } },
   tmc4210: { ...PULSES, axes: 1, clockMhz: { minimum: 0, above: true, maximum: 32, fallback: 16 } },
   tmc4361: { ...MOTOR, axes: 1, clockMhz: { minimum: 4.194304, maximum: 32, fallback: 16 } },
-  tmc5031: { ...SIXPOINT, axes: 2, wires: MOTOR.wires, nodes: false },
+  tmc5031: { ...SIXPOINT, axes: 2, wires: MOTOR.wires, nodes: false, encoder: false },
   tmc5062: { ...SIXPOINT, axes: 2, nodes: false },
   tmc5072: { ...SIXPOINT, axes: 2 },
   tmc5130: SIXPOINT,
@@ -63,6 +65,10 @@ export function kindsOf(model: Model): { value: Kind; label: string }[] {
     : ["emulator", "tcp", ...CHIPS[model].wires];
   const place = (kind: Kind) => ORDER.indexOf(kind);
   return kinds.sort((a, b) => place(a) - place(b)).map((value) => ({ value, label: LABELS[value] }));
+}
+
+export function hasEncoder(model: Model): boolean {
+  return isModule(model) || CHIPS[model].encoder;
 }
 
 export function axesOf(model: Model): number {
