@@ -19,6 +19,7 @@ from app.api.audit_ear import Ear, lease_words
 from app.api.bench import Bench
 from app.api.lease import Lease
 from app.api.lease_watch import LeaseWatch
+from app.api.pages import Pages
 from app.api.problems import findings
 from app.api.recording_desk import RecordingDesk
 from app.api.routes.ports import serial_ports
@@ -56,7 +57,7 @@ from app.store.profiles import ProfileStore
 from app.store.recordings.library import Library
 from app.store.saver import Saver
 from app.telemetry.hub import TelemetryHub
-from app.tuning.at_rest import after_vanishing, stop_moving
+from app.tuning.at_rest import after_vanishing, anything_moves, stop_moving
 from app.tuning.endless import EndlessService
 from app.tuning.procedures import Procedures
 from app.tuning.profiles.service import ProfileService
@@ -164,6 +165,7 @@ def create_app(
         list_serial_ports,
         saver,
         position_saver,
+        Pages(lease, clock, lambda: anything_moves(manager.devices, procedures)),
     )
     lease_watch = LeaseWatch(
         lease, bench.calls, clock, lambda how: after_vanishing(how, manager.devices, bench.procedures)
@@ -201,6 +203,7 @@ def create_app(
             opened.clear()
             audit.note("end", "stepscope")
             await lease_watch.close()
+            await bench.pages.close()
             await bench.probing.abort()
             await profiles.close()
             await stop_motors(bench)

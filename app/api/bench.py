@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 from app.api.lease import Lease
 from app.api.lease_gate import CallsUnderWay
+from app.api.pages import Pages
 from app.api.probing import Probing
 from app.api.recording_desk import RecordingDesk
 from app.api.schemas import Port
@@ -48,6 +49,7 @@ class Bench:
     saver: Saver
     """Of the connections."""
     position_saver: Saver
+    pages: Pages
     probing: Probing = field(default_factory=Probing)
     scripts: Scripts = field(default_factory=Scripts)
     calls: CallsUnderWay = field(default_factory=CallsUnderWay)

@@ -168,6 +168,13 @@ class Lease:
         if holder is not None and _same(session, holder.session):
             holder.seen_s, holder.left = self._clock.now(), False
 
+    def quiet_s(self, session: str) -> float | None:
+        """How long nothing was heard of that session [s]; None when it has not got the bench."""
+        holder = self.holder
+        if holder is None or not _same(session, holder.session):
+            return None
+        return self._clock.now() - holder.seen_s
+
     def leave(self, session: str) -> bool:
         """The last page of that session closes, or is loaded anew: no sign of life. Returns whether it has the bench.
 

@@ -6,9 +6,15 @@ from typing import Annotated, Literal
 
 from pydantic import Field, RootModel
 
-from app.api.schemas import Answer, Standing
+from app.api.schemas import Answer, Body, Standing
 
 SUBPROTOCOL = "stepscope.conditions.v1"
+
+
+class ConditionsPage(Body):
+    """What a page says of itself: its session has a page open for as long as the socket."""
+
+    session: Annotated[str, Field(min_length=16, max_length=200, pattern="^[!-~]+$")]
 
 
 class AxisCondition(Standing):

@@ -49,6 +49,21 @@ async def test_a_snapshot_and_then_what_changes(tmp_path: Path) -> None:
             assert await until(connection, type="removed", device="other")
 
 
+async def test_a_page_that_dies_frees_the_bench(tmp_path: Path) -> None:
+    anna = {"stepscope-session": "session-of-anna-0001"}
+    async with live_server(tmp_path) as server, httpx.AsyncClient(base_url=f"{server}/api/v1/") as client:
+        address = f"{server.replace('http', 'ws', 1)}/api/v1/conditions"
+        async with connect(address) as connection:
+            for said in ("", "{}", '{"session": 1}', '{"session": "session-of-anna-0001"}', "[]"):
+                await connection.send(said)
+            await connection.recv()
+            assert (await client.post("lease", json={"name": "Anna"}, headers=anna)).json()["mine"]
+            await connection.ping()
+        async with asyncio.timeout(20):
+            while (await client.get("lease")).json()["state"] != "free":  # noqa: ASYNC110 - nothing tells
+                await asyncio.sleep(0.05)
+
+
 async def test_clients_read_conditions_and_make_their_remedies(tmp_path: Path) -> None:
     async with live_server(tmp_path) as server:
         async with AsyncBench(server) as bench:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Awaitable, Callable
 from typing import Any
 
@@ -16,6 +17,7 @@ from tests.api import test_tmc5xxx, test_tmc4361
 
 ANNA = {"stepscope-session": "session-of-anna-0001"}
 BEN = {"stepscope-session": "session-of-ben-00002"}
+AXIS = "devices/bench/axes/0"
 WAY = 20_000
 """So far takes 10 s at that speed: longer than it takes to notice that somebody has vanished."""
 
@@ -227,6 +229,32 @@ async def test_a_page_that_closes_frees_a_bench_at_rest(client: httpx.AsyncClien
     await take(client, "stop")
     left = (await client.post("lease/leave", headers=ANNA)).json()
     assert (left["state"], left["left"]) == ("free", False)
+
+
+@pytest.mark.parametrize("how", ["dies", "is back", "was one of two", "says more", "leaves the motor to go on"])
+async def test_a_page_that_could_not_say_that_it_closes(
+    client: httpx.AsyncClient, clock: VirtualClock, app: FastAPI, how: str
+) -> None:
+    bench = bench_of(app)
+    session = ANNA["stepscope-session"]
+    await take(client, "nothing" if how == "leaves the motor to go on" else "stop")
+    if how == "leaves the motor to go on":
+        assert (await client.post(f"{AXIS}/rotate", json={"velocity": 2000}, headers=ANNA)).is_success
+    with contextlib.ExitStack() as other:
+        if how == "was one of two":
+            other.enter_context(bench.pages.page(session))
+        with bench.pages.page(session):
+            await silence(clock, 5.0)
+        await silence(clock, 0.25)
+        await client.get("lease", headers=ANNA)  # was still on its way
+        if how == "is back":
+            other.enter_context(bench.pages.page(session))
+        await silence(clock, 1.0)
+        if how == "says more":  # its socket is broken, and it is not
+            await client.get("lease", headers=ANNA)
+        await silence(clock, 1.0)
+        free = (await client.get("lease")).json()["state"] == "free"
+        assert free is (how in ("dies", "leaves the motor to go on"))
 
 
 @pytest.mark.parametrize("how", ["back", "nobody", "another"])

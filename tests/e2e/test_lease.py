@@ -218,7 +218,9 @@ def test_a_tab_that_vanishes_loses_the_bench_and_its_motor_stops(
     wait_for(lambda: not shuttles(look) and not axis(look)["moving"], "what is set for it has happened")
 
 
-def test_the_tabs_of_a_browser_share_the_bench(visit: Callable[..., Page], look: httpx.Client) -> None:
+def test_the_tabs_of_a_browser_share_the_bench_until_the_last_one_closes(
+    visit: Callable[..., Page], look: httpx.Client
+) -> None:
     page = visit("Ann")
     take(page)
     second = page.context.new_page()
@@ -226,15 +228,27 @@ def test_the_tabs_of_a_browser_share_the_bench(visit: Callable[..., Page], look:
     expect(control(second)).to_have_text("You have the bench")
     go_to(second, 500)
     wait_for(lambda: axis(look)["position"] == 500, "the second tab moves the motor")
+    second.reload()
+    expect(control(second)).to_have_text("You have the bench")
     page.close(run_before_unload=True)
     expect(second.get_by_test_id("link-readout").first).to_contain_text("live")
     assert lease(look)["holder"] == "Ann", "the first was not the last"
-    second.reload()
-    expect(control(second)).to_have_text("You have the bench")
+    second.close(run_before_unload=True)
+    wait_for(lambda: lease(look)["state"] == "free", "closed at rest: free", 5.0)
+
+
+def test_a_tab_that_is_too_busy_to_say_that_it_closes_frees_the_bench(
+    visit: Callable[..., Page], look: httpx.Client
+) -> None:
+    page = visit("Ann")
+    take(page)
+    page.evaluate("setTimeout(() => { for (const from = Date.now(); Date.now() - from < 4000; ); })")
+    page.close(run_before_unload=True)
+    wait_for(lambda: lease(look)["state"] == "free", "closed at rest: free", 5.0)
 
 
 def test_a_reload_loses_and_stops_nothing(visit: Callable[..., Page], look: httpx.Client) -> None:
-    page = visit("Ann")
+    bob, page = visit("Bob"), visit("Ann")
     take(page)
     page.get_by_test_id("shuttle-toggle").click()
     wait_for(lambda: shuttles(look), "it goes there and back")
@@ -242,7 +256,12 @@ def test_a_reload_loses_and_stops_nothing(visit: Callable[..., Page], look: http
     expect(control(page)).to_have_text("You have the bench")
     expect(page.get_by_test_id("shuttle-toggle")).to_have_text("End")
     assert shuttles(look)
-    page.keyboard.press("Escape")
+    page.close(run_before_unload=True)
+    wait_for(lambda: lease(look)["left"], "its tab has closed, and its motor moves")
+    expect(control(bob)).to_have_text("Free · Take the bench")
+    go_to(bob, 100)
+    expect(control(bob)).to_have_text("You have the bench")
+    bob.keyboard.press("Escape")
     wait_for(lambda: not shuttles(look), "stopped")
 
 

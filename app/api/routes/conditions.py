@@ -6,12 +6,15 @@ import asyncio
 import contextlib
 
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
+from pydantic import ValidationError
 
 from app.api.bench import Bench
 from app.api.conditions import standing_out
+from app.api.pages import Pages
 from app.api.schemas_conditions import (
     SUBPROTOCOL,
     AxisCondition,
+    ConditionsPage,
     ConditionsSnapshot,
     ConditionsText,
     DeviceRemoved,
@@ -24,7 +27,8 @@ router = APIRouter(tags=["conditions"])
 
 @router.websocket("/conditions")
 async def conditions(socket: WebSocket) -> None:
-    """Tell how every axis stands: a snapshot, then what changes."""
+    """Tell how every axis stands: a snapshot, then what changes. A page of a session first says whose it is: when the
+    last one of the bench's holder ends, it has left."""
     offered = socket.scope.get("subprotocols", [])
     if offered and SUBPROTOCOL not in offered:
         await socket.close(1002, f"this server speaks {SUBPROTOCOL}")
@@ -35,7 +39,7 @@ async def conditions(socket: WebSocket) -> None:
     try:
         tasks = [
             asyncio.create_task(_send(socket, bench.conditions, news), name="conditions socket"),
-            asyncio.create_task(_hear(socket), name="conditions socket hears"),
+            asyncio.create_task(_hear(socket, bench.pages), name="conditions socket hears"),
         ]
         try:
             await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
@@ -88,11 +92,21 @@ def _message(device: Device, axis: int, standing: Standing) -> AxisCondition:
     return AxisCondition(device=device.id, axis=axis, **standing_out(device, standing))
 
 
-async def _hear(socket: WebSocket) -> None:
-    """Return when the reader has gone. What it says means nothing."""
-    with contextlib.suppress(WebSocketDisconnect):
-        while (await socket.receive())["type"] != "websocket.disconnect":
-            pass
+async def _hear(socket: WebSocket, pages: Pages) -> None:
+    """Return when the reader has gone. A page says whose it is; what else is said means nothing."""
+    with contextlib.ExitStack() as stack:
+        said = False
+        while (message := await socket.receive())["type"] != "websocket.disconnect":
+            if not said and (page := _page(message.get("text"))) is not None:
+                stack.enter_context(pages.page(page.session))
+                said = True
+
+
+def _page(text: str | None) -> ConditionsPage | None:
+    try:
+        return ConditionsPage.model_validate_json(text or "")
+    except ValidationError:
+        return None
 
 
 async def _say(socket: WebSocket, message: ConditionsText) -> None:

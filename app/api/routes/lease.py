@@ -21,7 +21,6 @@ from app.api.schemas_lease import LeaseAsking, LeaseHandOver, LeaseInfo, LeaseKe
 from app.api.who import SESSION_HEADER
 from app.devices.actor import actor
 from app.links.errors import UnknownThing, WrongState
-from app.tuning.at_rest import anything_moves
 
 router = APIRouter(prefix="/lease", tags=["lease"])
 
@@ -74,11 +73,11 @@ async def give_lease_back(bench: CurrentBench, session: Session) -> LeaseInfo:
 
 @router.post("/leave")
 async def leave_lease(bench: CurrentBench, session: Session) -> LeaseInfo:
-    """The last page of this session closes, or is loaded anew. Where nothing moves that this server has moved, the
-    bench is free; else it is kept for a return until its holder would have vanished, and any other session may take it.
+    """The last page of this session closes, or is loaded anew. Where nothing moves that this server has moved, or
+    motors are to go on anyway, the bench is free; else it is kept for a return until its holder would have vanished,
+    and any other session may take it.
     """
-    if bench.lease.leave(session) and not await anything_moves(bench.manager.devices, bench.procedures):
-        bench.lease.end_left()
+    await bench.pages.leave(session)
     return _info(bench, session)
 
 

@@ -400,8 +400,9 @@ export interface paths {
         put?: never;
         /**
          * Leave Lease
-         * @description The last page of this session closes, or is loaded anew. Where nothing moves that this server has moved, the
-         *     bench is free; else it is kept for a return until its holder would have vanished, and any other session may take it.
+         * @description The last page of this session closes, or is loaded anew. Where nothing moves that this server has moved, or
+         *     motors are to go on anyway, the bench is free; else it is kept for a return until its holder would have vanished,
+         *     and any other session may take it.
          */
         post: operations["leave_lease"];
         delete?: never;

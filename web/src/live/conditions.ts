@@ -1,4 +1,5 @@
 import type { Schemas } from "../api/client";
+import { sessionId } from "../api/lease/session";
 
 export type Condition = Schemas["Condition"];
 export type Kind = Condition["kind"];
@@ -130,6 +131,8 @@ export class ConditionSource {
     url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
     const socket = this.open(url.href, PROTOCOL);
     this.socket = socket;
+    // when this page ends, and cannot say so, the socket does
+    socket.onopen = () => socket.send(JSON.stringify({ session: sessionId }));
     socket.onmessage = ({ data }: MessageEvent<string>) => this.hear(JSON.parse(data) as Message);
     socket.onclose = () => {
       this.told = false;
@@ -144,7 +147,7 @@ export class ConditionSource {
     const { socket } = this;
     this.socket = null;
     if (!socket) return;
-    socket.onclose = socket.onmessage = null;
+    socket.onopen = socket.onclose = socket.onmessage = null;
     socket.close();
   }
 

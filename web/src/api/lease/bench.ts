@@ -42,14 +42,12 @@ export const gate = new Gate(desk, (request) => {
 
 /**
  * The last tab that goes leaves: at rest the bench is free at once, else what is set for vanishing takes care of the
- * motors, and a page that is only loaded anew is back before. Where motors are to go on anyway it gives the bench back.
- * Not sendBeacon: that cannot say whose session it is.
+ * motors, and a page that is only loaded anew is back before. Not sendBeacon: that cannot say whose session it is. A
+ * tab that is too busy for this is missed by the server when its socket ends.
  */
 function leave() {
   if (sayGone() || !desk.mine) return;
-  const back = desk.snapshot.lease?.on_vanish === "nothing";
-  const [address, method] = back ? [URL, "DELETE"] : [`${URL}/leave`, "POST"];
-  void fetch(address, { method, headers: sessionHeaders(), keepalive: true });
+  void fetch(`${URL}/leave`, { method: "POST", headers: sessionHeaders(), keepalive: true });
 }
 
 function look() {
