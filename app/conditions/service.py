@@ -11,7 +11,7 @@ from functools import partial
 from app.clock import Clock
 from app.conditions.judge import Condition, Seen, Thresholds, judge
 from app.conditions.truth import Truth, truth_of
-from app.devices.counter import CounterWritten
+from app.devices.counter import CounterWritten, PositionSeen
 from app.devices.device import Device, DeviceEvent, LimitReached, MotionCommanded, StateChanged
 from app.devices.own_tasks import OwnTasks
 from app.devices.results import AxisState, MotionEnd
@@ -23,6 +23,12 @@ LOOK_EVERY_S = 0.25
 """How often each device is looked at [s]: what happens is told within 0.5 s, the look itself included."""
 WIRE_SHARE = 0.2
 """How much of a wire's time the looks may take: on a slow one they come less often."""
+OWN_SHARE = 0.1
+"""How much of the program's own time the looks at resting emulators may take: many are looked at less often."""
+REST_LOOK_MAX_S = 2.0
+"""No less often than that [s]."""
+LIVELY_S = 2.0
+"""How long after a command, a written register or another such event a device counts as moving [s]."""
 
 SETS_POSITION = frozenset({"set_position"})
 """Commands, as `commanded` names them, by which somebody has said where an axis is."""
@@ -73,6 +79,10 @@ class _Watched:
     axes: list[_Axis]
     end: Callable[[], None]
     looks: asyncio.Task[None]
+    lively_until_s: float
+    """Until when it is looked at as often as one that moves."""
+    look_took_s: float = 0.0
+    """Of the latest look at all axes, where that is our own time: an emulator's."""
 
 
 class ConditionService:
@@ -101,6 +111,7 @@ class ConditionService:
                     [_Axis() for _ in device.axes],
                     device.listen(partial(self._hear, device)),
                     self._tasks.begin(self._look_on(device), f"conditions of {device.id}"),
+                    self._clock.now() + LIVELY_S,
                 )
             elif watched.id != device.id:
                 self._gone(watched)
@@ -159,18 +170,35 @@ class ConditionService:
 
     async def _look_on(self, device: Device) -> None:
         pause_s = LOOK_EVERY_S
+        looked_s = self._clock.now()
         while True:
             await self._clock.sleep(pause_s)
             pause_s = LOOK_EVERY_S
-            if device.state != "connected":
-                continue
             began_s = self._clock.now()
+            if device.state != "connected" or began_s - looked_s < self._every_s(device):
+                continue
+            looked_s = began_s
             for axis in range(len(device.axes)):
                 await self._look_soon(device, axis)  # what goes wrong is judged too; a busy link is looked at later
             took_s = self._clock.now() - began_s
             # An emulator in this process has no wire that a look would take from others.
             rest_s = 0.0 if device.chip_timed else took_s * (1 / WIRE_SHARE - 1)
             pause_s = max(LOOK_EVERY_S - took_s, LOOK_EVERY_S / 2, rest_s)
+            self._watched[device].look_took_s = took_s if device.chip_timed else 0.0
+
+    def _every_s(self, device: Device) -> float:
+        """How often the device is to be looked at [s]: as often as need be while anything moves."""
+        watched, now_s = self._watched[device], self._clock.now()
+        standings = [axis.standing for axis in watched.axes]
+        if (
+            now_s < watched.lively_until_s
+            or any(standing is None or standing.condition.kind == "moving" for standing in standings)
+            or any(axis.searched == "running" for axis in watched.axes)
+        ):
+            return 0.0
+        all_s = sum(other.look_took_s for other in self._watched.values())
+        # A beat that is a little early is not one too many.
+        return min(all_s / OWN_SHARE, REST_LOOK_MAX_S) - LOOK_EVERY_S / 2
 
     # --- inside ---------------------------------------------------------------------------------
 
@@ -229,7 +257,11 @@ class ConditionService:
             self._tell(watched.id, axis, None)
 
     def _hear(self, device: Device, event: DeviceEvent) -> None:
-        axes = self._watched[device].axes
+        watched = self._watched[device]
+        axes = watched.axes
+        # A stop sets nothing in motion, and a place is seen with every sample.
+        if not isinstance(event, PositionSeen) and not (isinstance(event, MotionCommanded) and event.what == "stop"):
+            watched.lively_until_s = self._clock.now() + LIVELY_S
         if isinstance(event, StateChanged):
             for axis in range(len(axes)):
                 self._judge(device, axis, None)

@@ -7,6 +7,7 @@ import asyncio
 from app.clock import Clock, VirtualClock
 from app.conditions.service import WIRE_SHARE, ConditionService
 from app.devices.config import DeviceConfig
+from app.devices.device import Device
 from app.devices.manager import DeviceManager
 from app.emulators.build import build_emulator
 from app.emulators.pd42.options import Pd42Options
@@ -76,6 +77,51 @@ async def test_looks_keep_to_their_share_of_a_slow_wire_and_commands_overtake_th
                     await clock.advance(0.001)
                 assert clock.now() - began_s <= frames * FRAME_S + 0.003, priority
                 await pass_time(clock, 0.37)
+    finally:
+        await conditions.close()
+        await manager.close()
+
+
+class OwnTimePort(EmulatorPort):
+    """An emulator's port each exchange of which takes 1 ms."""
+
+    async def exchange(self, frame: bytes, timeout_s: float | None = None) -> bytes:
+        await self._server.sleep(0.001)
+        return await super().exchange(frame, timeout_s)
+
+
+def own_time(model: str, link: Link, clock: Clock) -> FramePort:
+    return OwnTimePort(build_emulator("pd42-1241", clock, Pd42Options()))
+
+
+async def test_resting_emulators_are_looked_at_less_often_where_there_are_many_and_moving_ones_as_ever() -> None:
+    clock = VirtualClock()
+    manager = DeviceManager({"emulator": own_time}, clock)
+    for number in range(8):
+        adding = asyncio.create_task(manager.add(DeviceConfig(f"d{number}", "pd42-1241", {"kind": "emulator"})))
+        while not adding.done():
+            await clock.advance(0.01)
+    looks: dict[str, int] = {}
+
+    def searched(device: Device, axis: int) -> str:  # asked at each look
+        looks[device.id] = looks.get(device.id, 0) + 1
+        return "idle"
+
+    conditions = ConditionService(clock, searched)
+    conditions.sync(manager.devices)
+    mover = manager.devices[0]
+    try:
+        await pass_time(clock, 5.0)
+        looks.clear()
+        await pass_time(clock, 10.0)
+        assert all(5 <= number <= 20 for number in looks.values()), looks
+        rotating = asyncio.create_task(mover.rotate(0, 1000))
+        while not rotating.done():
+            await clock.advance(0.01)
+        looks.clear()
+        await pass_time(clock, 10.0)
+        assert looks.pop(mover.id) >= 30
+        assert all(5 <= number <= 20 for number in looks.values()), looks
     finally:
         await conditions.close()
         await manager.close()
