@@ -14,6 +14,8 @@ from tests.e2e import chips
 from tests.e2e.conftest import DESKTOP, PHONE
 from tests.e2e.motor import a_motor, select, wait_for
 
+LAPTOP: ViewportSize = {"width": 1280, "height": 720}
+
 REMEMBER_TEXT = """
 const drawn = new WeakMap();
 const lines = new WeakMap();
@@ -141,6 +143,61 @@ def test_one_instant_is_on_one_vertical_line_over_load(page: Page, api: httpx.Cl
         assert len(stack) == 3
         assert crooked(stack) == []
         page.goto("/connections")  # before the motor is gone
+
+
+CUT = """() => [...document.querySelectorAll('[data-testid=scope] [data-row]')].flatMap((panel) => {
+  const outer = panel.parentElement.getBoundingClientRect();
+  return [panel, ...panel.querySelectorAll('li, h3')]
+    .map((node) => [node, node.getBoundingClientRect()])
+    .filter(([node, box]) => box.bottom > outer.bottom + 0.5 || node.scrollHeight > node.clientHeight + 1)
+    .map(([node, box]) => `${node.textContent}: ${box.bottom} below ${outer.bottom}`);
+})"""
+"""The parts of the scope's legends that are not to be seen whole."""
+
+
+@pytest.mark.parametrize("size", [DESKTOP, LAPTOP], ids=["desktop", "laptop"])
+@pytest.mark.parametrize("model", ["tmc4361", "tmc5160"])
+def test_the_scope_shows_whole_plots_and_their_time(
+    new_context: Callable[..., BrowserContext], api: httpx.Client, model: str, size: ViewportSize
+) -> None:
+    context = new_context(viewport=size)
+    context.add_init_script(REMEMBER_TEXT)
+    with chips.a_chip(api, "scoped", model) as chip:
+        chips.select(context, chip)
+        page = context.new_page()
+        page.goto("/")
+        expect(page.get_by_test_id("events")).to_be_visible()  # the last to come, and it takes room
+        page.evaluate("() => new Promise((done) => requestIdleCallback(done, { timeout: 3000 }))")
+        wait_for(
+            lambda: all(len(labels_beside(plot)) > 1 for plot in plots_of(page)[:-1]) and len(plots_of(page)) > 1,
+            "every plot of the scope has its labels",
+        )
+        stack = plots_of(page)
+        *plots, axis = stack
+        assert plots
+        assert crooked(stack) == []
+        assert page.evaluate(CUT) == []
+        lanes = [plot for plot in plots if plot["label"].startswith("Switches")]
+        for plot in plots:
+            assert len(labels_beside(plot)) >= 2, (plot["label"], labels_beside(plot))
+            assert plot["height"] > 50
+        assert len(plots) >= (2 if size is LAPTOP else 3), [plot["label"] for plot in plots]
+        assert len(lanes) <= 1
+        assert len(axis["texts"]) > 2, "the time axis has its ticks"
+        scope = page.get_by_test_id("scope")
+        expect(scope.get_by_test_id("time-axis")).to_be_in_viewport(ratio=1)
+        for plot in plots:
+            expect(scope.get_by_role("img", name=plot["label"], exact=True)).to_be_in_viewport(ratio=0.95)
+        folded = scope.get_by_test_id("folded-plots").get_by_role("button")
+        if folded.count():
+            expect(folded.first).to_be_in_viewport(ratio=1)
+            name = folded.first.locator("span").first.inner_text()
+            folded.first.click()
+            expect(scope.get_by_role("img", name=name)).to_have_count(1)
+            expect(scope.get_by_test_id("time-axis")).to_be_in_viewport(ratio=1)
+            scope.get_by_role("button", name=name, exact=True).click()
+            expect(scope.get_by_role("img", name=name)).to_have_count(0)
+        page.goto("/connections")  # before the chip is gone
 
 
 def record(api: httpx.Client, way: int, name: str) -> str:

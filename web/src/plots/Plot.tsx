@@ -30,6 +30,8 @@ export interface PlotProps {
   group?: string;
   /** plots of one stack have their left and right ends on one vertical line; by default those of the group */
   stack?: string;
+  /** it says nothing that the plots beside it do not: an axis of theirs. Neither read out nor reached by keys */
+  scenery?: boolean;
   /** names, colours and values at the cursor, above the plot; by default where there is more than one series */
   legend?: boolean;
   overlays?: readonly Overlay[] | (() => readonly Overlay[]);
@@ -259,10 +261,11 @@ export function Plot(props: PlotProps) {
         ref={host}
         className={classes.canvas}
         role="img"
+        aria-hidden={props.scenery}
         aria-label={summary ? `${label}. ${summary}` : label}
         aria-describedby={help}
-        // biome-ignore lint/a11y/noNoninteractiveTabindex: the arrow keys move its cursor, + and - zoom
-        tabIndex={0}
+        // the arrow keys move its cursor, + and - zoom
+        tabIndex={props.scenery ? undefined : 0}
         onKeyDown={(event) => {
           const current = plot.current;
           if (!current || event.ctrlKey || event.metaKey || event.altKey) return;

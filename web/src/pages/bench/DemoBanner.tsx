@@ -49,7 +49,7 @@ export function DemoBanner({ devices }: { devices: readonly Device[] }) {
   return (
     <section className={classes.demo} aria-label="Demo" data-running={running}>
       <Button
-        size="sm"
+        size="xs"
         variant={running ? "default" : "filled"}
         leftSection={
           running ? <IconPlayerStop size={16} aria-hidden /> : <IconPlayerPlayFilled size={16} aria-hidden />

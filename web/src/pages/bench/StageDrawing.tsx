@@ -13,7 +13,9 @@ import type { EmulatorState } from "./useEmulator";
 import { useSearchEdges } from "./useSearchEdges";
 import { useStage } from "./useStage";
 
-const RAIL_Y = 62;
+/** how low the spindle lies; with a search, whose zero is named above the lamps */
+const RAIL_Y = 49;
+const SEARCHED_RAIL_Y = 62;
 const START_X = 92;
 const PITCH = 9;
 const SEARCH_PX = 32;
@@ -46,6 +48,8 @@ function ticksOf(from: number, to: number, most: number): number[] {
 /** The stage: motor, spindle, carriage, switches and a ruler. It moves as the samples say. */
 export function StageDrawing({ device, axis, live, emulator, search }: Props) {
   const thread = useId();
+  const searching = search !== undefined && search.state !== "idle";
+  const rail = searching ? SEARCHED_RAIL_Y : RAIL_Y;
   // drawn in pixels of its own box, so that nothing is squeezed on a phone
   const { ref: box, width: boxWidth } = useElementSize();
   const width = Math.max(280, Math.floor(boxWidth));
@@ -67,7 +71,7 @@ export function StageDrawing({ device, axis, live, emulator, search }: Props) {
     // The spindle turns: its thread runs along by one pitch a turn, exaggerated so that slow motion is seen too.
     const turns = (share * span.current) / axis.full_steps_per_rev;
     spindle.current?.setAttribute("patternTransform", `translate(${((turns * 40) % PITCH).toFixed(2)} 0) skewX(-24)`);
-    shaft.current?.setAttribute("transform", `rotate(${((turns * 360) % 360).toFixed(1)} 34 ${RAIL_Y})`);
+    shaft.current?.setAttribute("transform", `rotate(${((turns * 360) % 360).toFixed(1)} 34 ${rail})`);
   });
   const seen = useSearchEdges(live, scale.microstepsPerFullStep ?? 256, search);
   span.current = stage ? stage.to - stage.from : 0;
@@ -84,8 +88,7 @@ export function StageDrawing({ device, axis, live, emulator, search }: Props) {
     [live],
   );
 
-  const searching = search !== undefined && search.state !== "idle";
-  const height = 100 + (searching ? SEARCH_PX : 0);
+  const height = rail + 38 + (searching ? SEARCH_PX : 0);
   const kind = device.emulated ? "Emulated stage" : "Stage, as far as it was seen,";
   const figure = {
     ref: box,
@@ -116,9 +119,9 @@ export function StageDrawing({ device, axis, live, emulator, search }: Props) {
       data-forced={stage.forced[name]}
       data-known={known}
     >
-      <path d={`M${lampX} ${RAIL_Y - 34} v6 L${x} ${RAIL_Y - 20} v8`} />
-      <circle cx={lampX} cy={RAIL_Y - 40} r={7} />
-      <text x={lampX} y={RAIL_Y - 36.4} textAnchor="middle">
+      <path d={`M${lampX} ${rail - 34} v6 L${x} ${rail - 20} v8`} />
+      <circle cx={lampX} cy={rail - 40} r={7} />
+      <text x={lampX} y={rail - 36.4} textAnchor="middle">
         {label}
       </text>
     </g>
@@ -132,20 +135,20 @@ export function StageDrawing({ device, axis, live, emulator, search }: Props) {
             <rect width={PITCH / 2.6} height="12" className={classes.spindleThread} />
           </pattern>
         </defs>
-        <rect x={START_X - 8} y={RAIL_Y + 13} width={travel + 22} height={5} rx={1} className={classes.bed} />
-        <rect x={66} y={RAIL_Y - 5} width={width - 66 - 12} height={10} fill={`url(#${thread})`} />
-        <rect x={6} y={RAIL_Y - 26} width={56} height={52} rx={4} className={classes.motor} />
-        <rect x={62} y={RAIL_Y - 12} width={8} height={24} rx={1} className={classes.bed} />
-        <circle cx={34} cy={RAIL_Y} r={17} className={classes.motorFace} />
+        <rect x={START_X - 8} y={rail + 13} width={travel + 22} height={5} rx={1} className={classes.bed} />
+        <rect x={66} y={rail - 5} width={width - 66 - 12} height={10} fill={`url(#${thread})`} />
+        <rect x={6} y={rail - 26} width={56} height={52} rx={4} className={classes.motor} />
+        <rect x={62} y={rail - 12} width={8} height={24} rx={1} className={classes.bed} />
+        <circle cx={34} cy={rail} r={17} className={classes.motorFace} />
         <g ref={shaft}>
-          <circle cx={34} cy={RAIL_Y} r={8} className={classes.shaft} />
-          <path d={`M34 ${RAIL_Y - 8} v9`} className={classes.shaftKey} />
+          <circle cx={34} cy={rail} r={8} className={classes.shaft} />
+          <path d={`M34 ${rail - 8} v9`} className={classes.shaftKey} />
         </g>
-        <rect x={width - 14} y={RAIL_Y - 14} width={10} height={32} rx={2} className={classes.bed} />
+        <rect x={width - 14} y={rail - 14} width={10} height={32} rx={2} className={classes.bed} />
         {ticks.map((value) => (
           <g key={value} className={classes.tick}>
-            <path d={`M${tickX(value)} ${RAIL_Y + 18} v5`} />
-            <text x={tickX(value)} y={RAIL_Y + 34} textAnchor="middle" className={classes.tickText}>
+            <path d={`M${tickX(value)} ${rail + 18} v5`} />
+            <text x={tickX(value)} y={rail + 34} textAnchor="middle" className={classes.tickText}>
               {fixed(value)}
             </text>
           </g>
@@ -153,7 +156,7 @@ export function StageDrawing({ device, axis, live, emulator, search }: Props) {
         {stage.homeFrom !== null && stage.homeTo !== null && (
           <rect
             x={at(stage.homeFrom)}
-            y={RAIL_Y + 9}
+            y={rail + 9}
             width={Math.max(3, at(stage.homeTo) - at(stage.homeFrom))}
             height={4}
             className={classes.flag}
@@ -163,10 +166,10 @@ export function StageDrawing({ device, axis, live, emulator, search }: Props) {
         {switchMark("right", rightX, "R", stage.right !== null)}
         {homeX !== null && switchMark("home", homeX, "H", true, clearOf(homeX, leftX, rightX))}
         <g ref={carriage}>
-          <rect x={-22} y={RAIL_Y - 14} width={44} height={28} rx={3} className={classes.carriage} />
-          <path d={`M-22 ${RAIL_Y + 14} h44`} className={classes.carriageFoot} />
-          <path d={`M0 ${RAIL_Y - 14} v28`} className={classes.carriageLine} />
-          <path d={`M-4 ${RAIL_Y - 20} h8 l-4 6 z`} className={classes.carriagePointer} />
+          <rect x={-22} y={rail - 14} width={44} height={28} rx={3} className={classes.carriage} />
+          <path d={`M-22 ${rail + 14} h44`} className={classes.carriageFoot} />
+          <path d={`M0 ${rail - 14} v28`} className={classes.carriageLine} />
+          <path d={`M-4 ${rail - 20} h8 l-4 6 z`} className={classes.carriagePointer} />
         </g>
         {searching && (
           <SearchOverlay
@@ -176,11 +179,11 @@ export function StageDrawing({ device, axis, live, emulator, search }: Props) {
             place={at}
             left={START_X}
             width={travel}
-            rail={RAIL_Y}
+            rail={rail}
           />
         )}
       </svg>
-      <Text size="xs" c="dimmed" className={classes.stageUnit} aria-hidden>
+      <Text size="xs" c="dimmed" className={classes.stageUnit} style={{ top: rail + 20 }} aria-hidden>
         {perMm === null ? "turns" : "mm"}
       </Text>
     </figure>

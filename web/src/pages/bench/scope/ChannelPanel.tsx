@@ -1,4 +1,5 @@
 import { Text, UnstyledButton } from "@mantine/core";
+import { IconChevronDown } from "@tabler/icons-react";
 import { compact, fixed } from "../../../lib/format";
 import { symbolOf } from "../../../lib/units";
 import { LiveText } from "../../../live/LiveText";
@@ -11,6 +12,8 @@ interface Props {
   scope: Scope;
   cursors: boolean;
   onToggle: (key: string) => void;
+  /** none: its plot cannot be folded */
+  onFold?: () => void;
 }
 
 function swatchOf(trace: ScopeTrace) {
@@ -19,7 +22,7 @@ function swatchOf(trace: ScopeTrace) {
 }
 
 /** The channels of one plot: colour, name, and the value now, at the pointer, or between the cursors. */
-export function ChannelPanel({ scopeRow, scope, cursors, onToggle }: Props) {
+export function ChannelPanel({ scopeRow, scope, cursors, onToggle, onFold }: Props) {
   const { row, unit, traces } = scopeRow;
   const difference = (trace: ScopeTrace): string => {
     const { a, b } = scope.view.cursors();
@@ -35,7 +38,19 @@ export function ChannelPanel({ scopeRow, scope, cursors, onToggle }: Props) {
     <div className={classes.panel} data-row={row.id}>
       <div className={classes.panelTitle}>
         <Text component="h3" size="xs" fw={600}>
-          {row.title}
+          {onFold ? (
+            <UnstyledButton
+              className={classes.foldName}
+              aria-expanded
+              title={`Fold the plot: ${row.title}`}
+              onClick={onFold}
+            >
+              {row.title}
+              <IconChevronDown size={13} aria-hidden />
+            </UnstyledButton>
+          ) : (
+            row.title
+          )}
         </Text>
         <Text size="xs" c="dimmed">
           {symbolOf(unit)}

@@ -1,19 +1,22 @@
 import { NativeSelect, SegmentedControl } from "@mantine/core";
 import { useHotkeys, useMediaQuery } from "@mantine/hooks";
 import { IconActivity } from "@tabler/icons-react";
-import { type ReactNode, useState } from "react";
+import { type ReactNode, useLayoutEffect, useRef, useState } from "react";
 import type { Device } from "../../../api/queries";
 import { EmptyState } from "../../../lib/EmptyState";
 import { symbolOf } from "../../../lib/units";
 import { Plot } from "../../../plots/Plot";
 import type { PlotScale } from "../../../plots/types";
 import { ChannelPanel, CursorReadout } from "./ChannelPanel";
+import { FoldedPlots } from "./FoldedPlots";
+import { foldedRows, leastHeight, TIME_AXIS_PX } from "./folding";
 import { LinkReadout } from "./LinkReadout";
 import type { AxisRef, ScopeRow } from "./model";
+import type { RowId } from "./rows";
 import { ScopeToolbar } from "./ScopeToolbar";
 import classes from "./scope.module.css";
 import { type Trigger, useScopeSettings } from "./settings";
-import { type Scope, useScope } from "./useScope";
+import { type Scope, TIME_AXIS, useScope } from "./useScope";
 
 interface Props {
   devices: readonly Device[];
@@ -24,7 +27,7 @@ interface Props {
 }
 
 const TRIGGERS: readonly Trigger[] = ["roll", "auto", "single"];
-const LANE_PX = 92;
+const NO_SERIES = [] as const;
 
 function yScaleOf({ row, unit, traces }: ScopeRow): PlotScale {
   if (row.id === "switches") {
@@ -49,8 +52,11 @@ export function ScopeCard({ devices, main, axisName, children }: Props) {
   const phone = useMediaQuery("(max-width: 48em)", false, { getInitialValueInEffect: false });
   const [phoneRow, setPhoneRow] = useState("position");
   const scope = useScope(devices, main, settings, cursors);
-  const rows = phone ? scope.rows.filter(({ row }) => row.id === phoneRow) : scope.rows;
-  const last = rows.at(-1)?.row.id;
+  const [box, heightPx] = useHeight();
+  const folded: ReadonlySet<RowId> =
+    phone || heightPx === null ? new Set() : foldedRows(scope.rows, heightPx, settings.folds, cursors);
+  const rows = scope.rows.filter(({ row }) => (phone ? row.id === phoneRow : !folded.has(row.id)));
+  const fold = (id: RowId, on: boolean) => change({ folds: { ...settings.folds, [id]: on } });
 
   useHotkeys([
     ["p", () => (scope.paused ? scope.run() : scope.pause())],
@@ -101,31 +107,25 @@ export function ScopeCard({ devices, main, axisName, children }: Props) {
       </div>
       {cursors && <CursorReadout scope={scope} />}
       {phone && scope.rows.length > 1 && <PlotChoice rows={scope.rows} value={phoneRow} onChange={setPhoneRow} />}
-      {rows.length === 0 && (
+      {scope.rows.length === 0 && (
         <EmptyState title="No plot is chosen" icon={<IconActivity size={22} />}>
           Choose plots with the sliders button above.
         </EmptyState>
       )}
-      <div className={classes.rows}>
+      <div ref={box} className={classes.rows}>
         {rows.map((scopeRow) => {
           const { row, unit, traces } = scopeRow;
-          const bottom = row.id === last;
+          const px = leastHeight(scopeRow, cursors);
           return (
             <div
               key={row.id}
               className={classes.row}
-              style={
-                phone
-                  ? undefined
-                  : row.grow > 0
-                    ? { flexGrow: row.grow, flexBasis: 0 }
-                    : { flex: `0 0 ${LANE_PX + (bottom ? 24 : 0)}px` }
-              }
+              style={phone ? undefined : { flex: row.grow > 0 ? `${row.grow} 0 ${px}px` : `0 0 ${px}px` }}
             >
               <Plot
                 label={`${row.title} of ${axisName} over time${unit ? ` in ${symbolOf(unit)}` : ""}`}
                 series={traces.map((trace) => trace.series)}
-                x={{ label: "time", unit: "s", axis: bottom }}
+                x={{ label: "time", unit: "s", axis: phone === true }}
                 scales={{ y: yScaleOf(scopeRow) }}
                 height="100%"
                 group="scope"
@@ -137,14 +137,56 @@ export function ScopeCard({ devices, main, axisName, children }: Props) {
                 onWindow={scope.changeWindow}
                 onCursor={(at) => scope.setHover(at?.x ?? null)}
               />
-              <ChannelPanel scopeRow={scopeRow} scope={scope} cursors={cursors} onToggle={toggle} />
+              <ChannelPanel
+                scopeRow={scopeRow}
+                scope={scope}
+                cursors={cursors}
+                onToggle={toggle}
+                {...(phone || scope.rows.length === 1 ? {} : { onFold: () => fold(row.id, true) })}
+              />
             </div>
           );
         })}
+        {!phone && rows.length > 0 && (
+          <div className={classes.timeAxis} data-testid="time-axis">
+            <Plot
+              label="Time"
+              scenery
+              series={NO_SERIES}
+              x={{ label: "time", unit: "s" }}
+              height={TIME_AXIS_PX}
+              group="scope"
+              handle={(plot) => scope.setPlot(TIME_AXIS, plot)}
+            />
+          </div>
+        )}
+        {folded.size > 0 && (
+          <FoldedPlots
+            rows={scope.rows.filter(({ row }) => folded.has(row.id))}
+            scope={scope}
+            onOpen={(id) => fold(id, false)}
+          />
+        )}
       </div>
       {children?.(scope)}
     </section>
   );
+}
+
+/** The height of a box that others make as high as it is [px]; null before it is there. */
+function useHeight() {
+  const box = useRef<HTMLDivElement>(null);
+  const [heightPx, setHeightPx] = useState<number | null>(null);
+  useLayoutEffect(() => {
+    const node = box.current;
+    if (!node) return;
+    const measure = () => setHeightPx(node.clientHeight);
+    measure();
+    const observer = new ResizeObserver(measure);
+    observer.observe(node);
+    return () => observer.disconnect();
+  }, []);
+  return [box, heightPx] as const;
 }
 
 /** Side by side a phone has room for five names. */

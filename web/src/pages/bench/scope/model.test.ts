@@ -66,6 +66,7 @@ const SETTINGS: ScopeSettings = {
   rows: ROWS.map((row) => row.id),
   hidden: ["target_position"],
   extras: [{ device: "b", axis: 0 }],
+  folds: {},
 };
 
 describe("the scope's model", () => {

@@ -1,4 +1,5 @@
 import { useLocalStorage } from "@mantine/hooks";
+import type { Folds } from "./folding";
 import type { RowId } from "./rows";
 
 export type Trigger = "roll" | "auto" | "single";
@@ -18,6 +19,7 @@ export interface ScopeSettings {
   /** channels switched off, by quantity */
   hidden: string[];
   extras: ExtraAxis[];
+  folds: Folds;
 }
 
 export const SPANS_S = [0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300] as const;
@@ -31,6 +33,7 @@ const DEFAULTS: ScopeSettings = {
   rows: ["position", "residual", "deviation", "velocity", "acceleration", "load", "switches"],
   hidden: ["external_encoder_position", "external_deviation", "measured_speed"],
   extras: [],
+  folds: {},
 };
 
 /** What the page keeps of samples [s]: less when they come fast. */

@@ -16,6 +16,9 @@ const MARK_COLORS = { light: { a: "#b5179e", b: "#3a0ca3" }, dark: { a: "#f072c8
 /** More rows than this many a pixel are drawn as the smallest and largest of each bucket. */
 const ROWS_PER_PIXEL = 3;
 
+/** The strip below the plots that has their time axis. */
+export const TIME_AXIS = "time";
+
 /** Everything that moves on the scope: samples to plots in every frame, outside of React's rendering. */
 export function useScope(devices: readonly Device[], main: AxisRef, settings: ScopeSettings, cursors: boolean) {
   const scheme = useScheme();
@@ -29,7 +32,7 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
   const rows = useMemo(() => built, [shape]);
   const [view] = useState(() => new ScopeView(settings.spanS, settings.trigger));
   const [paused, setPaused] = useState(false);
-  const plots = useRef(new Map<RowId, PlotHandle>());
+  const plots = useRef(new Map<RowId | typeof TIME_AXIS, PlotHandle>());
   const hover = useRef<number | null>(null);
   const now = useRef<{ overlays: Map<RowId, Overlay[]> }>({ overlays: new Map() });
   const keeper = useMemo(() => new PredictionKeeper(main.device, main.axis), [main.device, main.axis]);
@@ -109,6 +112,7 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
       if (!plot || width === 0) continue;
       plot.setData(dataOf(traces, window, width * ROWS_PER_PIXEL), window);
     }
+    plots.current.get(TIME_AXIS)?.setData([window], window);
   });
   // a new set of plots has drawn nothing yet
   const fresh = useRef(true);
@@ -203,9 +207,11 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
       }
       return null;
     },
-    setPlot: (row: RowId, plot: PlotHandle | null) => {
-      if (plot) plots.current.set(row, plot);
-      else plots.current.delete(row);
+    setPlot: (row: RowId | typeof TIME_AXIS, plot: PlotHandle | null) => {
+      if (plot) {
+        plots.current.set(row, plot);
+        fresh.current = true;
+      } else plots.current.delete(row);
     },
   };
 }

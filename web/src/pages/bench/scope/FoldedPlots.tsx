@@ -1,0 +1,46 @@
+import { UnstyledButton } from "@mantine/core";
+import { IconChevronRight } from "@tabler/icons-react";
+import { symbolOf } from "../../../lib/units";
+import { LiveText } from "../../../live/LiveText";
+import { type ScopeRow, valueText } from "./model";
+import type { RowId } from "./rows";
+import classes from "./scope.module.css";
+import type { Scope } from "./useScope";
+
+interface Props {
+  rows: readonly ScopeRow[];
+  scope: Scope;
+  onOpen: (id: RowId) => void;
+}
+
+/** The plots that there is no room for: each by its name and its value, and a press opens it. */
+export function FoldedPlots({ rows, scope, onOpen }: Props) {
+  return (
+    <div className={classes.tray} data-testid="folded-plots">
+      {rows.map(({ row, unit, traces }) => {
+        const trace = traces.find((candidate) => candidate.measured && candidate.shown);
+        return (
+          <UnstyledButton
+            key={row.id}
+            className={classes.folded}
+            aria-expanded={false}
+            title={`Show the plot: ${row.title}`}
+            onClick={() => onOpen(row.id)}
+          >
+            <IconChevronRight size={14} aria-hidden />
+            <span className={classes.foldedName}>{row.title}</span>
+            {trace && (
+              <>
+                <LiveText
+                  className={classes.channelValue}
+                  read={() => valueText(trace, scope.valueAt(trace, scope.hover()))}
+                />
+                <span className={classes.foldedUnit}>{symbolOf(unit)}</span>
+              </>
+            )}
+          </UnstyledButton>
+        );
+      })}
+    </div>
+  );
+}
