@@ -41,7 +41,7 @@ DIVIDERS = {"name": "pulse_div_ramp_div_usrs", "axis": 0}
             "tmc4361",
             [{"name": "AMAX", "axis": 0, "value": 4000}, {"name": "GENERAL_CONF", "axis": 0, "value": 0}],
             [{"name": "AMAX", "axis": 0, "value": 4001}, {"name": "GENERAL_CONF", "axis": 0, "value": 2}],
-            ("1000 pps^2", "7452440 pps^2"),
+            ("1000 pps^2", "7452443 pps^2"),
         ),
         (
             "pd42-1241",
