@@ -30,7 +30,7 @@ def remedy_out(device: Device, remedy: signs.Remedy) -> Remedy:
     return Remedy(
         label=remedy.label,
         method=remedy.method,
-        path=f"/api/v1/devices/{device.id}/{remedy.path}",
+        path="/".join(filter(None, ("/api/v1/devices", device.id, remedy.path))),
         body=None if remedy.body is None else dict(remedy.body),
         moves=remedy.moves,
     )

@@ -57,6 +57,7 @@ class Seen:
     stopped : the latest command here was a stop
     limit : the soft limit of its range that stopped it
     reset_s : when the device was seen to have been reset, device time; None where nobody has, or it was seen to since
+    held_back : why the driver leaves the device alone although it answers
     """
 
     axis: int
@@ -69,11 +70,14 @@ class Seen:
     stopped: bool = False
     reset_s: float | None = None
     limit: Sign | None = None
+    held_back: Sign | None = None
     thresholds: Thresholds = Thresholds(512, 1024)
 
 
 def judge(seen: Seen) -> Condition:
     """The condition of an axis; of several the one that its user has to know first."""
+    if seen.held_back is not None:
+        return _of("cannot_move", seen.held_back)
     if seen.link != "connected":
         why = f": {seen.problem}" if seen.problem else ""
         said = {"connecting": "it is being connected", "disconnected": "it is not connected"}.get(

@@ -216,6 +216,7 @@ class ConditionService:
             sent=known.sent,
             stopped=known.stopped,
             thresholds=thresholds(device, axis),
+            held_back=held_back(device),
         )
         if state is not None:
             signs = device.signs(axis, state)
@@ -294,6 +295,14 @@ def _said(standing: Standing) -> tuple[object, ...]:
     """What is news where it differs; figures among the evidence are not, nor when they were seen."""
     condition = standing.condition
     return condition.kind, condition.cause, condition.remedies, standing.referenced, standing.truth
+
+
+def held_back(device: Device) -> Sign | None:
+    """Why a device that answers is left alone, and the way out; None where it is not."""
+    why = device.held_back
+    if why is None or type(device.problem) is not type(why):
+        return None
+    return Sign(str(why), (Evidence("link", "it answers"),), device.ways_out(why))
 
 
 def thresholds(device: Device, axis: int) -> Thresholds:

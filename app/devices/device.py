@@ -39,8 +39,8 @@ from app.devices.results import (
     WriteItem,
 )
 from app.devices.sample_plan import Channel, SamplePlan, Taken
-from app.devices.signs import Signs
-from app.links.errors import BenchError, DownloadMode, LinkError, UnknownThing, WrongState
+from app.devices.signs import Remedy, Signs
+from app.links.errors import BenchError, DownloadMode, LinkError, OtherModel, UnknownThing, WrongState
 from app.links.port import FramePort, SamplingPort
 from app.links.queue import FrameHold, LinkQueue, Priority
 from app.links.registry import Link
@@ -321,6 +321,12 @@ class Device(ABC):
     def held_back(self) -> WrongState | None:
         """Why the driver keeps still although the link may work; None while it does not."""
         return self._stranger
+
+    def ways_out(self, why: WrongState) -> tuple[Remedy, ...]:
+        """What ends that the driver keeps still because of `why`."""
+        if not isinstance(why, OtherModel):
+            return ()
+        return tuple(Remedy(f"change the model to {name.upper()}", "PATCH", "", {"model": name}) for name in why.found)
 
     async def identify(self) -> None:
         """`probe`, and be warned: as long as something else answers than expected, nothing goes out but readings and

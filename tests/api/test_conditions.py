@@ -8,6 +8,8 @@ import httpx
 import pytest
 
 from app.clock import VirtualClock
+from app.emulators.build import build_emulator
+from app.emulators.server import serve_tcp
 from app.registers.catalog import MODELS
 
 
@@ -94,3 +96,39 @@ def test_the_judge_knows_no_family() -> None:
     names = {*MODELS, "tmc5xxx", "pd42", "tmcl"}
     for path in Path(app.conditions.__file__).parent.glob("*.py"):
         assert not [name for name in names if name in path.read_text().lower()], path
+
+
+async def test_a_module_in_download_mode_answers_and_cannot_move_until_it_is_left(
+    client: httpx.AsyncClient, clock: VirtualClock, motor: str
+) -> None:
+    await client.post(f"{motor}/tmcl", json={"command": 132, "type": 0, "motor": 0, "value": 0})
+    await clock.advance(0.5)
+    condition = (await client.get(motor)).json()["axes"][0]["condition"]
+    assert condition["kind"] == "cannot_move"
+    assert condition["cause"].startswith("download mode")
+    remedy = condition["remedy"]
+    assert (remedy["label"], remedy["moves"]) == ("leave download mode", False)
+    answer = await client.request(remedy["method"], remedy["path"].removeprefix("/api/v1/"), json=remedy["body"])
+    assert answer.status_code == 200, answer.text
+    await clock.advance(0.5)
+    assert (await client.get(motor)).json()["axes"][0]["condition"]["kind"] == "ready"
+
+
+async def test_another_chip_answers_and_cannot_move_until_the_model_is_changed(
+    client: httpx.AsyncClient, clock: VirtualClock
+) -> None:
+    server = await serve_tcp(build_emulator("tmc5160", clock), "127.0.0.1", 0)
+    try:
+        link = {"kind": "tcp", "host": "127.0.0.1", "port": server.sockets[0].getsockname()[1]}
+        body = {"name": "Chip", "model": "tmc5130", "link": link}
+        added = (await client.post("devices", json=body)).json()
+        condition = added["axes"][0]["condition"]
+        assert (condition["kind"], condition["remedy"]["label"]) == ("cannot_move", "change the model to TMC5160")
+        remedy = condition["remedy"]
+        changed = await client.request(remedy["method"], remedy["path"].removeprefix("/api/v1/"), json=remedy["body"])
+        assert changed.status_code == 200, changed.text
+        assert changed.json()["model"] == "tmc5160"
+        assert (await client.get("devices/chip/axes/0")).json()["condition"]["remedy"]["label"] == "start up"
+    finally:
+        server.close()
+        await server.wait_closed()

@@ -17,6 +17,7 @@ from app.devices.lookup import Lookup
 from app.devices.own_tasks import OwnTasks
 from app.devices.pd42 import rows, units
 from app.devices.pd42.calls import Calls, Lacking
+from app.devices.signs import Remedy
 from app.links.download import DownloadHold, Downloads
 from app.links.errors import BadReply, DownloadMode, LinkError, OtherModel, WrongState
 from app.links.port import FramePort
@@ -38,6 +39,9 @@ DOWNLOADING = 129
 """The global parameter that is 1 in download mode, where it cannot be read: the question is stored, status 101."""
 ADDRESS = 1
 """Of a module as it comes (GP 0, 66)."""
+
+
+LEAVE_DOWNLOAD = Remedy("leave download mode", "POST", "tmcl", {"command": 133, "type": 0, "motor": 0, "value": 0})
 
 
 class Module(Device):
@@ -171,6 +175,9 @@ class Module(Device):
     @property
     def held_back(self) -> WrongState | None:
         return super().held_back or self.download.problem
+
+    def ways_out(self, why: WrongState) -> tuple[Remedy, ...]:
+        return (LEAVE_DOWNLOAD,) if isinstance(why, DownloadMode) else super().ways_out(why)
 
     def _download_changed(self) -> None:
         why = self.download.problem
