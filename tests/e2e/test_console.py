@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator
 
 import httpx
@@ -150,3 +151,23 @@ def test_the_page_is_open_to_everybody(page: Page, drive: str, check_axe: Callab
             check_axe(page)
         sideways = page.evaluate("document.scrollingElement.scrollWidth - document.documentElement.clientWidth")
         assert sideways <= 0
+
+
+def test_a_module_in_download_mode_is_left_alone_and_every_page_offers_the_way_out(
+    page: Page, drive: str, api: httpx.Client, check_axe: Callable[[Page], None]
+) -> None:
+    page.goto("/console")
+    held = page.get_by_test_id("held-back")
+    expect(page.get_by_label("TMCL command")).to_be_visible()
+    expect(held).to_have_count(0)
+    send(page, "132 0, 0, 0")
+    expect(held).to_contain_text("download mode")
+    check_axe(page)
+    page.goto("/")
+    leave = held.get_by_role("button", name="Leave download mode")
+    leave.click()
+    expect(held).to_have_count(0)
+    until = time.monotonic() + 10
+    while (device := api.get(f"/devices/{drive}").raise_for_status().json())["state"] == "connecting":
+        assert time.monotonic() < until
+    assert (device["state"], device["problem"]) == ("connected", None)

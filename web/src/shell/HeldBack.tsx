@@ -42,6 +42,7 @@ function Held({ device }: { device: Device }) {
       p="sm"
       mb="sm"
       icon={<IconPlayerPause size={20} aria-hidden />}
+      styles={{ label: { color: "var(--mantine-color-text)" } }} // the orange of the library is too faint on its light ground
       title={`${device.name}: ${device.problem?.title ?? ""}`}
       data-testid="held-back"
     >
