@@ -40,7 +40,12 @@ def watch(
             rows = csv.writer(file)
             rows.writerow(heads)
             for at, values in zip(samples.time_s, samples.values.T, strict=True):
-                rows.writerow([repr(float(at)), *("" if value != value else repr(float(value)) for value in values)])
+                rows.writerow(
+                    [
+                        repr(float(at)),
+                        *("" if value != value else repr(float(value)).removesuffix(".0") for value in values),
+                    ]
+                )
         if samples.rate_hz < rate_hz:
             typer.secho(f"stepscope: the link carries {samples.rate_hz:g} samples a second", fg="yellow", err=True)
         if samples.dropped:
