@@ -72,6 +72,7 @@ KINDS: dict[type[Exception], Kind] = {
     UnknownParameter: Kind(409, "/problems/unknown-parameter", "This module has no such parameter"),
     ForeignPage: FOREIGN,
     WrongState: Kind(409, "/problems/wrong-state", "Not possible now"),
+    CannotMove: Kind(409, "/problems/wrong-state", "Not possible now"),  # with the remedy beside it
     LinkDown: Kind(
         409,
         "/problems/not-connected",
@@ -196,11 +197,14 @@ def _condition(request: Request, error: BenchError) -> Condition | None:
     """That of the axis which the request is about, where its link or its state kept it from being done."""
     if not isinstance(error, LinkError | WrongState):
         return None
-    bench, names = request.app.state.bench, request.path_params
+    names = request.path_params
+    if "device" not in names or "axis" not in names:  # the control port of an emulator has neither
+        return None
+    bench = request.app.state.bench
     try:
         device = bench.manager.get(names["device"])
         axis = device.axis(int(names["axis"]))
-    except (KeyError, ValueError, UnknownThing):
+    except (ValueError, UnknownThing):
         return None
     return condition_out(device, bench.conditions.standing(device, axis.index).condition)
 

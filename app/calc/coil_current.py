@@ -37,6 +37,8 @@ REACH = 0.03
 """How far off the best fine setting may be before coarse ones are looked at."""
 _SAME = 0.01
 """Errors that differ by less are alike: sense resistors are no more exact."""
+FAR = 1e9
+"""Steps of `_SAME` beyond which an error is no better told: a wanted current next to nothing."""
 
 
 class Sensing(NamedTuple):
@@ -174,7 +176,7 @@ class CurrentStage:
         def rank(s: Setting) -> tuple[bool, int, int, float]:
             off = abs(error(s, peak_a))
             coarse = fine and (s.scale < FINE_SCALE or off > REACH)
-            return coarse, int(off / _SAME), -s.scale, off
+            return coarse, int(min(off / _SAME, FAR)), -s.scale, off
 
         return sorted(every, key=rank)
 

@@ -150,11 +150,13 @@ def _search(rate: float, slope: float, clock_hz: float, reduction: float) -> _Se
     lower = np.maximum(np.exp2(difference - 1 - (v_max <= 1448)), 1)
     upper = np.exp2(difference + 12) - 1
     pair = design_many(np.where(registers, a_max, 0), ramp_div, pulse_div, reduction).pdiv >= 0
+    with np.errstate(divide="ignore", invalid="ignore"):  # of a rate too small for a float; no register fits it
+        velocity_error, acceleration_error = v_max / velocity - 1, a_max / acceleration - 1
     return _Search(
         v_max=v_max,
         a_max=a_max,
-        velocity_error=v_max / velocity - 1,
-        acceleration_error=a_max / acceleration - 1,
+        velocity_error=velocity_error,
+        acceleration_error=acceleration_error,
         fits_registers=registers,
         fits_limits=registers & pair & (a_max >= lower) & (a_max <= upper),
     )

@@ -66,7 +66,7 @@ def test_what_was_captured_is_compared_and_brought_back(page: Page, api: httpx.C
     expect(table.locator("tr[data-differs='false']").first).to_be_visible()
 
     page.get_by_role("button", name="Apply 1 change").click()
-    expect(page.get_by_text("drive is in drive")).to_be_visible()
+    expect(page.get_by_text("The profile is in drive")).to_be_visible()
     expect(page.get_by_role("list", name="Steps").get_by_text("read back")).to_be_visible()
     expect(count).to_contain_text("No difference")
     assert speed(api, drive) == before

@@ -357,7 +357,7 @@ def test_a_device_that_is_away_says_so(page: Page, fresh: Motor) -> None:
     expect(page.get_by_test_id("state")).to_have_text("stands")
     fresh.call("POST", "disconnect", {})
     try:
-        expect(page.get_by_text("is not connected", exact=False)).to_be_visible()
+        expect(page.get_by_test_id("condition-bar")).to_contain_text("is not connected")
         expect(page.get_by_role("slider", name="Target angle")).to_have_attribute("aria-disabled", "true")
         expect(page.get_by_test_id("go-long")).to_be_disabled()
     finally:

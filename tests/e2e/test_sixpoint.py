@@ -155,7 +155,7 @@ def test_a_move_lies_over_its_ramp_and_the_ramp_is_read_back(designer: Page, chi
     page = designer
     page.get_by_role("button", name="Move with it").click()
     expect(page.get_by_text("Moves from 0 to", exact=False)).to_be_visible()
-    expect(page.get_by_text("CHOPCONF.toff is 0", exact=False)).to_be_visible()
+    expect(page.locator("main").get_by_text("CHOPCONF.toff is 0", exact=False)).to_be_visible()
     expect(page.get_by_text("measured", exact=True)).to_be_visible()
     wait_for(lambda: chip.axis()["position_reached"] and not chip.axis()["moving"], "the move is over")
     assert chip.axis()["position"] == 70_000

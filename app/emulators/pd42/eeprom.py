@@ -44,7 +44,7 @@ class Eeprom:
                 aside = path.with_name(f"{path.name}.broken")
                 with contextlib.suppress(OSError):
                     shutil.copyfile(path, aside)
-                log.warning("the emulated EEPROM %s counts as erased, and is kept as %s: %s", path, aside, error)
+                log.warning("the emulated EEPROM %s cannot be read, and is kept as %s: %s", path, aside, error)
 
     def save(self) -> None:
         """Write through to the file. Raises Refused (EEPROM locked) where the file cannot be written."""

@@ -59,18 +59,21 @@ export function Against({ profile }: { profile: Detail }) {
 function WithDevice({ profile, device }: { profile: Detail; device: Device }) {
   const connected = device.state === "connected";
   const dry = useDryRun(device.id, profile.document, connected);
-  if (!connected)
-    return (
-      <Text size="sm" className={css.dim} role="status">
-        {device.name} is {device.state}: connect it to see what this profile would change.
-      </Text>
-    );
+  const away = !connected && (
+    <Text size="sm" className={css.dim} role="status">
+      {device.name} is {device.state}: connect it to see what this profile would change.
+    </Text>
+  );
+  // An apply that was under way when the device fell silent still has to say what became of it.
+  if (away && dry.data === undefined) return away;
   if (dry.isPending) return <Comparing />;
-  if (dry.isError)
+  if (dry.isError && !away)
     return <ProblemAlert error={dry.error} doing={`Comparing with ${device.name}`} retry={() => void dry.refetch()} />;
+  if (dry.data === undefined) return away;
   return (
     <>
-      <Apply profile={profile.document} device={device} dry={dry.data} />
+      {away}
+      <Apply key="apply" profile={profile.document} device={device} dry={dry.data} />
       <DiffTable diff={dry.data} profile={profile.document} axisNames={device.axes.map(({ name }) => name)} />
       <Button
         mt={6}

@@ -39,7 +39,7 @@ export function Apply({ profile, device, dry }: Props) {
       <div className={css.applyBar}>
         <Button
           size="xs"
-          disabled={writes === 0 || unfinished !== null}
+          disabled={writes === 0 || unfinished !== null || device.state !== "connected"}
           loading={running}
           onClick={() => apply.mutate({ profile, limits })}
         >
@@ -82,13 +82,13 @@ export function Apply({ profile, device, dry }: Props) {
           />
         </div>
       )}
-      {apply.isSuccess && <Done applied={apply.data} onClose={() => apply.reset()} />}
+      {apply.isSuccess && <Done applied={apply.data} device={device.name} onClose={() => apply.reset()} />}
       {apply.isError && <Failed error={apply.error} dry={dry} onClose={() => apply.reset()} />}
     </div>
   );
 }
 
-function Done({ applied, onClose }: { applied: Applied; onClose: () => void }) {
+function Done({ applied, device, onClose }: { applied: Applied; device: string; onClose: () => void }) {
   const catalog = useCatalogModel(applied.model);
   const lines = writtenLines(applied, catalog.data?.rows ?? null);
   const blind = lines.filter(({ fate }) => fate === WRITTEN_BLIND).length;
@@ -100,7 +100,7 @@ function Done({ applied, onClose }: { applied: Applied; onClose: () => void }) {
       variant="light"
       role="status"
       icon={<IconCheck size={18} aria-hidden />}
-      title={`${applied.right} is in ${applied.left}`}
+      title={`The profile is in ${device}`}
       withCloseButton
       closeButtonLabel="Dismiss"
       onClose={onClose}
