@@ -13,7 +13,6 @@ from urllib.parse import parse_qsl
 
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from app.api.guard import SAFE_METHODS
 from app.api.lease import Lease
 from app.api.problems import error_answer
 from app.devices.actor import actor
@@ -57,7 +56,9 @@ FREE = frozenset(
         ("POST", "/twin/cursor"),
     }
 )
-"""Method and address of what needs no lease; anything else that is not GET, HEAD or OPTIONS does."""
+"""Method and address of what needs no lease; any other call by one of `CHANGING_METHODS` does."""
+CHANGING_METHODS = frozenset({"POST", "PUT", "PATCH", "DELETE"})
+"""No route has another method that changes anything: others (QUERY, TRACE) are answered that there is no such call."""
 DRY_RUN = ("PUT", "/devices/{device}/profile")
 """Free only where the query says `dry_run=true`."""
 
@@ -72,7 +73,7 @@ class Free:
 
     def holds(self, method: str, path: str, query: bytes = b"") -> bool:
         """Whether that call needs none: it changes nothing that the lease is for."""
-        if method in SAFE_METHODS or method == "TRACE":  # no route has it, so the answer is that there is no such call
+        if method not in CHANGING_METHODS:
             return True
         call = f"{method} {path}"
         if self._dry_run.fullmatch(call):

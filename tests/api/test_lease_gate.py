@@ -12,7 +12,7 @@ from fastapi.routing import iter_route_contexts
 
 from app.api.app import BASE
 from app.api.guard import SAFE_METHODS
-from app.api.lease_gate import FREE, Free
+from app.api.lease_gate import CHANGING_METHODS, FREE, Free
 
 HOLDER = {"stepscope-session": "the-session-of-the-holder"}
 OTHER = {"stepscope-session": "the-session-of-somebody-else"}
@@ -77,6 +77,17 @@ async def test_a_session_that_only_looks_is_refused_too(app: FastAPI, pages: htt
         assert "POST /lease" in answer.json()["way_out"]
 
 
+def test_no_route_changes_anything_by_another_method(app: FastAPI) -> None:
+    assert {method for method, _ in unsafe_routes(app)} <= CHANGING_METHODS
+
+
+@pytest.mark.parametrize("method", ["QUERY", "TRACE", "PROPFIND", "LINK"])
+async def test_a_method_of_no_route_is_405_whoever_has_the_bench(pages: httpx.AsyncClient, method: str) -> None:
+    assert (await pages.post(f"{BASE}/lease", json={"name": "Anna"}, headers=HOLDER)).status_code == 200
+    for path in ("stop", "lease/leave", "devices/bench/registers/v_max"):
+        assert (await pages.request(method, f"{BASE}/{path}", headers=OTHER)).status_code == 405
+
+
 def test_nothing_is_free_that_is_not_there(app: FastAPI) -> None:
     there = {(method, shape(path)) for method, path in unsafe_routes(app)}
     for method, path in FREE:
@@ -109,8 +120,8 @@ def test_every_refusal_is_in_the_schema(app: FastAPI) -> None:
         ("POST", "/api/v1/calc/ramp", b"", True),
         ("POST", "/api/v1/calc/ramp/../../devices", b"", False),
         ("POST", "/api/v1/devices", b"", False),
-        ("PURGE", "/api/v1/devices", b"", False),
-        ("post", "/api/v1/devices", b"", False),
+        ("PURGE", "/api/v1/devices", b"", True),
+        ("post", "/api/v1/devices", b"", True),
         ("POST", "/elsewhere", b"", False),
         ("PUT", "/api/v1/devices/bench/profile", b"", False),
         ("PUT", "/api/v1/devices/bench/profile", b"dry_run=true", True),
