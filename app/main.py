@@ -24,6 +24,7 @@ from app.api.problems import findings
 from app.api.recording_desk import RecordingDesk
 from app.api.routes.ports import serial_ports
 from app.api.schemas import Port
+from app.api.vitals import Vitals
 from app.calc import sramp
 from app.calc.ramp import RampParameters, exact_ramp
 from app.clock import Clock, WallClock
@@ -136,6 +137,7 @@ def create_app(
     lease = Lease(clock, settings.on_vanish, settings.vanish_after_s)
     lease.listen(partial(lease_words, audit))
     twin = Twin(clock, hub)
+    vitals = Vitals(clock, settings.data_dir)
     procedures = Procedures(clock)
     conditions = ConditionService(clock, lambda device, axis: procedures.search_state(device, axis).state)
 
@@ -166,6 +168,7 @@ def create_app(
         saver,
         position_saver,
         Pages(lease, clock, lambda: anything_moves(manager.devices, procedures)),
+        vitals,
     )
     lease_watch = LeaseWatch(
         lease, bench.calls, clock, lambda how: after_vanishing(how, manager.devices, bench.procedures)
@@ -177,6 +180,7 @@ def create_app(
         kept = positions.load()
         for warning in (*saved.warnings, *kept.warnings):
             log.warning("%s", warning)
+            vitals.notes.append(warning)
         endless.restore(kept.positions)
         compiling = asyncio.create_task(asyncio.to_thread(compile_kernels))
         await asyncio.to_thread(database.open)
@@ -190,19 +194,23 @@ def create_app(
                 await manager.add(config, wait=False)
             except Exception as error:  # neither must a link of another version, or what somebody wrote into the file
                 store.keep_back(config)
-                log.warning("%s: %r is left out, and stays in the file: %s", store.path, config.name, error)
+                left_out = f"{store.path}: {config.name!r} is left out, and stays in the file: {error}"
+                log.warning("%s", left_out)
+                vitals.notes.append(left_out)
         if settings.demo or (settings.demo is None and not saved.configs):
             await demo.add(manager)
         opened.set()
         ear.sync(manager.devices)
         audit.note("start", "stepscope", detail=f"version {__version__}")
         lease_watch.start()
+        vitals.start()
         try:
             yield
         finally:
             opened.clear()
             audit.note("end", "stepscope")
             await lease_watch.close()
+            await vitals.close()
             await bench.pages.close()
             await bench.probing.abort()
             await profiles.close()

@@ -72,6 +72,7 @@ class BenchServer(uvicorn.Server):
         options = {**_options(settings), "http": limited_http(self.door, is_stop)}
         super().__init__(uvicorn.Config(app, **options))  # type: ignore[arg-type]  # a table of options
         self._bench = bench_of(app)
+        self._bench.vitals.door = self.door
         self._on_ready = on_ready
 
     async def startup(self, sockets: list[socket.socket] | None = None) -> None:

@@ -93,11 +93,13 @@ def make_app(bench: Bench, lifespan: Lifespan) -> FastAPI:
     app.state.allowed_methods = openapi.allowed_methods(app)
     for subject in SUBJECTS:
         app.include_router(subject.router, prefix=BASE)
+    app.include_router(health.metrics)
     # The UI answers what no route knows. As a route it would hide the 405 of the API's own addresses.
     app.router.default = TwinProxy(bench.twin, otherwise=WebUi(bench.settings.web_dir))
     problems.install(app)
     free = Free(BASE)
     openapi.customise(app, free)
+    app.add_middleware(bench.vitals.sockets.middleware)
     # Inside of both doors: whose request it is matters once it is in.
     app.add_middleware(LeaseGate, lease=bench.lease, calls=bench.calls, free=free)
     app.add_middleware(Auditing, audit=bench.audit, manager=bench.manager, base=BASE)

@@ -11,6 +11,7 @@ from app.api.pages import Pages
 from app.api.probing import Probing
 from app.api.recording_desk import RecordingDesk
 from app.api.schemas import Port
+from app.api.vitals import Vitals
 from app.clock import Clock
 from app.conditions.service import ConditionService
 from app.devices.manager import DeviceManager
@@ -50,6 +51,7 @@ class Bench:
     """Of the connections."""
     position_saver: Saver
     pages: Pages
+    vitals: Vitals
     probing: Probing = field(default_factory=Probing)
     scripts: Scripts = field(default_factory=Scripts)
     calls: CallsUnderWay = field(default_factory=CallsUnderWay)

@@ -23,6 +23,7 @@ from app.links.arbiter import Arbiter, Priority
 from app.links.errors import BadReply, LinkError, LinkTimeout, WrongState
 from app.links.frame_log import FrameLog
 from app.links.port import Answer, BatchPort, ChainPort, FramePort
+from app.links.waits import Waits
 from app.links.wire_budget import Meter
 
 __all__ = ["FrameGate", "FrameHold", "LinkQueue", "Priority", "QueueCounts", "SampleDropped", "Turn"]
@@ -80,6 +81,8 @@ class QueueCounts:
     timeouts: int = 0
     failures: int = 0
     """Failed exchanges of any kind, timeouts included."""
+    bytes_sent: int = 0
+    bytes_received: int = 0
 
 
 class LinkQueue:
@@ -93,6 +96,7 @@ class LinkQueue:
     ) -> None:
         self.port = port
         self.counts = QueueCounts()
+        self.waits = Waits()
         self.log = FrameLog()
         self.error: LinkError | None = None
         """Why the latest exchange failed; None after a good one."""
@@ -176,9 +180,8 @@ class LinkQueue:
                 except LinkTimeout:
                     reply = b""
         except LinkError as error:
-            self.counts.frames[priority] += 1
             took_s = time.perf_counter() - start_s
-            self.log.add(priority, start_unix_s, (frame,), (_received(error),), (took_s,), str(error))
+            self._enter(priority, start_unix_s, (frame,), (_received(error),), (took_s,), str(error))
             self._failed(error)
             raise
         self._went_well(priority, start_unix_s, (frame,), (reply,), (time.perf_counter() - start_s,))
@@ -192,10 +195,9 @@ class LinkQueue:
         try:
             replies = await port.exchange_chain(frames, timeout_s)
         except LinkError as error:
-            self.counts.frames[priority] += len(frames)
             took_s = time.perf_counter() - start_s
             unanswered = [b""] * (len(frames) - 1)
-            self.log.add(
+            self._enter(
                 priority, start_unix_s, frames, [*unanswered, _received(error)], [took_s] * len(frames), str(error)
             )
             self._failed(error)
@@ -215,9 +217,8 @@ class LinkQueue:
         except LinkError as error:
             batch = port.batch
             done = len(batch.replies)
-            self.counts.frames[priority] += done + 1
             rx, answered_s = [*batch.replies, _received(error)], [*batch.answered_s, time.perf_counter() - start_s]
-            self.log.add(priority, start_unix_s, frames[: done + 1], rx, answered_s, str(error))
+            self._enter(priority, start_unix_s, frames[: done + 1], rx, answered_s, str(error))
             self._failed(error)
             raise
         if replies:
@@ -233,13 +234,27 @@ class LinkQueue:
         rx: Sequence[bytes],
         answered_s: Sequence[float],
     ) -> None:
-        self.counts.frames[priority] += len(tx)
-        self.log.add(priority, start_unix_s, tx, rx, answered_s)
+        self._enter(priority, start_unix_s, tx, rx, answered_s)
         self._meter.count(len(tx))
         if self.error is not None:
             self.error = None
             if self._on_result is not None:
                 self._on_result(None)
+
+    def _enter(
+        self,
+        priority: Priority,
+        start_unix_s: float,
+        tx: Sequence[bytes],
+        rx: Sequence[bytes],
+        answered_s: Sequence[float],
+        error: str = "",
+    ) -> None:
+        counts = self.counts
+        counts.frames[priority] += len(tx)
+        counts.bytes_sent += sum(map(len, tx))
+        counts.bytes_received += sum(map(len, rx))
+        self.log.add(priority, start_unix_s, tx, rx, answered_s, error)
 
     def _failed(self, error: LinkError) -> None:
         self.counts.failures += 1
@@ -257,7 +272,8 @@ class LinkQueue:
             self.counts.samples_dropped += 1
             raise SampleDropped(f"{self.port.name}: {self._samples_waiting_max} samples wait already")
         self.counts.waited += 1
-        await arbiter.wait(priority)
+        with self.waits.one():
+            await arbiter.wait(priority)
 
 
 class Turn:

@@ -110,6 +110,11 @@ class AuditLog:
         if not self._closing and (self._task is None or self._task.done()):
             self._task = asyncio.get_running_loop().create_task(self._write_soon(), name="audit log")
 
+    @property
+    def why_not(self) -> str:
+        """Why the latest entries are not on disk, for people; "" where they are."""
+        return f"the audit log is not written: {self._problem}" if self._problem else ""
+
     async def close(self) -> None:
         """Write what waits, and end. What comes afterwards is lost."""
         self._closing = True

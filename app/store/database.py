@@ -50,6 +50,8 @@ class Database:
         self.path = data_dir / FILE_NAME
         self.problem: StoreUnavailable | None = None
         """Why it is not open; None while it is."""
+        self.notes: list[str] = []
+        """What was set aside, for people."""
         self._engine: Engine | None = None
         self._opening = threading.Lock()
         self._newer = False
@@ -88,7 +90,8 @@ class Database:
                     return self._brought_up_to_date()
                 except _Damaged as damage:
                     aside = self._set_aside()
-                    log.warning("%s is damaged (%s); kept as %s, and a new one is begun", self.path, damage, aside)
+                    self.notes.append(f"{self.path} is damaged ({damage}); kept as {aside}, and a new one is begun")
+                    log.warning("%s", self.notes[-1])
                     return self._brought_up_to_date()
         except (OSError, _Damaged) as error:
             raise StoreUnavailable(f"{self.path} cannot be used: {error}", WRITABLE) from error

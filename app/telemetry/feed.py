@@ -81,6 +81,7 @@ class Feed:
         """What the readers want of it; it may be less."""
         self._ended: list[Sampling] = []
         self._in_gap = True
+        self._rows_dropped = 0
         self._seen_s = clock.now()
         self._seen_device_s = device.device_time_s()
         self._device_rate = 1.0
@@ -90,6 +91,11 @@ class Feed:
     @property
     def readers(self) -> int:
         return sum(len(group.readers) for group in self._groups.values())
+
+    @property
+    def rows_dropped(self) -> int:
+        """Rows that slow readers have lost, those that have gone included."""
+        return self._rows_dropped + sum(reader.dropped for group in self._groups.values() for reader in group.readers)
 
     def start(self) -> None:
         """Begin to pump. Needs a running event loop."""
@@ -121,6 +127,7 @@ class Feed:
         for subscription, group in list(self._groups.items()):
             if reader in group.readers:
                 group.readers.remove(reader)
+                self._rows_dropped += reader.dropped
                 if not group.readers:
                     del self._groups[subscription]
                     self._replan()

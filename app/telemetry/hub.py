@@ -26,6 +26,11 @@ class TelemetryHub:
         """How many readers there are."""
         return sum(feed.readers for feed in self._feeds.values())
 
+    def of_device(self, device_id: str) -> tuple[int, int]:
+        """How many readers a device has, and how many rows they have lost for being slow, with those before them."""
+        feed = self._feeds.get(device_id)
+        return (0, 0) if feed is None else (feed.readers, feed.rows_dropped)
+
     def sync(self, devices: Iterable[Device]) -> None:
         """Have a feed for each of `devices`, and for no other. A renamed device keeps its feed."""
         old = {id(feed.device): feed for feed in self._feeds.values()}

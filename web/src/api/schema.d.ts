@@ -13,9 +13,29 @@ export interface paths {
         };
         /**
          * Get Health
-         * @description Whether the server answers, and which version it is.
+         * @description Whether the server answers, and which version it is. Asks for no token.
          */
         get: operations["get_health"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/health/details": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Health Details
+         * @description How the server is: storage, descriptors, memory, event loop, links and their queues, sockets.
+         */
+        get: operations["get_health_details"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1746,6 +1766,26 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/metrics": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Metrics
+         * @description The figures of `/api/v1/health/details` for Prometheus.
+         */
+        get: operations["get_metrics"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
 }
 export type webhooks = Record<string, never>;
 export interface components {
@@ -3334,6 +3374,33 @@ export interface components {
          * @description A connection: the model, and a link that suits it.
          */
         DeviceCreate: components["schemas"]["ChipCreate"] | components["schemas"]["Chip40Create"] | components["schemas"]["SixPointCreate"] | components["schemas"]["ModuleCreate"];
+        /**
+         * DeviceHealth
+         * @description One device.
+         */
+        DeviceHealth: {
+            /** Id */
+            id: string;
+            /** Name */
+            name: string;
+            /** Model */
+            model: string;
+            /**
+             * State
+             * @enum {string}
+             */
+            state: "connected" | "connecting" | "disconnected" | "failed";
+            /**
+             * Problem
+             * @description why it is not connected, or what its latest exchange failed of
+             */
+            problem: string | null;
+            link: components["schemas"]["WireHealth"];
+            queue: components["schemas"]["QueueHealth"];
+            telemetry: components["schemas"]["ReadersHealth"];
+            /** @description null for what is not emulated within this server */
+            emulator: components["schemas"]["EmulatorHealth"] | null;
+        };
         /** DeviceInfo */
         DeviceInfo: {
             /** Id */
@@ -3685,6 +3752,22 @@ export interface components {
              * @description 12 status bits that the driver reports
              */
             status: number;
+        };
+        /**
+         * EmulatorHealth
+         * @description An emulated device within this server.
+         */
+        EmulatorHealth: {
+            /**
+             * Time Scale
+             * @description how fast its time runs
+             */
+            time_scale: number;
+            /**
+             * Samples Missed
+             * @description samples that were given up, for the server was too late
+             */
+            samples_missed: number;
         };
         /**
          * EmulatorLink
@@ -4565,6 +4648,22 @@ export interface components {
             version: string;
         };
         /**
+         * HealthDetails
+         * @description How the server is.
+         */
+        HealthDetails: {
+            /** Version */
+            version: string;
+            /** Uptime S */
+            uptime_s: number;
+            storage: components["schemas"]["StorageHealth"];
+            process: components["schemas"]["ProcessHealth"];
+            event_loop: components["schemas"]["LoopHealth"];
+            sockets: components["schemas"]["SocketsHealth"];
+            /** Devices */
+            devices: components["schemas"]["DeviceHealth"][];
+        };
+        /**
          * HeldRegister
          * @description What a wanted number becomes in a register, or what a register's number stands for.
          */
@@ -5180,6 +5279,27 @@ export interface components {
              * @default 0
              */
             friction_nm?: number;
+        };
+        /**
+         * LoopHealth
+         * @description How much later than wanted the event loop wakes a sleeper.
+         */
+        LoopHealth: {
+            /**
+             * Lag Ms
+             * @description just now; null before the first measurement
+             */
+            lag_ms: number | null;
+            /**
+             * Lag P99 Ms
+             * @description 99 of 100 in the last minute were not later
+             */
+            lag_p99_ms: number | null;
+            /**
+             * Lag Ms By Second
+             * @description the worst of each of the last 60 s, oldest first; null where nothing was measured
+             */
+            lag_ms_by_second: (number | null)[];
         };
         /** MarkOut */
         MarkOut: {
@@ -6655,6 +6775,24 @@ export interface components {
             remedies: components["schemas"]["Remedy"][];
         };
         /**
+         * ProcessHealth
+         * @description What the server's process uses.
+         */
+        ProcessHealth: {
+            /**
+             * Descriptors
+             * @description open files and sockets; null where the system does not tell
+             */
+            descriptors: number | null;
+            /** Descriptors Max */
+            descriptors_max: number;
+            /**
+             * Resident Bytes
+             * @description its memory that is in RAM; null where the system does not tell
+             */
+            resident_bytes: number | null;
+        };
+        /**
          * ProfileApplied
          * @description What differs, and what was done about it. A dry run does nothing.
          */
@@ -7083,6 +7221,23 @@ export interface components {
             unit: string;
         };
         /**
+         * QueueHealth
+         * @description Turns that wait for a device's line.
+         */
+        QueueHealth: {
+            /** Stops */
+            stops: number;
+            /** Commands */
+            commands: number;
+            /** Samples */
+            samples: number;
+            /**
+             * Longest Wait Ms
+             * @description in the last half to one minute; of all that wait, or waited
+             */
+            longest_wait_ms: number;
+        };
+        /**
          * Ramp
          * @description `parameters` bear the chip's register names; for "trapezoid" vmax, amax, dmax in pps and pps^2.
          *
@@ -7506,6 +7661,19 @@ export interface components {
              * @description which limit each number that is null, or better kept away from, is beyond
              */
             limits: string[];
+        };
+        /**
+         * ReadersHealth
+         * @description Who reads a device's samples: telemetry sockets, recordings, the 3D view.
+         */
+        ReadersHealth: {
+            /** Readers */
+            readers: number;
+            /**
+             * Rows Dropped
+             * @description rows that slow readers lost since the device was connected this way
+             */
+            rows_dropped: number;
         };
         /**
          * Recording
@@ -8672,6 +8840,31 @@ export interface components {
             given: components["schemas"]["HeldRegister"][];
         };
         /**
+         * SocketsHealth
+         * @description Open connections of clients.
+         */
+        SocketsHealth: {
+            /** Websockets */
+            websockets: number;
+            /**
+             * Rows Dropped
+             * @description telemetry rows that slow readers of the present devices lost
+             */
+            rows_dropped: number;
+            /**
+             * Connections
+             * @description of HTTP, WebSockets included; null where another program serves this
+             */
+            connections: number | null;
+            /** Connections Max */
+            connections_max: number | null;
+            /**
+             * Connections Ended
+             * @description ended for others, or for taking too long, since the start
+             */
+            connections_ended: number | null;
+        };
+        /**
          * Spectrum
          * @description One side of a spectrum. Lines are thinned like plots: of each stretch of frequencies the highest stays.
          */
@@ -9069,6 +9262,36 @@ export interface components {
             /** Took Ms */
             took_ms: number;
             problem: components["schemas"]["Problem"] | null;
+        };
+        /**
+         * StorageHealth
+         * @description The data directory and its disk.
+         */
+        StorageHealth: {
+            /** Data Dir */
+            data_dir: string;
+            /**
+             * Free Bytes
+             * @description null where the disk does not tell
+             */
+            free_bytes: number | null;
+            /** Total Bytes */
+            total_bytes: number | null;
+            /**
+             * Reserve Bytes
+             * @description recordings end before less than this is free
+             */
+            reserve_bytes: number;
+            /**
+             * Writable
+             * @description whether the server's user may write there; null where nobody knows
+             */
+            writable: boolean | null;
+            /**
+             * Notes
+             * @description what is not saved, and what was set aside because it could not be read
+             */
+            notes: string[];
         };
         /**
          * SwitchChange
@@ -9878,6 +10101,34 @@ export interface components {
             name: string;
             /** Axis */
             axis: number | null;
+        };
+        /**
+         * WireHealth
+         * @description What went over a device's link since it was made.
+         */
+        WireHealth: {
+            /** Name */
+            name: string;
+            /** Kind */
+            kind: string;
+            /** Bytes Sent */
+            bytes_sent: number;
+            /** Bytes Received */
+            bytes_received: number;
+            /** Frames */
+            frames: number;
+            /** Timeouts */
+            timeouts: number;
+            /**
+             * Failures
+             * @description failed exchanges of any kind, timeouts included
+             */
+            failures: number;
+            /**
+             * Samples Dropped
+             * @description samples that were not taken, for the link was too busy
+             */
+            samples_dropped: number;
         };
         /** Switches */
         app__api__schemas_axes__Switches: {
@@ -10760,6 +11011,35 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["Health"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_health_details: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["HealthDetails"];
                 };
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
@@ -18593,6 +18873,35 @@ export interface operations {
             };
             /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
             503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_metrics: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Prometheus' text format */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "text/plain": string;
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
                 headers: {
                     [name: string]: unknown;
                 };
