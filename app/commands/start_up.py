@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+from app.calc.number_text import plain
 from app.commands.shared import AsJson, DeviceName, Token, Url, connected, json_object, print_json, print_table
 
 
@@ -37,7 +38,7 @@ def start_up(
         if rows:
             print_table(("axis", "register", "was", "shall be", "", "read back"), rows)
         for each in done["chosen"]:
-            typer.echo(f"axis {each['axis']}: {each['name']} {each['value']:g} {each['unit']} ({each['why']})")
+            typer.echo(f"axis {each['axis']}: {each['name']} {plain(each['value'])} {each['unit']} ({each['why']})")
         words = len(done["writes"]) - len(rows)
         counted = f"{len(rows)} registers" + (f" and {words} words of tables" if words else "")
         told = {"dry run": f"{counted} would be written", "applied": f"{counted} written"}

@@ -11,7 +11,7 @@ from playwright.sync_api import Locator, Page, expect
 
 from tests.e2e import chips
 from tests.e2e.conftest import DESKTOP, PHONE
-from tests.e2e.motor import Motor, a_motor, select, wait_for
+from tests.e2e.motor import TURN, Motor, a_motor, select, wait_for
 
 THRESHOLDS = ("stop_on_stall", "smartenergy_threshold_speed", "smartenergy_hysteresis_start", "smartenergy_hysteresis")
 
@@ -74,7 +74,44 @@ def test_a_sweep_ends_with_its_button_and_with_the_page(load: Page, motor: Motor
     load.get_by_test_id("sweep").click()
     wait_for(lambda: motor.axis()["moving"], "it turns again")
     load.goto("/connections")
-    wait_for(lambda: not motor.axis()["moving"], "another page, and the motor stands", 5.0)
+    wait_for(lambda: not motor.axis()["moving"], "the page was loaded anew, and the motor stands", 5.0)
+
+
+def test_a_sweep_goes_on_behind_another_page_and_is_told_there(load: Page, motor: Motor) -> None:
+    told = load.get_by_test_id("run-under-way")
+    load.get_by_test_id("sweep").click()
+    wait_for(lambda: motor.axis()["moving"], "it turns")
+    expect(told).to_have_count(0)
+    load.get_by_role("navigation", name="Pages").get_by_role("link", name="Connections").first.click()
+    expect(told).to_contain_text("still turns, part")
+    for part in ("part 2", "part 3"):
+        expect(told).to_contain_text(part, timeout=10_000)
+        assert motor.axis()["moving"]
+    told.get_by_role("link", name="StallGuard").click()
+    expect(told).to_have_count(0)
+    expect(load.get_by_test_id("run-note")).to_have_attribute("data-phase", "running")
+    load.get_by_role("navigation", name="Pages").get_by_role("link", name="Connections").first.click()
+    told.get_by_role("button", name="Stop").click()
+    wait_for(lambda: not motor.axis()["moving"], "stopped from another page", 5.0)
+    expect(told).to_have_count(0)
+
+
+def test_a_sweep_behind_another_page_ends_where_the_motor_is_stuck(load: Page, motor: Motor) -> None:
+    motor.write("stop_on_stall", 10_000)
+    load.get_by_test_id("sweep").click()
+    wait_for(lambda: motor.axis()["moving"], "it turns")
+    load.get_by_role("navigation", name="Pages").get_by_role("link", name="Connections").first.click()
+    told = load.get_by_test_id("run-under-way")
+    expect(told).to_be_visible()
+    try:
+        motor.world(load_torque_nm=0.6)
+        expect(told).to_have_count(0, timeout=10_000)
+    finally:
+        motor.world(load_torque_nm=0)
+        motor.write("stop_on_stall", 0)
+    wait_for(lambda: not motor.axis()["moving"], "nothing goes on pressing", 5.0)
+    load.get_by_role("navigation", name="Pages").get_by_role("link", name="StallGuard").first.click()
+    expect(load.get_by_test_id("run-note")).to_have_attribute("data-phase", "stuck")
 
 
 def test_a_threshold_is_typed_staged_and_read_back(load: Page, motor: Motor) -> None:
@@ -115,6 +152,7 @@ def test_a_threshold_is_dragged_in_the_plot(load: Page, motor: Motor) -> None:
 
 def test_load_lowers_the_value_and_a_stall_is_told(load: Page, motor: Motor) -> None:
     motor.rotate(2)
+    wait_for(lambda: motor.axis()["velocity_pps"] >= 2 * 0.99 * TURN, "at its speed")
     wait_for(lambda: shown(load, "load") > 150, "a load value at speed")
     free = shown(load, "load")
     motor.write("stop_on_stall", 50_000)

@@ -13,6 +13,7 @@ import { LeaseNews } from "./lease/LeaseNews";
 import { LeaseQuestion } from "./lease/LeaseQuestion";
 import { PageBoundary } from "./PageBoundary";
 import { isAt, PAGES, pagesFor } from "./pages";
+import { RunsUnderWay } from "./RunsUnderWay";
 import { ServerStatus } from "./ServerStatus";
 import { Shortcuts } from "./Shortcuts";
 import { StopAll } from "./StopAll";
@@ -79,6 +80,7 @@ export function Shell({ children }: PropsWithChildren) {
       <main id="main" tabIndex={-1} className={classes.main}>
         <ConnectionBanner />
         <HeldBack />
+        <RunsUnderWay />
         <PageBoundary key={location}>{children}</PageBoundary>
       </main>
       <footer className={classes.footer}>

@@ -109,7 +109,7 @@ function Body({ device, axes, axisNames, close, onDone }: StartUpWanted & { clos
 function said(report: Report): string {
   if (report.writes.length === 0) return "It is set up already: nothing to write.";
   if (report.state === "dry run")
-    return "Nothing is written yet. All of it is written and read back, or everything stays as it was. No motor moves.";
+    return "Nothing is written yet. All of it is written, each read back that can be, or everything stays as it was. No motor moves.";
   return `Done${report.took_s == null ? "" : ` in ${compact(report.took_s, 2)} s`}: the axis can move now.`;
 }
 

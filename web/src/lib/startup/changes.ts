@@ -1,5 +1,6 @@
 import type { Schemas } from "../../api/client";
 import { fixed } from "../format";
+import { READ_BACK, WRITTEN_BLIND } from "../rows/proof";
 
 export type Report = Schemas["StartUpReport"];
 type Write = Report["writes"][number];
@@ -59,5 +60,5 @@ function number(value: number | string | null | undefined): string {
 
 function told(report: Report, write: Write | undefined): string {
   if (report.state === "dry run") return "";
-  return write?.verified ? "read back" : "cannot be read";
+  return write?.verified ? READ_BACK : WRITTEN_BLIND;
 }

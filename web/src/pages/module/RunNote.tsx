@@ -18,7 +18,7 @@ export function RunNote({ state, idle }: { state: RunState; idle: string }) {
 function textOf(state: RunState, idle: string): string {
   switch (state.phase) {
     case "running":
-      return `Turning, part ${state.leg + 1} of ${state.legs}. It ends by itself, and when this page is left.`;
+      return `Turning, part ${state.leg + 1} of ${state.legs}. It ends by itself, and when this tab is closed; other pages show it.`;
     case "done":
       return "Done.";
     case "stopped":

@@ -1,14 +1,34 @@
 import { type AxisAddress, motion } from "../../api/motion";
+import { KINDS } from "../../lib/condition/kinds";
+import { conditions, type Kind } from "../../live/conditions";
 import { STOP_EVENT } from "../../shell/stopEverything";
-import { HeldRun, type RunState } from "./HeldRun";
+import { HeldRun, type Leg, type RunState } from "./HeldRun";
 
 /** A run of one axis, and who looks at it. It belongs to the tab, not to the page that began it. */
 export interface TabRun {
+  at: AxisAddress;
   run: HeldRun;
+  /** the page that it was begun on */
+  page: string;
+  start: (legs: readonly Leg[]) => void;
   subscribe: (listener: () => void) => () => void;
 }
 
+/** In these something has ended the motion, whatever page is looked at. */
+const STUCK: readonly Kind[] = ["held", "stalled", "driver_fault", "cannot_move"];
+
 const runs = new Map<string, TabRun>();
+const watchers = new Set<() => void>();
+let underWay: readonly TabRun[] = [];
+
+/** Called when a run begins, goes on to its next speed, or ends. */
+export function watchRuns(listener: () => void): () => void {
+  watchers.add(listener);
+  return () => watchers.delete(listener);
+}
+
+/** The runs of this tab that turn a motor now; always the same array until one begins, goes on or ends. */
+export const runsUnderWay = (): readonly TabRun[] => underWay;
 
 /** The run of that axis: another page of this tab may be looked at meanwhile, a stop or a closed tab ends it. */
 export function runOf({ device, axis }: AxisAddress): TabRun {
@@ -23,18 +43,35 @@ export function runOf({ device, axis }: AxisAddress): TabRun {
       halt: () => motion.stop({ device, axis }, "ramp"),
     },
     (_: RunState) => {
-      for (const listener of listeners) listener();
+      underWay = [...runs.values()].filter((each) => each.run.running);
+      for (const listener of [...listeners, ...watchers]) listener();
     },
   );
   window.addEventListener("pagehide", () => run.abort());
   window.addEventListener(STOP_EVENT, () => run.abort());
   const made: TabRun = {
+    at: { device, axis },
     run,
+    page: "/",
+    start: (legs) => {
+      made.page = window.location.pathname;
+      run.start(legs);
+    },
     subscribe: (listener) => {
       listeners.add(listener);
       return () => listeners.delete(listener);
     },
   };
   runs.set(key, made);
+  endWhenStuck(made);
   return made;
+}
+
+function endWhenStuck({ at, run }: TabRun): void {
+  let turned = false; // before it turns, it is as whatever was before has left it
+  conditions.subscribe(() => {
+    const { kind } = conditions.of(at.device, at.axis).condition;
+    turned = run.running && (turned || kind === "moving");
+    if (turned && STUCK.includes(kind)) run.stuck(KINDS[kind].word);
+  });
 }

@@ -1,7 +1,6 @@
 import { useEffect, useMemo, useSyncExternalStore } from "react";
 import type { AxisAddress } from "../../api/motion";
 import type { TelemetrySource } from "../../live/TelemetrySource";
-import type { Leg } from "./HeldRun";
 import { runOf } from "./heldRuns";
 
 /** Of these the module tells when somebody wanted the motor to stop. */
@@ -13,7 +12,7 @@ const WANTED = ["stop_command", "target_reached", "unknown"];
  */
 export function useHeldRun(at: AxisAddress, source: TelemetrySource) {
   const { device, axis } = at;
-  const { run, subscribe } = useMemo(() => runOf({ device, axis }), [device, axis]);
+  const { run, start, subscribe } = useMemo(() => runOf({ device, axis }), [device, axis]);
   const state = useSyncExternalStore(subscribe, () => run.state);
   useEffect(
     () =>
@@ -25,7 +24,7 @@ export function useHeldRun(at: AxisAddress, source: TelemetrySource) {
   return {
     state,
     running: state.phase === "running",
-    start: (legs: readonly Leg[]) => run.start(legs),
+    start,
     abort: () => run.abort(),
   };
 }

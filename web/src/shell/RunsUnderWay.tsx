@@ -1,0 +1,47 @@
+import { Alert, Button, Group, Text } from "@mantine/core";
+import { IconRotateClockwise } from "@tabler/icons-react";
+import { useSyncExternalStore } from "react";
+import { Link, useLocation } from "wouter";
+import { useDevices } from "../api/queries";
+import { runsUnderWay, watchRuns } from "../pages/module/heldRuns";
+import { PAGES } from "./pages";
+
+/** On every other page than its own: a sweep or slow turn that goes on, with the ways to it and out of it. */
+export function RunsUnderWay() {
+  const runs = useSyncExternalStore(watchRuns, runsUnderWay);
+  const devices = useDevices();
+  const [location] = useLocation();
+  return runs
+    .filter(({ page }) => page !== location)
+    .map(({ at, run, page }) => {
+      const device = devices.data?.find(({ id }) => id === at.device);
+      const state = run.state;
+      return (
+        <Alert
+          key={`${at.device}/${at.axis}`}
+          color="blue"
+          variant="light"
+          role="status"
+          p="xs"
+          mb="sm"
+          icon={<IconRotateClockwise size={20} aria-hidden />}
+          data-testid="run-under-way"
+        >
+          <Group gap="sm" justify="space-between">
+            <Text size="sm">
+              {device?.name ?? at.device} {device?.axes[at.axis]?.name ?? at.axis} still turns
+              {state.phase === "running" && `, part ${state.leg + 1} of ${state.legs}`}.
+            </Text>
+            <Group gap="xs">
+              <Button size="compact-sm" variant="default" component={Link} href={page}>
+                {PAGES.find(({ path }) => path === page)?.label ?? "Back to it"}
+              </Button>
+              <Button size="compact-sm" color="red" onClick={() => run.abort()}>
+                Stop
+              </Button>
+            </Group>
+          </Group>
+        </Alert>
+      );
+    });
+}
