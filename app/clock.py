@@ -8,9 +8,12 @@ minutes of motion in a second, and a search that tries ten thousand settings.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import heapq
 import itertools
 import time
+from collections import deque
+from collections.abc import Callable, Iterator
 from typing import Protocol
 
 
@@ -132,3 +135,84 @@ class ScaledClock:
         if self._scale == 0 and seconds > 0:
             raise ValueError("a clock with time scale 0 never wakes anybody")
         await self._base.sleep(seconds / self._scale if seconds > 0 else 0.0)
+
+
+HELD_MAX_S = 0.1
+"""What is done in the background waits no longer than that for what is urgent [s]."""
+TURN_S = 2e-3
+"""How much of it is begun in one turn of the event loop [s]."""
+
+
+class BackgroundClock:
+    """Another clock, for work in the background: its sleepers come a few at a time, and after what is urgent.
+
+    A turn of the event loop runs everything that is due, and a request takes several turns: with many devices each
+    would wait for all their looks. Nobody waits who sleeps no time.
+    """
+
+    def __init__(self, base: Clock) -> None:
+        self.now: Callable[[], float] = base.now  # not a method of our own: emulators ask it for every frame
+        self._base = base
+        self._urgent = 0
+        self._turn_began_s: float | None = None
+        """When somebody came in this turn of the loop; None where nobody has."""
+        self._waiting: deque[asyncio.Future[None]] = deque()
+        self._overdue = 0
+        """How many of those have waited so long that they come, whatever is urgent."""
+        self._limit: asyncio.Task[None] | None = None
+
+    @contextlib.contextmanager
+    def urgent(self) -> Iterator[None]:
+        """Nobody comes meanwhile, for `HELD_MAX_S` [s]."""
+        self._urgent += 1
+        self._limit_waits()
+        try:
+            yield
+        finally:
+            self._urgent -= 1
+            if self._turn_began_s is None:
+                self._next_turn()
+
+    async def sleep(self, seconds: float) -> None:
+        await self._base.sleep(seconds)
+        if seconds <= 0 or self._comes_now():
+            return
+        waiting = asyncio.get_running_loop().create_future()
+        self._waiting.append(waiting)
+        self._limit_waits()
+        await waiting
+
+    def _comes_now(self) -> bool:
+        if self._urgent or self._waiting:
+            return False
+        if self._turn_began_s is None:
+            self._begin_turn()
+            return True
+        return self.now() - self._turn_began_s < TURN_S
+
+    def _begin_turn(self) -> None:
+        self._turn_began_s = self.now()
+        asyncio.get_running_loop().call_soon(self._next_turn)
+
+    def _next_turn(self) -> None:
+        """Wake the one that has waited longest, if anybody may come."""
+        self._turn_began_s = None
+        while self._waiting and (self._overdue or not self._urgent):
+            waiting = self._waiting.popleft()
+            self._overdue = max(0, self._overdue - 1)
+            if not waiting.done():  # else it was cancelled
+                waiting.set_result(None)
+                self._begin_turn()
+                return
+
+    def _limit_waits(self) -> None:
+        if self._urgent and self._waiting and self._limit is None:
+            self._limit = asyncio.create_task(self._wait_no_longer(), name="background work that waits")
+
+    async def _wait_no_longer(self) -> None:
+        while self._urgent and self._waiting:
+            await self._base.sleep(HELD_MAX_S)
+            self._overdue = len(self._waiting)
+            if self._turn_began_s is None:
+                self._next_turn()
+        self._limit = None

@@ -27,7 +27,7 @@ from app.api.schemas import Port
 from app.api.vitals import Vitals
 from app.calc import sramp
 from app.calc.ramp import RampParameters, exact_ramp
-from app.clock import Clock, WallClock
+from app.clock import BackgroundClock, Clock, WallClock
 from app.conditions.service import ConditionService
 from app.devices.config import AxisSettings
 from app.devices.device import Device
@@ -87,7 +87,8 @@ def create_app(
     """
     settings, clock = settings or Settings(), clock or WallClock()
     allow_ports(settings.allowed_ports)
-    hub = TelemetryHub(clock, settings.history_minutes)
+    background = BackgroundClock(clock)
+    hub = TelemetryHub(background, settings.history_minutes)
     store = ConnectionStore(settings.data_dir)
     kinds: dict[str, PortFactory] = {
         "emulator": partial(emulator_port, data_dir=settings.data_dir),
@@ -109,7 +110,7 @@ def create_app(
             saver.request()
             ear.sync(manager.devices)
 
-    found_moving = FoundMoving(clock)
+    found_moving = FoundMoving(background)
 
     async def set_up(device: Device) -> None:
         if device.family.kind == "module":
@@ -119,7 +120,7 @@ def create_app(
         except BenchError as error:
             log.warning("%s is not started up: %s", device.name, error)
 
-    manager = DeviceManager(kinds, clock, on_change=changed, start_up=set_up)
+    manager = DeviceManager(kinds, clock, on_change=changed, start_up=set_up, background=background)
     saver = Saver(store, manager.configs, clock)
     positions = PositionStore(settings.data_dir)
     endless = EndlessService(clock, changed=lambda: position_saver.request())
@@ -139,7 +140,7 @@ def create_app(
     twin = Twin(clock, hub)
     vitals = Vitals(clock, settings.data_dir)
     procedures = Procedures(clock)
-    conditions = ConditionService(clock, lambda device, axis: procedures.search_state(device, axis).state)
+    conditions = ConditionService(background, lambda device, axis: procedures.search_state(device, axis).state)
 
     def under_way(device: Device) -> str:
         running = procedures.running(device)
@@ -229,7 +230,7 @@ def create_app(
             await audit.close()
             await asyncio.to_thread(database.close)
 
-    return make_app(bench, lifespan)
+    return make_app(bench, lifespan, background.urgent)
 
 
 def emulator_port(model: str, link: Link, clock: Clock, data_dir: Path | None = None) -> FramePort:

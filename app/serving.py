@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import logging
 import re
 import signal
@@ -43,9 +44,16 @@ def _serve(settings: Settings, listener: socket.socket, announce: Callable[[str]
     app = create_app(settings)
     ready = f"stepscope is at {_address(app, settings, port)}  (Ctrl-C stops the motors and ends it)"
     server = BenchServer(app, settings, on_ready=lambda: announce(ready))
+    keep_out_of_collections()
     end_with_the_terminal(server)
     with contextlib.suppress(KeyboardInterrupt):  # uvicorn ends properly, then raises the signal once more
         server.run(sockets=[listener])
+
+
+def keep_out_of_collections() -> None:
+    """Spare the garbage collector what is there for good: looking through all modules takes 0.2 s."""
+    gc.collect()
+    gc.freeze()
 
 
 def _without_token(record: logging.LogRecord) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from contextlib import AbstractAsyncContextManager
+from contextlib import AbstractAsyncContextManager, AbstractContextManager
 
 from fastapi import FastAPI
 
@@ -40,6 +40,7 @@ from app.api.routes import (
     tmcl,
     twin,
 )
+from app.api.stops_first import StopsFirst
 from app.api.twin_proxy import TwinProxy
 from app.api.ui import WebUi
 from app.api.who import Who
@@ -78,8 +79,8 @@ SUBJECTS = (
 Lifespan = Callable[[FastAPI], AbstractAsyncContextManager[None]]
 
 
-def make_app(bench: Bench, lifespan: Lifespan) -> FastAPI:
-    """Routes, errors, guard and browser UI over `bench`."""
+def make_app(bench: Bench, lifespan: Lifespan, urgent: Callable[[], AbstractContextManager[None]]) -> FastAPI:
+    """Routes, errors, guard and browser UI over `bench`; `urgent` holds back what is done in the background."""
     app = FastAPI(
         title="stepscope",
         version=__version__,
@@ -104,6 +105,8 @@ def make_app(bench: Bench, lifespan: Lifespan) -> FastAPI:
     app.add_middleware(LeaseGate, lease=bench.lease, calls=bench.calls, free=free)
     app.add_middleware(Auditing, audit=bench.audit, manager=bench.manager, base=BASE)
     app.add_middleware(Who, name_of=bench.lease.name_of)
+    # Behind the token: a stranger holds nothing back.
+    app.add_middleware(StopsFirst, urgent=urgent)
     app.state.token = token_of(bench.settings)
     if app.state.token is not None:
         app.add_middleware(Access, token=app.state.token, clock=bench.clock)

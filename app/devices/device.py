@@ -131,6 +131,8 @@ class Device(ABC):
         self.port = port
         self.clock = clock
         """The server's, for what a driver does on its own."""
+        self.background = clock
+        """The same for what may wait while somebody stops motors: looks, not what keeps a motor in its limits."""
         self.queue = LinkQueue(port, on_result=self._link_result)
         self.axes = tuple(Axis(index, settings) for index, settings in enumerate(config.axes))
         self.limiter: Limiter | None = None

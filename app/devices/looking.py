@@ -35,7 +35,7 @@ class Looking:
     async def _look_while_connected(self) -> None:
         left_out = 0
         while self._device.state != "disconnected":
-            await self._device.clock.sleep(POLL_S)
+            await self._device.background.sleep(POLL_S)
             left_out += 1
             if self._device.state != "connected" or (not self._moves() and left_out < IDLE_LOOKS):
                 continue

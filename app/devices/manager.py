@@ -51,7 +51,8 @@ class LinkTrial:
 
 class DeviceManager:
     """`kinds` are the link kinds that the composition root offers; `on_change` hears of any change worth storing;
-    `start_up` sets up an emulator that was just powered, where its connection says so, and raises nothing."""
+    `start_up` sets up an emulator that was just powered, where its connection says so, and raises nothing; `background`
+    is the clock of looks that may wait while somebody stops motors."""
 
     def __init__(
         self,
@@ -59,9 +60,11 @@ class DeviceManager:
         clock: Clock,
         on_change: Callable[[], None] | None = None,
         start_up: Callable[[Device], Awaitable[None]] | None = None,
+        background: Clock | None = None,
     ) -> None:
         self._kinds = dict(kinds)
         self._clock = clock
+        self._background = background or clock
         self._on_change = on_change or (lambda: None)
         self._start_up = start_up
         self._devices: dict[str, Device] = {}
@@ -210,7 +213,9 @@ class DeviceManager:
 
     def _make(self, config: DeviceConfig, device_id: str) -> Device:
         port = open_port(self._kinds, config.model, config.link, self._clock)
-        return make_device(device_id, config, port, self._clock)
+        device = make_device(device_id, config, port, self._clock)
+        device.background = self._background
+        return device
 
     def _put(self, old_id: str, device: Device) -> None:
         # Rebuilt, not replaced: a renamed device keeps its place in the list.
@@ -220,7 +225,7 @@ class DeviceManager:
         }
 
     async def _start(self, device: Device, *, wait: bool) -> None:
-        watch = self._watches[device] = Watch(device, self._clock)
+        watch = self._watches[device] = Watch(device, self._background)
         await watch.start(wait=wait)
 
     async def _powered(self, device: Device) -> None:

@@ -154,7 +154,7 @@ class Looks(Stops):
 
     async def _look_until_rest(self) -> None:
         while self._watch.under_way is not None:
-            await self.clock.sleep(POLL_S)
+            await self.background.sleep(POLL_S)
             try:
                 await self._look_once()
             except SampleDropped:
