@@ -106,6 +106,8 @@ def create_app(
         endless.sync(manager.devices)
         found_moving.sync(manager.devices)
         conditions.sync(manager.devices)
+        procedures.sync(manager.devices)
+        twin.sync(manager.devices)
         if opened.is_set():  # what comes from the disk need not go back there, and the demo is nobody's doing
             saver.request()
             ear.sync(manager.devices)

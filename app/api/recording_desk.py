@@ -6,7 +6,7 @@ import asyncio
 import logging
 import time
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from app.clock import Clock
@@ -18,7 +18,7 @@ from app.store.recordings.head import Column, Head
 from app.store.recordings.library import NAME_MAX, Label, Library
 from app.store.recordings.sink import FileSink, megabytes
 from app.telemetry.hub import TelemetryHub
-from app.telemetry.recorder import Recorder, Trigger
+from app.telemetry.recorder import Recorder, State, Trigger
 from app.tuning.profiles.capture import capture
 from app.tuning.replay import Plan, Progress, Replay, plan_of
 
@@ -28,6 +28,18 @@ RUNNING_MAX = 16
 REPLAYS_MAX = 2
 KEPT = 100
 """How many that are over are remembered with why they ended."""
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """How a recording went that is over: as a recorder tells it while it runs."""
+
+    state: State
+    message: str
+    rows: int
+
+
+Course = Recorder | Outcome
 
 
 def open_no_port(model: str, link: Link, clock: Clock) -> FramePort:
@@ -55,8 +67,10 @@ class RecordingDesk:
         self.reserve_bytes = reserve_bytes
         self._hub, self._clock, self._unix_s = hub, clock, unix_s
         self._recorders: dict[str, Recorder] = {}
+        """Those that run: one that is over would keep its device."""
+        self._outcomes: dict[str, Outcome] = {}
         self._ports = ports
-        self._replays: dict[str, Replay] = {}
+        self._replays: dict[str, Progress] = {}
         self._replaying: set[asyncio.Task[None]] = set()
 
     async def start(
@@ -104,14 +118,16 @@ class RecordingDesk:
             self._hub.leave(joined.reader)
             raise WrongState(f"nothing can be recorded: {error}", "make room, or choose another --data-dir") from error
         self._recorders[head.id] = recorder
-        while len(self._recorders) > KEPT:  # dicts keep their order: the oldest of those that are over
-            over = next((each for each in self._recorders if each not in self.library.running), None)
-            if over is None:
-                break
-            del self._recorders[over]
         sink = FileSink(self.library, head.id, writer, lambda: self.room_bytes)
-        recorder.start(sink, lambda: self.library.ended(head.id))
+        recorder.start(sink, lambda: self._over(head.id))
         return head.id
+
+    def _over(self, recording: str) -> None:
+        recorder = self._recorders.pop(recording)
+        self._outcomes[recording] = Outcome(recorder.state, recorder.message, recorder.rows)
+        while len(self._outcomes) > KEPT:  # dicts keep their order: the oldest
+            del self._outcomes[next(iter(self._outcomes))]
+        self.library.ended(recording)
 
     def _require_room(self) -> None:
         if self.room_bytes <= 0:
@@ -126,9 +142,9 @@ class RecordingDesk:
         """How much may still be recorded."""
         return self.library.free_bytes - self.reserve_bytes
 
-    def recorder(self, recording: str) -> Recorder | None:
-        """Its recorder, where it ran lately."""
-        return self._recorders.get(recording)
+    def course(self, recording: str) -> Course | None:
+        """How it goes, or went, where it ran lately."""
+        return self._recorders.get(recording) or self._outcomes.get(recording)
 
     async def stop(self, recording: str) -> None:
         """End it with what is there; one that is over stays so. Raises UnknownThing."""
@@ -136,9 +152,14 @@ class RecordingDesk:
         recorder = self._recorders.get(recording)
         if recorder is not None:
             await recorder.stop()
-        for replay in self._replays.values():
-            if replay.progress.recording == recording:
-                replay.cancel()
+        for progress in self._replays.values():
+            if progress.recording == recording:
+                progress.cancelled.set()
+
+    def delete(self, recording: str) -> None:
+        """Gone for good. Blocks. Raises UnknownThing, WrongState while it is being written, StoreUnavailable."""
+        self.library.delete(recording)
+        self._outcomes.pop(recording, None)
 
     def note(self, recording: str, text: str) -> None:
         """Mark this moment. Raises UnknownThing, WrongState for one that is over."""
@@ -153,7 +174,7 @@ class RecordingDesk:
         Raises UnknownThing, WrongState for one without rows, while another replay of it runs, or with a full disk.
         """
         running = self._replays.get(recording)
-        if running is not None and running.progress.state == "running":
+        if running is not None and running.state == "running":
             raise WrongState(f"recording {recording} is being replayed", "wait for it")
         if len(self._replaying) >= REPLAYS_MAX:
             raise WrongState(f"{REPLAYS_MAX} replays are running", "wait for one of them")
@@ -194,7 +215,7 @@ class RecordingDesk:
 
         replay = Replay(plan, chosen, self._ports, begin, lambda: self.library.ended(made[0]))
         self._replays.pop(recording, None)
-        self._replays[recording] = replay
+        self._replays[recording] = replay.progress
         while len(self._replays) > KEPT:
             del self._replays[next(iter(self._replays))]
         task = asyncio.create_task(asyncio.to_thread(replay.run), name=f"replay of {recording}")
@@ -204,13 +225,12 @@ class RecordingDesk:
 
     def progress(self, recording: str) -> Progress | None:
         """How the latest replay of a recording goes; None where there was none. Raises UnknownThing."""
-        replay = self._replays.get(self.library.entry(recording).id)
-        return None if replay is None else replay.progress
+        return self._replays.get(self.library.entry(recording).id)
 
     async def close(self) -> None:
         """End all of them: the server goes."""
-        for replay in self._replays.values():
-            replay.cancel()
+        for progress in self._replays.values():
+            progress.cancelled.set()
         await asyncio.gather(*(recorder.stop() for recorder in self._recorders.values()))
         await asyncio.gather(*self._replaying, return_exceptions=True)
 

@@ -11,6 +11,7 @@ import pyarrow.csv
 import pyarrow.parquet
 from numpy.typing import NDArray
 
+from app.api.recording_desk import Course
 from app.api.schemas import ChannelInfo
 from app.api.schemas_recordings import (
     Curve,
@@ -28,11 +29,10 @@ from app.store.recordings.library import Entry
 from app.store.recordings.marks import Mark
 from app.store.recordings.opened import Opened
 from app.telemetry.frames import encode_body, encode_header
-from app.telemetry.recorder import Recorder
 
 
-def info(entry: Entry, recorder: Recorder | None) -> RecordingInfo:
-    """A line of the list. `recorder` is the one that wrote it, where it ran lately."""
+def info(entry: Entry, course: Course | None) -> RecordingInfo:
+    """A line of the list. `course` is how it goes or went, where it ran lately."""
     head = entry.head
     return RecordingInfo(
         id=entry.id,
@@ -43,18 +43,18 @@ def info(entry: Entry, recorder: Recorder | None) -> RecordingInfo:
         channels=[_channel(column.name, column.unit) for column in head.columns] if head else [],
         rate_hz=head.rate_hz if head else None,
         started_unix_s=head.started_unix_s if head else None,
-        state=recorder.state if recorder else "recording" if entry.recording else "done" if head else "failed",
-        message=entry.problem or (recorder.message if recorder else ""),
-        rows=recorder.rows if recorder else None,
+        state=course.state if course else "recording" if entry.recording else "done" if head else "failed",
+        message=entry.problem or (course.message if course else ""),
+        rows=course.rows if course else None,
         size_bytes=entry.size_bytes,
     )
 
 
 def detail(
-    entry: Entry, recorder: Recorder | None, opened: Opened, marks: Sequence[Mark], *, with_figures: bool = True
+    entry: Entry, course: Course | None, opened: Opened, marks: Sequence[Mark], *, with_figures: bool = True
 ) -> RecordingDetail:
     """Everything of one recording but its rows. Figures are of all rows, which have to be read for them."""
-    told = info(entry, recorder).model_dump()
+    told = info(entry, course).model_dump()
     told["rows"] = opened.rows
     head = opened.head
     return RecordingDetail(

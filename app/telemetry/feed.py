@@ -175,6 +175,12 @@ class Feed:
             for reader in group.readers:
                 reader.close(reason)
 
+    async def drained(self) -> None:
+        """After `close`: return when what is still on the link has ended by itself."""
+        if self._task is not None:
+            await asyncio.gather(self._task, return_exceptions=True)
+        await asyncio.gather(*(sampling.wait_ended() for sampling in self._ended))
+
     async def wait_closed(self) -> None:
         """After `close`: cut off what is still on the link; nothing of this feed runs any more on return."""
         if self._task is not None:

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 
 from app.clock import Clock
 from app.devices.device import Device
+from app.devices.own_tasks import OwnTasks
 from app.links.errors import UnknownThing
 from app.telemetry.feed import Feed, Joined
 from app.telemetry.reader import Reader
@@ -20,6 +21,8 @@ class TelemetryHub:
         self._minutes = history_minutes
         self._feeds: dict[str, Feed] = {}
         self._ending: list[Feed] = []
+        """Closed, with a sample still on its way."""
+        self._tasks = OwnTasks()
 
     @property
     def readers(self) -> int:
@@ -44,6 +47,11 @@ class TelemetryHub:
         for feed in old.values():
             feed.close("the device was removed or connected in another way")
             self._ending.append(feed)
+            self._tasks.begin(self._see_out(feed), f"last samples of {feed.device.id}")
+
+    async def _see_out(self, feed: Feed) -> None:
+        await feed.drained()
+        self._ending.remove(feed)
 
     def join(
         self, device_id: str, channels: tuple[str, ...], rate_hz: float, batch_hz: float = 60.0, history_s: float = 0.0
@@ -69,6 +77,7 @@ class TelemetryHub:
         """End all readers and everything that runs."""
         for feed in self._feeds.values():
             feed.close("the server shuts down")
-        ending, self._ending = [*self._ending, *self._feeds.values()], []
+        ending = [*self._ending, *self._feeds.values()]
         self._feeds = {}
         await asyncio.gather(*(feed.wait_closed() for feed in ending))
+        await self._tasks.end()

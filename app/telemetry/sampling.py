@@ -98,6 +98,11 @@ class Sampling:
         if self._task is not None and self._asleep:
             self._task.cancel()
 
+    async def wait_ended(self) -> None:
+        """After `end`: return when nothing of it is on the link any more."""
+        if self._task is not None:
+            await asyncio.wait({self._task})
+
     async def cut_off(self) -> None:
         """After `end`: do not even wait for a sample on its way. For the end of the program."""
         if self._task is not None:

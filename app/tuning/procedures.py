@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Sequence
 from typing import TypeVar
-from weakref import WeakKeyDictionary
 
 from app.clock import Clock
 from app.devices.device import Device
@@ -37,8 +37,12 @@ class Procedures:
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
-        # Weak: a removed device takes its procedures with it.
-        self._latest: WeakKeyDictionary[Device, dict[tuple[int, str], Procedure]] = WeakKeyDictionary()
+        self._latest: dict[Device, dict[tuple[int, str], Procedure]] = {}
+
+    def sync(self, devices: Sequence[Device]) -> None:
+        """These are all devices now. What runs on another one ends with its next command, which is refused."""
+        for device in self._latest.keys() - set(devices):
+            del self._latest[device]
 
     def running(self, device: Device, axis: int | None = None) -> list[Procedure]:
         """What runs on that axis, or on any axis of the device."""

@@ -151,10 +151,6 @@ class Replay:
         """Device time at which the replay's recording begins [s]."""
         self._more_left_out = max(0, len(plan.left_out) - TOLD_MAX)
 
-    def cancel(self) -> None:
-        """End it soon; what is recorded stays."""
-        self.progress.cancelled.set()
-
     def run(self) -> None:
         """Live through it. What goes wrong is in `progress`."""
         try:

@@ -11,7 +11,7 @@ import asyncio
 import contextlib
 import logging
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -88,7 +88,7 @@ class Twin:
         self._task: asyncio.Task[None] | None = None
         self._begun: asyncio.Future[None] | None = None
         self._renderer: Renderer | None = None
-        self._source: _Source | None = None
+        self._source: _Source | _Gone | None = None
         self._scheme: Scheme = "light"
         self._recorded: RecordedAxis | None = None
         self._recorded_s = 0.0
@@ -130,12 +130,26 @@ class Twin:
         wanted = device.axis(axis)
         self._scheme = scheme
         self._recorded = None
-        if self._source is None or (self._source.device, self._source.axis) != (device, wanted):
-            if self._source is not None:
-                self._source.close()
+        source = self._source
+        if not isinstance(source, _Source) or (source.device, source.axis) != (device, wanted):
+            if source is not None:
+                source.close()
             self._source = _Source(self._hub, device, wanted, self._clock)
             self._look = None
         await self._running()
+
+    def sync(self, devices: Sequence[Device]) -> None:
+        """These are all devices now: of one that is none of them the picture stays, grey; it was connected in another
+        way, where another has its id."""
+        source = self._source
+        if not isinstance(source, _Source) or source.device in devices:
+            return
+        source.close()
+        heir = next((device for device in devices if device.id == source.device.id), None)
+        if heir is None or source.axis.index >= len(heir.axes):
+            self._source = source.left_behind()
+        else:
+            self._source = _Source(self._hub, heir, heir.axes[source.axis.index], self._clock)
 
     async def scrub(self, recorded: RecordedAxis, since_zero_s: float, scheme: Scheme | None = None) -> None:
         """Show a recording at that time since its zero [s], until `follow`. No device is needed. Raises TwinFailed."""
@@ -259,6 +273,20 @@ class Twin:
         await renderer.show({"look": look.message()})
 
 
+class _Gone:
+    """What was shown of a device that was removed: its shape, and nothing that holds the device."""
+
+    def __init__(self, shape: Shape, look: Look) -> None:
+        self.shape, self._look = shape, look
+        self.problem: BenchError | None = WrongState(f"{shape.device} was removed", "choose another axis")
+
+    def take(self) -> Look:
+        return self._look
+
+    def close(self) -> None:
+        pass
+
+
 class _Source:
     """Samples of one axis, as the latest look at it."""
 
@@ -311,6 +339,11 @@ class _Source:
     def close(self) -> None:
         self._stop_listening()
         self._leave()
+
+    def left_behind(self) -> _Gone:
+        """What stays of it when its device is removed."""
+        shape = self.shape
+        return _Gone(shape, look_of(shape, None, {}, self._watches.slips, self._watches.travel(shape)))
 
     def _join(self, shape: Shape) -> None:
         if self._reader is not None or self._clock.now() < self._retry_s:

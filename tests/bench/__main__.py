@@ -12,6 +12,7 @@ from tests.bench import (
     audit_kills,
     browser,
     calculators,
+    churn,
     emulation,
     emulation5xxx,
     emulation4361,
@@ -54,6 +55,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "profiles": profile_faults.measure,
     "twin": twin.measure,
     "hostile": hostile.measure,
+    "churn": churn.measure,
     "day": long_run.measure,
 }
 

@@ -80,11 +80,11 @@ MORE = {"DMAX": 700, "D1": 1400, "VSTOP": 10, "ENCMODE": 1 << 10, "ENC_CONST": 1
 async def rig() -> AsyncIterator[Rig]:
     clock = VirtualClock(100.0)
     hub = TelemetryHub(clock, 1.0)
-    manager = DeviceManager({"emulator": emulator_port}, clock, on_change=lambda: hub.sync(manager.devices))
-    axes = (AxisSettings(name="X", travel_mm_per_rev=8.0),)
-    device = await manager.add(DeviceConfig("chip", "tmc5160", {"kind": "emulator"}, axes=axes))
-    for name, value in (RAMP | MORE).items():
-        await device.write(name, 0, value)
+
+    def changed() -> None:
+        hub.sync(manager.devices)
+        twin.sync(manager.devices)
+
     renderers: list[Noting] = []
 
     async def start() -> Renderer:
@@ -92,6 +92,11 @@ async def rig() -> AsyncIterator[Rig]:
         return renderers[-1]
 
     twin = Twin(clock, hub, start, IDLE_S)
+    manager = DeviceManager({"emulator": emulator_port}, clock, on_change=changed)
+    axes = (AxisSettings(name="X", travel_mm_per_rev=8.0),)
+    device = await manager.add(DeviceConfig("chip", "tmc5160", {"kind": "emulator"}, axes=axes))
+    for name, value in (RAMP | MORE).items():
+        await device.write(name, 0, value)
     yield Rig(clock, manager, hub, twin, device, renderers)
     await twin.off()
     await hub.close()

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import subprocess
 import sys
+import weakref
 
 import numpy as np
 import pytest
 
-from app.devices.config import DeviceConfig
+from app.devices.config import AxisSettings, DeviceConfig
+from app.devices.manager import DeviceChange
 from app.links.errors import UnknownThing, WrongState
 from app.twin.process import Renderer, TwinFailed
 from app.twin.recorded import RecordedAxis
@@ -165,7 +168,37 @@ async def test_a_device_that_goes_leaves_a_grey_picture_and_a_reason(rig: Rig) -
         assert "position" not in rig.renderer.look
         assert rig.twin.info.state == "on"
         assert rig.twin.info.problem is not None
-        await rig.clock.advance(2.0)  # it asks again, and finds no such device
+        assert rig.twin.info.shape is not None
+        assert rig.twin.info.shape.device == "chip"
+        await rig.clock.advance(2.0)
+        assert rig.twin.info.state == "on"
+
+
+async def test_a_device_that_goes_is_not_kept_for_its_picture(rig: Rig) -> None:
+    config = DeviceConfig("other", "tmc428", {"kind": "emulator"}, axes=(AxisSettings(),) * 3)
+    other = weakref.ref(await rig.manager.add(config))
+    shown = other()
+    assert shown is not None
+    await rig.twin.show(shown, 1)
+    del shown
+    with rig.twin.looking():
+        await rig.clock.advance(0.5)
+        await rig.manager.remove("other")
+        await rig.clock.advance(0.5)
+        gc.collect()
+        assert other() is None
+        assert rig.twin.info.shape is not None
+        assert rig.twin.info.shape.axis == 1
+
+
+async def test_a_device_that_is_connected_in_another_way_is_shown_on(rig: Rig) -> None:
+    await rig.twin.show(rig.device, 0)
+    with rig.twin.looking():
+        await rig.clock.advance(0.5)
+        await rig.manager.edit("chip", DeviceChange(link={"kind": "emulator", "time_scale": 2.0}))
+        await rig.clock.advance(2.0)
+        assert rig.twin.info.problem is None
+        assert rig.renderer.look["position"] == 0.0
 
 
 async def test_lost_steps_are_counted_also_while_nobody_looks(rig: Rig) -> None:

@@ -71,7 +71,7 @@ async def list_recordings(
     """Recordings, the latest first, page by page."""
     library = bench.desk.library
     page = await _aside(lambda: library.page(search, device, limit, before))
-    found = [info(entry, bench.desk.recorder(entry.id)) for entry in page.entries]
+    found = [info(entry, bench.desk.course(entry.id)) for entry in page.entries]
     size_bytes, free_bytes = await _aside(lambda: (library.size_bytes, library.free_bytes))
     room_bytes = max(0, free_bytes - bench.desk.reserve_bytes)
     return RecordingList(
@@ -113,7 +113,7 @@ async def start_recording(bench: CurrentBench, body: RecordingStart) -> Recordin
     recording = await bench.desk.start(
         device, channels, body.rate_hz, trigger, body.duration_s, label, configuration, axes
     )
-    return info(bench.desk.library.entry(recording), bench.desk.recorder(recording))
+    return info(bench.desk.library.entry(recording), bench.desk.course(recording))
 
 
 @router.get(
@@ -137,10 +137,10 @@ async def get_recording(
         content = await _aside(lambda: write(opened.head, opened.read(0, opened.rows)))
         named = {"content-disposition": f'attachment; filename="{recording}.{format}"'}
         return Response(content, media_type=ROWS_AS[format], headers=named)  # type: ignore[return-value]  # a file is no JSON
-    recorder = desk.recorder(recording)
+    course = desk.course(recording)
     return await _aside(
         lambda: detail(
-            desk.library.entry(recording), recorder, opened, desk.library.marks(recording), with_figures=figures
+            desk.library.entry(recording), course, opened, desk.library.marks(recording), with_figures=figures
         )
     )
 
@@ -149,7 +149,7 @@ async def get_recording(
 async def get_recording_info(bench: CurrentBench, recording: RecordingId) -> RecordingInfo:
     """Its line of the list: how far one is that runs."""
     entry = await _aside(lambda: bench.desk.library.entry(recording))
-    return info(entry, bench.desk.recorder(recording))
+    return info(entry, bench.desk.course(recording))
 
 
 @router.get(
@@ -235,14 +235,14 @@ async def label_recording(bench: CurrentBench, recording: RecordingId, body: Rec
         )
         return library.entry(recording)
 
-    return info(await _aside(relabel), bench.desk.recorder(recording))
+    return info(await _aside(relabel), bench.desk.course(recording))
 
 
 @router.post("/{recording}/stop", responses=problems(UnknownThing))
 async def stop_recording(bench: CurrentBench, recording: RecordingId) -> RecordingInfo:
     """End it with what is there; one that is over stays as it is."""
     await bench.desk.stop(recording)
-    return info(bench.desk.library.entry(recording), bench.desk.recorder(recording))
+    return info(bench.desk.library.entry(recording), bench.desk.course(recording))
 
 
 @router.post(
@@ -274,10 +274,10 @@ async def get_replay(bench: CurrentBench, recording: RecordingId) -> Replay | No
 async def mark_recording(bench: CurrentBench, recording: RecordingId, body: RecordingMark) -> RecordingInfo:
     """Mark this moment of a recording that runs."""
     bench.desk.note(recording, body.text)
-    return info(bench.desk.library.entry(recording), bench.desk.recorder(recording))
+    return info(bench.desk.library.entry(recording), bench.desk.course(recording))
 
 
 @router.delete("/{recording}", status_code=204, responses=problems(UnknownThing, WrongState, StoreUnavailable))
 async def delete_recording(bench: CurrentBench, recording: RecordingId) -> None:
     """Gone for good."""
-    await _aside(lambda: bench.desk.library.delete(recording))
+    await _aside(lambda: bench.desk.delete(recording))

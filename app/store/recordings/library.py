@@ -172,6 +172,7 @@ class Library:
             for suffix in SUFFIXES:
                 (self._folder / f"{recording}{suffix}").unlink(missing_ok=True)
         self._opened.forget(self._rows_of(recording))
+        self._entries.pop(recording, None)
 
     @property
     def free_bytes(self) -> int:

@@ -80,6 +80,8 @@ class EndlessService:
                 watched.close()
                 if any(device.id == saved.device for device in devices):
                     self._waiting[saved.key] = saved
+                self._due = [due for due in self._due if due[2] is not watched]
+                heapq.heapify(self._due)
                 self._changed()
         for device in devices:
             for axis in range(len(device.axes)):
@@ -265,12 +267,7 @@ class EndlessService:
 
     async def _run(self) -> None:
         while True:
-            now_s = self._clock.now()
-            while self._due and (self._due[0][0] <= now_s or self._due[0][0] != self._due[0][2].due_s):
-                due_s, _, watched = heapq.heappop(self._due)
-                if due_s == watched.due_s:  # else it was scheduled anew
-                    watched.due_s = float("inf")
-                    self._begin(watched)
+            self._begin_due()
             until_s = self._due[0][0] if self._due else None
             self._sleeper = asyncio.create_task(self._sleep(until_s), name="sleep until the next look")
             try:
@@ -278,6 +275,14 @@ class EndlessService:
             finally:
                 self._sleeper.cancel()
                 self._sleeper = None
+
+    def _begin_due(self) -> None:
+        now_s = self._clock.now()
+        while self._due and (self._due[0][0] <= now_s or self._due[0][0] != self._due[0][2].due_s):
+            due_s, _, watched = heapq.heappop(self._due)
+            if due_s == watched.due_s:  # else it was scheduled anew
+                watched.due_s = float("inf")
+                self._begin(watched)
 
     async def _sleep(self, until_s: float | None) -> None:
         if until_s is None:
