@@ -23,7 +23,7 @@ LOOK_EVERY_S = 0.25
 """How often each device is looked at [s]: what happens is told within 0.5 s, the look itself included."""
 WIRE_SHARE = 0.2
 """How much of a wire's time the looks may take: on a slow one they come less often."""
-OWN_SHARE = 0.1
+OWN_SHARE = 0.05
 """How much of the program's own time the looks at resting emulators may take: many are looked at less often."""
 REST_LOOK_MAX_S = 2.0
 """No less often than that [s]."""

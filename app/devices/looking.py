@@ -11,7 +11,7 @@ from app.devices.own_tasks import OwnTasks
 from app.links.errors import BadReply, BenchError
 from app.links.queue import SampleDropped
 
-IDLE_LOOKS = 5
+IDLE_LOOKS = 10
 """How many looks are left out while nothing moves."""
 
 

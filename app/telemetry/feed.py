@@ -29,7 +29,7 @@ log = logging.getLogger("stepscope.telemetry")
 
 IDLE_PUMP_S = 0.1
 """The beat of the pump while nobody reads [s]: often enough for the history."""
-REST_PUMP_S = 0.5
+REST_PUMP_S = 1.0
 """The same while the history rests [s]."""
 LIVELY_S = 2.0
 """How long after the latest change of place or speed, and after a command, the history goes on at its full rate [s]."""

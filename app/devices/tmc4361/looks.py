@@ -1,4 +1,4 @@
-"""The axis as it is now, and the task that looks on: ten times a second while it moves, twice while it rests.
+"""The axis as it is now, and the task that looks on: ten times a second while it moves, once while it rests.
 
 The same look brings the events, so that no edge of a flag is told later than that.
 """
