@@ -10,6 +10,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
+from app.conditions.judge import Kind
+
 Int = Annotated[int, Field(strict=True)]
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Flag = Annotated[bool, Field(strict=True)]
@@ -59,19 +61,7 @@ class Remedy(Answer):
 class Condition(Answer):
     """What is so with an axis: one of eleven kinds, why, by which evidence, and what helps."""
 
-    kind: Literal[
-        "not_connected",
-        "unknown",
-        "cannot_move",
-        "ready",
-        "moving",
-        "on_target",
-        "held",
-        "stalled",
-        "lost_steps",
-        "following_error",
-        "driver_fault",
-    ]
+    kind: Kind
     cause: str = Field(description="one plain sentence")
     evidence: list[Evidence]
     remedies: list[Remedy]

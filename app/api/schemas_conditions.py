@@ -39,7 +39,13 @@ class DeviceRemoved(Answer):
     device: str
 
 
-ConditionsText = ConditionsSnapshot | AxisCondition | DeviceRemoved
+class Alive(Answer):
+    """Nothing has changed for a second, and the server goes on looking."""
+
+    type: Literal["alive"] = "alive"
+
+
+ConditionsText = ConditionsSnapshot | AxisCondition | DeviceRemoved | Alive
 
 
 class ConditionsMessage(RootModel[ConditionsText]):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-import contextlib
+import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
@@ -19,14 +19,22 @@ from app.devices.signs import Evidence, Sign, Signs
 from app.links.errors import BenchError
 from app.links.queue import Priority, SampleDropped
 
+log = logging.getLogger("stepscope.conditions")
+
 LOOK_EVERY_S = 0.25
 """How often each device is looked at [s]: what happens is told within 0.5 s, the look itself included."""
+LIVELY_LOOK_S = 0.1
+"""How often while something moves or has just happened [s]."""
 WIRE_SHARE = 0.2
 """How much of a wire's time the looks may take: on a slow one they come less often."""
 OWN_SHARE = 0.05
 """How much of the program's own time the looks at resting emulators may take: many are looked at less often."""
 REST_LOOK_MAX_S = 2.0
 """No less often than that [s]."""
+FRESH_S = 0.5
+"""What is known of a device is no older than that when somebody asks for it [s]: else it is looked at first."""
+ANSWER_WITHIN_S = 0.25
+"""How long whoever asks waits for that look [s]; the look itself goes on."""
 LIVELY_S = 2.0
 """How long after a command, a written register or another such event a device counts as moving [s]."""
 
@@ -52,6 +60,8 @@ class _Axis:
     """What is remembered of one axis between two looks."""
 
     standing: Standing | None = None
+    looked_s: float = float("-inf")
+    """When the latest look began."""
     sent: bool = False
     """The latest command was to go to a target."""
     stopped: bool = False
@@ -81,6 +91,8 @@ class _Watched:
     looks: asyncio.Task[None]
     lively_until_s: float
     """Until when it is looked at as often as one that moves."""
+    extra: asyncio.Task[None] | None = None
+    """A look out of turn."""
     look_took_s: float = 0.0
     """Of the latest look at all axes, where that is our own time: an emulator's."""
 
@@ -145,15 +157,36 @@ class ConditionService:
     ) -> tuple[AxisState, Standing]:
         """Read the axis, and judge it by that. Raises what `axis_state` raises; that is judged too."""
         commands = device.motion_commands[axis]
+        if device in self._watched:
+            self._watched[device].axes[axis].looked_s = self._clock.now()
         try:
             state = await device.axis_state(axis, priority)
-        except BenchError as error:
-            if not isinstance(error, SampleDropped):
-                self._judge(device, axis, None, str(error))
+            if priority is Priority.SAMPLE and device.motion_commands[axis] != commands:
+                return state, self.standing(device, axis)  # a command came between: partly from before it, partly after
+            return state, self._judge(device, axis, state)
+        except SampleDropped:
             raise
-        if priority is Priority.SAMPLE and device.motion_commands[axis] != commands:
-            return state, self.standing(device, axis)  # a command came between: partly from before it, partly after
-        return state, self._judge(device, axis, state)
+        except BenchError as error:
+            self._judge(device, axis, None, str(error))
+            raise
+        except Exception as error:
+            # A fault of this program: what was known before it would else be told for ever.
+            self._judge(device, axis, None, f"a look at it failed: {type(error).__name__}: {error}")
+            raise
+
+    def stirred(self, device: Device) -> None:
+        """Something around the device was changed: look at it now, and often for a while."""
+        if device in self._watched:
+            self._watched[device].lively_until_s = self._clock.now() + LIVELY_S
+            self._look_now(device)
+
+    async def freshen(self, device: Device) -> None:
+        """Look at a device that works and was not looked at for `FRESH_S`; wait no longer than `ANSWER_WITHIN_S`."""
+        if device not in self._watched or device.state != "connected":
+            return
+        oldest_s = min(axis.looked_s for axis in self._watched[device].axes)
+        if self._clock.now() - oldest_s > FRESH_S:
+            await asyncio.wait([self._look_now(device)], timeout=ANSWER_WITHIN_S)
 
     def standing(self, device: Device, axis: int) -> Standing:
         """As last judged; asks nothing."""
@@ -165,8 +198,28 @@ class ConditionService:
     # --- looking on -----------------------------------------------------------------------------
 
     async def _look_soon(self, device: Device, axis: int) -> None:
-        with contextlib.suppress(BenchError):
+        """Look, and have what goes wrong judged; a busy link is looked at later."""
+        known = self._watched[device].axes[axis]
+        before = known.standing
+        try:
             await self.look(device, axis, Priority.SAMPLE)
+        except BenchError:
+            pass
+        except Exception:
+            if before is None or known.standing is None or known.standing.condition.cause != before.condition.cause:
+                log.exception("looking at %s axis %d", device.id, axis)
+
+    def _look_now(self, device: Device) -> asyncio.Task[None]:
+        """One look at a time for all who want one of their own."""
+        watched = self._watched[device]
+        if watched.extra is None or watched.extra.done():
+            watched.extra = self._tasks.begin(self._look_at_all(device), f"a look at {device.id}")
+        return watched.extra
+
+    async def _look_at_all(self, device: Device) -> None:
+        for axis in range(len(device.axes)):
+            if device in self._watched:
+                await self._look_soon(device, axis)
 
     async def _look_on(self, device: Device) -> None:
         pause_s = LOOK_EVERY_S
@@ -178,27 +231,38 @@ class ConditionService:
             if device.state != "connected" or began_s - looked_s < self._every_s(device):
                 continue
             looked_s = began_s
-            for axis in range(len(device.axes)):
-                await self._look_soon(device, axis)  # what goes wrong is judged too; a busy link is looked at later
+            await self._look_at_all(device)
             took_s = self._clock.now() - began_s
             # An emulator in this process has no wire that a look would take from others.
             rest_s = 0.0 if device.chip_timed else took_s * (1 / WIRE_SHARE - 1)
-            pause_s = max(LOOK_EVERY_S - took_s, LOOK_EVERY_S / 2, rest_s)
             self._watched[device].look_took_s = took_s if device.chip_timed else 0.0
+            beat_s = self._lively_s() if self._lively(device) else LOOK_EVERY_S
+            pause_s = max(beat_s - took_s, beat_s / 2, rest_s)
 
     def _every_s(self, device: Device) -> float:
-        """How often the device is to be looked at [s]: as often as need be while anything moves."""
-        watched, now_s = self._watched[device], self._clock.now()
+        """How long it must be since the latest look [s]: 0 while anything moves."""
+        if self._lively(device) or not device.chip_timed:
+            return 0.0
+        # A beat that is a little early is not one too many.
+        return min(self._looks_take_s() / OWN_SHARE, REST_LOOK_MAX_S) - LOOK_EVERY_S / 2
+
+    def _lively(self, device: Device) -> bool:
+        """Whether anything of the device moves, or has just happened, or is not known yet."""
+        watched = self._watched[device]
         standings = [axis.standing for axis in watched.axes]
-        if (
-            now_s < watched.lively_until_s
+        return (
+            self._clock.now() < watched.lively_until_s
             or any(standing is None or standing.condition.kind == "moving" for standing in standings)
             or any(axis.searched == "running" for axis in watched.axes)
-        ):
-            return 0.0
-        all_s = sum(other.look_took_s for other in self._watched.values())
-        # A beat that is a little early is not one too many.
-        return min(all_s / OWN_SHARE, REST_LOOK_MAX_S) - LOOK_EVERY_S / 2
+        )
+
+    def _lively_s(self) -> float:
+        """How often what moves is looked at [s]: less often where looks take much of the program's time."""
+        return min(max(self._looks_take_s() / OWN_SHARE, LIVELY_LOOK_S), LOOK_EVERY_S)
+
+    def _looks_take_s(self) -> float:
+        """How long one look at every emulator takes [s]."""
+        return sum(other.look_took_s for other in self._watched.values())
 
     # --- inside ---------------------------------------------------------------------------------
 

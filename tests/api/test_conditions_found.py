@@ -44,12 +44,16 @@ class Rig:
 
     async def world(self, **change: Any) -> None:
         """Change the emulated world; of a chip that counts its axes, that of the first."""
+        answer = await self.client.patch(f"{self.url}/emulator", json=self.world_of(change))
+        assert answer.status_code == 200, answer.text
+
+    def world_of(self, change: dict[str, Any]) -> dict[str, Any]:
+        """A change as this model's emulator takes it."""
         several = self.device.model in SIX_POINT and not change.keys() & {"faults", "power_cycle"}
         body = {"axes": [{"axis": 0, **change}]} if several else change
         if self.device.model in ("tmc428", "tmc4210") and "switches" in change:
             body = {"switches": [{"axis": 0, **change["switches"]}]}
-        answer = await self.client.patch(f"{self.url}/emulator", json=body)
-        assert answer.status_code == 200, answer.text
+        return body
 
     async def at_rest(self, within_s: float = 30.0) -> list[str]:
         """Let time pass until the axis rests; the kinds that were told on the way, each once."""

@@ -49,6 +49,15 @@ async def test_a_snapshot_and_then_what_changes(tmp_path: Path) -> None:
             assert await until(connection, type="removed", device="other")
 
 
+async def test_a_server_whose_axes_rest_says_every_second_that_it_is_there(tmp_path: Path) -> None:
+    async with (
+        live_server(tmp_path) as server,
+        connect(f"{server.replace('http', 'ws', 1)}/api/v1/conditions") as connection,
+    ):
+        for _ in range(2):
+            await until(connection, type="alive")
+
+
 async def test_a_page_that_dies_frees_the_bench(tmp_path: Path) -> None:
     anna = {"stepscope-session": "session-of-anna-0001"}
     async with live_server(tmp_path) as server, httpx.AsyncClient(base_url=f"{server}/api/v1/") as client:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import asyncio
 
+import pytest
+
 from app.clock import Clock, VirtualClock
-from app.conditions.service import WIRE_SHARE, ConditionService
+from app.conditions.service import WIRE_SHARE, ConditionService, Standing
 from app.devices.config import DeviceConfig
 from app.devices.device import Device
 from app.devices.manager import DeviceManager
+from app.devices.results import AxisState
 from app.emulators.build import build_emulator
-from app.emulators.pd42.options import Pd42Options
+from app.emulators.pd42.options import Pd42Options, Pd42Patch, SwitchesChange
 from app.links.emulator import EmulatorPort
 from app.links.port import FramePort
 from app.links.queue import Priority
@@ -96,11 +99,7 @@ def own_time(model: str, link: Link, clock: Clock) -> FramePort:
 
 async def test_resting_emulators_are_looked_at_less_often_where_there_are_many_and_moving_ones_as_ever() -> None:
     clock = VirtualClock()
-    manager = DeviceManager({"emulator": own_time}, clock)
-    for number in range(8):
-        adding = asyncio.create_task(manager.add(DeviceConfig(f"d{number}", "pd42-1241", {"kind": "emulator"})))
-        while not adding.done():
-            await clock.advance(0.01)
+    manager = await eight_at_rest(clock)
     looks: dict[str, int] = {}
 
     def searched(device: Device, axis: int) -> str:  # asked at each look
@@ -122,6 +121,97 @@ async def test_resting_emulators_are_looked_at_less_often_where_there_are_many_a
         await pass_time(clock, 10.0)
         assert looks.pop(mover.id) >= 30
         assert all(5 <= number <= 20 for number in looks.values()), looks
+    finally:
+        await conditions.close()
+        await manager.close()
+
+
+async def eight_at_rest(clock: VirtualClock) -> DeviceManager:
+    manager = DeviceManager({"emulator": own_time}, clock)
+    for number in range(8):
+        adding = asyncio.create_task(manager.add(DeviceConfig(f"d{number}", "pd42-1241", {"kind": "emulator"})))
+        while not adding.done():
+            await clock.advance(0.01)
+    return manager
+
+
+async def test_whoever_asks_for_a_device_that_is_seldom_looked_at_gets_a_fresh_look_or_the_old_one_soon() -> None:
+    clock = VirtualClock()
+    manager = await eight_at_rest(clock)
+    conditions = ConditionService(clock, lambda device, axis: "idle")
+    conditions.sync(manager.devices)
+    device = manager.devices[0]
+    try:
+        await pass_time(clock, 5.0)
+        state, _ = await look(clock, conditions, device)
+        await pass_time(clock, 0.6)
+        asking = asyncio.create_task(conditions.freshen(device))
+        await pass_time(clock, 0.05)
+        assert asking.done()
+        evidence = conditions.standing(device, 0).condition.evidence
+        seen_s = next(piece.seen_s for piece in evidence if piece.what == "position")
+        assert seen_s is not None
+        assert seen_s >= state.time_s + 0.6
+        # Time stands still, and with it the answer: nobody waits for ever.
+        await pass_time(clock, 0.6)
+        await asyncio.wait_for(conditions.freshen(device), 30)
+    finally:
+        await conditions.close()
+        await manager.close()
+
+
+async def look(clock: VirtualClock, conditions: ConditionService, device: Device) -> tuple[AxisState, Standing]:
+    looking = asyncio.create_task(conditions.look(device, 0))
+    while not looking.done():
+        await clock.advance(0.001)
+    return looking.result()
+
+
+async def test_a_change_around_a_device_is_looked_at_at_once() -> None:
+    clock = VirtualClock()
+    manager = await eight_at_rest(clock)
+    conditions = ConditionService(clock, lambda device, axis: "idle")
+    conditions.sync(manager.devices)
+    device = manager.devices[0]
+    port = device.port
+    assert isinstance(port, EmulatorPort)
+    try:
+        await pass_time(clock, 5.0)
+        for on in (True, False, True, False):
+            await pass_time(clock, 2.37)
+            change = Pd42Patch(switches=SwitchesChange(right=on))
+            port.wire.patch(change, port.take_turn())  # type: ignore[attr-defined]
+            conditions.stirred(device)
+            await pass_time(clock, 0.1)
+            assert ("right switch" in conditions.standing(device, 0).condition.cause) is on
+    finally:
+        await conditions.close()
+        await manager.close()
+
+
+async def test_a_look_that_fails_as_nobody_foresaw_leaves_no_condition_of_before(
+    caplog: pytest.LogCaptureFixture, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    clock = VirtualClock()
+    manager = DeviceManager({"emulator": own_time}, clock)
+    adding = asyncio.create_task(manager.add(DeviceConfig("d", "pd42-1241", {"kind": "emulator"})))
+    while not adding.done():
+        await clock.advance(0.01)
+    device = adding.result()
+    conditions = ConditionService(clock, lambda device, axis: "idle")
+    conditions.sync(manager.devices)
+    try:
+        await pass_time(clock, 1.0)
+        assert conditions.standing(device, 0).condition.kind == "ready"
+        with monkeypatch.context() as broken:
+            broken.setattr(type(device), "signs", lambda self, axis, state: 1 // 0)
+            await pass_time(clock, 1.0)
+            found = conditions.standing(device, 0).condition
+            assert found.kind == "unknown"
+            assert "ZeroDivisionError" in found.cause
+        assert len([record for record in caplog.records if record.exc_info]) == 1  # once, not at every look
+        await pass_time(clock, 1.0)
+        assert conditions.standing(device, 0).condition.kind == "ready"  # and it goes on looking
     finally:
         await conditions.close()
         await manager.close()

@@ -13,6 +13,7 @@ from app.api.conditions import standing_out
 from app.api.pages import Pages
 from app.api.schemas_conditions import (
     SUBPROTOCOL,
+    Alive,
     AxisCondition,
     ConditionsPage,
     ConditionsSnapshot,
@@ -22,13 +23,18 @@ from app.api.schemas_conditions import (
 from app.conditions.service import ConditionService, Standing
 from app.devices.device import Device
 
+ALIVE_S = 1.0
+"""How long nothing is said at the most: whoever hears nothing for longer knows nothing any more."""
+
 router = APIRouter(tags=["conditions"])
 
 
 @router.websocket("/conditions")
 async def conditions(socket: WebSocket) -> None:
-    """Tell how every axis stands: a snapshot, then what changes. A page of a session first says whose it is: when the
-    last one of the bench's holder ends, it has left."""
+    """Tell how every axis stands: a snapshot, then what changes, and each second at least a sign of life.
+
+    A page of a session first says whose it is: when the last one of the bench's holder ends, it has left.
+    """
     offered = socket.scope.get("subprotocols", [])
     if offered and SUBPROTOCOL not in offered:
         await socket.close(1002, f"this server speaks {SUBPROTOCOL}")
@@ -78,7 +84,12 @@ async def _send(socket: WebSocket, conditions: ConditionService, news: News) -> 
     await _say(socket, ConditionsSnapshot(axes=[_message(*one) for one in conditions.all()]))
     while True:
         gone: set[str] = set()
-        for device_id, axis, standing in await news.next():
+        try:
+            heard = await asyncio.wait_for(news.next(), ALIVE_S)
+        except TimeoutError:
+            await _say(socket, Alive())
+            continue
+        for device_id, axis, standing in heard:
             device = conditions.device(device_id)
             if standing is not None and device is not None:
                 gone.discard(device_id)

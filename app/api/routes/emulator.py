@@ -64,6 +64,7 @@ async def change_emulator(
     """Force switches, cause faults, load the motor, run faster or slower, cut the power; what is left out stays."""
     state = cast("Emulated", port.wire).patch(_suited(body, PATCHES[port.wire.model]), port.take_turn())
     bench.endless.hurry(device)  # how fast its time runs may have changed, and its chip may have been reset
+    bench.conditions.stirred(device)
     return state
 
 

@@ -61,6 +61,8 @@ class Looks(Writes):
     def __init__(self, device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> None:
         super().__init__(device_id, config, port, clock)
         self._looking = Looking(self, self.tasks, self._look_once, self._any_moves)
+        self.stalled = False
+        """A stall has stopped it, and holds it, as last seen."""
 
     # --- state ----------------------------------------------------------------------------------
 
@@ -78,6 +80,7 @@ class Looks(Writes):
         flags = held.fields(rows.STATUS)
         vmax_pps = setting.value(rows.VMAX) / 256
         reference = held.fields(rows.REFERENCE_CONF)
+        self.stalled = self._holds_stall(reference)
         moving = self._moving(setting, flags, velocity, COUNTER.way(target, position), reference)
         self._look(time_s, held, moving)
         return AxisState(
@@ -106,7 +109,7 @@ class Looks(Writes):
         )
 
     def signs(self, axis: int, state: AxisState) -> Signs:
-        return sign.signs(self, self.axis(axis).index, state)
+        return sign.signs(self, self.axis(axis).index, state, stalled=self.stalled)
 
     def _encoder(self, held: Held) -> Encoder:
         """What the encoder tells; nothing while ENC_IN_RES is not set and so none of its counts counts."""
@@ -128,14 +131,21 @@ class Looks(Writes):
             return load_angle_deg(mscnt, encoder, offset, reversed_=reversed_)
         return -deviation * 90 / self.microsteps
 
-    @staticmethod
-    def _moving(setting: Setting, flags: dict[str, int], velocity: int, to_go: int, reference: dict[str, int]) -> bool:
+    def _holds_stall(self, reference: dict[str, int]) -> bool:
+        """Whether a stall holds it: one that stopped it does until the event is cleared and `drv_after_stall` set."""
+        event = bool(self._events & rows.event("STOP_ON_STALL"))
+        free = reference["drv_after_stall"] and not event
+        return bool(reference["stop_on_stall"]) and not free and (event or self.stalled)
+
+    def _moving(
+        self, setting: Setting, flags: dict[str, int], velocity: int, to_go: int, reference: dict[str, int]
+    ) -> bool:
         """VACTUAL reads 0 below 1 pps too; then the flags of velocity and ramp tell."""
         if velocity or flags["VEL_STATE_F"] or flags["RAMP_STATE_F"]:
             return True
         vmax = setting.value(rows.VMAX)
         wanted = (to_go if vmax else 0) if setting.positioning else vmax
-        if not wanted or setting.gates()[0]:
+        if not wanted or self.stalled or setting.gates()[0]:
             return False
         try:
             setting.require_motion(setting.shape)

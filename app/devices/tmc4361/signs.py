@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from app.devices.results import AxisState
-from app.devices.signs import Evidence, Sign, Signs, clear_flags, start_up, zero
+from app.devices.signs import Evidence, Sign, Signs, clear_flags, start_up, write, zero
 from app.devices.tmc4361 import rows
 from app.devices.tmc4361.events import Events
 from app.devices.tmc4361.switches import stopped_by
@@ -14,7 +14,7 @@ VELOCITY_PPS = 51_200
 DRIVER_FAULTS = {"OT": "the motor driver is too hot and has switched off"}
 
 
-def signs(chip: Events, axis: int, state: AxisState) -> Signs:
+def signs(chip: Events, axis: int, state: AxisState, *, stalled: bool) -> Signs:
     """Of `state`, as it was read just now."""
     return Signs(
         faults=tuple(
@@ -23,7 +23,7 @@ def signs(chip: Events, axis: int, state: AxisState) -> Signs:
             if state.flags.get(name)
         ),
         blocks=tuple(_blocks(chip, axis, state)),
-        stall=_stall(axis, state),
+        stall=_stall(chip, axis, state, stalled=stalled),
         holds=tuple(_holds(chip, state)),
         takes_encoder=True,
         resets=chip.resets,
@@ -48,12 +48,19 @@ def _blocks(chip: Events, axis: int, state: AxisState) -> list[Sign]:
     return found
 
 
-def _stall(axis: int, state: AxisState) -> Sign | None:
+def _stall(chip: Events, axis: int, state: AxisState, *, stalled: bool) -> Sign | None:
+    evidence, helps = [], []
     for register, name in ((rows.STATUS, "ACTIVE_STALL_F"), (rows.EVENTS, "STOP_ON_STALL")):
         if state.flags.get(name):
-            evidence = (Evidence(f"{register.name}.{name}", "1", state.time_s),)
-            return Sign("the motor driver reported a stall", evidence, (clear_flags(axis, moves=True),))
-    return None
+            evidence.append(Evidence(f"{register.name}.{name}", "1", state.time_s))
+            helps = [clear_flags(axis, moves=True)]
+    if not evidence and not stalled:
+        return None
+    name = "drv_after_stall"
+    if stalled and not rows.REFERENCE_CONF.unpack(chip.known(rows.REFERENCE_CONF) or 0)[name]:
+        evidence.append(Evidence(f"{rows.REFERENCE_CONF.name}.{name}", "0", state.time_s))
+        helps.append(write(rows.REFERENCE_CONF.name, axis, 1, name))
+    return Sign("the motor driver reported a stall", tuple(evidence), tuple(helps))
 
 
 def _holds(chip: Events, state: AxisState) -> list[Sign]:

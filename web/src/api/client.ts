@@ -14,14 +14,13 @@ export type Schemas = components["schemas"];
  */
 export const api = createClient<paths>({ baseUrl: "", fetch: gate.fetch });
 
-// Each answer is a sign of life, and what changes something may move a motor.
+// What changes something may move a motor.
 api.use({
   onRequest({ request }) {
     if (changesBench(request.method, request.url)) conditions.commanded();
   },
   onResponse({ request }) {
     if (changesBench(request.method, request.url)) conditions.commanded();
-    conditions.heard();
   },
 });
 

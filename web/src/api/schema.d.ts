@@ -526,7 +526,8 @@ export interface paths {
         };
         /**
          * Get Device
-         * @description One device: its link, state, axes and telemetry channels.
+         * @description One device: its link, state, axes and telemetry channels. Axes whose condition was judged more than 0.5 s ago
+         *     are looked at first, for 0.25 s at the most.
          */
         get: operations["get_device"];
         put?: never;
@@ -10933,6 +10934,17 @@ export interface components {
          */
         TelemetryMessage: components["schemas"]["TelemetryStart"] | components["schemas"]["TelemetryStatus"] | components["schemas"]["TelemetryGap"] | components["schemas"]["TelemetryMove"] | components["schemas"]["TelemetryStopped"] | components["schemas"]["TelemetryEvent"] | components["schemas"]["TelemetryProblem"];
         /**
+         * Alive
+         * @description Nothing has changed for a second, and the server goes on looking.
+         */
+        Alive: {
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            type: "alive";
+        };
+        /**
          * AxisCondition
          * @description How an axis stands now.
          */
@@ -10985,7 +10997,7 @@ export interface components {
          * ConditionsMessage
          * @description Any message of the socket.
          */
-        ConditionsMessage: components["schemas"]["ConditionsSnapshot"] | components["schemas"]["AxisCondition"] | components["schemas"]["DeviceRemoved"];
+        ConditionsMessage: components["schemas"]["ConditionsSnapshot"] | components["schemas"]["AxisCondition"] | components["schemas"]["DeviceRemoved"] | components["schemas"]["Alive"];
     };
     responses: never;
     parameters: never;

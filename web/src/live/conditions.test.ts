@@ -19,11 +19,11 @@ describe("ConditionSource", () => {
   const tell = (message: object) => sockets.at(-1)?.onmessage?.({ data: JSON.stringify(message) });
   const snapshot = (...axes: AxisStanding[]) => tell({ type: "snapshot", axes });
   const kind = () => source.of("bench", 0).condition.kind;
-  /** Time passes, and the server answers something now and then. */
+  /** Time passes, and the server says now and then that it is there. */
   const live = (ms: number) => {
     for (let left = ms; left > 0; left -= 500) {
       vi.advanceTimersByTime(Math.min(500, left));
-      source.heard();
+      tell({ type: "alive" });
     }
   };
 
@@ -78,10 +78,14 @@ describe("ConditionSource", () => {
     const changes = vi.fn();
     snapshot(standing("on_target"));
     source.subscribe(changes);
+    live(10_000);
+    expect(kind()).toBe("on_target");
+    expect(changes).not.toHaveBeenCalled();
     vi.advanceTimersByTime(3500);
     expect(kind()).toBe("unknown");
     expect(changes).toHaveBeenCalled();
-    source.heard();
+    expect(sockets).toHaveLength(2);
+    snapshot(standing("on_target"));
     expect(kind()).toBe("on_target");
   });
 

@@ -13,7 +13,8 @@ export interface AxisStanding extends Standing {
 type Message =
   | ({ type: "condition" } & AxisStanding)
   | { type: "snapshot"; axes: AxisStanding[] }
-  | { type: "removed"; device: string };
+  | { type: "removed"; device: string }
+  | { type: "alive" };
 
 /** How a socket is made; tests bring their own. */
 export type OpenSocket = (url: string, protocol: string) => WebSocket;
@@ -21,7 +22,7 @@ export type OpenSocket = (url: string, protocol: string) => WebSocket;
 const PROTOCOL = "stepscope.conditions.v1";
 const FIRST_RETRY_MS = 250;
 const LAST_RETRY_MS = 3000;
-/** The page asks the server for something every second: one that has not answered for so long is silent. */
+/** The server says something every second: a socket on which nothing came for so long is dead, though it be open. */
 const SILENT_AFTER_MS = 3000;
 const LOOK_EVERY_MS = 250;
 /** An axis that has just come to rest may only be waiting between two moves. */
@@ -58,7 +59,7 @@ export class ConditionSource {
   private commandedAtMs = Number.NEGATIVE_INFINITY;
   private told = false;
   private ever = false;
-  private wasLive = false;
+  private lookedAtMs = 0;
   private version = 0;
 
   constructor(
@@ -69,7 +70,7 @@ export class ConditionSource {
   /** Connect, and stay so until `stop`. A second start does nothing. */
   start(): void {
     if (this.watch !== undefined) return;
-    this.watch = setInterval(() => this.changed(false), LOOK_EVERY_MS);
+    this.watch = setInterval(() => this.look(), LOOK_EVERY_MS);
     this.connect();
   }
 
@@ -88,12 +89,6 @@ export class ConditionSource {
 
   /** Another number after every change, for `useSyncExternalStore`. */
   revision = (): number => this.version;
-
-  /** The server has answered something, on whatever way. */
-  heard(): void {
-    this.heardAtMs = this.nowMs();
-    this.changed(false);
-  }
 
   /** This page has sent something that may set a motor in motion: what it does is not known before the next look. */
   commanded(): void {
@@ -131,16 +126,32 @@ export class ConditionSource {
     url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
     const socket = this.open(url.href, PROTOCOL);
     this.socket = socket;
+    this.heardAtMs = this.nowMs();
     // when this page ends, and cannot say so, the socket does
     socket.onopen = () => socket.send(JSON.stringify({ session: sessionId }));
     socket.onmessage = ({ data }: MessageEvent<string>) => this.hear(JSON.parse(data) as Message);
     socket.onclose = () => {
-      this.told = false;
-      this.changed(true);
-      const wait = this.retryMs * (0.8 + 0.4 * Math.random()); // so that many pages do not come back in step
-      this.retryMs = Math.min(LAST_RETRY_MS, 2 * this.retryMs);
-      this.timer = setTimeout(() => this.connect(), wait);
+      this.socket = null;
+      this.connectLater();
     };
+  }
+
+  private connectLater(): void {
+    this.told = false;
+    this.changed();
+    const wait = this.retryMs * (0.8 + 0.4 * Math.random()); // so that many pages do not come back in step
+    this.retryMs = Math.min(LAST_RETRY_MS, 2 * this.retryMs);
+    this.timer = setTimeout(() => this.connect(), wait);
+  }
+
+  /** A socket that has fallen silent is given up: nothing says that it will ever close. */
+  private look(): void {
+    const now = this.nowMs();
+    const held = now - this.lookedAtMs > 4 * LOOK_EVERY_MS; // this page itself was: what came meanwhile waits to be heard
+    this.lookedAtMs = now;
+    if (held || this.socket === null || now - this.heardAtMs < SILENT_AFTER_MS) return;
+    this.hangUp();
+    this.connectLater();
   }
 
   private hangUp(): void {
@@ -161,10 +172,12 @@ export class ConditionSource {
       this.retryMs = FIRST_RETRY_MS;
     } else if (message.type === "condition") {
       this.put(message, this.entries.get(`${message.device}/${message.axis}`));
+    } else if (message.type === "alive") {
+      return;
     } else if (message.type === "removed") {
       for (const [key, { standing }] of this.entries) if (standing.device === message.device) this.entries.delete(key);
     }
-    this.changed(true);
+    this.changed();
   }
 
   private put(standing: AxisStanding, before: Entry | undefined): void {
@@ -176,10 +189,7 @@ export class ConditionSource {
     this.entries.set(`${standing.device}/${standing.axis}`, { standing, restless, restlessAtMs });
   }
 
-  private changed(certainly: boolean): void {
-    const { live } = this;
-    if (!certainly && live === this.wasLive) return;
-    this.wasLive = live;
+  private changed(): void {
     this.version += 1;
     for (const listener of this.listeners) listener();
   }
