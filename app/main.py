@@ -24,11 +24,14 @@ from app.api.problems import findings
 from app.api.recording_desk import RecordingDesk
 from app.api.routes.ports import serial_ports
 from app.api.schemas import Port
+from app.api.sessions import Sessions
+from app.api.tokens import Tokens
 from app.api.vitals import Vitals
 from app.calc import sramp
 from app.calc.ramp import RampParameters, exact_ramp
 from app.clock import BackgroundClock, Clock, WallClock
 from app.conditions.service import ConditionService
+from app.devices.actor import STEPSCOPE
 from app.devices.config import AxisSettings
 from app.devices.device import Device
 from app.devices.found_moving import FoundMoving
@@ -57,6 +60,7 @@ from app.store.positions import PositionStore
 from app.store.profiles import ProfileStore
 from app.store.recordings.library import Library
 from app.store.saver import Saver
+from app.store.tokens import NamedToken, TokenStore
 from app.telemetry.hub import TelemetryHub
 from app.tuning.at_rest import after_vanishing, anything_moves, stop_moving
 from app.tuning.endless import EndlessService
@@ -68,6 +72,7 @@ from app.twin.service import Twin
 log = logging.getLogger("stepscope")
 
 EEPROM_NAME = re.compile(r"[a-z0-9][a-z0-9-]{0,63}")
+COMMAND_LINE = "on the command line"
 PATIENCE_S = 1.5
 """A start that takes longer than this says why [s]."""
 SAVE_EVERY_S = 2.0
@@ -141,6 +146,18 @@ def create_app(
     lease.listen(partial(lease_words, audit))
     twin = Twin(clock, hub)
     vitals = Vitals(clock, settings.data_dir)
+    sessions = Sessions(clock)
+
+    def tokens_changed(came: Sequence[NamedToken], went: Sequence[NamedToken], ours: bool) -> None:
+        for token in went:
+            sessions.end_of_token(token.hash)
+        gone = {token.hash for token in went}
+        vitals.sockets.end(lambda who: who.hash in gone)
+        if not ours:  # a call's own entry tells of it
+            for action, tokens in (("revoke token", went), ("add token", came)):
+                for token in tokens:
+                    audit.note(action, token.name, detail=f"role: {token.role}; {COMMAND_LINE}", by=STEPSCOPE)
+
     procedures = Procedures(clock)
     conditions = ConditionService(background, lambda device, axis: procedures.search_state(device, axis).state)
 
@@ -172,6 +189,8 @@ def create_app(
         position_saver,
         Pages(lease, clock, lambda: anything_moves(manager.devices, procedures)),
         vitals,
+        Tokens(TokenStore(settings.data_dir), tokens_changed),
+        sessions,
     )
     lease_watch = LeaseWatch(
         lease, bench.calls, clock, lambda how: after_vanishing(how, manager.devices, bench.procedures)
@@ -187,6 +206,7 @@ def create_app(
         endless.restore(kept.positions)
         compiling = asyncio.create_task(asyncio.to_thread(compile_kernels))
         await asyncio.to_thread(database.open)
+        await bench.tokens.start()
         profiles.tell_unfinished()
         if not (await asyncio.wait({compiling}, timeout=PATIENCE_S))[0]:
             log.warning("the first start compiles the emulators, which takes some 15 s; later ones find it done")
@@ -214,6 +234,7 @@ def create_app(
             audit.note("end", "stepscope")
             await lease_watch.close()
             await vitals.close()
+            await bench.tokens.close()
             await bench.pages.close()
             await bench.probing.abort()
             await profiles.close()

@@ -1,7 +1,8 @@
-"""Who may come in: everybody on this machine's own address, and on any other who knows the token.
+"""Who may come in: everybody on this machine's own address, and on any other who knows a token.
 
-A server that listens to a network asks for a token: as `Authorization: Bearer`, or once, at `/?token=...` or
-the page `/login`, for a cookie that holds a session until the server ends. Guesses are told off: after a few wrong
+A server that listens to a network asks for a token, its own or a named one: as `Authorization: Bearer`, or once, at
+`/?token=...` or the page `/login`, for a cookie that holds a session until the server ends. What each may do once it is
+in is the business of `roles`. Guesses are told off: after a few wrong
 tokens an address hears how long it should wait. The right token and a session always come in, whoever else guesses
 from behind the same address, so a stop gets through; what keeps guessing hopeless is the token's length.
 """
@@ -15,6 +16,7 @@ import re
 import secrets
 from collections import OrderedDict, deque
 from collections.abc import Iterable
+from dataclasses import replace
 from http.cookies import CookieError, SimpleCookie
 from urllib.parse import parse_qs, urlencode
 
@@ -22,9 +24,13 @@ from starlette.requests import Request
 from starlette.responses import HTMLResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Receive, Scope, Send
 
+from app.api.identity import ANYBODY, OWN, Identity, identify
 from app.api.problems import Kind, problem_answer
+from app.api.sessions import SESSION_S, Sessions, cookie_name
+from app.api.tokens import Tokens
 from app.api.ui import HEADERS
 from app.clock import Clock
+from app.store.tokens import hash_of
 
 UNKNOWN = Kind(
     401, "/problems/token-required", "This server asks for a token", "send it as Authorization: Bearer TOKEN"
@@ -35,9 +41,6 @@ OPEN_PATHS = frozenset({"/api/v1/health"})
 LOGIN = "/login"
 STOP = re.compile(r"/api/v1/(devices/[^/]+/axes/[^/]+/)?stop")
 """Where motors are stopped."""
-SESSIONS_MAX = 1000
-"""The oldest session ends where there are more."""
-SESSION_S = 30 * 24 * 3600
 GUESSES, WINDOW_S = 10, 60.0
 """So many wrong tokens of one address in so long [s]."""
 ADDRESSES_MAX = 10_000
@@ -47,11 +50,11 @@ PAGE = """<!doctype html><html lang="en"><meta charset="utf-8"><meta name="viewp
 <meta name="color-scheme" content="light dark"><title>stepscope: token</title>
 <style>body{{font:16px system-ui,sans-serif;max-width:24rem;margin:15vh auto;padding:0 1rem}}
 input,button{{font:inherit;padding:.5rem;width:100%;box-sizing:border-box;margin-top:.5rem}}p{{line-height:1.5}}</style>
-<h1>stepscope</h1><form method="post" action="/login"><label for="token">Token of this server</label>
+<h1>stepscope</h1><form method="post" action="/login"><label for="token">Token</label>
 <input id="token" name="token" type="password" autocomplete="current-password" required autofocus
  aria-describedby="said"><button>Open the bench</button></form><p id="said" role="status">{said}</p>
 """
-WHERE = "The terminal that started the server shows it."
+WHERE = "Your own one, or that of the server: the terminal that started it shows it."
 
 
 def new_token() -> str:
@@ -88,42 +91,62 @@ class Guesses:
 
 
 class Access:
-    """ASGI middleware: 401 without token or session, 429 for who guesses."""
+    """ASGI middleware: 401 without token or session, 429 for who guesses. Who is let in is known from here on.
 
-    def __init__(self, app: ASGIApp, token: str, clock: Clock) -> None:
+    `token` is the server's own one, of the role `administer`; None: nobody has to say one, and a named token or its
+    session counts all the same where it is said.
+    """
+
+    def __init__(self, app: ASGIApp, token: str | None, tokens: Tokens, sessions: Sessions, clock: Clock) -> None:
         self._app = app
-        self._token = token.encode()
+        self._own_hash = None if token is None else hash_of(token)
+        self._tokens = tokens
+        self._sessions = sessions
         self._guesses = Guesses(clock)
-        self._clock = clock
-        self._sessions: OrderedDict[str, float] = OrderedDict()
-        """Each session and when it ends."""
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] not in ("http", "websocket") or scope["path"] in OPEN_PATHS:
+        if scope["type"] not in ("http", "websocket"):
+            await self._app(scope, receive, send)
+            return
+        if scope["path"] in OPEN_PATHS:
+            identify(scope, ANYBODY)
             await self._app(scope, receive, send)
             return
         headers = [(key, value.decode("latin-1")) for key, value in scope["headers"]]
-        if self._in_session(scope, headers):
-            await self._app(scope, receive, send)
-            return
-        address = (scope.get("client") or ("",))[0]
         bearer = next((value for key, value in headers if key == b"authorization"), "")
         scheme, _, said = bearer.partition(" ")
-        if scheme.casefold() == "bearer" and self._is_token(said.strip()):
+        logs_in = scope["type"] == "http" and (scope["method"], scope["path"]) == ("POST", LOGIN)
+        identity = None if logs_in else self._in_session(scope, headers)
+        if identity is None and scheme.casefold() == "bearer":
+            identity = self._by_token(said.strip())
+        refusal: Response | None = None
+        if identity is None:
+            refusal = await self._refusal(scope, receive, bearer)
+            if refusal is None:
+                identity = ANYBODY
+        if identity is not None:
+            identify(scope, identity)
             await self._app(scope, receive, send)
-            return
+        elif refusal is not None:
+            await refusal(scope, receive, send)
+
+    async def _refusal(self, scope: Scope, receive: Receive, bearer: str) -> Response | None:
+        """What one gets who is not in; None where everybody is."""
+        address = (scope.get("client") or ("",))[0]
         refusal: Response | None = None
         if scope["type"] == "http":
             try:
                 refusal = await self._visitor(Request(scope, receive))
             except _Wrong as wrong:
                 refusal = self._told_off(scope, address) or wrong.page
-        if refusal is None and bearer:
+        if self._own_hash is None or refusal is not None:
+            return refusal
+        if bearer:
             refusal = self._told_off(scope, address)
         if refusal is None:
-            detail = "the token is wrong" if bearer else "there is no token, and no session of a browser"
+            detail = "the token is wrong, or revoked" if bearer else "there is no token, and no session of a browser"
             refusal = problem_answer(UNKNOWN, detail, scope["path"], None, **{"WWW-Authenticate": "Bearer"})
-        await refusal(scope, receive, send)
+        return refusal
 
     def _told_off(self, scope: Scope, address: str) -> Response | None:
         """That address said a wrong token: None while it may guess on."""
@@ -146,28 +169,29 @@ class Access:
                 if len(body) > FORM_BYTES_MAX:
                     return _page("That is no token.", 413)
             said = parse_qs(body.decode("latin-1")).get("token", [""])[0]
-            if self._is_token(said.strip()):
-                return self._welcome(request, "/")
-            raise _Wrong(_page("Wrong token.", 401))
+            identity = self._by_token(said.strip())
+            if identity is None:
+                raise _Wrong(_page("Wrong token.", 401))
+            return self._welcome(request, "/", identity)
         if request.method not in ("GET", "HEAD") or request.url.path.startswith("/api/"):
             return None
         query = dict(request.query_params)
         if "token" in query:
-            if self._is_token(query.pop("token")):
+            identity = self._by_token(query.pop("token"))
+            if identity is not None:
                 # Another address, so that the token stands in no history and no bookmark.
-                return self._welcome(request, request.url.path + (f"?{urlencode(query)}" if query else ""))
-            raise _Wrong(_page("The token in the address is wrong.", 401))
-        return _page(WHERE, 401) if "text/html" in request.headers.get("accept", "") else None
+                return self._welcome(request, request.url.path + (f"?{urlencode(query)}" if query else ""), identity)
+            if self._own_hash is not None:
+                raise _Wrong(_page("The token in the address is wrong.", 401))
+        if self._own_hash is None or "text/html" not in request.headers.get("accept", ""):
+            return None
+        return _page(WHERE, 401)
 
-    def _welcome(self, request: Request, path: str) -> Response:
-        session = secrets.token_urlsafe(32)
-        self._sessions[session] = self._clock.now() + SESSION_S
-        while len(self._sessions) > SESSIONS_MAX:
-            self._sessions.popitem(last=False)
+    def _welcome(self, request: Request, path: str, identity: Identity) -> Response:
         response = RedirectResponse("/" + path.lstrip("/\\"), 303, headers={"cache-control": "no-store"})
         response.set_cookie(
-            _cookie_name(request.scope),
-            session,
+            cookie_name(request.scope),
+            self._sessions.begin(identity.hash or ""),
             max_age=SESSION_S,
             httponly=True,
             samesite="strict",
@@ -175,20 +199,29 @@ class Access:
         )
         return response
 
-    def _is_token(self, said: str) -> bool:
-        return hmac.compare_digest(said.encode("utf-8", "replace"), self._token)
+    def _by_token(self, said: str) -> Identity | None:
+        """Who said that token; None where it is none. By hashes: the time it takes tells nothing of the tokens."""
+        if self._own_hash is not None and hmac.compare_digest(hash_of(said), self._own_hash):
+            return OWN
+        named = self._tokens.match(said)
+        return None if named is None else Identity(named.name, named.role, named.hash)
 
-    def _in_session(self, scope: Scope, headers: Iterable[tuple[bytes, str]]) -> bool:
+    def _in_session(self, scope: Scope, headers: Iterable[tuple[bytes, str]]) -> Identity | None:
         for key, value in headers:
             if key == b"cookie":
                 try:
-                    cookie = SimpleCookie(value).get(_cookie_name(scope))
+                    cookie = SimpleCookie(value).get(cookie_name(scope))
                 except CookieError:
                     continue
-                ends = self._sessions.get(cookie.value) if cookie else None
-                if ends is not None and ends > self._clock.now():
-                    return True
-        return False
+                token_hash = self._sessions.token_of(cookie.value) if cookie else None
+                if cookie is None or token_hash is None:
+                    continue
+                if token_hash == OWN.hash:
+                    return replace(OWN, session=cookie.value)
+                named = self._tokens.of_hash(token_hash)
+                if named is not None:
+                    return Identity(named.name, named.role, named.hash, cookie.value)
+        return None
 
 
 class _Wrong(Exception):
@@ -196,12 +229,6 @@ class _Wrong(Exception):
 
     def __init__(self, page: Response) -> None:
         self.page = page
-
-
-def _cookie_name(scope: Scope) -> str:
-    # Browsers give a cookie to every port of a machine, and there may be two benches on one.
-    server = scope.get("server")
-    return f"stepscope_{server[1]}" if server and server[1] else "stepscope"
 
 
 def _page(said: str, status: int) -> HTMLResponse:

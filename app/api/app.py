@@ -14,7 +14,9 @@ from app.api.auditing import Auditing
 from app.api.bench import Bench
 from app.api.guard import Guard, is_loopback
 from app.api.lease_gate import Free, LeaseGate
+from app.api.roles import Policy, RoleGate
 from app.api.routes import (
+    access,
     audit,
     axes,
     calc,
@@ -74,6 +76,7 @@ SUBJECTS = (
     conditions,
     twin,
     audit,
+    access,
 )
 
 Lifespan = Callable[[FastAPI], AbstractAsyncContextManager[None]]
@@ -99,17 +102,18 @@ def make_app(bench: Bench, lifespan: Lifespan, urgent: Callable[[], AbstractCont
     app.router.default = TwinProxy(bench.twin, otherwise=WebUi(bench.settings.web_dir))
     problems.install(app)
     free = Free(BASE)
-    openapi.customise(app, free)
+    policy = Policy(BASE)
+    openapi.customise(app, free, policy)
     app.add_middleware(bench.vitals.sockets.middleware)
     # Inside of both doors: whose request it is matters once it is in.
     app.add_middleware(LeaseGate, lease=bench.lease, calls=bench.calls, free=free)
+    app.add_middleware(RoleGate, policy=policy)
     app.add_middleware(Auditing, audit=bench.audit, manager=bench.manager, base=BASE)
     app.add_middleware(Who, name_of=bench.lease.name_of)
     # Behind the token: a stranger holds nothing back.
     app.add_middleware(StopsFirst, urgent=urgent)
     app.state.token = token_of(bench.settings)
-    if app.state.token is not None:
-        app.add_middleware(Access, token=app.state.token, clock=bench.clock)
+    app.add_middleware(Access, token=app.state.token, tokens=bench.tokens, sessions=bench.sessions, clock=bench.clock)
     # Added last, so it looks first: a foreign page may not even guess.
     app.add_middleware(
         Guard,

@@ -97,7 +97,7 @@ def taken_apart(method: str, path: str, query: bytes) -> Call:
             axis = int(number) if re.fullmatch("[0-9]{1,2}", number) else None
         elif parts[2:3] == ["registers"] and len(parts) > 3:
             _name(parts, 3, names)
-    elif parts[:1] in (["recordings"], ["profiles"]) and len(parts) > 1 and (method, path) not in SILENT:
+    elif parts[:1] in (["recordings"], ["profiles"], ["tokens"]) and len(parts) > 1 and (method, path) not in SILENT:
         _name(parts, 1, names)
     asked = dict(parse_qsl(query.decode("latin-1"), keep_blank_values=True))
     if axis is None and re.fullmatch("[0-9]{1,2}", asked.get("axis", "")):
@@ -274,6 +274,9 @@ WORDS: Mapping[tuple[str, str], Callable[[Call], Said]] = {
     ("POST", "devices/{}/axes/{}/rotate"): _rotate,
     ("POST", "devices/{}/axes/{}/stop"): _plain("stop", "mode"),
     ("POST", "stop"): _plain("stop everything", "mode"),
+    ("POST", "tokens"): _named("add token"),
+    ("DELETE", "tokens/{}"): _named("revoke token"),
+    ("POST", "access/log-out"): lambda _: Said("log out"),
     ("POST", "devices"): _add_device,
     ("PATCH", "devices/{}"): lambda call: Said("edit device", ", ".join(call.body), detail=compact(call.body)),
     ("DELETE", "devices/{}"): _plain("remove device"),

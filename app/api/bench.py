@@ -11,6 +11,8 @@ from app.api.pages import Pages
 from app.api.probing import Probing
 from app.api.recording_desk import RecordingDesk
 from app.api.schemas import Port
+from app.api.sessions import Sessions
+from app.api.tokens import Tokens
 from app.api.vitals import Vitals
 from app.clock import Clock
 from app.conditions.service import ConditionService
@@ -52,6 +54,8 @@ class Bench:
     position_saver: Saver
     pages: Pages
     vitals: Vitals
+    tokens: Tokens
+    sessions: Sessions
     probing: Probing = field(default_factory=Probing)
     scripts: Scripts = field(default_factory=Scripts)
     calls: CallsUnderWay = field(default_factory=CallsUnderWay)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from app.calc.mslut import Refusal
 from app.links.errors import UsageError, WrongState
+from app.store.tokens import Role
 
 
 class UnencodableWave(UsageError):
@@ -41,3 +42,23 @@ class BenchNotTaken(WrongState):
 
 class ForeignPage(WrongState):
     """A page of another web site asks for what changes something, although it is asked by GET."""
+
+
+class RoleTooLow(WrongState):
+    """Who asks is in, and may not do that: with which role, and which one it needs."""
+
+    def __init__(self, token: str, role: Role, needed: Role, what: str) -> None:
+        whose = f"the token {token!r}" if token else "this token"
+        super().__init__(
+            f"{whose} has the role {role}, which {MAY[role]}; {what} needs {needed}",
+            f"ask who administers this server for a token with the role {needed} "
+            f"(stepscope tokens add NAME --role {needed}); POST /stop is for every role",
+        )
+        self.token, self.role, self.needed = token, role, needed
+
+
+MAY: dict[Role, str] = {
+    "look": "reads everything but tokens, calculates, and stops motors",
+    "drive": "does everything but to administer tokens",
+    "administer": "does everything",
+}

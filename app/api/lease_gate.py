@@ -19,16 +19,25 @@ from app.devices.actor import actor
 from app.links.errors import WrongState
 
 AXIS = "/devices/{device}/axes/{axis}"
-FREE = frozenset(
+STOPS = frozenset(
     {
-        # Stops. Aborting a procedure is one: it ends, and its motor stops.
         ("POST", "/stop"),
         ("POST", f"{AXIS}/stop"),
+        # Aborting a procedure is one: it ends, and its motor stops.
         ("DELETE", f"{AXIS}/reference-search"),
         ("DELETE", f"{AXIS}/shuttle"),
         ("DELETE", f"{AXIS}/closed-loop-calibration"),
         ("DELETE", f"{AXIS}/step-response"),
         ("DELETE", f"{AXIS}/disturbance"),
+    }
+)
+"""What stops a motor, for everybody who is in."""
+FREE = STOPS | frozenset(
+    {
+        # Who may come in moves no motor.
+        ("POST", "/access/log-out"),
+        ("POST", "/tokens"),
+        ("DELETE", "/tokens/{name}"),
         # The lease.
         ("POST", "/lease"),
         ("PUT", "/lease"),
@@ -67,9 +76,9 @@ class Free:
     """Which calls need no lease, of the API under the address `base`."""
 
     def __init__(self, base: str) -> None:
-        free = (f"{method} {re.escape(base)}{_template(path)}" for method, path in sorted(FREE))
+        free = (f"{method} {re.escape(base)}{template(path)}" for method, path in sorted(FREE))
         self._free = re.compile("|".join(free))
-        self._dry_run = re.compile(f"{DRY_RUN[0]} {re.escape(base)}{_template(DRY_RUN[1])}")
+        self._dry_run = re.compile(f"{DRY_RUN[0]} {re.escape(base)}{template(DRY_RUN[1])}")
 
     def holds(self, method: str, path: str, query: bytes = b"") -> bool:
         """Whether that call needs none: it changes nothing that the lease is for."""
@@ -82,7 +91,8 @@ class Free:
         return self._free.fullmatch(call) is not None
 
 
-def _template(path: str) -> str:
+def template(path: str) -> str:
+    """A pattern for the addresses of a route."""
     return "[^/]+".join(re.escape(part) for part in re.split(r"{[^}]*}", path))
 
 

@@ -11,9 +11,10 @@ from fastapi.openapi.utils import get_openapi
 from fastapi.routing import APIRoute
 
 from app import __version__
-from app.api.errors import BenchNotTaken, BenchTaken
+from app.api.errors import BenchNotTaken, BenchTaken, RoleTooLow
 from app.api.lease_gate import Free
 from app.api.problems import FOREIGN, INVALID, TOO_LARGE, UNDECODABLE, Kind, kind_of, problems
+from app.api.roles import Policy
 from app.api.schemas import AxisProblem, Problem
 from app.api.schemas_conditions import ConditionsMessage
 from app.api.schemas_telemetry import TelemetryMessage
@@ -26,19 +27,21 @@ def operation_id(route: APIRoute) -> str:
     return route.name
 
 
-def customise(app: FastAPI, free: Free) -> None:
-    """Let `app` describe itself as this module says; calls that are not `free` may be refused for want of the lease."""
+def customise(app: FastAPI, free: Free, policy: Policy) -> None:
+    """Let `app` describe itself as this module says; calls that are not `free` may be refused for want of the lease,
+    those of which `policy` says so for want of the role.
+    """
     made: list[dict[str, Any]] = []
 
     def schema() -> dict[str, Any]:
         if not made:
-            made.append(_schema(app, free))
+            made.append(_schema(app, free, policy))
         return made[0]
 
     app.openapi = schema  # type: ignore[method-assign]  # how FastAPI wants it to be replaced
 
 
-def _schema(app: FastAPI, free: Free) -> dict[str, Any]:
+def _schema(app: FastAPI, free: Free, policy: Policy) -> dict[str, Any]:
     schema = get_openapi(
         title="stepscope",
         version=__version__,
@@ -48,7 +51,9 @@ def _schema(app: FastAPI, free: Free) -> dict[str, Any]:
             "`/api/v1/devices/{device}/telemetry`; its text messages are the schema `TelemetryMessage`, its binary "
             "frames little-endian: `SSC1`, u32 sequence, u32 rows, u32 columns, u64 rows dropped, then float64 time "
             "in seconds for each row, then float64 for each row, column after column. `/api/v1/conditions` is a "
-            "WebSocket too: the condition of every axis, then each change (`ConditionsMessage`)."
+            "WebSocket too: the condition of every axis, then each change (`ConditionsMessage`). A server on a network "
+            "asks for a token (`Authorization: Bearer`): its own, or a named one with a role. `x-required-role` is the "
+            "least role of a call: look, drive or administer; 403 tells where it is higher."
         ),
         routes=app.routes,
     )
@@ -61,13 +66,16 @@ def _schema(app: FastAPI, free: Free) -> dict[str, Any]:
         components.pop(name, None)
     for address, path in schema["paths"].items():
         for method, operation in path.items():
-            _document_problems(operation, takes_lease=not free.holds(method.upper(), address))
+            needed = operation["x-required-role"] = policy.needs(method.upper(), address)
+            _document_problems(
+                operation, takes_lease=not free.holds(method.upper(), address), any_role=needed == "look"
+            )
     return schema
 
 
-def _document_problems(operation: dict[str, Any], *, takes_lease: bool) -> None:
+def _document_problems(operation: dict[str, Any], *, takes_lease: bool, any_role: bool) -> None:
     """Add the errors that the edge itself gives to those of the route."""
-    kinds: list[Kind] = [FOREIGN]
+    kinds: list[Kind] = [FOREIGN] if any_role else [FOREIGN, kind_of(RoleTooLow)]
     if takes_lease:
         kinds += [kind_of(BenchTaken), kind_of(BenchNotTaken)]
     if "requestBody" in operation:

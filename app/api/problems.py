@@ -19,7 +19,7 @@ from pydantic import ValidationError
 from starlette.exceptions import HTTPException
 
 from app.api.conditions import condition_out, remedy_out
-from app.api.errors import BenchNotTaken, BenchTaken, ForeignPage, UnencodableWave
+from app.api.errors import BenchNotTaken, BenchTaken, ForeignPage, RoleTooLow, UnencodableWave
 from app.api.schemas import AxisProblem, Condition, Problem, Remedy
 from app.devices.signs import start_up
 from app.links.errors import (
@@ -71,6 +71,7 @@ KINDS: dict[type[Exception], Kind] = {
     OtherModel: Kind(409, "/problems/other-model", "This is another model"),
     UnknownParameter: Kind(409, "/problems/unknown-parameter", "This module has no such parameter"),
     ForeignPage: FOREIGN,
+    RoleTooLow: Kind(403, "/problems/role-too-low", "This token may not do that"),
     WrongState: Kind(409, "/problems/wrong-state", "Not possible now"),
     CannotMove: Kind(409, "/problems/wrong-state", "Not possible now"),  # with the remedy beside it
     LinkDown: Kind(

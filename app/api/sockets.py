@@ -1,34 +1,74 @@
-"""Every open WebSocket: how many there are."""
+"""Every open WebSocket: how many there are, whose they are, and their end when who opened them may not be here."""
 
 from __future__ import annotations
 
-from starlette.types import ASGIApp, Receive, Scope, Send
+import asyncio
+from collections.abc import Callable, Coroutine
+from dataclasses import dataclass
+from typing import Any, cast
+
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from app.api.identity import Identity, identity_of
+
+ENDED = 4401
+"""Close code: who opened this socket has logged out, or the token was revoked."""
+
+
+@dataclass(eq=False, slots=True)
+class _Open:
+    identity: Identity
+    end: asyncio.Event
 
 
 class Sockets:
     """The open WebSockets of one server."""
 
     def __init__(self) -> None:
-        self._open: dict[object, str] = {}
-        """The path of each."""
+        self._open: set[_Open] = set()
 
     @property
     def open(self) -> int:
         """How many there are."""
         return len(self._open)
 
-    def middleware(self, app: ASGIApp) -> ASGIApp:
-        """ASGI middleware that counts them."""
+    def end(self, whose: Callable[[Identity], bool]) -> None:
+        """Close those of whom `whose` says so."""
+        for each in self._open:
+            if whose(each.identity):
+                each.end.set()
 
-        async def counted(scope: Scope, receive: Receive, send: Send) -> None:
+    def middleware(self, app: ASGIApp) -> ASGIApp:
+        """ASGI middleware that keeps them. The identity is known already."""
+
+        async def kept(scope: Scope, receive: Receive, send: Send) -> None:
             if scope["type"] != "websocket":
                 await app(scope, receive, send)
                 return
-            key = object()
-            self._open[key] = scope["path"]
+            socket = _Open(identity_of(scope), asyncio.Event())
+            self._open.add(socket)
+            work = cast("Coroutine[Any, Any, None]", app(scope, receive, _only_until(socket.end, send)))
+            serving = asyncio.create_task(work, name=f"socket {scope['path']}")
+            ending = asyncio.create_task(socket.end.wait(), name="end of a socket")
             try:
-                await app(scope, receive, send)
+                await asyncio.wait({serving, ending}, return_when=asyncio.FIRST_COMPLETED)
+                if not serving.done():
+                    await send({"type": "websocket.close", "code": ENDED, "reason": "logged out, or revoked"})
             finally:
-                del self._open[key]
+                self._open.discard(socket)
+                ending.cancel()
+                serving.cancel()
+                await asyncio.wait({serving, ending})
+            if not serving.cancelled():
+                serving.result()  # what it raised is the server's to know
 
-        return counted
+        return kept
+
+
+def _only_until(end: asyncio.Event, send: Send) -> Send:
+    async def send_on(message: Message) -> None:
+        if end.is_set():
+            raise OSError("the socket is closed")  # as of one whose peer has gone
+        await send(message)
+
+    return send_on

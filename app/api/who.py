@@ -2,7 +2,7 @@
 
 Two headers say it, both from our own page and client: `Stepscope-Session`, a random id that nobody else knows, and
 `Stepscope-Name`, percent-encoded. What neither says is guessed from User-Agent. None of it is a proof of anything:
-who may come in at all is the business of `access`.
+who may come in at all is the business of `access`. A named token is a proof, and its name the one that counts.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from urllib.parse import unquote
 
 from starlette.types import ASGIApp, Receive, Scope, Send
 
+from app.api.identity import identity_of
 from app.devices.actor import Actor, ActorKind, actor
 
 SESSION_HEADER = "Stepscope-Session"
@@ -38,7 +39,8 @@ def actor_of(scope: Scope, name_of: Callable[[str], str | None]) -> Actor:
     address = (scope.get("client") or ("",))[0]
     kind: ActorKind = "browser" if agent.startswith("Mozilla/") else "client"
     known = name_of(session) if session else None
-    return Actor(known or name or _guessed(agent, kind, address), kind, session or None, address)
+    token = identity_of(scope).name
+    return Actor(token or known or name or _guessed(agent, kind, address), kind, session or None, address, token)
 
 
 def _guessed(agent: str, kind: ActorKind, address: str) -> str:

@@ -22,6 +22,7 @@ from app.commands.motion import axis, move, rotate, stop
 from app.commands.profile_scripts import script
 from app.commands.profiles import profile
 from app.commands.start_up import start_up
+from app.commands.tokens import tokens
 
 COMMANDS: Sequence[Callable[..., None]] = (
     devices,
@@ -45,5 +46,5 @@ COMMANDS: Sequence[Callable[..., None]] = (
 WITHOUT_ARGUMENTS = frozenset({"audit", "conditions", "devices", "recordings", "stop"})
 """Commands that do something when nothing follows; the others show their help then."""
 profile.command(no_args_is_help=True)(script)
-GROUPS: Sequence[typer.Typer] = (lease, profile)
+GROUPS: Sequence[typer.Typer] = (lease, profile, tokens)
 """Subjects with commands of their own, as `stepscope SUBJECT COMMAND`."""

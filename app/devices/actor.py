@@ -18,13 +18,16 @@ class Actor:
     """One who may change something."""
 
     name: str
-    """As people know it: from the lease, or what a request says of itself. Never to be trusted for access."""
+    """As people know it: the token's name; without one that of the lease, or what a request says of itself, which
+    proves nothing."""
     kind: ActorKind
     session: str | None = field(repr=False)
     """The random id of the tab or client. A secret: who knows it holds its lease. It belongs in no log and no answer;
     None for a call that borrows the bench."""
     address: str
     """Where the request came from, without the port; empty for what the server does itself."""
+    token: str = ""
+    """The name of the token that let it in, which is proven; empty where it came in without a name."""
 
 
 STEPSCOPE = Actor("stepscope", "server", None, "")

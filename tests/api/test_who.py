@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from starlette.types import Receive, Scope, Send
 
+from app.api.identity import ANYBODY, Identity, identify
 from app.api.who import NAME_MAX, Who, plain_name
 from app.devices.actor import STEPSCOPE, Actor, actor
 
@@ -34,9 +35,15 @@ class Asked:
         self.seen.append(actor.get())
 
 
-async def who(headers: dict[str, str], names: dict[str, str] | None = None) -> Actor:
+async def who(headers: dict[str, str], names: dict[str, str] | None = None, identity: Identity = ANYBODY) -> Actor:
     asked = Asked()
-    transport = httpx.ASGITransport(Who(asked, (names or {}).get), client=("10.0.0.7", 40_000))
+    inside = Who(asked, (names or {}).get)
+
+    async def door(scope: Scope, receive: Receive, send: Send) -> None:
+        identify(scope, identity)
+        await inside(scope, receive, send)
+
+    transport = httpx.ASGITransport(door, client=("10.0.0.7", 40_000))
     async with httpx.AsyncClient(transport=transport, base_url="http://127.0.0.1:8000") as client:
         await client.get("/", headers=headers)
     assert actor.get() is STEPSCOPE
@@ -69,6 +76,12 @@ async def test_the_name_of_the_lease_wins() -> None:
     assert (await who(headers, {SESSION: "tuning"})).name == "tuning"
 
 
+async def test_the_name_of_the_token_wins_over_all() -> None:
+    headers = {"stepscope-session": SESSION, "stepscope-name": "somebody%20else"}
+    seen = await who(headers, {SESSION: "tuning"}, Identity("anna", "drive", "0" * 64))
+    assert (seen.name, seen.token) == ("anna", "anna")
+
+
 async def test_a_socket_has_one_too() -> None:
     asked = Asked()
 
@@ -79,6 +92,7 @@ async def test_a_socket_has_one_too() -> None:
         del message
 
     scope = {"type": "websocket", "headers": [(b"user-agent", b"curl/8")], "client": ("::1", 5)}
+    identify(scope, ANYBODY)
     await Who(asked, lambda _: None)(scope, receive, send)
     assert asked.seen[0].name == "curl@::1"
 

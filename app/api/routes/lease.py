@@ -50,7 +50,7 @@ async def get_lease(bench: CurrentBench, session: MaybeSession = None) -> LeaseI
 async def take_lease(bench: CurrentBench, session: Session, body: LeaseTake) -> LeaseInfo:
     """Take the free bench, or keep it. Answers when calls that others have begun are over, so that one is alone."""
     had_it = bench.lease.is_holder(session)
-    bench.lease.take(session, body.name, actor.get().address)
+    bench.lease.take(session, actor.get().token or body.name, actor.get().address)
     if not had_it:  # else those calls are its own
         await bench.calls.over(CALLS_END_WITHIN_S)
     return _info(bench, session)
@@ -84,7 +84,7 @@ async def leave_lease(bench: CurrentBench, session: Session) -> LeaseInfo:
 @router.post("/ask", responses=problems(WrongState))
 async def ask_for_lease(bench: CurrentBench, session: Session, body: LeaseTake) -> LeaseInfo:
     """Ask the holder for the bench. A question stands for 15 s: repeat it, and see by `mine` whether it was granted."""
-    bench.lease.ask(session, body.name, actor.get().address)
+    bench.lease.ask(session, actor.get().token or body.name, actor.get().address)
     return _info(bench, session)
 
 

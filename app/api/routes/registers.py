@@ -9,8 +9,9 @@ from fastapi import APIRouter, Query, Request
 from app.api.abilities import CurrentStoringDevice
 from app.api.convert import batch_result
 from app.api.deps import AxisQuery, CurrentDevice, DeviceId, RegisterName, device_of
-from app.api.errors import ForeignPage
+from app.api.errors import ForeignPage, RoleTooLow
 from app.api.guard import require_own_page
+from app.api.identity import identity_of
 from app.api.problems import DEVICE_PROBLEMS, problems
 from app.api.schemas import (
     Exchange,
@@ -55,7 +56,7 @@ async def write_registers(device: CurrentDevice, body: RegisterBatch) -> Registe
     return batch_result(await device.write_many(items))
 
 
-@router.get("/registers/{name}", responses=problems(*DEVICE_PROBLEMS, ForeignPage))
+@router.get("/registers/{name}", responses=problems(*DEVICE_PROBLEMS, ForeignPage, RoleTooLow))
 async def read_register(
     request: Request, device: DeviceId, name: RegisterName, axis: AxisQuery = None
 ) -> RegisterReading:
@@ -64,6 +65,7 @@ async def read_register(
     asked = device_of(request, device)
     if asked.clears_when_read(name, axis):  # whoever only looks must not take an event from whoever works
         require_own_page(request.scope)
+        identity_of(request.scope).require("drive", f"reading {name}, which clears it,")
         request.app.state.bench.lease.require(actor.get().session)
     return RegisterReading.model_validate(await asked.read(name, axis))
 

@@ -1767,6 +1767,90 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/access": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Get Access
+         * @description Who asks, and what that one may do.
+         */
+        get: operations["get_access"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/access/log-out": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Log Out
+         * @description End this browser's session and its sockets. Without a session there is nothing to end: no error.
+         */
+        post: operations["log_out"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/tokens": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Tokens
+         * @description The named tokens, in the order they were made.
+         */
+        get: operations["list_tokens"];
+        put?: never;
+        /**
+         * Add Token
+         * @description Make a named token. The answer tells it, and nothing else ever does.
+         */
+        post: operations["add_token"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/tokens/{name}": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        post?: never;
+        /**
+         * Revoke Token
+         * @description Revoke a named token: its sessions and its sockets end at once.
+         */
+        delete: operations["revoke_token"];
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/metrics": {
         parameters: {
             query?: never;
@@ -1791,6 +1875,29 @@ export interface paths {
 export type webhooks = Record<string, never>;
 export interface components {
     schemas: {
+        /**
+         * AccessInfo
+         * @description Who asks, as the server knows it.
+         */
+        AccessInfo: {
+            /**
+             * Name
+             * @description of the token; null for the server's own one, and without any
+             */
+            name: string | null;
+            /**
+             * Role
+             * @description look: reads, and stops. drive: everything but tokens. administer: all
+             * @enum {string}
+             */
+            role: "look" | "drive" | "administer";
+            /**
+             * By
+             * @description nothing: this server asks for no token. session: a cookie, which logging out ends
+             * @enum {string}
+             */
+            by: "nothing" | "token" | "session";
+        };
         /**
          * AngleCorrection
          * @description A turn of the current vector by degrees * sin(order * angle + phase).
@@ -9629,6 +9736,61 @@ export interface components {
             took_ms: number;
         };
         /**
+         * TokenAdd
+         * @description Who is to come in.
+         * @example {
+         *       "name": "anna",
+         *       "role": "drive"
+         *     }
+         */
+        TokenAdd: {
+            /**
+             * Name
+             * @description letters, digits and . @ + - _, spaces between; what the lease and the audit log show
+             */
+            name: string;
+            /**
+             * Role
+             * @enum {string}
+             */
+            role: "look" | "drive" | "administer";
+        };
+        /**
+         * TokenInfo
+         * @description A named token. Itself it is told only once.
+         */
+        TokenInfo: {
+            /** Name */
+            name: string;
+            /**
+             * Role
+             * @enum {string}
+             */
+            role: "look" | "drive" | "administer";
+            /** Created Unix S */
+            created_unix_s: number;
+            /**
+             * Sessions
+             * @description browsers that are logged in with it
+             */
+            sessions: number;
+        };
+        /**
+         * TokenMade
+         * @description A new token: kept nowhere in clear, so write it down.
+         */
+        TokenMade: {
+            /** Name */
+            name: string;
+            /**
+             * Role
+             * @enum {string}
+             */
+            role: "look" | "drive" | "administer";
+            /** Token */
+            token: string;
+        };
+        /**
          * TruthState
          * @description How motor and shaft really are: what nobody tells who is asked over the wire.
          */
@@ -11183,7 +11345,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -11274,7 +11436,7 @@ export interface operations {
                     "application/json": components["schemas"]["RegisterReading"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin); Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low); Refused: this request comes from another web site (/problems/foreign-origin) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -11369,7 +11531,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -11460,7 +11622,7 @@ export interface operations {
                     "application/json": components["schemas"]["RegisterReading"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -11542,7 +11704,7 @@ export interface operations {
                     "application/json": components["schemas"]["RegisterReading"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -11632,7 +11794,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -11812,7 +11974,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -11900,7 +12062,7 @@ export interface operations {
                     "application/json": components["schemas"]["AxisStateOut"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -11979,7 +12141,7 @@ export interface operations {
                     "application/json": components["schemas"]["AxisStateOut"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -12069,7 +12231,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -12170,7 +12332,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -12271,7 +12433,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -12724,7 +12886,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -12796,7 +12958,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -12855,7 +13017,7 @@ export interface operations {
                     "application/json": components["schemas"]["LeaseInfo"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -12896,7 +13058,7 @@ export interface operations {
                     "application/json": components["schemas"]["LeaseInfo"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -12950,7 +13112,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -13022,7 +13184,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -13129,7 +13291,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -13198,7 +13360,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -13305,7 +13467,7 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -13377,7 +13539,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -13445,7 +13607,7 @@ export interface operations {
                     "application/json": components["schemas"]["DeviceInfo"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -13504,7 +13666,7 @@ export interface operations {
                     "application/json": components["schemas"]["DeviceInfo"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -13630,7 +13792,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -13718,7 +13880,7 @@ export interface operations {
                     "application/json": components["schemas"]["ExtendedPosition"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -14005,7 +14167,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -14192,7 +14354,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -14379,7 +14541,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -14566,7 +14728,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -14753,7 +14915,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -14886,7 +15048,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -14996,7 +15158,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -15209,7 +15371,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -15391,7 +15553,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -15567,7 +15729,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -15748,7 +15910,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -15891,7 +16053,7 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -15950,7 +16112,7 @@ export interface operations {
                     "application/json": components["schemas"]["TakenBack"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -16098,7 +16260,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -16337,7 +16499,7 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -16418,7 +16580,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -16617,7 +16779,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -17409,7 +17571,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -17465,7 +17627,7 @@ export interface operations {
                     "application/json": components["schemas"]["ProbeState"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -17563,7 +17725,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -17773,7 +17935,7 @@ export interface operations {
                 };
                 content?: never;
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -17854,7 +18016,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -18178,7 +18340,7 @@ export interface operations {
                     "application/json": components["schemas"]["RecordingInfo"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -18291,7 +18453,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -18372,7 +18534,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -18520,7 +18682,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -18618,7 +18780,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -18692,7 +18854,7 @@ export interface operations {
                     "application/json": components["schemas"]["TwinState"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -18734,7 +18896,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
             403: {
                 headers: {
                     [name: string]: unknown;
@@ -18876,6 +19038,226 @@ export interface operations {
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
             403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    get_access: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["AccessInfo"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    log_out: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_tokens: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TokenInfo"][];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    add_token: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["TokenAdd"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            201: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["TokenMade"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request asks for what cannot be (/problems/unusable-request); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Nothing can be kept or looked up now (/problems/store-unavailable) */
+            503: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    revoke_token: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description of the token */
+                name: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The request does not fit the contract (/problems/invalid-request) */
+            422: {
                 headers: {
                     [name: string]: unknown;
                 };
