@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 
 import httpx
@@ -70,3 +71,12 @@ def test_nothing_is_sent_beside_a_refused_entry(bench: Page, wide: Chip) -> None
     field.fill("77")
     field.press("Tab")
     expect(bench.get_by_test_id("move-go")).to_be_enabled()
+
+
+def test_the_wanted_speed_is_remembered(bench: Page) -> None:
+    field = bench.get_by_label("Speed pps", exact=True)
+    field.fill("4321")
+    field.press("Enter")
+    bench.reload()
+    expect(bench.get_by_test_id("link-readout").first).to_contain_text("live", timeout=20_000)
+    expect(bench.get_by_label("Speed pps", exact=True)).to_have_value(re.compile(r"4.?321"))

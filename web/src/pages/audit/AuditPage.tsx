@@ -7,13 +7,13 @@ import { EmptyState } from "../../lib/EmptyState";
 import { fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Page, Section } from "../../lib/Section";
+import { dayText } from "../../lib/time";
 import { useSelection } from "../../live/selection";
 import { AuditRow } from "./AuditRow";
 import classes from "./audit.module.css";
 import { FilterBar } from "./FilterBar";
 import { type Entry, EVERYTHING, type Filters, isFiltered, queryOf } from "./filters";
 import { type Audit, SHOWN_MAX, useAudit } from "./useAudit";
-import { dayText } from "./words";
 
 const COLUMNS = ["Time", "Who", "Device", "Action", "What", "Old → new", "Outcome"] as const;
 /** Scrolled down further than that, rows are read: new ones wait above. */

@@ -1,6 +1,7 @@
 import { describe, expect, it } from "vitest";
+import { dayText } from "../../lib/time";
 import { csvHref, type Entry, EVERYTHING, isFiltered, queryOf } from "./filters";
-import { dayText, hasFields, outcomeOf, valueText } from "./words";
+import { hasFields, outcomeOf, valueText } from "./words";
 
 const ENTRY: Entry = {
   id: 7,

@@ -2,23 +2,10 @@ import { fixed } from "../../lib/format";
 import { timeOf } from "../../lib/time";
 import type { Entry, Outcome } from "./filters";
 
-const DAY_MS = 24 * 3600 * 1000;
-
 /** 18:45:09.3, in the browser's zone. */
 export function timeText(iso: string): string {
   const at = new Date(iso);
   return `${timeOf(at)}.${Math.floor(at.getMilliseconds() / 100)}`;
-}
-
-/** Today, Yesterday, or Friday 20 November. */
-export function dayText(iso: string, now: Date): string {
-  const at = new Date(iso);
-  const midnight = (when: Date) => new Date(when.getFullYear(), when.getMonth(), when.getDate()).getTime();
-  const days = Math.round((midnight(now) - midnight(at)) / DAY_MS);
-  if (days === 0) return "Today";
-  if (days === 1) return "Yesterday";
-  const year = at.getFullYear() === now.getFullYear() ? {} : ({ year: "numeric" } as const);
-  return at.toLocaleDateString("en-GB", { weekday: "long", day: "numeric", month: "long", ...year }).replace(",", "");
 }
 
 /** A number with a real minus and thin spaces, a text as it is, nothing for nothing. */
