@@ -226,6 +226,7 @@ def create_app(
         ear.sync(manager.devices)
         audit.note("start", "stepscope", detail=f"version {__version__}")
         lease_watch.start()
+        desk.read_ahead()
         vitals.start()
         try:
             yield

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
@@ -72,6 +73,14 @@ class RecordingDesk:
         self._ports = ports
         self._replays: dict[str, Progress] = {}
         self._replaying: set[asyncio.Task[None]] = set()
+        self._reading: asyncio.Task[None] | None = None
+        self._closing = threading.Event()
+
+    def read_ahead(self) -> None:
+        """Read the heads of all recordings beside everything else, so that a first search finds them read."""
+        self._reading = asyncio.create_task(
+            asyncio.to_thread(self.library.read_all, self._closing), name="recordings are read"
+        )
 
     async def start(
         self,
@@ -229,6 +238,9 @@ class RecordingDesk:
 
     async def close(self) -> None:
         """End all of them: the server goes."""
+        self._closing.set()
+        if self._reading is not None:
+            await asyncio.gather(self._reading, return_exceptions=True)
         for progress in self._replays.values():
             progress.cancelled.set()
         await asyncio.gather(*(recorder.stop() for recorder in self._recorders.values()))

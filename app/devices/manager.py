@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import gc
 import time
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, replace
@@ -26,6 +27,9 @@ from app.registers.catalog import MODELS
 
 LET_GO_S = 1.0
 """How long letting go of a device may take to stop its motors [s]."""
+COLLECT_AFTER_S = 1.0
+"""The parts of a device know each other, so only the garbage collector frees them, with history and emulator, and by
+itself so late that memory has grown meanwhile. It is called so long after one was removed [s], once for many."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +74,7 @@ class DeviceManager:
         self._devices: dict[str, Device] = {}
         self._watches: dict[Device, Watch] = {}
         self._stopping = Stopping()
+        self._collecting: asyncio.TimerHandle | None = None
 
     @property
     def kinds(self) -> tuple[str, ...]:
@@ -143,6 +148,7 @@ class DeviceManager:
         self._put(device_id, successor)
         self._on_change()
         await self._let_go(device)
+        self._collect_soon()
         if connected:
             await self._start(successor, wait=True)
             await self._powered(successor)
@@ -154,6 +160,7 @@ class DeviceManager:
         del self._devices[device_id]
         self._on_change()
         await self._let_go(device)
+        self._collect_soon()
 
     async def connect(self, device_id: str) -> Device:
         """Connect, or try at once again where that failed; the state tells what came of it. Raises UnknownThing."""
@@ -208,6 +215,8 @@ class DeviceManager:
         """Let go of everything. For the end of the program."""
         await asyncio.gather(*(self._let_go(device) for device in self.devices))
         await self._stopping.close()
+        if self._collecting is not None:
+            self._collecting.cancel()
 
     # --- inside ---------------------------------------------------------------------------------
 
@@ -223,6 +232,14 @@ class DeviceManager:
             (device.id if key == old_id else key): (device if key == old_id else other)
             for key, other in self._devices.items()
         }
+
+    def _collect_soon(self) -> None:
+        if self._collecting is None:
+            self._collecting = asyncio.get_running_loop().call_later(COLLECT_AFTER_S, self._collect)
+
+    def _collect(self) -> None:
+        self._collecting = None
+        gc.collect()
 
     async def _start(self, device: Device, *, wait: bool) -> None:
         watch = self._watches[device] = Watch(device, self._background)

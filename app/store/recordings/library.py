@@ -15,7 +15,6 @@ from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
-from itertools import islice
 from pathlib import Path
 from shutil import disk_usage
 
@@ -24,7 +23,7 @@ import numpy as np
 from app.links.errors import StoreUnavailable, UnknownThing, UsageError, WrongState
 from app.store.document import Document, UnreadableDocument
 from app.store.recordings import file, marks
-from app.store.recordings.head import Head, UnreadableRecording
+from app.store.recordings.head import Column, Head, UnreadableRecording
 from app.store.recordings.opened import Opened, OpenedRecordings
 
 FOLDER = "recordings"
@@ -34,6 +33,8 @@ LABEL = ".json"
 SUFFIXES = (file.SUFFIX, marks.SUFFIX, LABEL, f"{LABEL}.lock")
 """Of all files of a recording; the rows come first."""
 SETTLED_NS = 2_000_000_000
+READ_PAUSE_S = 0.002
+"""Between two files that are read ahead [s]: the server has better things to do."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,12 +46,27 @@ class Label:
 
 
 @dataclass(frozen=True, slots=True)
+class Summary:
+    """What the list tells of a head: ten thousand of them whole would take half a gigabyte."""
+
+    device: str
+    model: str
+    columns: tuple[Column, ...]
+    rate_hz: float
+    started_unix_s: float
+
+    @classmethod
+    def of(cls, head: Head) -> Summary:
+        return cls(head.device, head.model, head.columns, head.rate_hz, head.started_unix_s)
+
+
+@dataclass(frozen=True, slots=True)
 class Entry:
     """A recording in the list. `head` is None, and `problem` tells why, where its file cannot be read."""
 
     id: str
     label: Label
-    head: Head | None
+    head: Summary | None
     size_bytes: int
     recording: bool
     problem: str = ""
@@ -69,6 +85,16 @@ Stamp = tuple[int, int, int]
 """Inode, time of the last change and size of a file: what a reading of it is good for."""
 
 
+@dataclass(frozen=True, slots=True)
+class _Known:
+    """What was read of a recording, what is searched in it, and the stamps of its rows and its label then."""
+
+    rows: Stamp | None
+    label: Stamp | None
+    entry: Entry
+    words: str
+
+
 class Library:
     """The recordings below `data_dir`. `running` are the ids that are being written now, kept by the recorders."""
 
@@ -76,10 +102,18 @@ class Library:
         self._folder = data_dir / FOLDER
         self.running: set[str] = set()
         self._opened = OpenedRecordings()
-        self._scanned: tuple[int, dict[str, int]] = (0, {})
-        """When the folder was changed last, and the size of each recording then, the latest first."""
-        self._entries: dict[str, tuple[Stamp | None, Stamp | None, Entry]] = {}
-        """What was read of each, with the stamps of its rows and its label."""
+        self._scanned_ns = 0
+        """When the folder was changed last, as the latest scan found it."""
+        self._seen: set[str] = set()
+        """Names of everything in the folder, ours or not."""
+        self._files: dict[str, dict[str, int]] = {}
+        """Of each id the files and their sizes [bytes]; those without rows, too."""
+        self._ids: list[str] = []
+        """Of those with rows, the latest first."""
+        self._changed: set[str] = set()
+        """Ids whose files have other sizes now. Filled by anybody; the next scan looks."""
+        self._entries: dict[str, _Known] = {}
+        """What was read of each."""
         self._looking = threading.Lock()
 
     def new_id(self, unix_s: float) -> str:
@@ -106,6 +140,7 @@ class Library:
     def ended(self, recording: str) -> None:
         """Nobody writes it any more."""
         self.running.discard(recording)
+        self._changed.add(recording)
 
     def mark(self, recording: str, mark: marks.Mark) -> None:
         """Remember that something happened. Raises UnknownThing, OSError."""
@@ -115,22 +150,36 @@ class Library:
     def page(self, search: str = "", device: str = "", limit: int | None = None, before: str = "") -> Page:
         """The latest first, `limit` of those that are older than the id `before`.
 
-        `search` is looked for in name, note, device and model, without regard to case. Blocks: the first search reads
-        every file, a page without one only its own.
+        `search` is looked for in name, note, device and model, without regard to case. Blocks: a search reads every
+        file that was never read (`read_all` does it before), a page without one only its own.
         """
         with self._looking:
-            ids = list(self._scan())
+            ids = self._scan()
             wanted = search.casefold().split()
             if wanted or device:
+                # What the page shows is looked at once more; of the others what was read of them has to do.
+                known = (self._entries.get(each) or self._read(each) for each in ids)
                 ids = [
-                    entry.id
-                    for entry in map(self._entry, ids)
-                    if (not device or (entry.head is not None and entry.head.device == device))
-                    and all(word in _words(entry) for word in wanted)
+                    one.entry.id
+                    for one in known
+                    if (not device or (one.entry.head is not None and one.entry.head.device == device))
+                    and all(word in one.words for word in wanted)
                 ]
             older = [each for each in ids if each < before] if before else ids
             shown = older[:limit]
             return Page([self._entry(each) for each in shown], shown[-1] if len(shown) < len(older) else None, len(ids))
+
+    def read_all(self, ended: threading.Event) -> None:
+        """Read what was never read, so that the first search need not. Blocks, for seconds where there are thousands;
+        leaves others their turn in between, and ends early with `ended`."""
+        with self._looking:
+            ids = list(self._scan())
+        for each in ids:
+            if ended.wait(READ_PAUSE_S):
+                return
+            with self._looking:
+                if each not in self._entries:
+                    self._read(each)
 
     def entry(self, recording: str) -> Entry:
         """Raises UnknownThing."""
@@ -183,7 +232,8 @@ class Library:
     def size_bytes(self) -> int:
         """Room that all of them take on the disk."""
         with self._looking:
-            return sum(self._scan().values())
+            self._scan()
+            return sum(size for sizes in self._files.values() for size in sizes.values())
 
     def _rows_of(self, recording: str) -> Path:
         return self._folder / f"{recording}{file.SUFFIX}"
@@ -192,65 +242,94 @@ class Library:
         # The pattern before the path: an id never leads out of the folder.
         if not ID.fullmatch(recording) or not self._rows_of(recording).is_file():
             with self._looking:
-                raise UnknownThing("recording", recording[:60], list(islice(self._scan(), 5)))
+                raise UnknownThing("recording", recording[:60], self._scan()[:5])
         return recording
 
-    def _scan(self) -> dict[str, int]:
-        """Every recording and its size [bytes], the latest first: one look at the folder, none while it is as it was.
+    def _scan(self) -> list[str]:
+        """Every recording, the latest first: one look at the folder, none while it is as it was.
 
         A file that grows does not change its folder: those that are being written are looked at each time.
         """
         try:
             changed_ns = self._folder.stat().st_mtime_ns
+            if self._scanned_ns != changed_ns:
+                self._take_in(set(os.listdir(self._folder)))
+                # What changes within the same tick of the file system's clock must not be missed.
+                self._scanned_ns = changed_ns if time.time_ns() - changed_ns > SETTLED_NS else 0
         except OSError:
-            return {}
-        if self._scanned[0] != changed_ns:
-            sizes: dict[str, int] = {}
-            names: set[str] = set()
-            with os.scandir(self._folder) as found:
-                for each in found:
-                    recording, dot, suffix = each.name.partition(".")
-                    if not ID.fullmatch(recording):
-                        continue
-                    with suppress(OSError):  # deleted meanwhile
-                        sizes[recording] = sizes.get(recording, 0) + each.stat().st_size
-                        if f"{dot}{suffix}" == file.SUFFIX:
-                            names.add(recording)
-            # What changes within the same tick of the file system's clock must not be missed.
-            settled = time.time_ns() - changed_ns > SETTLED_NS
-            self._scanned = (changed_ns if settled else 0, {name: sizes[name] for name in sorted(names, reverse=True)})
-            self._entries = {name: known for name, known in self._entries.items() if name in names}
-        sizes = self._scanned[1]
-        sizes |= {name: self._size(name) for name in self.running if name in sizes}
-        return sizes
+            self._take_in(set())
+            self._scanned_ns = 0
+        while self._changed:
+            self._weigh(self._changed.pop())
+        for recording in tuple(self.running):
+            self._weigh(recording)
+        return self._ids
 
-    def _size(self, recording: str) -> int:
-        stamps = (_stamp(self._folder / f"{recording}{suffix}") for suffix in SUFFIXES)
-        return sum(stamp[2] for stamp in stamps if stamp is not None)
+    def _take_in(self, names: set[str]) -> None:
+        """These are the names in the folder now; only what came or went costs anything."""
+        came, went = names - self._seen, self._seen - names
+        self._seen = names
+        touched = {name.partition(".")[0] for name in came | went}
+        for recording in touched:
+            if ID.fullmatch(recording):
+                self._weigh(recording)
+        if touched:
+            self._ids = sorted((each for each, sizes in self._files.items() if file.SUFFIX in sizes), reverse=True)
+            for recording in self._entries.keys() - set(self._ids):
+                del self._entries[recording]
+
+    def _weigh(self, recording: str) -> None:
+        """Look at the sizes of its files."""
+        sizes: dict[str, int] = {}
+        for suffix in SUFFIXES:
+            if f"{recording}{suffix}" in self._seen:
+                with suppress(OSError):  # deleted meanwhile
+                    sizes[suffix] = os.stat(f"{self._folder}{os.sep}{recording}{suffix}").st_size
+        if sizes:
+            self._files[recording] = sizes
+        else:
+            self._files.pop(recording, None)
 
     def _entry(self, recording: str) -> Entry:
-        rows, label = self._rows_of(recording), self._folder / f"{recording}{LABEL}"
-        stamps = _stamp(rows), _stamp(label)
+        """As it is now."""
         known = self._entries.get(recording)
-        if known is not None and known[:2] == stamps and known[2].recording == (recording in self.running):
-            return known[2]
+        if (
+            known is not None
+            and (known.rows, known.label) == self._stamps(recording)
+            and known.entry.recording == (recording in self.running)
+        ):
+            return known.entry
+        return self._read(recording).entry
+
+    def _read(self, recording: str) -> _Known:
+        stamps = self._stamps(recording)
         head, problem = None, ""
         try:
-            head = file.read_head(rows)
+            head = Summary.of(file.read_head(self._rows_of(recording)))
         except (UnreadableRecording, OSError) as error:
             problem = str(error)
-        size = self._size(recording)
-        entry = Entry(recording, _label(label), head, size, recording in self.running, problem)
-        self._entries[recording] = (*stamps, entry)
-        return entry
+        label = Label() if stamps[1] is None else _label(self._folder / f"{recording}{LABEL}")
+        size = sum(told[2] for told in map(_stamp, self._paths(recording)) if told is not None)
+        entry = Entry(recording, label, head, size, recording in self.running, problem)
+        known = self._entries[recording] = _Known(*stamps, entry, _words(entry))
+        return known
+
+    def _stamps(self, recording: str) -> tuple[Stamp | None, Stamp | None]:
+        begin = f"{self._folder}{os.sep}{recording}"
+        return _stamp(f"{begin}{file.SUFFIX}"), _stamp(f"{begin}{LABEL}")
+
+    def _paths(self, recording: str) -> Iterator[str]:
+        return (f"{self._folder}{os.sep}{recording}{suffix}" for suffix in SUFFIXES)
 
     def _write_label(self, recording: str, label: Label) -> None:
         Document(self._folder / f"{recording}{LABEL}").write(asdict(label))
+        self._changed.add(recording)
+        self._entries.pop(recording, None)
 
 
-def _stamp(path: Path) -> Stamp | None:
+def _stamp(path: str) -> Stamp | None:
     try:
-        told = path.stat()
+        told = os.stat(path)
     except OSError:
         return None
     return told.st_ino, told.st_mtime_ns, told.st_size

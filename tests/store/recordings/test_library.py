@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import json
 import os
+import threading
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -77,7 +79,7 @@ def test_a_page_reads_its_own_recordings_and_a_second_look_none(folder: Path, mo
     aged(folder)
     library = Library(folder.parent)
     read: list[str] = []
-    read_head, scandir = file.read_head, os.scandir
+    read_head, listdir = file.read_head, os.listdir
     scans: list[Path] = []
 
     def counted_read(path: Path) -> Head:
@@ -86,15 +88,38 @@ def test_a_page_reads_its_own_recordings_and_a_second_look_none(folder: Path, mo
 
     def counted_scan(path: Path) -> Any:
         scans.append(path)
-        return scandir(path)
+        return listdir(path)
 
     monkeypatch.setattr(file, "read_head", counted_read)
-    monkeypatch.setattr(os, "scandir", counted_scan)
+    monkeypatch.setattr(os, "listdir", counted_scan)
     shown = [entry.id for entry in library.page(limit=10).entries]
     assert sorted(read, reverse=True) == shown
     assert len(scans) == 1
     assert [entry.id for entry in library.page(limit=10).entries] == shown
     assert (len(read), len(scans)) == (10, 1)
+
+
+def test_what_was_read_ahead_is_found_without_reading(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fill(folder, range(20))
+    library = Library(folder.parent)
+    library.read_all(threading.Event())
+    assert len(library.page().entries) == 20
+    monkeypatch.setattr(file, "read_head", lambda path: pytest.fail(f"{path} is read again"))
+    assert library.page("other", device="other").total == 10
+    ended = threading.Event()
+    ended.set()
+    Library(folder.parent).read_all(ended)  # the server goes: nothing is read any more
+
+
+def test_the_list_keeps_no_configurations(folder: Path) -> None:
+    folder.mkdir(parents=True)
+    whole = replace(head(1), configuration={"registers": ["x" * 1000]})
+    RecordingWriter(folder / f"{whole.id}.arrows", whole).close()
+    library = Library(folder.parent)
+    listed = library.page().entries[0]
+    assert listed.head is not None
+    assert not hasattr(listed.head, "configuration")
+    assert library.head(whole.id).configuration == whole.configuration
 
 
 def test_what_comes_goes_or_is_renamed_is_seen_at_once(folder: Path) -> None:
