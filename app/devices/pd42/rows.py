@@ -26,6 +26,7 @@ TARGET_SPEED = axis_parameter(2)
 ACTUAL_SPEED = axis_parameter(3)
 MAX_SPEED = axis_parameter(4)
 MAX_ACCELERATION = axis_parameter(5)
+MAX_CURRENT = axis_parameter(6)
 POSITION_REACHED = axis_parameter(8)
 HOME_SWITCH = axis_parameter(9)
 RIGHT_SWITCH = axis_parameter(10)
@@ -77,6 +78,7 @@ REMEMBERED = (
     *RAMP,
     RAMP_WAIT,
     STEP_DIRECTION,
+    MAX_CURRENT,
     OFF_TIME,
     LEFT_DISABLED,
     RIGHT_DISABLED,

@@ -14,7 +14,7 @@ FAULTS = {
 }
 VELOCITY_PPS, ACCELERATION_PPS2 = 51_200.0, 51_200.0
 """What a remedy writes where a limit of the ramp is 0: a turn a second, in 1 s, at 256 microsteps."""
-OFF_TIME = 5
+OFF_TIME, MAX_CURRENT = 5, 128
 """As it comes from the factory."""
 
 
@@ -22,27 +22,30 @@ def signs(module: Module, axis: int, state: AxisState) -> Signs:
     """Of `state`, as it was read just now."""
     return Signs(
         faults=tuple(
-            Sign(cause, (Evidence(f"{rows.DRIVER_FLAGS.name}.{name}", "1", state.time_s),))
+            Sign(
+                cause,
+                (Evidence(f"{rows.DRIVER_FLAGS.name}.{name}", "1", state.time_s),),
+                (write(rows.OFF_TIME.name, axis, 0),) if name.startswith("short") else (),
+            )
             for name, cause in FAULTS.items()
             if state.flags.get(name)
         ),
         blocks=tuple(_blocks(module, axis, state)),
         stall=_stopped("stall_stop", "StallGuard stopped the motor", state),
         holds=tuple(_holds(module, state)),
+        takes_encoder=2 * abs(state.deviation or 0) > abs(state.external_deviation or 0),
     )
 
 
 def _blocks(module: Module, axis: int, state: AxisState) -> list[Sign]:
     found = []
-    if module.remembered_word(rows.OFF_TIME.address) == 0:
-        name = rows.OFF_TIME.name
-        found.append(
-            Sign(
-                f"the driver is off ({name} is 0)",
-                (Evidence(name, "0", state.time_s),),
-                (start_up(axis), write(name, axis, OFF_TIME)),
-            )
-        )
+    for row, factory, cause in (
+        (rows.OFF_TIME, OFF_TIME, "the driver is off"),
+        (rows.MAX_CURRENT, MAX_CURRENT, "the motor gets no current"),
+    ):
+        if module.remembered_word(row.address) == 0:
+            evidence = (Evidence(row.name, "0", state.time_s),)
+            found.append(Sign(f"{cause} ({row.name} is 0)", evidence, (start_up(axis), write(row.name, axis, factory))))
     if state.moving:
         return found
     for row, value in (

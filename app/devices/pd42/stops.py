@@ -42,6 +42,36 @@ class Stops(Motion):
             outcomes.append(StopOutcome(self.id, axis, problem is None, (time.perf_counter() - began) * 1e3, problem))
         return outcomes
 
+    # --- setting the position -------------------------------------------------------------------
+
+    async def position_from_encoder(self, axis: int) -> int:
+        """Call the place where the motor stands what its built-in encoder shows (AP 209); the difference.
+
+        The axis is stopped by MST first: in positioning the module would drive on to its target from its new place.
+        Raises WrongState while it moves, and where the firmware has no such encoder.
+        """
+        axis = self.axis(axis).index
+        self.require_connected()
+        async with self.calls(axis) as calls:
+            position, encoder, speed = await calls.ask_many((rows.ACTUAL_POSITION, rows.ENCODER, rows.ACTUAL_SPEED))
+            if encoder is None:
+                raise WrongState(f"this module has no {rows.ENCODER.name} ({rows.ENCODER.alias})")
+            if speed or (await calls.do(Request(self.address, Opcode.RFS, STATUS))).value:
+                raise WrongState(f"axis {axis} moves", "stop it first")
+            if self.limiter is not None:
+                self.limiter.require_target(axis, encoder)
+            await calls.do(Request(self.address, Opcode.MST))
+            self._driven = "velocity"
+            self.commanded(axis, "set_position", position=encoder)
+            self._book.end(calls.time_s, "the position was set")
+            await calls.do(Request(self.address, Opcode.SAP, rows.ACTUAL_POSITION.address, 0, encoder))
+            back = await calls.get(rows.ACTUAL_POSITION)
+        if back != encoder:
+            raise WriteRefused(rows.ACTUAL_POSITION.name, encoder, back, f"it was {position}")
+        return calls.need(rows.ACTUAL_POSITION, position) - encoder
+
+    # --- stops ----------------------------------------------------------------------------------
+
     async def _stop(self, calls: Calls, mode: StopMode) -> BenchError | None:
         # In download mode a stop would be stored, so that ends first. Where it fails, the stop goes out all the same:
         # its own answer tells whether it was stored.

@@ -11,7 +11,11 @@ from app.links.errors import WrongState
 
 VELOCITY_PPS = 51_200
 """What a remedy writes to VMAX: a turn a second at 256 microsteps."""
-DRIVER_FAULTS = {"OT": "the motor driver is too hot and has switched off"}
+DRIVER_FAULTS = {
+    "OT": "the motor driver is too hot and has switched off",
+    "S2GA": "the motor driver has switched off: a short in phase A",
+    "S2GB": "the motor driver has switched off: a short in phase B",
+}
 
 
 def signs(chip: Events, axis: int, state: AxisState, *, stalled: bool) -> Signs:

@@ -59,7 +59,7 @@ class Looks(Writes):
     def _asked(self, axis: int) -> tuple[Register, ...]:
         rows = self.rows(axis)
         encoder = () if rows.x_enc is None else (rows.x_enc,)
-        return (rows.xactual, *encoder, rows.vactual, rows.xtarget, *rows.remembered, rows.drv_status)
+        return (rows.xactual, *encoder, rows.vactual, rows.xtarget, *rows.remembered, rows.drv_status, self.chip.inputs)
 
     async def axis_state(self, axis: int, priority: Priority = Priority.COMMAND) -> AxisState:
         rows = self.rows(self.axis(axis).index)
@@ -139,6 +139,8 @@ class Looks(Writes):
             if row.address in held.words:
                 fields = row.unpack(self._shown(row, held.word(row)))
                 told |= {name: bool(value) for name, value in fields.items() if name not in NOT_TOLD}
+        if self.chip.inputs.address in held.words:
+            told[self.chip.disable_pin] = bool(held.fields(self.chip.inputs)[self.chip.disable_pin])
         return told
 
     # --- the position counter -------------------------------------------------------------------

@@ -155,6 +155,11 @@ class ChipRows:
         return self.table.get("GSTAT")
 
     @cached_property
+    def disable_pin(self) -> str:
+        """The bit of `inputs` that is 1 while the pin DRV_ENN switches the bridges off, as this chip calls it."""
+        return next(part.name for part in self.inputs.fields if part.name.upper().startswith("DRV_ENN"))
+
+    @cached_property
     def inputs(self) -> Register:
         """IOIN, or INPUT: pins and VERSION."""
         found = _row(self.table, None, "IOIN", "INPUT")

@@ -19,6 +19,7 @@ DRIVER_FAULTS = {
     "s2vsa": "phase A is shorted to the supply, and the driver is off",
     "s2vsb": "phase B is shorted to the supply, and the driver is off",
 }
+SHORTS = frozenset({"s2ga", "s2gb", "s2vsa", "s2vsb"})
 OFF_TIME = int(CHOPCONF["toff"])
 
 
@@ -43,9 +44,10 @@ def _faults(chip: Events, axis: int, state: AxisState) -> list[Sign]:
     for register, told in ((rows.drv_status, DRIVER_FAULTS), (chip.chip.gstat, {**GSTAT_FAULTS, **errors})):
         for name, cause in told.items():
             if state.flags.get(name):
-                found.append(
-                    Sign(cause, (Evidence(f"{register.name}.{name}", "1", state.time_s),), (clear_flags(axis),))
-                )
+                # A short is kept until the driver is switched off; then what is beside it says how to switch it on.
+                off = (write(rows.chopconf.name, axis, 0, "toff"),) if name in SHORTS else ()
+                evidence = (Evidence(f"{register.name}.{name}", "1", state.time_s),)
+                found.append(Sign(cause, evidence, (*off, clear_flags(axis))))
     return found
 
 
@@ -60,6 +62,12 @@ def _blocks(chip: Events, axis: int, state: AxisState) -> list[Sign]:
                 (Evidence(name, "0", state.time_s),),
                 (start_up(axis), write(rows.chopconf.name, axis, OFF_TIME, "toff")),
             )
+        )
+    pin = chip.chip.disable_pin
+    if state.flags.get(pin):
+        evidence = (Evidence(f"{chip.chip.inputs.name}.{pin}", "1", state.time_s),)
+        found.append(
+            Sign("the pin DRV_ENN is high and switches the driver off (only its wire can change that)", evidence)
         )
     if state.moving:
         return found

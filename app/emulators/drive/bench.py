@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from app.emulators.drive.options import FullSteps, MotorOptions
-from app.emulators.drive.world import Truth, World
+from app.emulators.drive.world import Short, Truth, World
 from app.emulators.truth import GroundTruth
 from app.links.errors import OutOfRange
 
@@ -38,6 +38,7 @@ class Closed(BaseModel):
 class MotorState(BaseModel):
     connected: bool
     temperature_c: float = Field(description="of the driver's bridges [deg C]")
+    short_to_ground: Short = Field(description="the coil that is shorted to ground")
     fullsteps_per_turn: int
     torque_constant_nm_a: float = Field(description="of one phase, peak values; also back-EMF constant [V s/rad]")
     holding_torque_nm: float = Field(description="both coils at rated current [N m]")
@@ -83,6 +84,7 @@ def motor_state(world: World, motor: MotorOptions) -> MotorState:
     return MotorState(
         connected=world.motor_connected,
         temperature_c=world.temperature_c,
+        short_to_ground=world.short_to_ground,
         fullsteps_per_turn=4 * motor.rotor_teeth,
         torque_constant_nm_a=motor.torque_constant,
         holding_torque_nm=motor.holding_torque_nm,
@@ -137,6 +139,9 @@ class MotorChange(Closed):
     temperature_c: Annotated[float, Field(strict=True, ge=-40, le=250, allow_inf_nan=False)] | None = Field(
         default=None, description="of the driver's bridges: warning from 120, shutdown from 150 [deg C]"
     )
+    short_to_ground: Short | None = Field(
+        default=None, description="the coil that is shorted to ground: the driver shuts down, and says so"
+    )
 
 
 class StageChange(Closed):
@@ -179,6 +184,8 @@ def change_motor(world: World, wanted: MotorChange) -> None:
         world.motor_connected = wanted.connected
     if wanted.temperature_c is not None:
         world.temperature_c = wanted.temperature_c
+    if wanted.short_to_ground is not None:
+        world.short_to_ground = wanted.short_to_ground
 
 
 def change_stage(world: World, wanted: StageChange) -> None:

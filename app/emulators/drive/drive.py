@@ -22,6 +22,7 @@ _ACCELERATIONS = {"A1": (k.A1, 0), "AMAX": (k.AMAX, 0), "DMAX": (k.DMAX, 1), "D1
 _PLAIN = {"TPWMTHRS": k.TPWMTHRS, "TCOOLTHRS": k.TCOOLTHRS, "THIGH": k.THIGH, "RAMPMODE": k.MODE, "SW_MODE": k.SW}
 _TABLE = ("MSLUTSEL", "MSLUTSTART", *(f"MSLUT[{i}]" for i in range(8)))
 _FASTSTANDSTILL, _EN_PWM_MODE, _SHAFT = 1 << 1, 1 << 2, 1 << 4
+_S2G = {"a": 1 << 27, "b": 1 << 28}
 _GSTAT_RESET, _GSTAT_DRV_ERR, _GSTAT_UV_CP = 1, 2, 4
 _STOP_SG = 1 << 6
 _KEPT = (k.TICK, k.CLOCK, k.WATCH, k.RNG, k.SUBSTEPS, k.BLOCKED, k.FORCE, k.FORCED, k.STALL_V, k.RIGID)
@@ -54,6 +55,8 @@ class Drive:
         self._gstat = 0
         self._wired = True
         self._hot = self._undervoltage = False
+        self._short = 0
+        """s2ga or s2gb of DRV_STATUS: kept until the driver is switched off."""
         self._enabled, self._sense = True, 1.0
         self._stall_stop_velocity: int | None = None
         self._set_constants()
@@ -232,7 +235,7 @@ class Drive:
         self._wave, self._table[:] = wave_of(words, self._registers["MSLUTSEL"], self._registers["MSLUTSTART"])
 
     def _drv_status(self) -> int:
-        word = int(k.driver_stat(self._s))
+        word = int(k.driver_stat(self._s)) | self._short
         if self._hot:
             word |= 1 << 25
         if self.world.temperature_c >= OTPW_C:
@@ -438,9 +441,14 @@ class Drive:
         f[k.SCALE_E] = 4 * encoders.external_lines / (2 * math.pi) * (-1 if encoders.external_reversed else 1)
 
     def _bridges_changed(self) -> None:
-        self._s[k.DRIVER_ON] = (
-            self._toff > 0 and self._enabled and not self._undervoltage and not self._hot and self.world.motor_connected
-        )
+        switched_on = self._toff > 0 and self._enabled
+        works = switched_on and not self._undervoltage and not self._hot
+        if not switched_on:
+            self._short = 0
+        elif works and self.world.short_to_ground != "none" and not self._short:
+            self._short = _S2G[self.world.short_to_ground]
+            self._gstat |= _GSTAT_DRV_ERR
+        self._s[k.DRIVER_ON] = works and not self._short and self.world.motor_connected
 
     def _world_changed(self) -> None:
         if not self._registers:  # still being made

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Self, overload
+from typing import Literal, Self, overload
 
 from app.calc.number_text import plain
 from app.emulators.drive import kernel as k
@@ -102,6 +102,9 @@ class _Force:
         world.push()
 
 
+Short = Literal["none", "a", "b"]
+
+
 class World:
     """What a bench does to the drive while it runs: plain attributes, read and set at any time.
 
@@ -140,6 +143,7 @@ class World:
         stage = options.stage
         self.force = self.forced = 0
         self._blocked, self._connected = False, True
+        self._short: Short = "none"
         self.numbers = {
             "load_torque_nm": options.load.torque_nm,
             "extra_friction_nm": 0.0,
@@ -172,6 +176,16 @@ class World:
     @motor_connected.setter
     def motor_connected(self, value: bool) -> None:
         self._connected = bool(value)
+        self.push()
+
+    @property
+    def short_to_ground(self) -> Short:
+        """The coil that is shorted to ground: the driver shuts down and reports it."""
+        return self._short
+
+    @short_to_ground.setter
+    def short_to_ground(self, value: Short) -> None:
+        self._short = value
         self.push()
 
     @property

@@ -123,6 +123,7 @@ class Tmc4361Patch(Closed):
             connected=self.motor.connected,
             supply_v=self.supply_v,
             temperature_c=self.motor.temperature_c,
+            short_to_ground=self.motor.short_to_ground,
             rotor_fullsteps=self.stage.position_fullsteps,
             encoder=self.encoder if self.encoder.model_fields_set else None,
         )

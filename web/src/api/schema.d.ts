@@ -4368,6 +4368,12 @@ export interface components {
              * @description of the driver's bridges [deg C]
              */
             temperature_c: number;
+            /**
+             * Short To Ground
+             * @description the coil that is shorted to ground
+             * @enum {string}
+             */
+            short_to_ground: "none" | "a" | "b";
             /** Fullsteps Per Turn */
             fullsteps_per_turn: number;
             /**
@@ -5839,6 +5845,11 @@ export interface components {
              * @description of the driver's bridges: warning from 120, shutdown from 150 [deg C]
              */
             temperature_c?: number | null;
+            /**
+             * Short To Ground
+             * @description the coil that is shorted to ground: the driver shuts down, and says so
+             */
+            short_to_ground?: ("none" | "a" | "b") | null;
         };
         /**
          * MotorData
@@ -5942,6 +5953,12 @@ export interface components {
              * @description of the driver's bridges [deg C]
              */
             temperature_c: number;
+            /**
+             * Short To Ground
+             * @description the coil that is shorted to ground
+             * @enum {string}
+             */
+            short_to_ground: "none" | "a" | "b";
             /** Fullsteps Per Turn */
             fullsteps_per_turn: number;
             /**

@@ -8,6 +8,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from app.emulators.drive.bench import MotorState, TruthState
 from app.emulators.drive.options import FullSteps
+from app.emulators.drive.world import Short
 from app.emulators.tmc4361.feedback.options import EncoderKind
 
 
@@ -74,5 +75,6 @@ class FeedbackPatch(_Patch):
     connected: bool | None = Field(default=None, description="whether the motor is plugged in")
     supply_v: Annotated[float, Field(ge=0, le=60)] | None = None
     temperature_c: Annotated[float, Field(ge=-55, le=250)] | None = None
+    short_to_ground: Short | None = None
     rotor_fullsteps: FullSteps | None = Field(default=None, description="turns the shaft by hand to there")
     encoder: EncoderPatch | None = None

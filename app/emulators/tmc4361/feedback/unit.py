@@ -38,6 +38,7 @@ _MASK = 0xFFFFFFFF
 _SCALES: Final = (0x00, 0x01, 0x07, 0x0A, 0x36, 0x54, 0x7C)
 """Registers that say what a count is worth."""
 _OT, _OTPW, _OLA, _OLB = 1 << 1, 1 << 2, 1 << 5, 1 << 6
+_SHORT = {"none": 0, "a": 1 << 3, "b": 1 << 4}
 """Driver flags, bit 0 being STATUS 24."""
 _KEPT = (c.NOW, c.COMMANDED, k.RNG, k.SUBSTEPS, k.BLOCKED, k.DRIVER_ON, c.HOT, c.PHASE)
 _DEVICE = (c.KIND, c.PER_TURN, c.SINGLE_BITS, c.MULTI_BITS, c.GRAY, c.STATUS_BITS, c.STATUS_WORD)
@@ -273,6 +274,7 @@ class FeedbackUnit:
             ("extra_friction_nm", patch.friction_nm),
             ("supply_v", patch.supply_v),
             ("temperature_c", patch.temperature_c),
+            ("short_to_ground", patch.short_to_ground),
             ("blocked", patch.blocked),
             ("motor_connected", patch.connected),
             ("rotor_fullsteps", patch.rotor_fullsteps),
@@ -347,13 +349,14 @@ class FeedbackUnit:
 
     def _bridges_changed(self) -> None:
         world = self.world
-        self._n[k.DRIVER_ON] = world.supply_v >= UNDERVOLTAGE_V and not self._hot and world.motor_connected
+        works = world.supply_v >= UNDERVOLTAGE_V and not self._hot and world.short_to_ground == "none"
+        self._n[k.DRIVER_ON] = works and world.motor_connected
 
     def _world_changed(self) -> None:
         world = self.world
         self._hot = world.temperature_c >= (OTPW_C if self._hot else OT_C)
         warm = world.temperature_c >= OTPW_C
         open_load = 0 if world.motor_connected else _OLA | _OLB
-        self._n[c.HOT] = (_OT if self._hot else 0) | (_OTPW if warm else 0) | open_load
+        self._n[c.HOT] = (_OT if self._hot else 0) | (_OTPW if warm else 0) | open_load | _SHORT[world.short_to_ground]
         self._bridges_changed()
         self._changed()
