@@ -108,6 +108,20 @@ describe("a number field", () => {
     expect(sent[0]).toBeCloseTo(4 / 3, 13);
   });
 
+  it("keeps what is selected when it shows every digit", () => {
+    const selected = () => field().value.slice(field().selectionStart ?? 0, field().selectionEnd ?? 0);
+    show(1 / 3, { show: (value) => value.toFixed(2) });
+    globalThis.IS_REACT_ACT_ENVIRONMENT = false; // as in a browser: what selects the text once it is in finds all of it
+    field().focus();
+    expect(selected()).toBe("0.3333333333333333");
+    field().blur();
+    field().dispatchEvent(new Event("pointerdown", { bubbles: true }));
+    field().setSelectionRange(0, 0);
+    field().focus();
+    expect(selected()).toBe("");
+    globalThis.IS_REACT_ACT_ENVIRONMENT = true;
+  });
+
   it("keeps all eight digits of a position", () => {
     show(0);
     type("12345678");

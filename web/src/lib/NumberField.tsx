@@ -1,5 +1,6 @@
 import { Text, TextInput, type TextInputProps } from "@mantine/core";
 import { useRef, useState } from "react";
+import { flushSync } from "react-dom";
 import { compact, decimalSum, exactText, parseNumber } from "./format";
 import { symbolOf } from "./units";
 
@@ -42,6 +43,8 @@ export function NumberField(props: NumberFieldProps) {
   const [entered, setEntered] = useState(false);
   /** the last arrow key, while the answer to it is under way: the next one goes on from there */
   const nudged = useRef<{ from: number | null; to: number } | null>(null);
+  /** a finger or mouse has come here: it says itself where to type */
+  const pointed = useRef(false);
   const exact = value === null ? "" : exactText(value);
 
   function judge(text: string | null) {
@@ -119,12 +122,20 @@ export function NumberField(props: NumberFieldProps) {
         setDraft(event.currentTarget.value);
         judge(null);
       }}
+      onPointerDown={(event) => {
+        pointed.current = true;
+        input.onPointerDown?.(event);
+      }}
       onFocus={(event) => {
-        setEntered(true);
+        const { currentTarget: field } = event;
+        // At once, and selected again: a change of the text loses the selection, and what is typed would go behind it.
+        flushSync(() => setEntered(true));
+        if (!pointed.current) field.select();
         input.onFocus?.(event);
       }}
       onBlur={(event) => {
         setEntered(false);
+        pointed.current = false;
         commit();
         input.onBlur?.(event);
       }}
