@@ -22,6 +22,10 @@ from app.main import bench_of, create_app, stop_motors
 from app.settings import Settings
 from app.store.files import one_server
 
+YOUNG_OBJECTS = 5000
+"""Objects that come before the garbage collector looks. By default it is 700, less than one answer makes: what only
+lives for a request then counts as old, and all that is old is looked through every few requests, 0.1 s with many
+devices."""
 GRACE_S = 0.3
 """How long open requests may take to end after Ctrl-C [s]; sockets are closed at once."""
 
@@ -54,6 +58,7 @@ def keep_out_of_collections() -> None:
     """Spare the garbage collector what is there for good: looking through all modules takes 0.2 s."""
     gc.collect()
     gc.freeze()
+    gc.set_threshold(YOUNG_OBJECTS, *gc.get_threshold()[1:])
 
 
 def _without_token(record: logging.LogRecord) -> bool:

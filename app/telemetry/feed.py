@@ -171,6 +171,7 @@ class Feed:
         if self._task is not None:
             self._task.cancel()
         self._end_samplings()
+        self._history.forget()
         for group in self._groups.values():
             for reader in group.readers:
                 reader.close(reason)

@@ -53,6 +53,10 @@ class History:
             samples[:, self._column[name]] = block.samples[wanted, index]
         self._ring.append(block.time_s[wanted], samples)
 
+    def forget(self) -> None:
+        """Give its memory back, which is too much to leave to the garbage collector."""
+        self._ring = Ring(len(self.channels), 1)
+
     def mark_gap(self, time_s: float) -> None:
         """A row of NaN at device time `time_s` [s]: a plot must not draw a line across what is unknown."""
         self._ring.append(np.array([time_s]), np.full((1, len(self.channels)), np.nan))

@@ -71,8 +71,10 @@ async def test_looks_and_samples_wait_while_a_stop_is_under_way_but_not_for_ever
 
 
 def test_what_is_there_for_good_is_not_looked_through_for_garbage() -> None:
+    before = gc.get_threshold()
     try:
         keep_out_of_collections()
         assert len(gc.get_objects()) < 10_000
     finally:
         gc.unfreeze()
+        gc.set_threshold(*before)

@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import gc
+import weakref
+
 import numpy as np
 import pytest
 
+from app.devices.config import DeviceConfig
 from app.links.errors import OutOfRange, UnknownThing
+from app.telemetry import ring
 from app.telemetry.feed import CROWDED_S, LATE_S, Joined
 from app.telemetry.frames import FloatArray, decode
 from app.telemetry.history import REST_RATE_HZ
@@ -248,3 +253,29 @@ async def test_an_unknown_channel_is_refused_and_changes_nothing(rig: Rig) -> No
         rig.hub.join("chip", ("position.0", "position.7"), 1000.0)
     time_s, _ = await run(rig, joined, 1.0)
     assert len(time_s) == pytest.approx(100, abs=3)
+
+
+async def test_the_history_of_a_removed_device_needs_no_garbage_collector_to_go(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    memory: list[weakref.ref[FloatArray]] = []
+    empty = np.empty
+
+    def watched(shape: int | tuple[int, ...]) -> FloatArray:
+        made: FloatArray = empty(shape)
+        if made.nbytes > 1_000_000:
+            memory.append(weakref.ref(made))
+        return made
+
+    monkeypatch.setattr(ring.np, "empty", watched)
+    gc.disable()
+    try:
+        await rig.manager.add(DeviceConfig("other", "tmc4210", {"kind": "emulator"}))
+        await rig.clock.advance(1.0)
+        assert len(memory) == 1
+        assert memory[0]() is not None
+        await rig.manager.remove("other")
+        await rig.clock.advance(1.0)
+        assert memory[0]() is None
+    finally:
+        gc.enable()
