@@ -12,7 +12,7 @@ import time
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from contextvars import ContextVar
+from contextvars import Context, ContextVar
 
 from sqlalchemy import delete, func, insert, select
 from sqlalchemy.orm import InstrumentedAttribute, Session
@@ -108,7 +108,9 @@ class AuditLog:
         self._waiting.append(entry)
         self._shed()
         if not self._closing and (self._task is None or self._task.done()):
-            self._task = asyncio.get_running_loop().create_task(self._write_soon(), name="audit log")
+            # In a context of its own: it is nobody's request, and would keep what belongs to one as long as it is kept.
+            loop = asyncio.get_running_loop()
+            self._task = loop.create_task(self._write_soon(), name="audit log", context=Context())
 
     @property
     def why_not(self) -> str:

@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import logging
 from collections.abc import Callable
+from contextvars import Context
 from pathlib import Path
 from typing import Protocol, TypeVar
 
@@ -64,7 +65,8 @@ class Saver:
         self._wanted += 1
         if self._task is None or self._task.done():
             name = f"save {self._path.name}"
-            self._task = asyncio.get_running_loop().create_task(self._save(), name=name)
+            # In a context of its own: else it would keep what belongs to somebody's request as long as it is kept.
+            self._task = asyncio.get_running_loop().create_task(self._save(), name=name, context=Context())
         elif self.problem is not None:
             self._go_on()  # the disk may have room by now, and somebody wants to know
 

@@ -28,6 +28,7 @@ from tests.bench import (
     recording_list,
     recording_view,
     serving,
+    stops,
     tmcl_link,
     twin,
     uart_link,
@@ -57,6 +58,7 @@ MEASURES: dict[str, Callable[[bool], Sequence[Row]]] = {
     "profiles": profile_faults.measure,
     "twin": twin.measure,
     "hostile": hostile.measure,
+    "stops": stops.measure,
     "churn": churn.measure,
     "day": long_run.measure,
 }

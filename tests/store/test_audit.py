@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import gc
 import logging
 import sqlite3
+import weakref
 from collections.abc import AsyncIterator
+from contextvars import ContextVar, copy_context
 from pathlib import Path
 
 import pytest
@@ -212,3 +215,20 @@ async def test_no_secret_gets_in(log: AuditLog, tmp_path: Path) -> None:
     assert ANN.session is not None
     for file in (tmp_path / FILE_NAME, tmp_path / f"{FILE_NAME}-wal"):
         assert ANN.session.encode() not in await asyncio.to_thread(file.read_bytes)
+
+
+async def test_writing_keeps_nothing_of_the_request_that_was_noted(log: AuditLog) -> None:
+    class Subject:
+        """Something that belongs to a request."""
+
+    whose, subject = ContextVar[object]("whose"), Subject()
+    kept = weakref.ref(subject)
+
+    def request(what: Subject) -> None:
+        whose.set(what)
+        log.note("start", "stepscope")
+
+    copy_context().run(request, subject)
+    del subject
+    gc.collect()
+    assert kept() is None

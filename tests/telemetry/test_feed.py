@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import gc
 import weakref
+from typing import Any
 
 import numpy as np
 import pytest
 
 from app.devices.config import DeviceConfig
 from app.links.errors import OutOfRange, UnknownThing
-from app.telemetry import ring
 from app.telemetry.feed import CROWDED_S, LATE_S, Joined
 from app.telemetry.frames import FloatArray, decode
 from app.telemetry.history import REST_RATE_HZ
@@ -261,13 +261,13 @@ async def test_the_history_of_a_removed_device_needs_no_garbage_collector_to_go(
     memory: list[weakref.ref[FloatArray]] = []
     empty = np.empty
 
-    def watched(shape: int | tuple[int, ...]) -> FloatArray:
-        made: FloatArray = empty(shape)
+    def watched(*given: Any, **options: Any) -> FloatArray:
+        made: FloatArray = empty(*given, **options)
         if made.nbytes > 1_000_000:
             memory.append(weakref.ref(made))
         return made
 
-    monkeypatch.setattr(ring.np, "empty", watched)
+    monkeypatch.setattr(np, "empty", watched)
     gc.disable()
     try:
         await rig.manager.add(DeviceConfig("other", "tmc4210", {"kind": "emulator"}))
