@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import gc
 import logging
+import os
 import re
 import signal
 import socket
@@ -16,25 +17,36 @@ import uvicorn
 from fastapi import FastAPI
 
 from app.api.access import is_stop
+from app.certificate import require_certificate
 from app.connections import Door, Limits, Listener, descriptor_limit, limited_http, raise_descriptor_limit
 from app.listening import listen, url_of
 from app.main import bench_of, create_app, stop_motors
 from app.settings import Settings
-from app.store.files import one_server
+from app.store.files import make_private, one_server
+
+log = logging.getLogger("stepscope")
 
 YOUNG_OBJECTS = 5000
 """Objects that come before the garbage collector looks. By default it is 700, less than one answer makes: what only
 lives for a request then counts as old, and all that is old is looked through every few requests, 0.1 s with many
 devices."""
+HSTS = ("strict-transport-security", "max-age=31536000")
+"""Sent with https alone: for a year browsers come to this name by https, whatever is typed."""
 GRACE_S = 0.3
 """How long open requests may take to end after Ctrl-C [s]; sockets are closed at once."""
 
 
 def serve(settings: Settings, announce: Callable[[str], None]) -> None:
-    """Serve until Ctrl-C. Raises CannotListen, DirectoryInUse before anything has started."""
+    """Serve until Ctrl-C. Raises CannotListen, DirectoryInUse, BadCertificate before anything has started."""
     logging.basicConfig(format="%(levelname)s %(name)s: %(message)s", level=settings.log_level.upper())
     logging.getLogger("alembic").setLevel(logging.WARNING)  # its plugins and its plans are nobody's business here
     logging.getLogger("uvicorn.access").addFilter(_without_token)
+    if settings.tls_cert is not None and settings.tls_key is not None:
+        require_certificate(settings.tls_cert, settings.tls_key)
+    if hasattr(os, "umask"):
+        os.umask(0o077)  # whatever this process writes is its owner's alone
+    for told in make_private(settings.data_dir):
+        log.warning("%s", told)
     listener = listen(settings.host, settings.port)
     port = listener.getsockname()[1]
     address = url_of(settings.host, port, "http" if settings.tls_cert is None else "https")
@@ -138,6 +150,7 @@ def _options(settings: Settings) -> dict[str, object]:
         "access_log": settings.log_level == "debug",
         "timeout_graceful_shutdown": GRACE_S,
         "server_header": False,
+        "headers": [] if settings.tls_cert is None else [HSTS],
         "ssl_certfile": settings.tls_cert,
         "ssl_keyfile": settings.tls_key,
     }

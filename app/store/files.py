@@ -7,6 +7,7 @@ import os
 import sys
 from collections.abc import Iterator
 from datetime import UTC, datetime
+from fnmatch import fnmatch
 from pathlib import Path
 
 if sys.platform != "win32":
@@ -72,3 +73,53 @@ def aside_name(path: Path) -> Path:
         if not aside.exists():
             return aside
         number += 1
+
+
+OTHERS = 0o077
+"""Rights of everybody but the owner."""
+OURS = (
+    "connections*",
+    "positions*",
+    "tokens*",
+    "stepscope.*",
+    "server.lock",
+    "recordings",
+    "emulators",
+    "unfinished-*",
+)
+"""What a data directory of stepscope holds, as patterns."""
+
+
+def make_private(data_dir: Path) -> list[str]:
+    """Let nobody but its owner into `data_dir`, which is made: it has tokens and what everybody did.
+
+    Returns, for people, what was open to others and is no more, or could not be changed. A directory that holds other
+    things too is left as it is: only our own files in it are closed.
+    """
+    if os.name != "posix":
+        return []
+    told: list[str] = []
+    try:
+        data_dir.mkdir(mode=0o700, parents=True, exist_ok=True)
+        entries = list(data_dir.iterdir())
+        ours = [each for each in entries if any(fnmatch(each.name, pattern) for pattern in OURS)]
+        closed = [each.name for each in ours if not each.is_symlink() and _close(each)]
+        if closed:
+            told.append(f"in {data_dir}, others could read {', '.join(sorted(closed))}: now its owner alone can")
+        if len(ours) == len(entries):
+            if _close(data_dir):
+                told.append(f"{data_dir} was open to others: now its owner alone can look into it")
+        elif data_dir.stat().st_mode & OTHERS:
+            told.append(f"{data_dir} holds other things too and stays open to others: give stepscope one of its own")
+    except OSError as error:  # of another user, read-only: that must not keep the server from starting
+        told.append(f"{data_dir} cannot be closed to others: {error.strerror or error}")
+    return told
+
+
+def _close(path: Path) -> bool:
+    """Take from `path` what others may do with it; whether there was anything to take. Raises OSError."""
+    mode = path.stat().st_mode
+    if not mode & OTHERS:
+        return False
+    path.chmod(mode & 0o7777 & ~OTHERS)
+    return True
