@@ -162,6 +162,7 @@ def test_a_module_in_download_mode_is_left_alone_and_every_page_offers_the_way_o
     expect(held).to_have_count(0)
     send(page, "132 0, 0, 0")
     expect(held).to_contain_text("download mode")
+    expect(page.get_by_role("main").get_by_text("because the module stores commands")).to_have_count(1)
     check_axe(page)
     page.goto("/")
     leave = held.get_by_role("button", name="Leave download mode")

@@ -3,9 +3,10 @@ import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { Link } from "wouter";
 import { api, unwrap } from "../../api/client";
 import type { Device } from "../../api/queries";
+import { isHeldBack } from "../heldBack";
 import { ProblemAlert } from "../ProblemAlert";
 
-/** Why the values stand still, and what to do about it. Nothing while the device is connected. */
+/** Why the values stand still, and what to do about it. Nothing while the device is connected, or left alone. */
 export function DeviceNotice({ device }: { device: Device }) {
   const queries = useQueryClient();
   const connect = useMutation({
@@ -13,7 +14,7 @@ export function DeviceNotice({ device }: { device: Device }) {
       unwrap(await api.POST("/api/v1/devices/{device}/connect", { params: { path: { device: device.id } } })),
     onSettled: () => queries.invalidateQueries({ queryKey: ["devices"] }),
   });
-  if (device.state === "connected") return null;
+  if (device.state === "connected" || isHeldBack(device)) return null; // that one is told of above every page
   if (device.state === "connecting")
     return (
       <Alert variant="light" p="xs">

@@ -4,7 +4,7 @@ import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useMemo, useState } from "react";
 import { api, problemOf, unwrap } from "../../api/client";
 import { type Device, useCatalogModel } from "../../api/queries";
-import { inDownloadMode } from "../../lib/heldBack";
+import { isHeldBack } from "../../lib/heldBack";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Section } from "../../lib/Section";
 import { Catalog } from "./Catalog";
@@ -63,7 +63,7 @@ export function DirectMode({ device }: { device: Device }) {
         lines={lines}
         text={text}
         onText={setText}
-        connected={device.state === "connected" || inDownloadMode(device)}
+        connected={device.state === "connected" || isHeldBack(device)}
         busy={send.isPending}
         onSend={(line) => send.mutate(line)}
       />
