@@ -94,8 +94,8 @@ def loaded(load: str, count: int, process: ServerProcess) -> Iterator[None]:
         return
     command = [sys.executable, "-m", "tests.bench.stop_loads", load, process.url, str(count)]
     strangers = subprocess.Popen(command, stdout=subprocess.PIPE)
-    with ended(strangers):
-        assert strangers.stdout is not None
+    assert strangers.stdout is not None
+    with strangers.stdout, ended(strangers):
         if strangers.stdout.readline() != b"ready\n":
             raise RuntimeError(f"{command} ended")
         yield
@@ -107,13 +107,13 @@ def stops_under(what: str, load: str, count: int, empty: str, quick: bool) -> li
         server("--demo") as (process, api),
         loaded(load, count // 10 if quick and load == "readers" else count, process),
     ):
-        empty_ms = _timed_ms(empty, "stop", times)
-        one_ms = _timed_ms(process.url, "devices/bench/axes/0/stop", times)
+        empty_ms = timed_ms(empty, "stop", times)
+        one_ms = timed_ms(process.url, "devices/bench/axes/0/stop", times)
         if load == "talker":  # whose own stop is waited for
             all_ms, told_ms = _each_told(api, times // 10)
             told = [_row(f"stop-all under {what}: the peer, told", told_ms, empty_ms, TOLD_LIMIT_MS)]
         else:
-            all_ms, told = _timed_ms(process.url, "stop", times), []
+            all_ms, told = timed_ms(process.url, "stop", times), []
     return [
         _row(f"stop-all under {what}", all_ms, empty_ms),
         *told,
@@ -136,14 +136,16 @@ def _each_told(api: httpx.Client, times: int) -> tuple[list[float], list[float]]
     return answered_ms, told_ms
 
 
-def _timed_ms(url: str, path: str, times: int, body: dict[str, Any] | None = None, status: int = 200) -> list[float]:
+def timed_ms(
+    url: str, path: str, times: int, body: dict[str, Any] | None = None, status: int = 200, timeout_s: float = 60.0
+) -> list[float]:
     """Each over a connection of its own, as somebody does who comes anew."""
     took_ms = []
     host, port = url.removeprefix("http://").split(":")
     text = None if body is None else json.dumps(body)
     for _ in range(times):
         began_s = time.perf_counter()
-        connection = http.client.HTTPConnection(host, int(port), timeout=60)
+        connection = http.client.HTTPConnection(host, int(port), timeout=timeout_s)
         connection.request(
             "POST", f"/api/v1/{path}", text, {} if text is None else {"content-type": "application/json"}
         )
@@ -176,19 +178,19 @@ def many_devices(empty: str, quick: bool) -> list[Row]:
         began_s, cpu_s = time.perf_counter(), cpu_seconds(process.pid)
         time.sleep(seconds)
         share = (cpu_seconds(process.pid) - cpu_s) / (time.perf_counter() - began_s)
-        empty_ms = _timed_ms(empty, "stop", times)
-        stops_ms = _timed_ms(process.url, "stop", times)
-        one_ms = _timed_ms(process.url, "devices/d0/axes/0/stop", times)
+        empty_ms = timed_ms(empty, "stop", times)
+        stops_ms = timed_ms(process.url, "stop", times)
+        one_ms = timed_ms(process.url, "devices/d0/axes/0/stop", times)
         one_more = {"name": "more", "model": "tmc428", "link": {"kind": "emulator"}}
-        refused_ms = _timed_ms(process.url, "devices", times, one_more, 409)
-        invalid_ms = _timed_ms(process.url, "devices/test", times, {"model": "nothing"}, 422)
+        refused_ms = timed_ms(process.url, "devices", times, one_more, 409)
+        invalid_ms = timed_ms(process.url, "devices/test", times, {"model": "nothing"}, 422)
         silent = {"kind": "tcp", "host": "127.0.0.1", "port": nobody.getsockname()[1]}
         for number in range(SILENT):
             api.delete(f"/devices/d{number}").raise_for_status()
             device = {"name": f"silent {number}", "model": "tmc428", "link": silent}
             api.post("/devices", json=device).raise_for_status()
         answered_ms, told_ms = _each_told(api, 5 if quick else 20)
-        beside_ms = _timed_ms(process.url, f"devices/d{SILENT}/axes/0/stop", times)
+        beside_ms = timed_ms(process.url, f"devices/d{SILENT}/axes/0/stop", times)
     return [
         Row(
             what=f"{DEVICES} emulated devices at rest",
