@@ -26,6 +26,7 @@ const COMPONENTS: Record<string, ComponentType> = {
   "/currents": page(() => import("./pages/currents/CurrentsPage")),
   "/rotary": page(() => import("./pages/rotary/RotaryPage")),
   "/twin": page(() => import("./pages/twin/TwinPage")),
+  "/health": page(() => import("./pages/health/HealthPage")),
   "/audit": page(() => import("./pages/audit/AuditPage")),
   "/recordings": Recordings,
   "/profiles": page(() => import("./pages/profiles/ProfilesPage")),

@@ -7,6 +7,7 @@ import { QueryClient, QueryClientProvider } from "@tanstack/react-query";
 import { StrictMode } from "react";
 import { createRoot } from "react-dom/client";
 import { App } from "./App";
+import { askAccess } from "./api/access";
 import { watchLease } from "./api/lease/bench";
 import { conditions } from "./live/conditions";
 import { RootBoundary } from "./shell/RootBoundary";
@@ -21,6 +22,7 @@ const queries = new QueryClient({
   },
 });
 
+void askAccess();
 watchLease();
 conditions.start();
 const root = document.getElementById("root");

@@ -8,6 +8,7 @@ import { ConditionBar } from "./ConditionBar";
 import { ConnectionBanner } from "./ConnectionBanner";
 import { DevicePicker } from "./DevicePicker";
 import { HeldBack } from "./HeldBack";
+import { LogOut } from "./LogOut";
 import { LeaseControl } from "./lease/LeaseControl";
 import { LeaseNews } from "./lease/LeaseNews";
 import { LeaseQuestion } from "./lease/LeaseQuestion";
@@ -61,6 +62,7 @@ export function Shell({ children }: PropsWithChildren) {
           <LeaseControl />
           <Shortcuts />
           <ColorSchemeToggle />
+          <LogOut />
           <StopAll />
         </Group>
       </header>

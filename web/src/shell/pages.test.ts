@@ -18,6 +18,7 @@ describe("pages", () => {
       "Profiles",
       "Console",
       "Audit log",
+      "Health",
       "Connections",
     ]);
     expect(names("pmul")).toEqual([
@@ -32,6 +33,7 @@ describe("pages", () => {
       "Profiles",
       "Console",
       "Audit log",
+      "Health",
       "Connections",
     ]);
     expect(names("sixpoint")).toEqual([
@@ -48,6 +50,7 @@ describe("pages", () => {
       "Profiles",
       "Console",
       "Audit log",
+      "Health",
       "Connections",
     ]);
     for (const own of [
@@ -59,6 +62,7 @@ describe("pages", () => {
       "Microsteps",
       "Console",
       "Audit log",
+      "Health",
       "Connections",
     ])
       expect(names("sramp")).toContain(own);
@@ -73,6 +77,7 @@ describe("pages", () => {
       "Microsteps",
       "Driver chain",
       "Audit log",
+      "Health",
       "Connections",
     ])
       expect(names(null)).toContain(alone);

@@ -8,6 +8,7 @@ import {
   IconFileStack,
   IconFilter,
   IconGauge,
+  IconHeartRateMonitor,
   IconHistory,
   IconPlayerRecord,
   IconPlugConnected,
@@ -97,6 +98,7 @@ export const PAGES: readonly PageEntry[] = [
   page("/profiles", "Profiles", "Profiles", IconFileStack, { alone: true }),
   page("/console", "Console", "Console", IconTerminal2, {}),
   page("/audit", "Audit log", "Audit", IconHistory, { alone: true }),
+  page("/health", "Health", "Health", IconHeartRateMonitor, { alone: true }),
   page("/connections", "Connections", "Links", IconPlugConnected, { alone: true }),
 ];
 

@@ -15,6 +15,8 @@ export interface LeasePorts {
   handOver: (to: string) => Promise<Lease>;
   /** calls every few seconds until the answer is called */
   beat: (keep: () => void) => () => void;
+  /** whether our token may never have the bench: then nobody is asked for it, and the server says why it refuses */
+  onlyLooks?: () => boolean;
 }
 
 /**
@@ -144,7 +146,7 @@ export class LeaseDesk {
 
   /** The same for what is held down: true only if it is ours now. Else the question is opened, and nothing waits. */
   async permitHeld(): Promise<boolean> {
-    if (this.view.lease === null || this.mine || (await this.takeFree())) return true;
+    if (this.view.lease === null || this.mine || this.ports.onlyLooks?.() || (await this.takeFree())) return true;
     this.open("held");
     return false;
   }

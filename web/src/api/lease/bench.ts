@@ -1,3 +1,4 @@
+import { onlyLooks } from "../access";
 import { ApiError, problemOf } from "../problem";
 import { startBeat } from "./beat";
 import { Gate } from "./gate";
@@ -32,13 +33,18 @@ export const desk = new LeaseDesk({
   ask: () => call("POST", "/ask", { name: userName() }),
   handOver: (to) => call("POST", "/hand-over", { to }),
   beat: startBeat,
+  onlyLooks,
 });
 
 /** Everything that the page sends goes through here. */
-export const gate = new Gate(desk, (request) => {
-  for (const [name, value] of Object.entries(sessionHeaders())) request.headers.set(name, value);
-  return fetch(request);
-});
+export const gate = new Gate(
+  desk,
+  (request) => {
+    for (const [name, value] of Object.entries(sessionHeaders())) request.headers.set(name, value);
+    return fetch(request);
+  },
+  onlyLooks,
+);
 
 /**
  * The last tab that goes leaves: at rest the bench is free at once, else what is set for vanishing takes care of the

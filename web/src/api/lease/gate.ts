@@ -50,10 +50,12 @@ export class Gate {
   constructor(
     private readonly desk: LeaseDesk,
     private readonly send: Fetch,
+    /** our token may never have the bench: the server says so to whatever is sent */
+    private readonly onlyLooks: () => boolean = () => false,
   ) {}
 
   readonly fetch: Fetch = async (request) => {
-    if (request.method === "GET") return this.send(request);
+    if (request.method === "GET" || this.onlyLooks()) return this.send(request);
     if (changesBench(request.method, request.url) && !this.desk.mine) return this.wait(request);
     const spare = request.clone();
     const answer = await this.send(request);
@@ -65,6 +67,7 @@ export class Gate {
 
   /** For what is held down: goes now or not at all. Who holds it opens the question, `desk.permitHeld`. */
   readonly held: Fetch = async (request) => {
+    if (this.onlyLooks()) return this.send(request);
     if (this.desk.snapshot.lease !== null && !this.desk.mine) return notSent(request);
     const answer = await this.send(request);
     if (!(await wantsLease(answer))) return answer;

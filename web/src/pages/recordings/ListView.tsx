@@ -4,13 +4,14 @@ import { IconArrowsDiff, IconPlayerRecord, IconPlayerStop, IconSearch } from "@t
 import { useMemo, useState } from "react";
 import { Link, useLocation } from "wouter";
 import { EmptyState } from "../../lib/EmptyState";
+import { sizeText } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Page, Section } from "../../lib/Section";
 import { isRunning, PAGE, PAGE_MAX, type Recording, titleOf, useChanges, useRecordings } from "./api";
 import { RowMenu } from "./RowMenu";
 import classes from "./recordings.module.css";
 import { StartForm } from "./StartForm";
-import { order, type Sort, type SortKey, sizeText, stateText, whenText } from "./words";
+import { order, type Sort, type SortKey, stateText, whenText } from "./words";
 
 const COLUMNS: readonly { key: SortKey; label: string; wide?: boolean; right?: boolean }[] = [
   { key: "name", label: "Name" },

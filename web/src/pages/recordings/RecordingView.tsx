@@ -3,7 +3,7 @@ import { useDebouncedValue } from "@mantine/hooks";
 import { IconArrowsDiff, IconFlag, IconPlayerStop, IconRepeat } from "@tabler/icons-react";
 import { useCallback, useState } from "react";
 import { Link, useLocation } from "wouter";
-import { duration, fixed } from "../../lib/format";
+import { duration, fixed, sizeText } from "../../lib/format";
 import { later } from "../../lib/later";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Page, Section } from "../../lib/Section";
@@ -18,7 +18,7 @@ import { RowMenu } from "./RowMenu";
 import classes from "./recordings.module.css";
 import { SpectrumSection } from "./SpectrumSection";
 import { useReplay } from "./useReplay";
-import { sizeText, stateText, whenText } from "./words";
+import { stateText, whenText } from "./words";
 import type { Window } from "./ZoomData";
 
 const RecordingTwin = later(() => import("../twin/RecordingTwin").then((part) => part.default));

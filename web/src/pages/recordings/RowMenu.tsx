@@ -2,8 +2,8 @@ import { ActionIcon, Button, Group, Menu, Modal, Stack, Text, Textarea, TextInpu
 import { useDisclosure } from "@mantine/hooks";
 import { IconDotsVertical, IconDownload, IconPencil, IconTrash } from "@tabler/icons-react";
 import { useState } from "react";
+import { sizeText } from "../../lib/format";
 import { downloadHref, isRunning, type Recording, titleOf, useChanges } from "./api";
-import { sizeText } from "./words";
 
 interface Props {
   recording: Recording;

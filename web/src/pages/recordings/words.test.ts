@@ -1,8 +1,9 @@
 import { describe, expect, it } from "vitest";
+import { sizeText } from "../../lib/format";
 import type { Mark, Recording } from "./api";
 import { lanesOf } from "./channels";
 import { colorOfMark, flagsOf } from "./flags";
-import { order, sizeText, whenText } from "./words";
+import { order, whenText } from "./words";
 
 const BASE: Recording = {
   id: "20261121-184500-0001",

@@ -26,12 +26,6 @@ export function order(recordings: readonly Recording[], { key, down }: Sort): Re
   });
 }
 
-export function sizeText(bytes: number): string {
-  if (bytes >= 1e9) return `${fixed(bytes / 1e9, 1)} GB`;
-  if (bytes >= 1e6) return `${fixed(bytes / 1e6, 1)} MB`;
-  return `${fixed(bytes / 1e3, bytes < 1e4 ? 1 : 0)} kB`;
-}
-
 /** The day and the time, in the browser's zone: 21 Nov 18:45:09. */
 export function whenText(unixS: number | null): string {
   if (unixS === null) return "–";

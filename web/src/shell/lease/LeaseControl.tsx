@@ -1,10 +1,12 @@
 import { Button, Indicator, Popover } from "@mantine/core";
 import { useDisclosure } from "@mantine/hooks";
 import { IconEye, IconLock, IconSteeringWheel } from "@tabler/icons-react";
+import { useAccess } from "../../api/access";
 import { desk } from "../../api/lease/bench";
 import { isFree, type Lease } from "../../api/lease/LeaseDesk";
 import { later } from "../../lib/later";
 import classes from "./lease.module.css";
+import { OnlyLooking } from "./OnlyLooking";
 import { useLease } from "./useLease";
 import { isSilent, lasting } from "./words";
 
@@ -20,7 +22,9 @@ function takenWords(lease: Lease): string {
 export function LeaseControl() {
   const { lease, asking } = useLease();
   const [opened, { toggle, close }] = useDisclosure();
+  const access = useAccess();
   if (lease === null) return null;
+  if (access?.role === "look") return <OnlyLooking access={access} lease={lease} />;
   if (isFree(lease))
     return (
       <Button

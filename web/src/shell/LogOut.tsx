@@ -1,0 +1,15 @@
+import { ActionIcon } from "@mantine/core";
+import { IconLogout } from "@tabler/icons-react";
+import { logOut, useAccess } from "../api/access";
+
+/** The way out, for whoever came in with a token. */
+export function LogOut() {
+  const access = useAccess();
+  if (access?.by !== "session") return null;
+  const who = `Log out${access.name === null ? "" : ` ${access.name}`} (role: ${access.role})`;
+  return (
+    <ActionIcon variant="subtle" color="gray" aria-label={who} title={who} onClick={() => void logOut()}>
+      <IconLogout size={18} />
+    </ActionIcon>
+  );
+}
