@@ -51,6 +51,7 @@ PAGES = {
     "rotary": ("/rotary", ONE_AXIS),
     "bench-rotary": ("/rotary", "bench"),
     "audit": ("/audit", "bench"),
+    "health": ("/health", "bench"),
     "recordings": ("/recordings", "bench"),
     "profiles": ("/profiles", "bench"),
     "connections": ("/connections", "bench"),

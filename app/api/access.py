@@ -232,5 +232,6 @@ class _Wrong(Exception):
 
 
 def _page(said: str, status: int) -> HTMLResponse:
-    headers = {**HEADERS, "cache-control": "no-store", "WWW-Authenticate": "Bearer"}
+    # With "no-referrer" browsers send a form with "Origin: null", which the guard takes for another web site's.
+    headers = {**HEADERS, "referrer-policy": "same-origin", "cache-control": "no-store", "WWW-Authenticate": "Bearer"}
     return HTMLResponse(PAGE.format(said=html.escape(said)), status, headers=headers)

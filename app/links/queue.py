@@ -20,7 +20,7 @@ from types import TracebackType
 from typing import Protocol, Self, cast
 
 from app.links.arbiter import Arbiter, Priority
-from app.links.errors import BadReply, LinkError, LinkTimeout, WrongState
+from app.links.errors import BadReply, LinkDown, LinkError, LinkTimeout, WrongState
 from app.links.frame_log import FrameLog
 from app.links.port import Answer, BatchPort, ChainPort, FramePort
 from app.links.waits import Waits
@@ -181,7 +181,7 @@ class LinkQueue:
                     reply = b""
         except LinkError as error:
             took_s = time.perf_counter() - start_s
-            self._enter(priority, start_unix_s, (frame,), (_received(error),), (took_s,), str(error))
+            self._enter(priority, start_unix_s, (frame,), (_received(error),), (took_s,), error)
             self._failed(error)
             raise
         self._went_well(priority, start_unix_s, (frame,), (reply,), (time.perf_counter() - start_s,))
@@ -197,9 +197,7 @@ class LinkQueue:
         except LinkError as error:
             took_s = time.perf_counter() - start_s
             unanswered = [b""] * (len(frames) - 1)
-            self._enter(
-                priority, start_unix_s, frames, [*unanswered, _received(error)], [took_s] * len(frames), str(error)
-            )
+            self._enter(priority, start_unix_s, frames, [*unanswered, _received(error)], [took_s] * len(frames), error)
             self._failed(error)
             raise
         took_s = time.perf_counter() - start_s
@@ -218,7 +216,7 @@ class LinkQueue:
             batch = port.batch
             done = len(batch.replies)
             rx, answered_s = [*batch.replies, _received(error)], [*batch.answered_s, time.perf_counter() - start_s]
-            self._enter(priority, start_unix_s, frames[: done + 1], rx, answered_s, str(error))
+            self._enter(priority, start_unix_s, frames[: done + 1], rx, answered_s, error)
             self._failed(error)
             raise
         if replies:
@@ -248,13 +246,14 @@ class LinkQueue:
         tx: Sequence[bytes],
         rx: Sequence[bytes],
         answered_s: Sequence[float],
-        error: str = "",
+        error: LinkError | None = None,
     ) -> None:
         counts = self.counts
         counts.frames[priority] += len(tx)
-        counts.bytes_sent += sum(map(len, tx))
+        if not isinstance(error, LinkDown):  # else there was no wire to send them on
+            counts.bytes_sent += sum(map(len, tx))
         counts.bytes_received += sum(map(len, rx))
-        self.log.add(priority, start_unix_s, tx, rx, answered_s, error)
+        self.log.add(priority, start_unix_s, tx, rx, answered_s, "" if error is None else str(error))
 
     def _failed(self, error: LinkError) -> None:
         self.counts.failures += 1

@@ -143,6 +143,16 @@ async def test_or_by_the_form(door: Door) -> None:
         assert (await browser.get("/api/v1/devices")).status_code == 200
 
 
+async def test_browsers_say_whose_the_form_is(door: Door) -> None:
+    """With "no-referrer" they would send it with "Origin: null", and the guard would refuse it."""
+    async with door.visitor(**HTML) as browser:
+        page = await browser.get("/")
+        assert page.headers["referrer-policy"] == "same-origin"
+        own = {"origin": "http://10.0.0.1:8000"}
+        assert (await browser.post("/login", data={"token": TOKEN}, headers=own)).status_code == 303
+        assert (await browser.post("/login", data={"token": TOKEN}, headers={"origin": "null"})).status_code == 403
+
+
 async def test_a_foreign_page_may_not_even_guess(door: Door) -> None:
     async with door.visitor(origin="http://evil.com") as visitor:
         assert (await visitor.post("/login", data={"token": TOKEN})).status_code == 403

@@ -43,11 +43,12 @@ export function duration(seconds: number | null | undefined): string {
   return `${seconds < 0 ? MINUS : ""}${Math.floor(whole / 60)}:${String(whole % 60).padStart(2, "0")}${THIN}min`;
 }
 
-/** kB, MB or GB. */
+/** B, kB, MB or GB. */
 export function sizeText(bytes: number | null): string {
   if (bytes === null) return NOTHING;
   if (bytes >= 1e9) return `${fixed(bytes / 1e9, 1)} GB`;
   if (bytes >= 1e6) return `${fixed(bytes / 1e6, 1)} MB`;
+  if (bytes < 1000) return `${fixed(bytes)} B`;
   return `${fixed(bytes / 1e3, bytes < 1e4 ? 1 : 0)} kB`;
 }
 

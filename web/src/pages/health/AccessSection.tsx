@@ -13,7 +13,7 @@ import {
 } from "@mantine/core";
 import { IconKey } from "@tabler/icons-react";
 import { type FormEvent, useState } from "react";
-import { type Access, useAccess } from "../../api/access";
+import { type Access, logOut, useAccess } from "../../api/access";
 import { EmptyState } from "../../lib/EmptyState";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Section } from "../../lib/Section";
@@ -32,7 +32,17 @@ export function AccessSection() {
   const access = useAccess();
   if (access === null) return null;
   return (
-    <Section title="Access" note={whoWords(access)}>
+    <Section
+      title="Access"
+      note={whoWords(access)}
+      actions={
+        access.by === "session" && (
+          <Button size="compact-sm" variant="default" onClick={() => void logOut()}>
+            Log out
+          </Button>
+        )
+      }
+    >
       {access.role === "administer" ? (
         <Tokens open={access.by === "nothing"} />
       ) : (

@@ -34,7 +34,7 @@ describe("the list", () => {
   });
 
   it("says sizes and times as people do", () => {
-    expect([640, 64_000, 46.4e6, 2.5e9].map(sizeText)).toEqual(["0.6 kB", "64 kB", "46.4 MB", "2.5 GB"]);
+    expect([640, 64_000, 46.4e6, 2.5e9].map(sizeText)).toEqual(["640 B", "64 kB", "46.4 MB", "2.5 GB"]);
     expect(whenText(null)).toBe("–");
   });
 });
