@@ -30,6 +30,8 @@ log = logging.getLogger("stepscope.store")
 
 FILE_NAME = "stepscope.sqlite3"
 MIGRATIONS = Path(__file__).with_name("migrations")
+HEADER_BYTES = 100
+"""What every database begins with."""
 BUSY_S = 5.0
 """How long to wait for another writer [s]: all of ours are done within milliseconds."""
 BEGIN = "stepscope_begin"
@@ -99,6 +101,9 @@ class Database:
             raise self._translated(error) from error
 
     def _brought_up_to_date(self) -> Engine:
+        if self.path.is_file() and (size := self.path.stat().st_size) < HEADER_BYTES:
+            # SQLite would take it for a new one, and write over it without a word.
+            raise _Damaged(f"it is only {size} bytes long")
         engine = create_engine(f"sqlite+pysqlite:///{self.path}", connect_args={"timeout": BUSY_S})
         event.listen(engine, "connect", _prepare)
         event.listen(engine, "begin", _begin)

@@ -117,6 +117,8 @@ class Recorder:
                 self._hub.flush(self._device.id)
             self._task.cancel()
             await asyncio.gather(self._task, return_exceptions=True)
+            if self.state in ("waiting", "recording"):  # it had not even begun to run
+                self._end()
 
     def mark(
         self,
