@@ -82,6 +82,7 @@ SIXPOINT_ENCODER = {"ENCMODE": 1 << 10, "ENC_CONST": 1 << 16 | 2800}
 """Decimal, 1.28 microsteps a count: 40 000 counts of the emulated encoder are a turn of 51 200."""
 SIZES: dict[str, ViewportSize] = {
     "desktop": {"width": 1440, "height": 900},
+    "laptop": {"width": 1280, "height": 720},
     "phone": {"width": 390, "height": 844},
 }
 SCHEMES: tuple[Literal["light", "dark"], ...] = ("light", "dark")
@@ -97,8 +98,8 @@ def a_server(url: str | None) -> Iterator[str]:
         yield server.url
 
 
-def add_devices(url: str) -> None:
-    """A device of each family that the demo bench lacks, ready to move."""
+def add_devices(url: str, count: int) -> None:
+    """A device of each family that the demo bench lacks, ready to move, and more up to `count` in all."""
     ramps: tuple[tuple[str, str, int, dict[str, int]], ...] = (
         (MODULE, "pd42-1241", 1, {}),
         (SERVO, "tmc4361", 1, SERVO_RAMP),
@@ -112,6 +113,8 @@ def add_devices(url: str) -> None:
             for register, value in ramp.items():
                 _call(f"{url}/api/v1/devices/{name}/registers/{register}?axis={axis}", {"value": value}, "PUT")
     _call(f"{url}/api/v1/devices/{ONE_AXIS}/axes/0/extended-position", {"gear": gear}, "PUT")
+    for number in range(len(_call(f"{url}/api/v1/devices")) + 1, count + 1):
+        _call(f"{url}/api/v1/devices", {"name": f"axis {number}", "model": "tmc5160", "link": {"kind": "emulator"}})
 
 
 def shuttle(url: str) -> None:
@@ -130,10 +133,11 @@ def _call(url: str, body: dict[str, object] | None = None, method: str | None = 
         return json.load(answer)
 
 
-def take(browser: Browser, url: str, folder: Path, pages: list[str], settle_s: float) -> list[str]:
+def take(browser: Browser, url: str, folder: Path, pages: list[str], sizes: list[str], settle_s: float) -> list[str]:
     """Write FOLDER/page-size-scheme.png for each; return what the consoles said of errors."""
     said: list[str] = []
-    for size, viewport in SIZES.items():
+    for size in sizes:
+        viewport = SIZES[size]
         for scheme in SCHEMES:
             context = browser.new_context(viewport=viewport, color_scheme=scheme, base_url=url)
             page = context.new_page()
@@ -163,15 +167,24 @@ def main() -> int:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--url", help="a running server; by default one is started")
     parser.add_argument("--page", action="append", choices=PAGES, help="only this page; may be repeated")
+    parser.add_argument("--devices", type=int, default=6, metavar="N", help="in all, at least")
+    parser.add_argument("--size", action="append", choices=SIZES, help="only this size; may be repeated")
     parser.add_argument("--settle", type=float, default=2.0, metavar="S", help="how long a page may run before [s]")
     arguments = parser.parse_args()
     arguments.folder.mkdir(parents=True, exist_ok=True)
     with a_server(arguments.url) as url, sync_playwright() as playwright:
         if not arguments.url:
-            add_devices(url)
+            add_devices(url, arguments.devices)
             shuttle(url)
         browser = playwright.chromium.launch(executable_path=find_chromium(), args=chromium_flags())
-        said = take(browser, url, arguments.folder, arguments.page or list(PAGES), arguments.settle)
+        said = take(
+            browser,
+            url,
+            arguments.folder,
+            arguments.page or list(PAGES),
+            arguments.size or list(SIZES),
+            arguments.settle,
+        )
         browser.close()
     for line in dict.fromkeys(said):
         print(f"console: {line}", file=sys.stderr)
