@@ -6,6 +6,7 @@ same for every 32-bit register chip in `register_chip`.
 
 from __future__ import annotations
 
+import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Collection, Mapping, Sequence
 from contextvars import ContextVar
@@ -40,7 +41,7 @@ from app.devices.results import (
 )
 from app.devices.sample_plan import Channel, SamplePlan, Taken
 from app.devices.signs import Remedy, Signs
-from app.links.errors import BenchError, DownloadMode, LinkError, OtherModel, UnknownThing, WrongState
+from app.links.errors import BenchError, DownloadMode, LinkError, OtherModel, UnknownThing, UsageError, WrongState
 from app.links.port import FramePort, SamplingPort
 from app.links.queue import FrameHold, LinkQueue, Priority
 from app.links.registry import Link
@@ -143,6 +144,8 @@ class Device(ABC):
         """How many commands each axis got from this session that may move or stop it."""
         self._state: DeviceState = "disconnected"
         self._problem: BenchError | None = None
+        self.driver_of: Callable[[Device, str], Device] | None = None
+        """Makes the driver of another model for the same port (`families`), to stop what answers there."""
         self._stranger: WrongState | None = None
         """Why what answers is not the chip or module of this connection; None where it is, or nobody knows."""
         self.notes: tuple[str, ...] = ()
@@ -450,9 +453,41 @@ class Device(ABC):
     async def rotate(self, axis: int, velocity: float, unit: str = "pps") -> Rotating:
         """Turn on and on, in VELOCITY_MODE. Never clipped: raises OutOfRange with the limit in the same unit."""
 
-    @abstractmethod
     async def stop_axes(self, axes: Sequence[int], mode: StopMode = "ramp") -> list[StopOutcome]:
-        """Stop ahead of everything that waits for this link. Failures are in the outcomes, not raised."""
+        """Stop ahead of everything that waits for this link. Failures are in the outcomes, not raised.
+
+        Where another model answers, that one is stopped, with all its axes: nobody knows which of them is meant.
+        """
+        why = self._stranger
+        if isinstance(why, OtherModel) and not why.same_stop:
+            for axis in axes:
+                self.stops[axis] += 1
+                self.commanded(axis, "stop", mode=mode)
+            return await self._stop_stranger(why, axes, mode)
+        return await self._stop_axes(axes, mode)
+
+    @abstractmethod
+    async def _stop_axes(self, axes: Sequence[int], mode: StopMode) -> list[StopOutcome]:
+        """`stop_axes` of the chip or module that this connection names."""
+
+    async def _stop_stranger(self, why: OtherModel, axes: Sequence[int], mode: StopMode) -> list[StopOutcome]:
+        """Stop what answers by the driver of its own model; `why` for each axis where there is none."""
+        began = time.perf_counter()
+        problem: BenchError | None = why
+        if why.found and self.driver_of is not None:
+            try:
+                driver = self.driver_of(self, why.found[0])
+            except UsageError as error:
+                problem = error
+            else:
+                driver.queue = self.queue.beside()
+                try:
+                    stopped = await driver.stop_axes([axis.index for axis in driver.axes], mode)
+                finally:
+                    await driver.let_go()
+                problem = next((outcome.problem for outcome in stopped if outcome.problem is not None), None)
+        took_ms = (time.perf_counter() - began) * 1e3
+        return [StopOutcome(self.id, axis, problem is None, took_ms, problem) for axis in axes]
 
     async def stop(self, axis: int, mode: StopMode = "ramp") -> StopOutcome:
         """Stop one axis. Raises what went wrong."""

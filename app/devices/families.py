@@ -41,5 +41,12 @@ START_PLANS: dict[str, StartPlanner] = {
 def make_device(device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> Device:
     """The driver for `config.model`, which `DeviceConfig` has checked."""
     device = DRIVERS[config.model](device_id, config, port, clock)
+    device.driver_of = _driver_of
     apply_limits(device)
     return device
+
+
+def _driver_of(device: Device, model: str) -> Device:
+    """The driver of `model` over the port of `device`. Raises UsageError where that link cannot be its."""
+    config = DeviceConfig(name=device.name, model=model, link=device.link)
+    return DRIVERS[model](device.id, config, device.port, device.clock)

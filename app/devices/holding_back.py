@@ -16,9 +16,10 @@ class OnlyReading:
         self._reads = reads
 
     def refuse(self, frames: Sequence[bytes], priority: Priority, by_hand: bool) -> None:
-        """Raises `why` for a frame that may write. A stop by registers that the chip does not have is none."""
+        """Raises `why` for a frame that may write. What would stop the connection's model stops another one by chance
+        at most: its own stop goes another way (`Device.stop_axes`)."""
         del by_hand
-        if priority is Priority.STOP and not (isinstance(self.why, OtherModel) and self.why.foreign):
+        if priority is Priority.STOP and not (isinstance(self.why, OtherModel) and not self.why.same_stop):
             return
         if not all(self._reads(frame) for frame in frames):
             raise self.why

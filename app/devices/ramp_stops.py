@@ -19,7 +19,7 @@ class RampStops(RampWrites):
 
     # --- stops ----------------------------------------------------------------------------------
 
-    async def stop_axes(self, axes: Sequence[int], mode: StopMode = "ramp") -> list[StopOutcome]:
+    async def _stop_axes(self, axes: Sequence[int], mode: StopMode = "ramp") -> list[StopOutcome]:
         began = time.perf_counter()
         for axis in axes:
             self.stops[axis] += 1  # before anything waits: what is under way for these axes gives up

@@ -131,18 +131,24 @@ class DownloadMode(WrongState):
 class OtherModel(WrongState):
     """Another chip or module answers than the connection says.
 
-    model : of the connection. found : models that it may be, as far as known. foreign : their registers are others,
-    so that the connection's model cannot even stop them
+    model : of the connection. found : models that it may be, as far as known; the first one's stop stops it. foreign :
+    its registers are others, so that a stop of the connection's model would write anything
     """
 
     def __init__(self, message: str, model: str, found: tuple[str, ...] = (), *, foreign: bool = False) -> None:
         change = f"change the model of this connection to {' or '.join(name.upper() for name in found)}"
-        stop = ", so that it can be stopped; until then only its power switch does" if foreign else ""
+        stopped = bool(found) or not foreign
+        look = "choose the connection of another model, or check the wiring"
         super().__init__(
-            f"{message}; it is only read{'' if foreign else ' and stopped'}",
-            f"{change}{stop}" if found else "choose the connection of another model, or check the wiring",
+            f"{message}; it is only read{' and stopped' if stopped else ', and stepscope cannot stop it'}",
+            change if found else look if stopped else f"to stop it, cut its power; then {look}",
         )
         self.model, self.found, self.foreign = model, found, foreign
+
+    @property
+    def same_stop(self) -> bool:
+        """Whether a stop of the connection's model is the one to try: of a module that nobody knows, say."""
+        return not (self.found or self.foreign)
 
 
 class UnknownParameter(WrongState):

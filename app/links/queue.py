@@ -127,6 +127,14 @@ class LinkQueue:
         """How many turns of that priority wait for the line."""
         return self._arbiter.waiting(priority)
 
+    def beside(self) -> LinkQueue:
+        """A second way to the same port: it waits for the same line, and counts and logs with this one, and nobody
+        holds back what goes over it."""
+        other = LinkQueue(self.port, None, self._samples_waiting_max)
+        other.counts, other.waits, other.log = self.counts, self.waits, self.log
+        other._meter, other._arbiter = self._meter, self._arbiter
+        return other
+
     async def exchange(
         self,
         frame: bytes,

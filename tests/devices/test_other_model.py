@@ -12,13 +12,14 @@ import pytest
 from app.clock import Clock, ScaledClock, VirtualClock
 from app.devices.config import DeviceConfig
 from app.devices.device import Device
+from app.devices.families import make_device
 from app.devices.manager import DeviceChange, DeviceManager
-from app.devices.results import WriteItem
+from app.devices.results import StopMode, WriteItem
 from app.emulators.build import build_emulator
 from app.links import datagram32, datagram40
 from app.links.access32 import Spi32Access
 from app.links.emulator import EmulatorPort
-from app.links.errors import OtherModel
+from app.links.errors import LinkDown, OtherModel
 from app.links.port import FramePort, Wire
 from app.links.queue import Priority
 from app.links.register_access import Spi40Access
@@ -35,6 +36,12 @@ PAIRS = [
     *(("tmc4361", real) for real in ("tmc5072", "tmc5130", "tmc5160")),
     ("tmc428", "tmc4210"),
 ]
+TURNING: dict[str, dict[str, int]] = {
+    **{model: {"AMAX": 500} for model in SIXPOINT},
+    "tmc4361": {"AMAX": 4_000_000, "DMAX": 4_000_000},
+    "tmc4210": {"v_max": 1500, "a_max": 200, "pulse_div": 4, "ramp_div": 6},
+}
+"""What an axis takes to turn, beside the command."""
 SPI40, SPI32 = Spi40Access(), Spi32Access()
 
 
@@ -153,18 +160,51 @@ async def test_nothing_is_written_to_another_chip(said: str, real: str) -> None:
         assert state_of(device) == "failed"
 
 
-@pytest.mark.parametrize(("said", "real"), PAIRS)
-async def test_a_stop_goes_out_where_the_chip_has_its_registers(said: str, real: str) -> None:
+@pytest.mark.parametrize(
+    ("said", "real", "mode"),
+    [
+        *((*pair, "ramp") for pair in PAIRS),
+        *((*pair, "immediate") for pair in (("tmc5130", "tmc4361"), ("tmc4361", "tmc5160"), ("tmc5130", "tmc5072"))),
+    ],
+)
+async def test_a_stop_stops_every_axis_of_the_chip_that_is_there(said: str, real: str, mode: StopMode) -> None:
     async with swapped(said, real) as made:
         problem = made.device.problem
         assert isinstance(problem, OtherModel)
         assert problem.foreign is ("tmc4361" in (said, real))
+        its_own = make_device("own", DeviceConfig("Own", real, {"kind": "spidev"}), made.device.port, made.clock)
+        await its_own.identify()
+        its_own.set_state("connected")
+        await its_own.refresh()
+        for axis in its_own.axes:
+            for name, value in TURNING[real].items():
+                await its_own.write(name, axis.index, value)
+            await its_own.rotate(axis.index, 2000)
+        await made.clock.advance(0.5)
+        assert all([(await its_own.axis_state(axis.index)).velocity_pps > 0 for axis in its_own.axes])
+        outcomes = await made.manager.stop_all(mode)
+        assert [(outcome.axis, outcome.ok) for outcome in outcomes] == [(axis.index, True) for axis in made.device.axes]
+        await made.clock.advance(2.0)
+        assert [(await its_own.axis_state(axis.index)).velocity_pps for axis in its_own.axes] == [0] * len(its_own.axes)
+        assert isinstance(made.device.problem, OtherModel)
+
+
+@pytest.mark.parametrize(("said", "real"), [("tmc4361", "tmc5031"), ("tmc4361", "tmc5062")])
+async def test_a_chip_that_nobody_knows_is_sent_no_stop_and_that_is_said(said: str, real: str) -> None:
+    async with swapped(said, real) as made:
+        assert isinstance(made.device.problem, OtherModel)
+        assert "cut its power" in made.device.problem.way_out
         outcomes = await made.manager.stop_all()
-        if problem.foreign:
-            assert made.tap.wrote == []
-            assert all(isinstance(outcome.problem, OtherModel) for outcome in outcomes)
-        else:
-            assert made.tap.wrote
+        assert made.tap.wrote == []
+        assert [outcome.problem for outcome in outcomes] == [made.device.problem]
+
+
+async def test_a_stop_that_the_other_chip_does_not_get_is_no_success() -> None:
+    async with swapped("tmc5130", "tmc4361") as made:
+        made.tap.unplugged = True
+        (outcome,) = await made.manager.stop_all()
+        assert not outcome.ok
+        assert isinstance(outcome.problem, LinkDown)
 
 
 @pytest.mark.parametrize(("said", "real"), PAIRS)

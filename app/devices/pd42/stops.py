@@ -31,7 +31,7 @@ SETTLE_MAX_S = 5.0
 class Stops(Motion):
     """A TMCL module that can be stopped."""
 
-    async def stop_axes(self, axes: Sequence[int], mode: StopMode = "ramp") -> list[StopOutcome]:
+    async def _stop_axes(self, axes: Sequence[int], mode: StopMode = "ramp") -> list[StopOutcome]:
         began = time.perf_counter()
         outcomes = []
         for axis in axes:

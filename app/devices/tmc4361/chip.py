@@ -51,7 +51,7 @@ class Chip(KeepingChip):
             f"this is no TMC4361: VERSION_NO reads {version:#010x} and CLK_FREQ {clock_hz:#010x}",
             self.model,
             found,
-            foreign=bool(found),
+            foreign=True,
         )
 
     async def refresh(self) -> None:

@@ -34,7 +34,7 @@ class Stops(Moves):
 
     # --- stops ----------------------------------------------------------------------------------
 
-    async def stop_axes(self, axes: Sequence[int], mode: StopMode = "ramp") -> list[StopOutcome]:
+    async def _stop_axes(self, axes: Sequence[int], mode: StopMode = "ramp") -> list[StopOutcome]:
         began = time.perf_counter()
         outcomes = []
         for axis in axes:

@@ -69,9 +69,7 @@ class Chip(KeepingChip):
         if version in (0, 0xFF) or not others:
             other = await models_found(self.queue, self.access)
             if other or version in (0, 0xFF):
-                raise OtherModel(
-                    f"this is no {title}: VERSION reads {version:#04x}", self.model, other, foreign=bool(other)
-                )
+                raise OtherModel(f"this is no {title}: VERSION reads {version:#04x}", self.model, other, foreign=True)
         return f"a {title} answers, version {version:#04x}{where}"
 
     # --- what is kept in mind -------------------------------------------------------------------
