@@ -13,7 +13,7 @@ from app.links.errors import BenchError, LinkTimeout, WrongState
 
 log = logging.getLogger("stepscope.devices")
 
-STOP_WITHIN_S = 0.9
+STOP_WITHIN_S = 0.8
 """After so long a stop is answered for a device that has not answered itself [s]."""
 UNDER_WAY_MAX = 4
 """Stops of one device that may wait for its link at once; a further one is the latest of them."""
