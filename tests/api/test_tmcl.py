@@ -49,7 +49,6 @@ async def test_an_error_status_is_an_answer(client: httpx.AsyncClient, motor: st
     assert (unknown["status"], unknown["status_text"]) == (2, "invalid command")
 
 
-@pytest.mark.sheet("004", "3.6.36")
 async def test_the_version_as_text(client: httpx.AsyncClient, motor: str) -> None:
     answer = (await client.post(f"{motor}/tmcl", json={"line": "get_version string"})).json()
     assert answer["text"].endswith("1241V144")

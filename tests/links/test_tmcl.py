@@ -67,7 +67,6 @@ def test_the_position_reached_event_is_no_answer() -> None:
         tmcl.check_reply("line", Request(1, Opcode.GAP, 1).encode(), event)
 
 
-@pytest.mark.sheet("004", "3.6.36")
 def test_versions_of_both_forms() -> None:
     asked = Request(1, Opcode.GET_VERSION, 0).encode()
     string = bytes.fromhex("02 31 32 34 31 56 31 34 34")

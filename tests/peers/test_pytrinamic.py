@@ -61,7 +61,6 @@ def refused(call: Callable[[], object]) -> int:
 # --- what it is ---------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("004", "3.6.36")
 def test_the_version_in_both_forms(connection: Any) -> None:
     assert connection.get_version_string() == "1241V144"
     reply = connection.send(TMCLCommand.GET_FIRMWARE_VERSION, 1, 0, 0)

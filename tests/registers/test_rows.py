@@ -168,7 +168,6 @@ def test_a_table_refuses_two_rows_on_one_address_or_of_one_name() -> None:
 @pytest.mark.sheet("004", "5.1")
 @pytest.mark.sheet("004", "5.2")
 @pytest.mark.sheet("004", "5.3")
-@pytest.mark.sheet("004", "5.4")
 def test_the_parameters_of_the_pd42() -> None:
     """Numbers as PyTrinamic's TMCM1241.py lists them; bank 1 belongs to customers' own firmware."""
     table = MODELS["pd42-1241"].table

@@ -30,7 +30,6 @@ async def test_an_exchange_reads_as_one_writes_it(command: tuple[int | str, ...]
 
 
 @pytest.mark.parametrize("opcode", [137, 255])
-@pytest.mark.sheet("004", "3.6.36")
 async def test_what_is_never_answered_is_no_failure(opcode: int) -> None:
     async with bench() as b:
         done = await b.device.tmcl(opcode, 0, 0, 1234)

@@ -60,7 +60,6 @@ def downloading(made: Bench) -> bool:
     return made.module._firmware.application.downloading
 
 
-@pytest.mark.sheet("004", "3.6.36")
 async def test_nothing_of_ours_becomes_part_of_a_program() -> None:
     """Watch, telemetry, a recorder's rows, soft limits: all of them run, and only the three commands are stored."""
     async with bench() as made:
@@ -122,7 +121,6 @@ async def test_what_waited_for_the_line_does_not_slip_through() -> None:
         assert stored(made) == {}
 
 
-@pytest.mark.sheet("004", "3.6.36")
 @pytest.mark.parametrize("mode", ["ramp", "immediate"])
 async def test_a_stop_leaves_download_mode_and_stops(mode: Any) -> None:
     async with bench() as made:

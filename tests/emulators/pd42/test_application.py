@@ -148,7 +148,6 @@ PROGRAM = [
 ]
 
 
-@pytest.mark.sheet("004", "3.6.36")
 def test_a_program_is_stored_and_not_run() -> None:
     bench = Bench()
     _download(bench, 0, PROGRAM)
@@ -164,7 +163,6 @@ def test_a_program_is_stored_and_not_run() -> None:
     assert bench.state.application.commands == 5
 
 
-@pytest.mark.sheet("004", "3.6.36")
 def test_download_mode_and_its_end() -> None:
     bench = Bench()
     bench.do(Opcode.ENTER_DOWNLOAD)
@@ -178,7 +176,6 @@ def test_download_mode_and_its_end() -> None:
     assert bench.gap(1) == 0
 
 
-@pytest.mark.sheet("004", "3.6.36")
 def test_memory_ends() -> None:
     # Open: length, and what is answered beyond. Here 2048 commands, and status 4.
     bench = Bench()
@@ -210,7 +207,6 @@ def test_protected_memory() -> None:
 # --- run state ------------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("004", "3.6.36")
 def test_run_stop_step_and_reset_show_in_the_status() -> None:
     bench = Bench()
     _download(bench, 0, PROGRAM)
@@ -244,7 +240,6 @@ def test_automatic_start() -> None:
     assert bench.ggp(128) == 1
 
 
-@pytest.mark.sheet("004", "3.6.36")
 def test_versions() -> None:
     bench = Bench()
     assert bench.module.exchange(Request(1, 136).encode())[1:] == b"1241V144"

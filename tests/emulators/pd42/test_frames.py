@@ -165,7 +165,6 @@ def test_commands_that_there_are_not(opcode: int) -> None:
         assert bench.ask(opcode).status == Status.INVALID_COMMAND
 
 
-@pytest.mark.sheet("004", "3.6.34")
 @pytest.mark.parametrize("opcode", range(64, 72))
 def test_user_functions_are_not_in_this_firmware(opcode: int) -> None:
     assert Bench().ask(opcode, 1, 2, 3).status == Status.INVALID_COMMAND

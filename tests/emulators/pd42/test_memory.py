@@ -57,7 +57,6 @@ def test_numbers_that_there_are_not(number: int, bank: int) -> None:
         assert Bench().ask(opcode, number, bank).status == Status.WRONG_TYPE
 
 
-@pytest.mark.sheet("004", "5.4")
 @pytest.mark.parametrize("row", BANK3, ids=lambda row: row.name)
 def test_bank_3_keeps_how_interrupts_are_set_up(row) -> None:  # type: ignore[no-untyped-def]
     bench = Bench()
@@ -73,6 +72,7 @@ def test_bank_3_keeps_how_interrupts_are_set_up(row) -> None:  # type: ignore[no
 
 
 @pytest.mark.sheet("004", "5.3")
+@pytest.mark.sheet("004", "3.5.2")
 @pytest.mark.sheet("004", "3.6.9")
 @pytest.mark.sheet("004", "3.6.10")
 def test_user_variables_are_stored_on_request_and_restored_at_power_on() -> None:
@@ -164,13 +164,22 @@ def test_coordinates_copied_by_hand() -> None:
 
 
 @pytest.mark.sheet("004", "3.6.22")
-def test_coordinates_kept_by_themselves() -> None:
+@pytest.mark.sheet("004", "3.6.24")
+@pytest.mark.sheet("004", "3.6.25")
+@pytest.mark.parametrize("kept", [False, True])
+def test_coordinates_kept_by_themselves(kept: bool) -> None:
     bench = Bench()
-    bench.sgp(84, 1)
+    bench.sgp(84, int(kept))
     for number in range(3):
         bench.do(Opcode.SCO, number, 0, 30 + number)
+    bench.do(Opcode.CALC, 9, 0, -77)
+    bench.do(Opcode.ACO, 0)
+    bench.do(Opcode.ACO, 3)
+    bench.sap(1, 7000)
+    bench.do(Opcode.CCO, 4)
     bench.power_cycle()
-    assert [bench.do(Opcode.GCO, number) for number in range(3)] == [0, 31, 32]  # number 0 is RAM alone
+    stored = [0, 31, 32, -77, 7000] if kept else [0] * 5  # number 0 is RAM alone
+    assert [bench.do(Opcode.GCO, number) for number in range(5)] == stored
 
 
 @pytest.mark.sheet("004", "3.6.24")
@@ -220,7 +229,6 @@ def test_another_module_with_the_same_file_remembers(tmp_path: Path) -> None:
     assert [entry.name for entry in path.parent.iterdir()] == ["eeprom.json"]
 
 
-@pytest.mark.sheet("004", "3.6.36")
 def test_factory_settings_by_command(tmp_path: Path) -> None:
     path = tmp_path / "eeprom.json"
     bench = Bench({"address": 9}, eeprom=path)
@@ -244,7 +252,6 @@ def test_factory_settings_by_hand() -> None:
     assert bench.gap(4) == 51_200
 
 
-@pytest.mark.sheet("004", "3.6.36")
 def test_a_reset_is_a_power_cycle() -> None:
     bench = Bench()
     _fill(bench)

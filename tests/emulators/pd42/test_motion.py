@@ -42,6 +42,7 @@ def test_a_negative_speed_turns_the_other_way() -> None:
     assert bench.gap(1) < 0
 
 
+@pytest.mark.sheet("004", "3.5.1")
 @pytest.mark.sheet("004", "3.6.3")
 def test_stop_is_soft_and_clears_the_target_speed() -> None:
     # 004 speaks of parameter 0 here, the sister module's manual of 2: the position has nothing to do with it.
@@ -62,6 +63,7 @@ def test_a_speed_out_of_range_is_refused(opcode: int, value: int) -> None:
     assert bench.gap(2) == 0
 
 
+@pytest.mark.sheet("004", "3.5.1")
 @pytest.mark.sheet("004", "3.6.4")
 def test_to_a_position_and_on_from_there() -> None:
     bench = Bench()

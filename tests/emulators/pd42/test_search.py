@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+
 import pytest
 
 from app.emulators.pd42 import search
@@ -12,6 +14,8 @@ pytestmark = pytest.mark.sheet("004", "7.1")
 
 LEFT_AT, RIGHT_AT, HOME_FROM, HOME_TO = -60.0, 80.0, -30.0, -14.0
 MIDDLE = (HOME_FROM + HOME_TO) / 2
+STICKY = 8.0
+"""Of a left stop switch with hysteresis [full steps]."""
 WITHIN = 1.0
 """Detent and load angle keep the rotor within this of its field [full steps]."""
 
@@ -56,12 +60,15 @@ def _inverted(bench: Bench) -> Bench:
     return _InvertedHome(bench)
 
 
-class _InvertedHome(Bench):
-    """Follows the stage in small steps of time and presses the home switch everywhere but between its edges."""
+class _Following(Bench, ABC):
+    """Follows the stage in small steps of time and presses switches as it likes."""
 
     def __init__(self, bench: Bench) -> None:
         self.clock, self.module, self.address = bench.clock, bench.module, bench.address
         self._press()
+
+    @abstractmethod
+    def _press(self) -> None: ...
 
     def run(self, seconds: float) -> None:
         end_s = self.clock.now() + seconds
@@ -69,9 +76,24 @@ class _InvertedHome(Bench):
             super().run(min(0.0005, end_s - self.clock.now()))
             self._press()
 
+
+class _InvertedHome(_Following):
+    """A home switch that is pressed everywhere but between its edges."""
+
     def _press(self) -> None:
         place = self.state.truth.rotor_fullsteps
         self.patch(switches={"home": not HOME_FROM <= place <= HOME_TO})
+
+
+class _StickyLeft(_Following):
+    """A left stop switch that opens only `STICKY` away from where it closes."""
+
+    closed = False
+
+    def _press(self) -> None:
+        place = self.state.truth.rotor_fullsteps
+        self.closed = place <= (LEFT_AT + STICKY if self.closed else LEFT_AT)
+        self.patch(switches={"left": self.closed})
 
 
 def _zero_at(bench: Bench) -> float:
@@ -120,6 +142,43 @@ def test_mode_4_finds_the_middle_of_one_switch(mode: int, where: float) -> None:
     bench = searched(mode)
     assert _zero_at(bench) == pytest.approx(where, abs=WITHIN)
     assert bench.gap(196) == 0
+
+
+@pytest.mark.parametrize(
+    ("mode", "where"),
+    [
+        pytest.param(1, LEFT_AT, marks=pytest.mark.sheet("004", "7.1.1")),
+        pytest.param(2, LEFT_AT, marks=pytest.mark.sheet("004", "7.1.2")),
+        pytest.param(3, LEFT_AT + STICKY / 2, marks=pytest.mark.sheet("004", "7.1.3")),
+        pytest.param(4, LEFT_AT + STICKY / 2, marks=pytest.mark.sheet("004", "7.1.4")),
+    ],
+)
+def test_only_modes_3_and_4_take_the_middle_of_two_switching_points(mode: int, where: float) -> None:
+    bench = _StickyLeft(stage(-40.0))
+    bench.sap(193, mode)
+    bench.do(Opcode.RFS, 0)
+    bench.until(lambda: bench.do(Opcode.RFS, 2) == 0)
+    bench.run(0.3)
+    assert _zero_at(bench) == pytest.approx(where, abs=WITHIN)
+    measured = (RIGHT_AT - where) * FULLSTEP if mode in (2, 3) else 0
+    assert bench.gap(196) == pytest.approx(measured, abs=2 * FULLSTEP)
+
+
+@pytest.mark.parametrize(
+    ("mode", "start", "first"),
+    [
+        pytest.param(5, -50.0, -1, marks=pytest.mark.sheet("004", "7.1.5")),
+        pytest.param(6, 40.0, 1, marks=pytest.mark.sheet("004", "7.1.6")),
+    ],
+)
+def test_modes_5_and_6_go_their_own_way_first_and_turn_at_the_stop_switch(mode: int, start: float, first: int) -> None:
+    bench = stage(start)
+    bench.sap(193, mode)
+    bench.do(Opcode.RFS, 0)
+    bench.run(0.1)
+    assert bench.gap(3) * first > 0
+    bench.until(lambda: bench.gap(11 if first < 0 else 10) == 1, step_s=0.001)
+    bench.until(lambda: bench.gap(3) * first < 0, step_s=0.001)
 
 
 HOME_STARTS = [0.0, -50.0, MIDDLE, LEFT_AT - 5, RIGHT_AT + 5]
