@@ -4,6 +4,7 @@ uvicorn waits for a head for ever, keeps one of any length, and accepts until th
 connection has a deadline until its request is whole, and a size; an address has a share of the connections, and when
 that is used up, the one of its connections that has waited longest without a request makes room. What is in use is not
 cut off for a newcomer: past the share a newcomer may still stop motors, over descriptors that are kept for that.
+Bodies that come in many pieces are read one piece at a time, with a pause for everybody else behind each.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ import os
 import socket
 import sys
 import time
-from collections import Counter
+from collections import Counter, deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -24,6 +25,7 @@ from typing import Any
 if sys.platform != "win32":
     import resource
 
+from uvicorn.protocols.http.flow_control import FlowControl
 from uvicorn.protocols.http.httptools_impl import HttpToolsProtocol
 
 log = logging.getLogger("stepscope.connections")
@@ -36,6 +38,12 @@ BODY_WITHIN_S = 30.0
 """How long a body may take [s]."""
 UNREAD_BYTES_MAX = 1 << 20
 """How much of a body is thrown away behind an answer that did not need it, before the connection is closed [bytes]."""
+PIECE_BYTES = 64 * 1024
+"""The most that is read of a connection at once [bytes]. asyncio would take 256 KiB."""
+PIECE_EVERY_S = 5e-3
+"""How long after one connection another reads the next piece of a long body [s]: 13 MB/s, all of them together."""
+PIECES_FREE = 2
+"""Pieces that a request has before it waits for its turn: a head, and the short body that follows it by itself."""
 UNTAKEN_S = 30.0
 """How long a client may take nothing of its answer [s]."""
 CONNECTIONS_MAX = 4096
@@ -92,6 +100,12 @@ class Connection(socket.socket):
     due_s: float | None = None
     only_stops = False
 
+    def recv(self, size: int, flags: int = 0, /) -> bytes:
+        return super().recv(min(size, PIECE_BYTES), flags)
+
+    def recv_into(self, buffer: Any, size: int = 0, flags: int = 0, /) -> int:  # as TLS does
+        return super().recv_into(buffer, min(size or len(buffer), PIECE_BYTES), flags)
+
     def end(self) -> None:
         """Have it closed by whoever serves it, which sees the end of what it reads."""
         self.due_s = None
@@ -103,6 +117,34 @@ class Connection(socket.socket):
         if door is not None:
             door.forget(self)
         super().close()
+
+
+class Flow(FlowControl):
+    """uvicorn's, which reads on only when it is its turn, too."""
+
+    _wanted = True
+    _its_turn = True
+
+    def pause_reading(self) -> None:
+        self._wanted = False
+        super().pause_reading()
+
+    def resume_reading(self) -> None:
+        self._wanted = True
+        if self._its_turn:
+            super().resume_reading()
+
+    def hold(self) -> None:
+        """Read nothing until `release`."""
+        self._its_turn = False
+        super().pause_reading()
+
+    def release(self) -> bool:
+        """It is its turn; False where it is closed."""
+        self._its_turn = True
+        if self._wanted:
+            super().resume_reading()
+        return not self._transport.is_closing()
 
 
 class Door:
@@ -117,6 +159,8 @@ class Door:
         """By descriptor, the oldest first."""
         self._of_address: Counter[str] = Counter()
         self._looking = False
+        self._held: dict[str, deque[Callable[[], bool]]] = {}
+        """By address, in the order in which they have their turns."""
 
     def __len__(self) -> int:
         return len(self._open)
@@ -155,6 +199,23 @@ class Door:
         if not self._looking:
             self._looking = True
             asyncio.get_running_loop().call_later(LOOK_EVERY_S, self._look)
+
+    def hold(self, address: str, release: Callable[[], bool]) -> None:
+        """Call it behind a pause, and behind one of each other address; it says False where it needed no turn."""
+        if not self._held:
+            asyncio.get_running_loop().call_later(PIECE_EVERY_S, self._release)
+        self._held.setdefault(address, deque()).append(release)
+
+    def _release(self) -> None:
+        took_turn = False
+        while self._held and not took_turn:
+            address = next(iter(self._held))
+            waiting = self._held.pop(address)
+            took_turn = waiting.popleft()()
+            if waiting:
+                self._held[address] = waiting  # behind all others
+        if self._held:
+            asyncio.get_running_loop().call_later(PIECE_EVERY_S, self._release)
 
     def _look(self) -> None:
         now_s = self._now()
@@ -210,15 +271,19 @@ class LimitedHttp(HttpToolsProtocol):
     door: Door
     is_stop: Callable[[str, str], bool]
 
+    flow: Flow
     _connection: Connection | None = None
     _head_bytes = 0
     _in_head = True
     _in_body = False
     _unread_bytes = 0
+    _pieces = 0
+    """Of the request that comes, without those that ended a request before it."""
     _untaken: asyncio.TimerHandle | None = None
 
     def connection_made(self, transport: asyncio.Transport) -> None:  # type: ignore[override]  # as in uvicorn's
         super().connection_made(transport)
+        self.flow = Flow(transport)
         sock = transport.get_extra_info("socket")
         self._connection = None if sock is None else self.door.connection(sock.fileno())
 
@@ -235,6 +300,10 @@ class LimitedHttp(HttpToolsProtocol):
                 self.transport.abort()
                 return
         super().data_received(data)
+        self._pieces += 1
+        if self._in_body and self._pieces > PIECES_FREE and not self.transport.is_closing():
+            self.flow.hold()
+            self.door.hold("" if self.client is None else self.client[0], self.flow.release)
         if self._in_head and self._head_bytes > HEAD_BYTES_MAX and not self.transport.is_closing():
             self._refuse(431, b"the head of a request has at most %d bytes" % HEAD_BYTES_MAX)
 
@@ -265,6 +334,7 @@ class LimitedHttp(HttpToolsProtocol):
     def on_message_complete(self) -> None:
         self._in_body = False
         self._in_head = True
+        self._pieces = 0
         super().on_message_complete()
         if self._connection is not None:
             self._connection.due_s = None

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from websockets.asyncio.client import connect
 
-from app.connections import DESCRIPTORS_KEPT, HEAD_BYTES_MAX, STOPS_KEPT, Limits
+from app.connections import DESCRIPTORS_KEPT, HEAD_BYTES_MAX, STOPS_KEPT, Door, Limits
 from tests.api.live import live_server
 
 TOTAL, OF_ADDRESS = 12, 9
@@ -159,6 +159,57 @@ async def test_a_body_that_nobody_wanted_is_not_read_for_ever(visitors: Visitors
             await writer.drain()
             sent += len(chunk)
     assert sent < 64 << 20
+
+
+async def test_a_long_body_waits_for_its_turn_and_nobody_else_does(
+    visitors: Visitors, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.connections.PIECE_EVERY_S", 3600.0)
+    head = b"POST /api/v1/devices HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 1000000\r\n\r\n"
+    reader, writer = await visitors.come(head)
+    answered = asyncio.create_task(reader.readline())
+    sending = asyncio.create_task(_send_in_pieces(writer, 1_000_000))
+    for _ in range(OF_ADDRESS - 2):  # one more would take the place of the body
+        assert await visitors.ask("POST", "stop") == 200
+    assert not answered.done()
+    sending.cancel()
+    answered.cancel()
+
+
+async def test_a_long_body_is_read_to_its_end(visitors: Visitors) -> None:
+    head = b"POST /api/v1/devices HTTP/1.1\r\nHost: 127.0.0.1\r\nContent-Length: 1000000\r\n\r\n"
+    reader, writer = await visitors.come(head)
+    await _send_in_pieces(writer, 1_000_000)
+    assert await status_of(reader) == 422
+
+
+async def _send_in_pieces(writer: asyncio.StreamWriter, size: int) -> None:
+    for _ in range(0, size, 10_000):
+        writer.write(b"x" * 10_000)
+        await writer.drain()
+
+
+async def test_each_address_has_its_turn(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("app.connections.PIECE_EVERY_S", 0.0)
+    door, turns = Door(Limits(1, 1)), list[str]()
+    all_done = asyncio.Event()
+
+    def hold(address: str, name: str, *, open_still: bool = True) -> None:
+        def release() -> bool:
+            turns.append(name)
+            if len(turns) == 6:
+                all_done.set()
+            return open_still
+
+        door.hold(address, release)
+
+    for number in range(4):
+        hold("flood", f"flood {number}")
+    hold("gone", "gone", open_still=False)
+    hold("guest", "guest")
+    async with asyncio.timeout(PATIENCE_S):
+        await all_done.wait()
+    assert turns == ["flood 0", "gone", "guest", "flood 1", "flood 2", "flood 3"]
 
 
 async def test_a_connection_serves_many_requests_one_after_another(visitors: Visitors) -> None:
