@@ -17,6 +17,7 @@ import uvicorn
 from fastapi import FastAPI
 
 from app.api.access import is_stop
+from app.api.app import build_routes
 from app.certificate import require_certificate
 from app.connections import Door, Limits, Listener, descriptor_limit, limited_http, raise_descriptor_limit
 from app.listening import listen, url_of
@@ -58,6 +59,7 @@ def _serve(settings: Settings, listener: socket.socket, announce: Callable[[str]
     port = listener.getsockname()[1]
     raise_descriptor_limit()
     app = create_app(settings)
+    build_routes(app)
     ready = f"stepscope is at {_address(app, settings, port)}  (Ctrl-C stops the motors and ends it)"
     server = BenchServer(app, settings, on_ready=lambda: announce(ready))
     keep_out_of_collections()

@@ -88,7 +88,9 @@ class RecordingList(Answer):
     recordings: list[RecordingInfo]
     next: str | None = Field(description="`before` of the next page; null where this is the last one")
     total: int = Field(description="how many were found, on all pages")
-    size_bytes: int = Field(description="of all recordings, found or not [bytes]")
+    size_bytes: int | None = Field(
+        description="of all recordings, found or not [bytes]; null for a moment after the start with thousands of them"
+    )
     free_bytes: int = Field(description="what the disk has left [bytes]")
     room_bytes: int = Field(description="what may still be recorded: a reserve of the disk is kept [bytes]; 0: nothing")
 

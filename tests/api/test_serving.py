@@ -12,11 +12,14 @@ from pathlib import Path
 import httpx
 import pytest
 
+from app.api.app import build_routes
 from app.clock import WallClock
 from app.emulators.build import build_emulator
 from app.emulators.options import EmulatorPatch
 from app.emulators.server import serve_tcp
 from app.links import datagram32
+from app.main import create_app
+from app.settings import Settings
 from tests.api.live import live_server
 from tests.api.processes import address, running
 
@@ -71,6 +74,19 @@ def test_open_sockets_do_not_hold_up_the_end(tmp_path: Path) -> None:
             server.send_signal(signal.SIGTERM)
             assert server.wait(20) in (0, -signal.SIGTERM)
             assert time.monotonic() - asked_s < SOON_S
+
+
+async def test_no_request_waits_until_routes_are_built(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    app = create_app(Settings(data_dir=tmp_path, demo=False))
+    build_routes(app)
+
+    def late(*_: object, **__: object) -> None:
+        raise AssertionError("a route is built while a request waits")
+
+    monkeypatch.setattr("fastapi.routing.get_dependant", late)
+    async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://127.0.0.1:8000/api/v1/") as api:
+        for method, path in (("GET", "recordings"), ("POST", "stop"), ("GET", "audit/nothing"), ("GET", "health")):
+            assert (await api.request(method, path)).status_code < 500
 
 
 async def test_a_silent_device_does_not_hold_up_the_end(tmp_path: Path) -> None:

@@ -12,7 +12,7 @@ import secrets
 import threading
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
@@ -33,6 +33,8 @@ LABEL = ".json"
 SUFFIXES = (file.SUFFIX, marks.SUFFIX, LABEL, f"{LABEL}.lock")
 """Of all files of a recording; the rows come first."""
 SETTLED_NS = 2_000_000_000
+WEIGHED_AT_ONCE = 200
+"""Recordings whose files one answer looks at for the sum of their sizes: some 5 ms."""
 READ_PAUSE_S = 0.002
 """Between two files that are read ahead [s]: the server has better things to do."""
 
@@ -106,12 +108,15 @@ class Library:
         """When the folder was changed last, as the latest scan found it."""
         self._seen: set[str] = set()
         """Names of everything in the folder, ours or not."""
-        self._files: dict[str, dict[str, int]] = {}
-        """Of each id the files and their sizes [bytes]; those without rows, too."""
+        self._sizes: dict[str, int] = {}
+        """Of each id what its files take [bytes]; of those without rows, too."""
+        self._total_bytes = 0
+        """The sum of these."""
+        self._with_rows: set[str] = set()
         self._ids: list[str] = []
         """Of those with rows, the latest first."""
         self._changed: set[str] = set()
-        """Ids whose files have other sizes now. Filled by anybody; the next scan looks."""
+        """Ids whose files have other sizes now. Filled by anybody; whoever wants the sum weighs them."""
         self._entries: dict[str, _Known] = {}
         """What was read of each."""
         self._looking = threading.Lock()
@@ -174,6 +179,9 @@ class Library:
         leaves others their turn in between, and ends early with `ended`."""
         with self._looking:
             ids = list(self._scan())
+        while self.size_bytes is None:
+            if ended.wait(READ_PAUSE_S):
+                return
         for each in ids:
             if ended.wait(READ_PAUSE_S):
                 return
@@ -229,11 +237,15 @@ class Library:
         return disk_usage(next(each for each in (self._folder, *self._folder.parents) if each.exists())).free
 
     @property
-    def size_bytes(self) -> int:
-        """Room that all of them take on the disk."""
+    def size_bytes(self) -> int | None:
+        """Room that all of them take on the disk; None while thousands were never weighed: each call weighs some."""
         with self._looking:
             self._scan()
-            return sum(size for sizes in self._files.values() for size in sizes.values())
+            for recording in tuple(self.running):
+                self._weigh(recording)
+            for _ in range(min(len(self._changed), WEIGHED_AT_ONCE)):
+                self._weigh(self._changed.pop())
+            return None if self._changed else self._total_bytes
 
     def _rows_of(self, recording: str) -> Path:
         return self._folder / f"{recording}{file.SUFFIX}"
@@ -246,10 +258,7 @@ class Library:
         return recording
 
     def _scan(self) -> list[str]:
-        """Every recording, the latest first: one look at the folder, none while it is as it was.
-
-        A file that grows does not change its folder: those that are being written are looked at each time.
-        """
+        """Every recording, the latest first: one look at the names in the folder, none while it is as it was."""
         try:
             changed_ns = self._folder.stat().st_mtime_ns
             if self._scanned_ns != changed_ns:
@@ -259,36 +268,28 @@ class Library:
         except OSError:
             self._take_in(set())
             self._scanned_ns = 0
-        while self._changed:
-            self._weigh(self._changed.pop())
-        for recording in tuple(self.running):
-            self._weigh(recording)
         return self._ids
 
     def _take_in(self, names: set[str]) -> None:
         """These are the names in the folder now; only what came or went costs anything."""
         came, went = names - self._seen, self._seen - names
+        if not came and not went:
+            return
         self._seen = names
-        touched = {name.partition(".")[0] for name in came | went}
-        for recording in touched:
-            if ID.fullmatch(recording):
-                self._weigh(recording)
-        if touched:
-            self._ids = sorted((each for each, sizes in self._files.items() if file.SUFFIX in sizes), reverse=True)
-            for recording in self._entries.keys() - set(self._ids):
-                del self._entries[recording]
+        touched = set(filter(ID.fullmatch, {name.partition(".")[0] for name in came | went}))
+        self._changed |= touched
+        self._with_rows -= touched
+        self._with_rows |= {each for each in touched if each + file.SUFFIX in names}
+        self._ids = sorted(self._with_rows, reverse=True)
+        for recording in self._entries.keys() - self._with_rows:
+            del self._entries[recording]
 
     def _weigh(self, recording: str) -> None:
         """Look at the sizes of its files."""
-        sizes: dict[str, int] = {}
-        for suffix in SUFFIXES:
-            if f"{recording}{suffix}" in self._seen:
-                with suppress(OSError):  # deleted meanwhile
-                    sizes[suffix] = os.stat(f"{self._folder}{os.sep}{recording}{suffix}").st_size
-        if sizes:
-            self._files[recording] = sizes
-        else:
-            self._files.pop(recording, None)
+        size = self._size_of(recording)
+        self._total_bytes += size - self._sizes.pop(recording, 0)
+        if size:
+            self._sizes[recording] = size
 
     def _entry(self, recording: str) -> Entry:
         """As it is now."""
@@ -309,7 +310,7 @@ class Library:
         except (UnreadableRecording, OSError) as error:
             problem = str(error)
         label = Label() if stamps[1] is None else _label(self._folder / f"{recording}{LABEL}")
-        size = sum(told[2] for told in map(_stamp, self._paths(recording)) if told is not None)
+        size = self._size_of(recording)
         entry = Entry(recording, label, head, size, recording in self.running, problem)
         known = self._entries[recording] = _Known(*stamps, entry, _words(entry))
         return known
@@ -318,8 +319,10 @@ class Library:
         begin = f"{self._folder}{os.sep}{recording}"
         return _stamp(f"{begin}{file.SUFFIX}"), _stamp(f"{begin}{LABEL}")
 
-    def _paths(self, recording: str) -> Iterator[str]:
-        return (f"{self._folder}{os.sep}{recording}{suffix}" for suffix in SUFFIXES)
+    def _size_of(self, recording: str) -> int:
+        names = (f"{recording}{suffix}" for suffix in SUFFIXES)
+        stamps = (_stamp(f"{self._folder}{os.sep}{name}") for name in names if name in self._seen)
+        return sum(told[2] for told in stamps if told is not None)
 
     def _write_label(self, recording: str, label: Label) -> None:
         Document(self._folder / f"{recording}{LABEL}").write(asdict(label))

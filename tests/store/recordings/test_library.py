@@ -14,9 +14,10 @@ import pytest
 
 from app.links.errors import StoreUnavailable, UnknownThing
 from app.store.recordings import file
+from app.store.recordings import library as library_module
 from app.store.recordings.file import RecordingWriter, Rows
 from app.store.recordings.head import Column, Head
-from app.store.recordings.library import Label, Library
+from app.store.recordings.library import Label, Library, Stamp
 
 LONG_AGO_NS = 1_000_000_000
 
@@ -151,7 +152,10 @@ def test_one_that_is_written_grows_in_the_list_and_in_the_sum(folder: Path) -> N
     writer.append(rows)
     after = library.page().entries[0]
     assert after.size_bytes >= before.size_bytes + 16_000
-    assert library.size_bytes - sum_before == after.size_bytes - before.size_bytes
+    sum_after = library.size_bytes
+    assert sum_before is not None
+    assert sum_after is not None
+    assert sum_after - sum_before == after.size_bytes - before.size_bytes
     library.ended(after.id)
     assert not library.page().entries[0].recording
     writer.close()
@@ -187,3 +191,29 @@ def test_a_disk_that_takes_nothing_is_told(folder: Path) -> None:
     with pytest.raises(StoreUnavailable, match="is not kept"):
         library.label(head(1).id, Label("second"))
     assert library.entry(head(1).id).label.name == "first"
+
+
+def test_the_first_page_of_thousands_looks_at_its_own_files_alone(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.store.recordings.library.WEIGHED_AT_ONCE", 2)
+    fill(folder, range(7))
+    looked: list[str] = []
+
+    def looking(path: str) -> Stamp | None:
+        looked.append(Path(path).name.partition(".")[0])
+        return stamp(path)
+
+    stamp = library_module._stamp
+    monkeypatch.setattr(library_module, "_stamp", looking)
+    library = Library(folder.parent)
+    shown = [entry.id for entry in library.page(limit=2).entries]
+    assert shown == [head(6).id, head(5).id]
+    assert set(looked) == set(shown)
+    told = [library.size_bytes for _ in range(4)]
+    assert told == [None, None, None, sum(path.stat().st_size for path in folder.iterdir())]
+    looked.clear()
+    (folder / f"{head(3).id}.arrows").unlink()
+    aged(folder)
+    assert library.size_bytes == sum(path.stat().st_size for path in folder.iterdir())
+    assert set(looked) <= {head(3).id}

@@ -7999,9 +7999,9 @@ export interface components {
             total: number;
             /**
              * Size Bytes
-             * @description of all recordings, found or not [bytes]
+             * @description of all recordings, found or not [bytes]; null for a moment after the start with thousands of them
              */
-            size_bytes: number;
+            size_bytes: number | null;
             /**
              * Free Bytes
              * @description what the disk has left [bytes]

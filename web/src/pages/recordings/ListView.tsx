@@ -247,15 +247,16 @@ function DiskUse({
   free_bytes,
   room_bytes,
 }: {
-  size_bytes: number;
+  size_bytes: number | null;
   free_bytes: number;
   room_bytes: number;
 }) {
-  const share = (100 * size_bytes) / Math.max(1, size_bytes + free_bytes);
-  const low = room_bytes < Math.max(1e9, 0.02 * (size_bytes + free_bytes));
+  const disk_bytes = (size_bytes ?? 0) + free_bytes;
+  const share = (100 * (size_bytes ?? 0)) / Math.max(1, disk_bytes);
+  const low = room_bytes < Math.max(1e9, 0.02 * disk_bytes);
   return (
     <span className={classes.disk} data-low={low}>
-      <span className="num">{sizeText(size_bytes)}</span> kept, <span className="num">{sizeText(room_bytes)}</span> room
+      <span className="num">{size_bytes === null ? "–" : sizeText(size_bytes)}</span> kept, <span className="num">{sizeText(room_bytes)}</span> room
       <Progress value={share} size={5} w={64} aria-label="Share of the disk" />
       {low && (
         <span>{room_bytes === 0 ? "The disk is full: nothing can be recorded." : "The disk is nearly full."}</span>
