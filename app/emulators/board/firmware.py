@@ -13,7 +13,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable
 
-from app.emulators.board.functions import BoardFunctions
+from app.emulators.board.functions import AxisFunctions, BoardFunctions, DriverFunctions
 from app.emulators.board.identity import ABSENT, HARDWARE_VERSION, IdentityEeprom
 from app.emulators.board.refusal import Refusal, invalid_command, invalid_value, wrong_type
 from app.emulators.board.registers import ChipRegisters
@@ -39,6 +39,8 @@ Handler = Callable[[int, int, int], int]
 _BODY = struct.Struct(">BBBBi")
 _UF_WRITE, _UF_READ = 69, 70
 MEASURED_VELOCITY = 29
+NO_FUNCTION, NO_MOTOR = 2, 8
+"""Error codes of the firmware (TMC_ERROR_FUNCTION, TMC_ERROR_MOTOR)."""
 _INFO = {
     0: MODULE,
     1: VERSION_MAJOR << 16 | VERSION_MINOR,
@@ -57,7 +59,7 @@ class Firmware:
         self._registers = registers
         self._make_functions = make_functions
         self.power_on()
-        board, driver = self._board.board_id, self._board.driver_id
+        board, driver = self._board.board_id, self._driver_id
         self._identities = {1: IdentityEeprom(CHANNEL_1_BOARDS[board], board)}
         if driver:
             self._identities[2] = IdentityEeprom(CHANNEL_2_BOARDS[driver], driver)
@@ -75,10 +77,15 @@ class Firmware:
         self._board.pass_time(until_s, chip_s)
 
     @property
+    def _driver_id(self) -> int:
+        """The board in slot 2; 0 for none."""
+        return 0 if self._board.driver is None else self._board.driver.board_id
+
+    @property
     def _slots(self) -> int:
         """Channel 1, its state, channel 2, its state, from the lowest byte on."""
-        other = SlotState.DONE if self._board.driver_id else SlotState.NO_ANSWER
-        return self._board.board_id | SlotState.DONE << 8 | self._board.driver_id << 16 | other << 24
+        other = SlotState.DONE if self._driver_id else SlotState.NO_ANSWER
+        return self._board.board_id | SlotState.DONE << 8 | self._driver_id << 16 | other << 24
 
     def receive(self, frame: bytes) -> bytes | None:
         """Obey one 9-byte frame; None where it is for another module."""
@@ -93,7 +100,7 @@ class Firmware:
         try:
             return _pack(module, Status.OK, opcode, self._obey(opcode, type_, motor, value))
         except Refusal as refusal:
-            return _pack(module, refusal.status, opcode, value)
+            return _pack(module, refusal.status, opcode, value if refusal.value is None else refusal.value)
 
     def _obey(self, opcode: int, type_: int, motor: int, value: int) -> int:
         """The value of the answer. Raises Refusal."""
@@ -103,6 +110,8 @@ class Firmware:
         if opcode in (BoardOpcode.WRITE_MC, _UF_WRITE):
             self._registers.write(address, value)
             return value
+        if opcode in (BoardOpcode.READ_DRV, BoardOpcode.WRITE_DRV):
+            return self._driver_register(opcode, address, value)
         if Opcode.ROR <= opcode <= Opcode.GAP:
             return self._axis(opcode, type_, motor, value)
         handlers: dict[int, Handler] = {
@@ -117,6 +126,8 @@ class Firmware:
             Opcode.RESET_MODULE: self._restart,
             BoardOpcode.GET_IDS: self._assign,
             BoardOpcode.USER_FUNCTION_MC: self._user_function,
+            BoardOpcode.USER_FUNCTION_DRV: self._driver_function,
+            BoardOpcode.MEASURED_SPEED: self._measured_of,
             BoardOpcode.BOARD_ERROR: self._errors,
             BoardOpcode.BOARD_RESET: self._board_reset,
             BoardOpcode.GET_INFO: self._info,
@@ -137,13 +148,41 @@ class Firmware:
             return axis.move_by(value)
         elif opcode == Opcode.MVP and type_ == 2:
             raise invalid_command()
-        elif opcode == Opcode.SAP:
-            axis.set(type_, value)
-        elif opcode == Opcode.GAP:
-            return axis.get(type_)
+        elif opcode in (Opcode.SAP, Opcode.GAP):
+            try:
+                return self._parameter(axis, opcode, type_, value)
+            except Refusal as refusal:
+                if refusal.status != Status.WRONG_TYPE or self._board.driver is None:
+                    raise
+                return self._parameter(self._board.driver, opcode, type_, value)
         else:
             raise wrong_type()
         return value
+
+    @staticmethod
+    def _parameter(of: AxisFunctions | DriverFunctions, opcode: int, number: int, value: int) -> int:
+        if opcode == Opcode.GAP:
+            return of.get(number)
+        of.set(number, value)
+        return value
+
+    # --- the driver's board ----------------------------------------------------------------------
+
+    def _driver_register(self, opcode: int, address: int, value: int) -> int:
+        """An empty slot takes everything, and answers with what it was asked with."""
+        driver = self._board.driver
+        if driver is None:
+            return value
+        if opcode == BoardOpcode.READ_DRV:
+            return driver.read(address)
+        driver.write(address, value)
+        return value
+
+    def _driver_function(self, type_: int, motor: int, value: int) -> int:
+        del motor
+        if self._board.driver is None:
+            raise invalid_command()
+        return self._board.driver.user_function(type_, value)
 
     # --- the board itself ------------------------------------------------------------------------
 
@@ -188,13 +227,33 @@ class Firmware:
         self._identities[type_].write(value, motor)
         return value
 
+    def _speed(self, slot: int, motor: int) -> tuple[int, int]:
+        """The firmware's own error code (0: none), and the measured velocity of a motor of the board in that slot."""
+        driver, axes = self._board.driver, self._board.axes
+        if slot == 0:
+            if not self._board.measures_velocity:
+                return NO_FUNCTION, 0
+            return (0, axes[motor].get(MEASURED_VELOCITY)) if motor < len(axes) else (NO_MOTOR, 0)
+        if driver is None:
+            return NO_FUNCTION, 0
+        return (NO_MOTOR, 0) if motor else (0, driver.get(MEASURED_VELOCITY))
+
     def _measured(self, type_: int, motor: int, value: int) -> int:
-        """The measured velocity, as parameter 29, of a board that measures it."""
-        del type_
-        try:
-            return self._axis(Opcode.GAP, MEASURED_VELOCITY, motor, value)
-        except Refusal:
-            raise (invalid_command() if motor < len(self._board.axes) else wrong_type()) from None
+        """The measured velocity of the first board that measures one."""
+        del type_, value
+        error, velocity = self._speed(0, motor)
+        if error == NO_FUNCTION:
+            error, velocity = self._speed(1, motor)
+        if error:
+            raise invalid_command() if error == NO_FUNCTION else wrong_type()
+        return velocity
+
+    def _measured_of(self, type_: int, motor: int, value: int) -> int:
+        """Command 150, of one of the slots: its status is the error code itself, so 0 where all is well."""
+        if type_ > 1:
+            raise wrong_type()
+        error, velocity = self._speed(type_, motor)
+        raise Refusal(error, value if error else velocity)
 
     def _input(self, type_: int, motor: int, value: int) -> int:
         """Analog inputs: 0 with nothing at them; 5 and 6 are the motor supply."""
@@ -212,7 +271,7 @@ class Firmware:
     def _info(self, type_: int, motor: int, value: int) -> int:
         del motor, value
         if type_ == 201:
-            return self._board.board_id << 16 | self._board.driver_id
+            return self._board.board_id << 16 | self._driver_id
         if type_ == 202:
             version = HARDWARE_VERSION[0] << 8 | HARDWARE_VERSION[1]
             return version << 16 | (version if 2 in self._identities else 0xFFFF)
@@ -240,8 +299,10 @@ class Firmware:
         del motor
         if type_ > 2:
             raise wrong_type()
-        if type_ != 1:  # the driver board alone: it has no registers here
+        if type_ != 1:
             self._board.reset()
+        if type_ != 0 and self._board.driver is not None:
+            self._board.driver.reset()
         return value
 
     def _user_function(self, type_: int, motor: int, value: int) -> int:

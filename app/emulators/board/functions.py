@@ -56,6 +56,39 @@ class Parameters:
         write(value)
 
 
+class DriverFunctions(Protocol):
+    """The functions of the board in slot 2; it has one motor."""
+
+    @property
+    def board_id(self) -> int:
+        """What it calls itself (`CHANNEL_2_BOARDS`)."""
+        ...
+
+    def get(self, number: int) -> int:
+        """Axis parameter `number`, where the board in slot 1 has none of it. Raises Refusal."""
+        ...
+
+    def set(self, number: int, value: int) -> None:
+        """Set it. Raises Refusal."""
+        ...
+
+    def read(self, address: int) -> int:
+        """Command 149."""
+        ...
+
+    def write(self, address: int, value: int) -> None:
+        """Command 147."""
+        ...
+
+    def reset(self) -> None:
+        """Command 152."""
+        ...
+
+    def user_function(self, number: int, value: int) -> int:
+        """Command 145. Raises Refusal."""
+        ...
+
+
 class BoardFunctions(Protocol):
     """The functions of the board in slot 1."""
 
@@ -65,8 +98,13 @@ class BoardFunctions(Protocol):
         ...
 
     @property
-    def driver_id(self) -> int:
-        """The board in slot 2 that goes with it; 0 for none."""
+    def driver(self) -> DriverFunctions | None:
+        """The board in slot 2 that goes with it."""
+        ...
+
+    @property
+    def measures_velocity(self) -> bool:
+        """Whether it tells how fast its motors are: axis parameter 29, commands 68 and 150."""
         ...
 
     @property

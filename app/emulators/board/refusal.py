@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from app.registers.landungsbruecke import BoardStatus
 from app.registers.tmcl import Status
 
 
 class Refusal(Exception):
-    """An answer with another status than 100."""
+    """An answer with another status than 100; `value` is what it bears, by default that of the command."""
 
-    def __init__(self, status: Status | BoardStatus) -> None:
+    def __init__(self, status: int, value: int | None = None) -> None:
         super().__init__(status)
-        self.status = int(status)
+        self.status, self.value = int(status), value
 
 
 def wrong_type() -> Refusal:

@@ -27,6 +27,8 @@ CHOPCONF, CURRENTS = 0x0001_01D5, 0x0007_1703
 GCONF_AT, RAMPMODE_AT, CHOPCONF_AT, COOLCONF_AT, MRES_SHIFT = 0x00, 0x20, 0x6C, 0x6D, 24
 VREF_START_MV, VREF_BELOW_MV = 2000, 2714
 """The reference voltage of the TMC5130's board, and what it has to be below."""
+RESTORES = frozenset({"tmc5062"})
+"""Boards on which parameter 4 counts only while they position, and a move goes at the VMAX before the rotation."""
 MEASURED_S: Mapping[str, float] = MappingProxyType({"tmc5062": 0.025})
 """How often the firmware looks how far the motors have come [s]."""
 USUALLY_MEASURED_S = 0.005
@@ -108,7 +110,8 @@ class SixPointBoard:
     """`BoardFunctions` for a chip of `model`, whose rows are in `table`. `reset_chip` is for power-on: its reset pin is
     not the board's."""
 
-    driver_id = 0
+    driver = None
+    measures_velocity = True
 
     def __init__(
         self, model: str, table: RegisterTable, axes: int, registers: ChipRegisters, reset_chip: Callable[[], None]
@@ -180,6 +183,8 @@ class SixPointAxis(Parameters):
         self._table = table
         self._registers = registers
         self._positioning = 0
+        self._positioning_before = 0
+        """VMAX before a rotation, where the board brings it back for the next move; 0 for none."""
         self._place, self._measured = 0, 0
         self._vref_mv = VREF_START_MV
         known: dict[int, tuple[Read, Write | None]] = {
@@ -221,10 +226,19 @@ class SixPointAxis(Parameters):
     # --- motion ----------------------------------------------------------------------------------
 
     def rotate(self, velocity: int) -> None:
+        if self._model in RESTORES and not self._positioning_before:
+            self._positioning_before = self._read("VMAX")
         self._write("VMAX", abs(velocity))
         self._write("RAMPMODE", RIGHT if velocity >= 0 else LEFT)
 
     def move_to(self, position: int) -> None:
+        if self._model in RESTORES:
+            if self._positioning_before:
+                self._write("VMAX", self._positioning_before)
+                self._positioning_before = 0
+            self._write("XTARGET", position)
+            self._write("RAMPMODE", POSITION)
+            return
         self._write("RAMPMODE", POSITION)
         self._write("VMAX", self._positioning)
         self._write("XTARGET", position)

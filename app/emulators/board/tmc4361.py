@@ -1,7 +1,7 @@
 """What the firmware does with a TMC4361 in the slot: sets it up, moves it, and names its registers as parameters.
 
 The axis parameters are those that PyTrinamic has names for; the closed-loop ones of the firmware (108..137, 200..225)
-are refused with status 3: their registers can be reached as such.
+are refused with status 3: their registers can be reached as such. What it has no parameter for, the driver's board has.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from functools import partial
 from app.emulators.board.functions import Parameters, Read, Write
 from app.emulators.board.refusal import Refusal, invalid_value, wrong_type
 from app.emulators.board.registers import ChipRegisters
+from app.emulators.board.tmc2660 import Tmc2660Board
 from app.registers.landungsbruecke import BoardStatus
 
 GENERAL_CONF, SPI_OUT_CONF, CURRENT_CONF, SCALE_VALUES, STATUS = 0x00, 0x04, 0x05, 0x06, 0x0F
@@ -46,11 +47,11 @@ class Tmc4361Board(Parameters):
 
     board_id = 11
     """TMC4361A; the firmware of today does not know 4, the TMC4361 without A."""
-    driver_id = 1
-    """TMC2660, a driver like the one that the emulated chip turns its motor with."""
+    measures_velocity = False
 
     def __init__(self, registers: ChipRegisters, reset_chip: Callable[[], None]) -> None:
         self.axes = (self,)
+        self.driver = Tmc2660Board(registers)
         self._registers = registers
         self._reset_chip = reset_chip
         self._positioning_pps = POSITIONING_PPS
@@ -96,6 +97,7 @@ class Tmc4361Board(Parameters):
         registers.write(CURRENT_CONF, 3)
         registers.write(SCALE_VALUES, 0)
         registers.write(GENERAL_CONF, 0x6000)
+        self.driver.reset()
 
     # --- motion ----------------------------------------------------------------------------------
 

@@ -172,11 +172,12 @@ def test_who_it_is(bench: Bench) -> None:
 
 
 def test_what_it_refuses(bench: Bench) -> None:
-    for opcode in (0, 7, 11, 134, BoardOpcode.WRITE_DRV, BoardOpcode.READ_DRV, 142, 160, 242):
+    for opcode in (0, 7, 11, 134, 142, 160, 242):
         assert bench.status(opcode) == Status.INVALID_COMMAND, opcode
     for opcode, type_ in (
         (Opcode.GGP, 99), (Opcode.SGP, 5), (BoardOpcode.GET_INFO, 99), (BoardOpcode.GET_IDS, 6), (Opcode.GIO, 8),
         (BoardOpcode.BOARD_RESET, 3), (BoardOpcode.BOARD_ERROR, 2), (BoardOpcode.USER_FUNCTION_MC, 9), (Opcode.MVP, 3),
+        (BoardOpcode.USER_FUNCTION_DRV, 3), (BoardOpcode.MEASURED_SPEED, 2),
     ):  # fmt: skip
         assert bench.status(opcode, type_) == Status.WRONG_TYPE, (opcode, type_)
     assert bench.status(Opcode.SGP, 9, 0, 4) == Status.INVALID_VALUE, "SPI modes are 0..3"
@@ -321,5 +322,116 @@ def test_an_empty_slot_reads_ones_and_cannot_be_written() -> None:
     assert Reply.decode(answer).status == Status.EEPROM_LOCKED
 
 
-def test_a_board_that_does_not_measure_velocities_says_so(bench: Bench) -> None:
-    assert bench.status(Opcode.UF4) == Status.INVALID_COMMAND
+def _empty(opcode: int, type_: int = 0, motor: int = 0, value: int = 0) -> tuple[int, int]:
+    """Status and value of an answer of a board with nothing in its second slot."""
+    answer = build_board("tmc5130", VirtualClock(), {}).receive(Request(1, opcode, type_, motor, value).encode())
+    assert answer is not None
+    reply = Reply.decode(answer)
+    return reply.status, reply.value
+
+
+# --- the driver's board ---------------------------------------------------------------------------
+
+
+def test_velocities_are_measured_by_the_board_that_does() -> None:
+    """The TMC4361's board does not, the driver's does, of its own step generator, which rests. Command 150 answers
+    with the error code of the firmware as status: 0 for none, 2 for a board that measures nothing, 8 for the motor."""
+    bench = Bench()
+    bench.ask(Opcode.ROR, 0, 0, 1000)
+    answers = [bench.ask(BoardOpcode.MEASURED_SPEED, slot, motor, 7) for slot, motor in ((0, 0), (1, 0), (1, 1))]
+    assert [(answer.status, answer.value) for answer in answers] == [(2, 7), (0, 0), (8, 7)]
+    assert (bench.ask(Opcode.UF4, 0, 0, 7).value, bench.status(Opcode.UF4)) == (0, Status.OK)
+    assert bench.status(Opcode.UF4, 0, 1) == Status.WRONG_TYPE
+    assert [_empty(BoardOpcode.MEASURED_SPEED, *place, 7) for place in ((0, 0), (0, 1), (1, 0))] == [
+        (0, 0), (8, 7), (2, 7),
+    ]  # fmt: skip
+
+
+def test_an_empty_slot_takes_every_register_and_has_no_function() -> None:
+    assert _empty(BoardOpcode.WRITE_DRV, 8, 0, 77) == _empty(BoardOpcode.READ_DRV, 8, 0, 77) == (Status.OK, 77)
+    assert _empty(BoardOpcode.USER_FUNCTION_DRV) == (Status.INVALID_COMMAND, 0)
+
+
+@pytest.mark.parametrize("by", [(BoardOpcode.BOARD_RESET, 0), (BoardOpcode.BOARD_RESET, 1), (BoardOpcode.GET_IDS, 0)])
+def test_a_reset_sets_up_the_driver_by_cover_datagrams(bench: Bench, by: tuple[int, int]) -> None:
+    bench.ask(BoardOpcode.WRITE_DRV, 0xE, 0, 0x1F)
+    assert bench.ask(BoardOpcode.READ_DRV, 0xE).value == 0xC_001F
+    covers = [data for address, write, data in bench.datagrams(lambda: bench.ask(*by)) if write and address == 0x6C]
+    assert covers[-5:] == [0xE_F040, 0, 0x9_1935, 0xA_0000, 0xD_0505]
+    assert [bench.ask(BoardOpcode.READ_DRV, address).value for address in (0xF, 8, 0xC, 0xD, 0xE)] == covers[-5:]
+
+
+def test_registers_of_the_driver_are_cover_datagrams(bench: Bench) -> None:
+    assert bench.datagrams(lambda: bench.ask(BoardOpcode.WRITE_DRV, 0xC, 0, 0x1234))[0] == (
+        0x6C,
+        True,
+        4 << 17 | 0x1234,
+    )
+    assert bench.ask(BoardOpcode.READ_DRV, 0xC).value == 4 << 17 | 0x1234
+    assert bench.datagrams(lambda: bench.ask(BoardOpcode.WRITE_DRV, 4, 0, 5)) == [], "an answer cannot be written"
+    asked = bench.datagrams(lambda: bench.ask(BoardOpcode.READ_DRV, 1))
+    assert [data for address, write, data in asked if write] == [0xE_F050] * 2, "RDSEL says what is shown"
+    assert bench.ask(BoardOpcode.READ_DRV, 1).value == bench.ask(BoardOpcode.READ_DRV, 3).value
+
+
+@pytest.mark.parametrize(
+    ("number", "value", "address", "shift", "bits"),
+    [
+        (160, 1, 8, 9, 1), (161, 1, 8, 8, 1), (162, 3, 12, 15, 3), (163, 1, 12, 14, 1), (164, 2, 12, 11, 3),
+        (165, 9, 12, 7, 15), (166, 6, 12, 4, 7), (167, 4, 12, 0, 15), (168, 1, 13, 15, 1), (169, 2, 13, 13, 3),
+        (170, 7, 13, 8, 15), (171, 3, 13, 5, 3), (172, 5, 13, 0, 15), (173, 1, 14, 16, 1), (174, -5, 14, 8, 127),
+        (175, 1, 15, 14, 3), (176, 2, 15, 12, 3), (177, 1, 15, 10, 1), (178, 3, 15, 8, 3), (179, 0, 15, 6, 1),
+        (183, 1, 15, 7, 1), (184, 1, 12, 13, 1), (185, 1, 15, 16, 1),
+    ],
+)  # fmt: skip
+def test_parameters_that_the_first_board_has_not_are_the_drivers(
+    bench: Bench, number: int, value: int, address: int, shift: int, bits: int
+) -> None:
+    before = bench.ask(BoardOpcode.READ_DRV, address).value
+    assert bench.status(Opcode.SAP, number, 0, value) == Status.OK
+    assert bench.ask(Opcode.GAP, number).value == value
+    after = bench.ask(BoardOpcode.READ_DRV, address).value
+    assert after == before & ~(bits << shift) | (value & bits) << shift
+    assert bench.status(Opcode.GAP, number, 1) == Status.WRONG_TYPE
+
+
+def test_parameters_of_the_driver_of_their_own_kind(bench: Bench) -> None:
+    assert [bench.ask(Opcode.GAP, number).value for number in (6, 7, 29, 50, 51, 181, 182)] == [
+        5,
+        5,
+        0,
+        0,
+        131_072,
+        0,
+        0,
+    ]
+    bench.ask(Opcode.SAP, 6, 0, 20)
+    assert bench.ask(BoardOpcode.READ_DRV, 0xE).value & 0x1F == bench.ask(Opcode.GAP, 7).value == 20
+    bench.ask(Opcode.SAP, 7, 0, 3)
+    assert bench.ask(BoardOpcode.READ_DRV, 0xE).value & 0x1F == 20, "known, and not sent"
+    assert bench.ask(Opcode.GAP, 6).value == 3
+    for microsteps, power in ((1, 0), (16, 4), (256, 8)):
+        assert bench.status(Opcode.SAP, 140, 0, microsteps) == Status.OK
+        assert bench.ask(Opcode.GAP, 140).value == power, "written as a number, read as its power of two"
+    assert bench.status(Opcode.SAP, 140, 0, 3) == Status.INVALID_VALUE
+    for number in (29, 180, 206, 208):
+        assert bench.status(Opcode.GAP, number) == Status.OK
+        assert bench.status(Opcode.SAP, number, 0, 1) == Status.WRONG_TYPE
+
+
+def test_the_driver_answers_with_what_rdsel_chooses(bench: Bench) -> None:
+    bench.ask(Opcode.SAP, 4, 0, 500)
+    bench.ask(Opcode.MVP, 0, 0, 300)
+    bench.clock.set(2.0)
+    assert bench.ask(BoardOpcode.READ_DRV, 0).value >> 10 == 300, "the microstep"
+    assert bench.ask(Opcode.GAP, 208).value == bench.ask(BoardOpcode.READ_DRV, 3).value & 0xFF
+
+    def chosen() -> set[int]:
+        """RDSEL of the datagrams with which the load is asked."""
+        asked = bench.datagrams(lambda: bench.ask(Opcode.GAP, 206))
+        return {data >> 4 & 3 for address, write, data in asked if write and address == 0x6C}
+
+    assert chosen() == {2}, "by its upper bits"
+    assert bench.status(BoardOpcode.USER_FUNCTION_DRV, 1, 0, 1) == Status.OK
+    assert chosen() == {1}, "whole"
+    assert bench.ask(BoardOpcode.USER_FUNCTION_DRV, 2).value == 0x10, "its step generator is where it shall be"
