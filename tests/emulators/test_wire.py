@@ -14,9 +14,6 @@ MODEL_NAMES = ("tmc428", "tmc4210")
 
 
 @pytest.mark.sheet("000", "5")
-@pytest.mark.sheet("001", "9")
-@pytest.mark.sheet("001", "8")
-@pytest.mark.sheet("000", "6.2")
 @pytest.mark.sheet("001", "6.1")
 @pytest.mark.sheet("001", "7.2")
 @pytest.mark.sheet("000", "5.3")
@@ -130,7 +127,10 @@ def test_sdo_int_leaves_only_the_interrupt_on_the_output_pin() -> None:
 
 @pytest.mark.sheet("001", "6.4")
 @pytest.mark.sheet("001", "7.1")
+@pytest.mark.sheet("001", "8")
+@pytest.mark.sheet("001", "9")
 @pytest.mark.sheet("000", "5.2.2.1")
+@pytest.mark.sheet("000", "6.2")
 @pytest.mark.parametrize("model", MODEL_NAMES)
 def test_unused_bits_read_zero_and_plain_registers_read_back(model: str) -> None:
     bench = Bench(model)
