@@ -415,22 +415,26 @@ def test_soft_mode_approaches_more_gently_than_ramp_mode() -> None:
 
 @pytest.mark.sheet("001", "8.14")
 @pytest.mark.sheet("001", "2.1")
+@pytest.mark.sheet("000", "6.1.12")
+@BOTH
 @pytest.mark.parametrize("pulse_div", [0, 3, 8, 13])
 @pytest.mark.parametrize("velocity", [1, 777, 2047])
-def test_pulse_rate(pulse_div: int, velocity: int) -> None:
+def test_pulse_rate(model: str, pulse_div: int, velocity: int) -> None:
     """R = f * v / (2^pulse_div * 2048 * 32): exactly `velocity` steps in 2048 pulse ticks."""
-    bench = moving(mode=HOLD, dividers=pulse_div << 12 | 6)
+    bench = moving(model, mode=HOLD, dividers=pulse_div << 12 | 6)
     bench.write(V_ACTUAL, velocity)
     bench.ticks(2048 << pulse_div)
     assert bench.x == velocity
 
 
 @pytest.mark.sheet("001", "8.14")
+@pytest.mark.sheet("000", "6.1.12")
+@BOTH
 @pytest.mark.parametrize("ramp_div", [0, 4, 9])
 @pytest.mark.parametrize("a_max", [1, 100, 2047])
-def test_acceleration_rate(ramp_div: int, a_max: int) -> None:
+def test_acceleration_rate(model: str, ramp_div: int, a_max: int) -> None:
     """Velocity gains a_max / 256 with each ramp tick of 32 * 2^ramp_div clocks."""
-    bench = moving(mode=VELOCITY, a_max=a_max, dividers=ramp_div << 8 | 6)
+    bench = moving(model, mode=VELOCITY, a_max=a_max, dividers=ramp_div << 8 | 6)
     bench.write(V_TARGET, 2047)
     bench.ticks(200 << ramp_div)
     assert bench.v == min(2047, 200 * a_max // 256)

@@ -40,6 +40,7 @@ def test_ram_is_noise_after_power_on_and_the_seed_decides_which() -> None:
     assert ram(bench) != first
 
 
+@pytest.mark.sheet("001", "6.2")
 @pytest.mark.sheet("001", "6.5")
 def test_datagram_examples() -> None:
     """The write to %001101 and its reply, the read, and the pair of RAM words.
@@ -130,6 +131,7 @@ def test_sdo_int_leaves_only_the_interrupt_on_the_output_pin() -> None:
 @pytest.mark.sheet("001", "8")
 @pytest.mark.sheet("001", "9")
 @pytest.mark.sheet("000", "5.2.2.1")
+@pytest.mark.sheet("000", "6.1")
 @pytest.mark.sheet("000", "6.2")
 @pytest.mark.parametrize("model", MODEL_NAMES)
 def test_unused_bits_read_zero_and_plain_registers_read_back(model: str) -> None:
