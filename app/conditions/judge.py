@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from app.calc.encoder_resolution import SLOPE_MIN, EncoderLine
 from app.devices.results import AxisState, DeviceState, MotionEnd, StopReason
 from app.devices.signs import NO_SIGNS, Evidence, Remedy, Sign, Signs, start_up
 
@@ -47,6 +48,17 @@ class Thresholds:
 
 
 @dataclass(frozen=True, slots=True)
+class WrongResolution:
+    """The encoder's deviation is in proportion to the way: its resolution is set wrong.
+
+    remedies : what sets it right, once the axis rests
+    """
+
+    line: EncoderLine
+    remedies: tuple[Remedy, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Seen:
     """Everything that is known of an axis.
 
@@ -58,6 +70,7 @@ class Seen:
     limit : the soft limit of its range that stopped it
     reset_s : when the device was seen to have been reset, device time; None where nobody has, or it was seen to since
     held_back : why the driver leaves the device alone although it answers
+    resolution : what is wrong with the encoder's, by the places where the axis was
     """
 
     axis: int
@@ -71,6 +84,7 @@ class Seen:
     reset_s: float | None = None
     limit: Sign | None = None
     held_back: Sign | None = None
+    resolution: WrongResolution | None = None
     thresholds: Thresholds = Thresholds(512, 1024)
 
 
@@ -201,7 +215,7 @@ def _off(seen: Seen, state: AxisState) -> Condition | None:
     apart = abs(state.velocity_pps) * seen.signs.encoder_apart_s
     off = max(0.0, abs(deviation) - apart)
     way = "behind" if deviation * (state.velocity_pps or -deviation) < 0 else "ahead of"
-    evidence = (
+    evidence: tuple[Evidence, ...] = (
         Evidence("encoder - position", f"{deviation:+,.0f} microsteps", state.time_s),
         Evidence("position", f"{state.position:,}", state.time_s),
     )
@@ -209,15 +223,42 @@ def _off(seen: Seen, state: AxisState) -> Condition | None:
         if off <= limits.following_error and end is None:
             return None
         told = Evidence("told from", f"{limits.following_error:,.0f} microsteps on")
+        if seen.resolution is not None:
+            return _wrong_resolution("following_error", seen.resolution, (*evidence, told), moving=state.moving)
         cause = f"the encoder is {abs(deviation):,.0f} microsteps {way} the position" if end is None else end.detail
         return Condition("following_error", cause, (*evidence, told), (search(seen.axis),))
     if off <= limits.lost_steps:
         return None
+    evidence = (*evidence, Evidence("told from", f"{limits.lost_steps:,.0f} microsteps on"))
+    if seen.resolution is not None:
+        return _wrong_resolution("lost_steps", seen.resolution, evidence, moving=False)
     return Condition(
         "lost_steps",
         f"it stands {abs(deviation):,.0f} microsteps from where its position says, by the encoder: steps are lost",
-        (*evidence, Evidence("told from", f"{limits.lost_steps:,.0f} microsteps on")),
+        evidence,
         (*((from_encoder(seen.axis),) if seen.signs.takes_encoder else ()), search(seen.axis)),
+    )
+
+
+def _wrong_resolution(kind: Kind, found: WrongResolution, evidence: tuple[Evidence, ...], *, moving: bool) -> Condition:
+    line = found.line
+    much = 100 * (abs(1 + line.slope) - 1)
+    said = []
+    if line.slope < -1:
+        said.append("counts the other way")
+    if abs(much) >= 100 * SLOPE_MIN:
+        rounded = float(f"{abs(much):.2g}")  # a cause that changes with every look would be news each time
+        said.append(f"counts {rounded:g} % too {'few' if much < 0 else 'many'}")
+    wrong = "resolution" if abs(much) >= 100 * SLOPE_MIN else "direction"
+    return Condition(
+        kind,
+        f"the encoder {' and '.join(said)}: its {wrong} looks wrong, steps are not lost",
+        (
+            *evidence,
+            Evidence("deviation over position", f"{line.slope:+.4f}, both ways"),
+            Evidence("seen at", f"{line.places} places over {line.way:,} microsteps"),
+        ),
+        () if moving else found.remedies,
     )
 
 

@@ -5,17 +5,20 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 
+from app.calc.encoder_resolution import SLACK_MICROSTEPS, Place
 from app.clock import Clock
-from app.conditions.judge import Condition, Seen, Thresholds, judge
+from app.conditions.encoder_trace import EncoderTrace
+from app.conditions.judge import Condition, Seen, Thresholds, WrongResolution, judge
 from app.conditions.truth import Truth, truth_of
+from app.devices.changes import RegisterChanged
 from app.devices.counter import CounterWritten, PositionSeen
 from app.devices.device import Device, DeviceEvent, LimitReached, MotionCommanded, StateChanged
 from app.devices.own_tasks import OwnTasks
 from app.devices.results import AxisState, MotionEnd
-from app.devices.signs import Evidence, Sign, Signs
+from app.devices.signs import EncoderSeen, Evidence, Sign, Signs
 from app.links.errors import BenchError
 from app.links.queue import Priority, SampleDropped
 
@@ -75,6 +78,13 @@ class _Axis:
     reset_s: float | None = None
     limit: Sign | None = None
     """The soft limit that stopped it, until the next command to move."""
+    encoders: tuple[EncoderTrace, EncoderTrace] = field(default_factory=lambda: (EncoderTrace(), EncoderTrace()))
+    """Where its encoder was seen of late, and the external one."""
+
+    def forget_places(self) -> None:
+        """The same places have other numbers from now on."""
+        for encoder in self.encoders:
+            encoder.clear()
 
 
 Searched = Callable[[Device, int], str]
@@ -286,6 +296,7 @@ class ConditionService:
             signs = device.signs(axis, state)
             self._follow(known, signs, self._searched(device, axis), state.time_s)
             seen = replace(seen, signs=signs, reset_s=known.reset_s, limit=known.limit)
+            seen = replace(seen, resolution=_resolution(device, known, seen, state))
         condition = judge(seen)
         if condition.kind in ("lost_steps", "stalled"):
             known.referenced = False
@@ -303,6 +314,7 @@ class ConditionService:
         if signs.resets is not None:
             if signs.resets > (known.resets or 0):
                 known.referenced = False
+                known.forget_places()
                 # The first that is seen may be its power-on, and nobody has known another place before.
                 known.reset_s = None if known.resets is None else now_s
             known.resets = signs.resets
@@ -312,6 +324,7 @@ class ConditionService:
             elif searched == "running":
                 known.referenced = False
             known.searched = searched
+            known.forget_places()
 
     def _tell(self, device_id: str, axis: int, standing: Standing | None) -> None:
         for listener in tuple(self._listeners):
@@ -329,6 +342,7 @@ class ConditionService:
             watched.lively_until_s = self._clock.now() + LIVELY_S
         if isinstance(event, StateChanged):
             for axis in range(len(axes)):
+                axes[axis].forget_places()
                 self._judge(device, axis, None)
         elif isinstance(event, MotionCommanded):
             known, ends = axes[event.axis], device.motion_ends(event.axis)
@@ -349,9 +363,15 @@ class ConditionService:
             )
         elif isinstance(event, MotionEnd):
             self._tasks.begin(self._look_soon(device, event.axis), f"end of a motion of {device.id}")
-        elif isinstance(event, CounterWritten) and event.what in SETS_POSITION:
+        elif isinstance(event, RegisterChanged) and event.register in device.ENCODER_REGISTERS:
+            for known in axes if event.axis is None else (axes[event.axis],):
+                known.forget_places()
+        elif isinstance(event, CounterWritten):
             known = axes[event.axis]
-            if known.searched != "running":  # a search that is not over has found nothing yet
+            known.forget_places()
+            if (
+                event.what in SETS_POSITION and known.searched != "running"
+            ):  # a search that is not over has found nothing yet
                 known.referenced, known.reset_s = True, None
 
 
@@ -359,6 +379,29 @@ def _said(standing: Standing) -> tuple[object, ...]:
     """What is news where it differs; figures among the evidence are not, nor when they were seen."""
     condition = standing.condition
     return condition.kind, condition.cause, condition.remedies, standing.referenced, standing.truth
+
+
+def _resolution(device: Device, known: _Axis, seen: Seen, state: AxisState) -> WrongResolution | None:
+    """Keep the place where the axis is, and say whether its encoder's resolution is wrong by all that are kept."""
+    microsteps = device.microsteps_of(axis := seen.axis)
+    if microsteps is None or seen.signs.regulated:  # a motor that follows its encoder deviates by nothing of the kind
+        return None
+    full_step, turn = microsteps
+    deviations = state.deviation, state.external_deviation
+    for encoder, deviation in zip(known.encoders, deviations, strict=True):
+        if deviation is not None:
+            apart = abs(state.velocity_pps) * seen.signs.encoder_apart_s
+            encoder.add(Place(state.position, deviation, apart), turn)
+    told_from = min(seen.thresholds.lost_steps, seen.thresholds.following_error)
+    # The external one only where its own agrees: what is wrong with both is wrong with what both are scaled by.
+    for external, (encoder, deviation) in enumerate(zip(known.encoders, deviations, strict=True)):
+        if deviation is not None and abs(deviation) > told_from:
+            line = encoder.line(full_step, turn)
+            if line is None:
+                return None
+            told = EncoderSeen(1 + line.slope, line.way, max(line.off, SLACK_MICROSTEPS), bool(external))
+            return WrongResolution(line, () if state.moving else device.encoder_remedies(axis, state, told))
+    return None
 
 
 def held_back(device: Device) -> Sign | None:

@@ -40,7 +40,7 @@ from app.devices.results import (
     WriteItem,
 )
 from app.devices.sample_plan import Channel, SamplePlan, Taken
-from app.devices.signs import Remedy, Signs
+from app.devices.signs import EncoderSeen, Remedy, Signs
 from app.links.errors import BenchError, DownloadMode, LinkError, OtherModel, UnknownThing, UsageError, WrongState
 from app.links.port import FramePort, SamplingPort
 from app.links.queue import FrameHold, LinkQueue, Priority
@@ -500,6 +500,24 @@ class Device(ABC):
     @abstractmethod
     def signs(self, axis: int, state: AxisState) -> Signs:
         """What is known of the axis beside `state`, as it was read just now. Asks nothing of the chip."""
+
+    # --- encoders -------------------------------------------------------------------------------
+
+    ENCODER_REGISTERS: ClassVar[frozenset[str]] = frozenset()
+    """Registers a write to which gives an encoder, or the position, other numbers for the same place or way."""
+
+    def encoder_remedies(self, axis: int, state: AxisState, seen: EncoderSeen) -> tuple[Remedy, ...]:
+        """Writes after which an encoder whose resolution is set wrong tells the way that the motor goes, and starts
+        from where `state` says the axis rests; empty where none are known. Asks nothing of the chip."""
+        del state, seen
+        self.axis(axis)
+        return ()
+
+    def microsteps_of(self, axis: int) -> tuple[int, int] | None:
+        """Microsteps of a full step and of a turn; None where nobody knows how the chip is set."""
+        known = self.axis(axis)
+        full_step = known.microsteps_per_full_step
+        return None if not full_step else (full_step, full_step * known.settings.full_steps_per_rev)
 
     # --- the position counter -------------------------------------------------------------------
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
@@ -68,6 +68,22 @@ class Signs:
 NO_SIGNS = Signs()
 
 
+@dataclass(frozen=True, slots=True)
+class EncoderSeen:
+    """How an encoder counted against the motor.
+
+    ratio : microsteps that it told a microstep of the motor; below 0 it counts against it
+    way : over how far that was seen [microsteps]
+    slack : by how much the encoder may be wrong over that way [microsteps]
+    external : it is the second one (`AxisState.external_deviation`)
+    """
+
+    ratio: float
+    way: int
+    slack: float
+    external: bool = False
+
+
 def start_up(axis: int) -> Remedy:
     """Set everything that the axis needs to move."""
     return Remedy("start up", "POST", "start-up", {"axes": [axis]})
@@ -84,6 +100,14 @@ def write(register: str, axis: int | None, value: int, field: str = "") -> Remed
     body: dict[str, object] = {"fields": {field: value}} if field else {"value": value}
     query = "" if axis is None else f"?axis={axis}"
     return Remedy(f"write {name} {value:,}", "PUT", f"registers/{register}{query}", body, moves=True)
+
+
+def write_all(label: str, writes: Sequence[tuple[str, int | Mapping[str, int]]], axis: int | None) -> Remedy:
+    """Write several registers in this order: a whole value, or fields."""
+    items = [
+        {"name": name, "axis": axis, "value" if isinstance(what, int) else "fields": what} for name, what in writes
+    ]
+    return Remedy(label, "POST", "registers", {"writes": items}, moves=True)
 
 
 def zero(register: str, axis: int, value: int | None, seen_s: float | None = None) -> Sign:

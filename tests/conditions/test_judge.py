@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from app.conditions.judge import Seen, Thresholds, judge
+from app.calc.encoder_resolution import EncoderLine
+from app.conditions.judge import Seen, Thresholds, WrongResolution, judge
 from app.devices.results import AxisState, MotionEnd, StopReason, Switches
-from app.devices.signs import Evidence, Sign, Signs, zero
+from app.devices.signs import Evidence, Remedy, Sign, Signs, zero
 
 STATE = AxisState(
     position=1000,
@@ -107,3 +108,33 @@ def test_what_cannot_be_known_is_unknown_with_its_cause() -> None:
     # What is known to be wrong comes before a doubt, and a motion too.
     assert judge(replace(SENT, reset_s=3.0, signs=FAULT)).kind == "driver_fault"
     assert judge(replace(SENT, reset_s=3.0, state=replace(STATE, moving=True))).kind == "moving"
+
+
+RIGHT = Remedy("set the encoder to 4,000 counts a turn", "POST", "registers", {"writes": []})
+
+
+@pytest.mark.parametrize(
+    ("slope", "cause"),
+    [
+        (-0.2, "the encoder counts 20 % too few: its resolution looks wrong, steps are not lost"),
+        (1.0, "the encoder counts 100 % too many: its resolution looks wrong, steps are not lost"),
+        (-2.0, "the encoder counts the other way: its direction looks wrong, steps are not lost"),
+        (
+            -1.5,
+            "the encoder counts the other way and counts 50 % too few: its resolution looks wrong, steps are not lost",
+        ),
+    ],
+)
+def test_a_deviation_in_proportion_to_the_way_is_a_wrong_resolution(slope: float, cause: str) -> None:
+    found = WrongResolution(EncoderLine(slope, 12, 102_400, 20.0), (RIGHT,))
+    seen = replace(SENT, resolution=found, state=replace(STATE, deviation=-2000.0))
+    rests = judge(seen)
+    assert (rests.kind, rests.cause, rests.remedies) == ("lost_steps", cause, (RIGHT,))
+    assert Evidence("deviation over position", f"{slope:+.4f}, both ways") in rests.evidence
+    assert Evidence("seen at", "12 places over 102,400 microsteps") in rests.evidence
+    moves = judge(replace(seen, state=replace(STATE, deviation=-2000.0, moving=True, velocity_pps=1000.0)))
+    assert (moves.kind, moves.cause, moves.remedies) == ("following_error", cause, ())
+    assert judge(replace(seen, end=end("deviation"))).cause == cause
+    # What agrees within the thresholds is no fault, and another fault comes first.
+    assert judge(replace(seen, state=replace(STATE, deviation=2.0))).kind == "on_target"
+    assert judge(replace(seen, signs=FAULT)).kind == "driver_fault"

@@ -7,13 +7,13 @@ import contextlib
 
 from app.calc.extended_position import Counter
 from app.devices.motion_watch import POLL_S, Look, UnderWay
-from app.devices.pd42 import rows
+from app.devices.pd42 import encoder, rows
 from app.devices.pd42 import signs as sign
 from app.devices.pd42.calls import Calls
 from app.devices.pd42.motion import STATUS
 from app.devices.pd42.stops import Stops
 from app.devices.results import AxisState, DeviceState, StopReason, Switches
-from app.devices.signs import Signs
+from app.devices.signs import EncoderSeen, Remedy, Signs
 from app.links.errors import BadReply, BenchError, LinkDown, LinkError, LinkTimeout, UnknownParameter
 from app.links.queue import Priority, SampleDropped
 from app.links.tmcl import Request
@@ -97,6 +97,11 @@ class Looks(Stops):
             external_encoder_position=external,
             external_deviation=None if external is None else external - (between + position) / 2,
         )
+
+    ENCODER_REGISTERS = encoder.REGISTERS
+
+    def encoder_remedies(self, axis: int, state: AxisState, seen: EncoderSeen) -> tuple[Remedy, ...]:
+        return encoder.encoder_remedies(self, self.axis(axis).index, state, seen)
 
     def signs(self, axis: int, state: AxisState) -> Signs:
         return sign.signs(self, self.axis(axis).index, state)

@@ -13,8 +13,8 @@ from app.devices.config import DeviceConfig
 from app.devices.looking import Looking
 from app.devices.motion_watch import Look, UnderWay
 from app.devices.results import AxisState, DeviceState, StopReason, Switches
-from app.devices.signs import Signs
-from app.devices.tmc4361 import rows
+from app.devices.signs import EncoderSeen, Remedy, Signs
+from app.devices.tmc4361 import encoder, rows
 from app.devices.tmc4361 import signs as sign
 from app.devices.tmc4361.moves import COUNTER
 from app.devices.tmc4361.setting import Setting
@@ -107,6 +107,11 @@ class Looks(Writes):
             time_s=time_s,
             **self._encoder(held),
         )
+
+    ENCODER_REGISTERS = encoder.REGISTERS
+
+    def encoder_remedies(self, axis: int, state: AxisState, seen: EncoderSeen) -> tuple[Remedy, ...]:
+        return encoder.encoder_remedies(self, self.axis(axis).index, state, seen)
 
     def signs(self, axis: int, state: AxisState) -> Signs:
         return sign.signs(self, self.axis(axis).index, state, stalled=self.stalled)

@@ -29,7 +29,8 @@ class Chip(KeepingChip):
     def __init__(self, device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> None:
         super().__init__(device_id, config, port, clock)
         self.chip = rows_of(config.model)
-        self._remembered = frozenset(register.address for register in self.chip.remembered)
+        modes = [rows.encoder_mode for rows in self.chip.axes if rows.encoder_mode is not None]
+        self._remembered = frozenset(register.address for register in (*self.chip.remembered, *modes))
         self._books: tuple[PredictionBook[PlannedMotion], ...] = tuple(PredictionBook() for _ in self.axes)
         self._fresh = False
         """Whether what nobody has written through here is as after a reset: so it is once a reset was seen."""

@@ -14,7 +14,8 @@ from app.devices.counter import CounterLook
 from app.devices.looking import Looking
 from app.devices.motion_watch import Look, UnderWay
 from app.devices.results import AxisState, DeviceState, MotionEnd, StopReason, Switches
-from app.devices.signs import Signs
+from app.devices.signs import EncoderSeen, Remedy, Signs
+from app.devices.tmc5xxx import encoder
 from app.devices.tmc5xxx import rows as r
 from app.devices.tmc5xxx import signs as sign
 from app.devices.tmc5xxx.writes import Writes
@@ -95,6 +96,11 @@ class Looks(Writes):
             time_s=time_s,
             **self._encoder(axis, held),
         )
+
+    ENCODER_REGISTERS = encoder.REGISTERS
+
+    def encoder_remedies(self, axis: int, state: AxisState, seen: EncoderSeen) -> tuple[Remedy, ...]:
+        return encoder.encoder_remedies(self, self.axis(axis).index, state, seen)
 
     def signs(self, axis: int, state: AxisState) -> Signs:
         return sign.signs(self, self.axis(axis).index, state, self._apart_s[axis])

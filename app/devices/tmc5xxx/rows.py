@@ -120,6 +120,11 @@ class AxisRows:
         return self.find("ENC_CONST")
 
     @cached_property
+    def encoder_mode(self) -> Register | None:
+        """Not asked for by the driver itself: kept in mind where somebody reads or writes it."""
+        return self.find("ENCMODE")
+
+    @cached_property
     def mslut(self) -> tuple[Register, ...]:
         """MSLUT[0..7], MSLUTSEL and MSLUTSTART; of a TMC5072 the same for both axes."""
         return tuple(self._get(name) for name in (*(f"MSLUT[{index}]" for index in range(8)), "MSLUTSEL", "MSLUTSTART"))

@@ -1,0 +1,35 @@
+"""What sets the encoder of a TMC4361 right whose ENC_IN_RES does not fit it."""
+
+from __future__ import annotations
+
+from app.calc.encoder_resolution import constant_of, measured_encoder
+from app.devices.results import AxisState
+from app.devices.signs import EncoderSeen, Remedy, write_all
+from app.devices.tmc4361 import rows
+from app.devices.tmc4361.chip import Chip
+
+REGISTERS = frozenset({"ENC_IN_RES", "ENC_CONST", "ENC_IN_CONF", "ENC_POS", "XACTUAL", "STEP_CONF", "GENERAL_CONF"})
+"""A write to one of them gives the encoder, or the position, other numbers for the same place or way."""
+
+
+def encoder_remedies(chip: Chip, axis: int, state: AxisState, seen: EncoderSeen) -> tuple[Remedy, ...]:
+    """ENC_IN_RES by the way that was seen, and ENC_POS from the position; nothing where ENC_CONST is not known."""
+    word, conf = chip.known(rows.ENC_CONST), chip.known(rows.ENC_IN_CONF)
+    if not word or conf is None:
+        return ()
+    fields, mechanics = rows.ENC_IN_CONF.unpack(conf), chip.mechanics(axis)
+    turn = mechanics.full_steps_per_rev * mechanics.microsteps_per_full_step
+    constant = constant_of(word, decimal=bool(fields["enc_sel_decimal"]))
+    found = measured_encoder(seen.ratio * seen.way / constant, seen.way, turn, seen.slack)
+    counts = found.usual or round(abs(found.counts_per_turn))
+    if counts == 0:
+        return ()
+    writes: list[tuple[str, int | dict[str, int]]] = [
+        ("ENC_IN_RES", {"ENC_IN_RES": counts, "MANUAL_ENC_CONST": 0}),
+        (rows.ENC_POS.name, state.position),
+    ]
+    back = ""
+    if found.counts_per_turn < 0:
+        writes.insert(1, (rows.ENC_IN_CONF.name, {"invert_enc_dir": 1 - fields["invert_enc_dir"]}))
+        back = ", the other way"
+    return (write_all(f"set the encoder to {counts:,} counts a turn{back}", writes, axis),)

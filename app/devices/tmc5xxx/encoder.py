@@ -1,0 +1,45 @@
+"""What sets the encoder of a TMC5xxx right whose ENC_CONST does not fit it."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+
+from app.calc.encoder_resolution import measured_encoder
+from app.devices.results import AxisState
+from app.devices.signs import EncoderSeen, Remedy, write_all
+from app.devices.tmc5xxx.chip import Chip
+from app.devices.tmc5xxx.start_up import DECIMAL, encoder_constant
+
+REGISTERS = frozenset({"ENC_CONST", "ENCMODE", "X_ENC", "XACTUAL", "CHOPCONF", "GCONF"})
+"""A write to one of them gives the encoder, or the position, other numbers for the same place or way."""
+
+
+def encoder_remedies(chip: Chip, axis: int, state: AxisState, seen: EncoderSeen) -> tuple[Remedy, ...]:
+    """ENC_CONST by the way that was seen, and X_ENC from the position; nothing where the present one is not known."""
+    rows, mechanics = chip.rows(axis), chip.mechanics(axis)
+    word = None if rows.enc_const is None else chip.word(rows.enc_const)
+    if rows.enc_const is None or rows.x_enc is None or not word:
+        return ()
+    mode = rows.encoder_mode
+    mode_word = None if mode is None else chip.known(mode)
+    fraction = word & 0xFFFF
+    if mode is None or (mode_word is None and 0 < fraction < DECIMAL):
+        return ()  # it may be a decimal one
+    decimal = bool(mode_word and mode.unpack(mode_word)["enc_sel_decimal"])
+    constant = (rows.enc_const.decode(word) >> 16) + Fraction(fraction, DECIMAL if decimal else 1 << 16)
+    turn = mechanics.full_steps_per_rev * mechanics.microsteps_per_full_step
+    found = measured_encoder(seen.ratio * seen.way / float(constant), seen.way, turn, seen.slack)
+    counts = found.usual or round(abs(found.counts_per_turn))
+    if counts == 0:
+        return ()
+    ratio = Fraction(turn, counts)
+    if not ratio < 1 << 15:
+        return ()
+    decimal, right = encoder_constant(-ratio if found.counts_per_turn < 0 else ratio)
+    writes = (
+        (mode.name, {"enc_sel_decimal": int(decimal)}),
+        (rows.enc_const.name, right),
+        (rows.x_enc.name, state.position),
+    )
+    back = ", the other way" if (found.counts_per_turn < 0) != (constant < 0) else ""
+    return (write_all(f"set the encoder to {counts:,} counts a turn{back}", writes, axis),)
