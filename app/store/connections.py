@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -47,7 +47,7 @@ class ConnectionStore:
 
     def load(self) -> Loaded:
         """All connections that can be read. Raises nothing for a broken file: it is set aside, and a warning tells."""
-        entries, warnings = self._entries()
+        entries, warnings = self._entries(self._document.kept_as)
         configs: list[DeviceConfig] = []
         unreadable: list[Entry] = []
         for entry in entries:
@@ -58,7 +58,7 @@ class ConnectionStore:
                 why = " ".join(str(error).split())
                 warnings.append(f"{self.path}: connection {entry.get('name', '?')!r} left out: {why}")
         if unreadable:
-            warnings.append(f"{self.path}: the file as it was is kept as {self._document.set_aside()}")
+            warnings.append(f"{self.path}: the file as it was is kept as {self._document.kept_as()}")
         self._base = _keyed([*(_entry(config) for config in configs), *unreadable])
         return Loaded(configs, warnings)
 
@@ -73,7 +73,7 @@ class ConnectionStore:
         """Make the file hold `configs`, what was kept back, and what another program put there. Raises OSError."""
         ours = _keyed([*self._kept_back, *(_entry(config) for config in configs if not config.demo)])
         with self._document.locked():
-            theirs = _keyed(_whole(entry) for entry in self._entries()[0] if writable(entry))
+            theirs = _keyed(_whole(entry) for entry in self._entries(self._document.set_aside)[0] if writable(entry))
             kept = {key: self._kept(key, entry, theirs.get(key)) for key, entry in ours.items()}
             # What we never had is somebody else's; what we had and removed goes, unless somebody else changed it.
             kept |= {key: entry for key, entry in theirs.items() if key not in ours and entry != self._base.get(key)}
@@ -84,14 +84,13 @@ class ConnectionStore:
         """Of two versions the one that was changed since we last looked; ours, where both were."""
         return theirs if theirs is not None and ours == self._base.get(key) else ours
 
-    def _entries(self) -> tuple[list[Entry], list[str]]:
+    def _entries(self, set_aside: Callable[[], Path]) -> tuple[list[Entry], list[str]]:
         """The file's connections, unchecked; none, and why, where the file cannot be read."""
         try:
             document = self._document.read()
             return ([] if document is None else _connections(document)), []
         except UnreadableDocument as error:
-            aside = self._document.set_aside() if self.path.is_file() else self.path
-            return [], [f"{self.path} cannot be read ({error}); it is kept as {aside}, and a new one is begun"]
+            return [], [f"{self.path} cannot be read ({error}); it is kept as {set_aside()}, and a new one is begun"]
 
 
 def _connections(document: dict[str, object]) -> list[Entry]:

@@ -7,6 +7,7 @@ opened turns only what is kept in it off, and says so; motors run without it.
 from __future__ import annotations
 
 import asyncio
+import json
 import logging
 import sqlite3
 import threading
@@ -101,10 +102,13 @@ class Database:
             raise self._translated(error) from error
 
     def _brought_up_to_date(self) -> Engine:
+        if self.path.is_dir():
+            raise _Damaged("a folder stands in its place")
         if self.path.is_file() and (size := self.path.stat().st_size) < HEADER_BYTES:
             # SQLite would take it for a new one, and write over it without a word.
             raise _Damaged(f"it is only {size} bytes long")
-        engine = create_engine(f"sqlite+pysqlite:///{self.path}", connect_args={"timeout": BUSY_S})
+        url = f"sqlite+pysqlite:///{self.path}"
+        engine = create_engine(url, connect_args={"timeout": BUSY_S}, json_deserializer=_json_or_none)
         event.listen(engine, "connect", _prepare)
         event.listen(engine, "begin", _begin)
         try:
@@ -119,6 +123,9 @@ class Database:
             if _code(error) in DAMAGED:
                 raise _Damaged(str(error.orig)) from error
             raise
+        except UnicodeDecodeError as error:  # SQLite's own message quotes what it could not read
+            engine.dispose()
+            raise _Damaged("what it says of its tables is no text") from error
         except BaseException:
             engine.dispose()
             raise
@@ -202,6 +209,18 @@ def config_for(connection: Connection) -> Config:
     return config
 
 
+def _text(data: bytes) -> str:
+    return data.decode("utf-8", "replace")
+
+
+def _json_or_none(text: str) -> Any:
+    """What a column of JSON holds; None where that is none any more."""
+    try:
+        return json.loads(text)
+    except (ValueError, RecursionError):
+        return None
+
+
 def _check(connection: Connection) -> None:
     found = connection.exec_driver_sql("PRAGMA quick_check(1)").scalar()
     if found != "ok":
@@ -217,6 +236,8 @@ def _code(error: DBAPIError) -> int | None:
 def _prepare(dbapi_connection: sqlite3.Connection, _: Any) -> None:
     # The module's own transactions leave DDL out of them: SQLAlchemy begins ours (`_begin`).
     dbapi_connection.isolation_level = None
+    # Noise within a row passes SQLite's own check: one bad text must not cost all the others.
+    dbapi_connection.text_factory = _text
     for pragma in ("journal_mode=WAL", "synchronous=FULL", "foreign_keys=ON"):
         dbapi_connection.execute(f"PRAGMA {pragma}")
 

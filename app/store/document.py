@@ -78,11 +78,14 @@ class Document:
             _sync_directory(self.path.parent)
 
     def set_aside(self) -> Path:
-        """Copy the file to a name of its own and return that; the original stays until the next write.
+        """Copy the file to a name of its own and return that; the original stays until the next write. Raises OSError.
 
-        A copy that is there already is not made again: a broken file is met at every start.
+        A copy that is there already is not made again: a broken file is met at every start. A folder in the file's
+        place is renamed.
         """
         with self.locked():
+            if self.path.is_dir():
+                return self.path.rename(aside_name(self.path))
             content = self.path.read_bytes()
             for earlier in sorted(self.path.parent.glob(f"{self.path.stem}.broken-*{self.path.suffix}")):
                 if earlier.read_bytes() == content:
@@ -90,6 +93,13 @@ class Document:
             aside = aside_name(self.path)
             aside.write_bytes(content)
             return aside
+
+    def kept_as(self) -> Path:
+        """`set_aside` for those who only read: where the disk takes nothing, it stays what and where it is."""
+        try:
+            return self.set_aside()
+        except OSError:
+            return self.path
 
 
 def writable(value: object) -> bool:

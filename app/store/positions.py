@@ -5,7 +5,7 @@ Numbers of 64 bits are text there, since most readers of JSON end at 2^53, and f
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -74,7 +74,7 @@ class PositionStore:
 
     def load(self) -> LoadedPositions:
         """All that can be read. Raises nothing for a broken file: it is set aside, and a warning tells."""
-        entries, warnings = self._entries()
+        entries, warnings = self._entries(self._document.kept_as)
         positions: list[SavedPosition] = []
         for entry in entries:
             try:
@@ -82,7 +82,7 @@ class PositionStore:
             except (TypeError, ValueError, KeyError, ArithmeticError) as error:
                 warnings.append(f"{self.path}: position of {entry.get('device', '?')!r} left out: {error!r}")
         if entries and warnings:
-            warnings.append(f"{self.path}: the file as it was is kept as {self._document.set_aside()}")
+            warnings.append(f"{self.path}: the file as it was is kept as {self._document.kept_as()}")
         self._ours = {position.key for position in positions}
         return LoadedPositions(positions, warnings)
 
@@ -90,19 +90,19 @@ class PositionStore:
         """Make the file hold `positions`, and what another program put there. Raises OSError."""
         ours = {position.key for position in positions}
         with self._document.locked():
-            others = [entry for entry in self._entries()[0] if _key(entry) not in ours | self._ours and writable(entry)]
+            found, _ = self._entries(self._document.set_aside)
+            others = [entry for entry in found if _key(entry) not in ours | self._ours and writable(entry)]
             entries = [*(_entry(position) for position in positions), *others]
             self._document.write({"format": FORMAT, "version": VERSION, "positions": entries})
         self._ours = ours
 
-    def _entries(self) -> tuple[list[Entry], list[str]]:
+    def _entries(self, set_aside: Callable[[], Path]) -> tuple[list[Entry], list[str]]:
         """The file's entries, unchecked; none, and why, where the file cannot be read."""
         try:
             document = self._document.read()
             return ([] if document is None else _listed(document)), []
         except UnreadableDocument as error:
-            aside = self._document.set_aside() if self.path.is_file() else self.path
-            return [], [f"{self.path} cannot be read ({error}); it is kept as {aside}, and a new one is begun"]
+            return [], [f"{self.path} cannot be read ({error}); it is kept as {set_aside()}, and a new one is begun"]
 
 
 def _listed(document: dict[str, object]) -> list[Entry]:

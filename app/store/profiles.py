@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -13,6 +14,8 @@ from sqlalchemy.orm import Session
 from app.links.errors import UnknownThing, WrongState
 from app.store.database import Database
 from app.store.tables import ProfileRow
+
+log = logging.getLogger("stepscope.store")
 
 KEPT_MAX = 2000
 """Profiles; some 20 MB."""
@@ -66,24 +69,33 @@ class ProfileStore:
         words = search.casefold().split()
 
         def work(session: Session) -> list[SavedProfile]:
-            return [saved for row in session.scalars(query) if _has(saved := _saved(row), words)]
+            found = []
+            for row in session.scalars(query):
+                try:
+                    found.append(_saved(row))
+                except WrongState as damage:  # it alone
+                    if str(damage) not in self._database.notes:
+                        self._database.notes.append(str(damage))
+                        log.warning("%s; %s", damage, damage.way_out)
+            return [saved for saved in found if _has(saved, words)]
 
         return await self._database.read(work)
 
     async def get(self, profile: int) -> SavedProfile:
-        """Raises UnknownThing."""
+        """Raises UnknownThing, WrongState for one that is damaged."""
         return await self._database.read(lambda session: _saved(_row(session, profile)))
 
     async def edit(self, profile: int, name: str | None = None, note: str | None = None) -> SavedProfile:
-        """Another name or note; None leaves as it is. Raises UnknownThing."""
+        """Another name or note; None leaves as it is. Raises UnknownThing, WrongState for one that is damaged."""
 
         def work(session: Session) -> SavedProfile:
             row = _row(session, profile)
+            document = _saved(row).document
             if name is not None:
                 row.name = name
             if note is not None:
                 row.note = note
-            row.document = {**row.document, "name": row.name, "note": row.note}
+            row.document = {**document, "name": row.name, "note": row.note}
             session.flush()
             return _saved(row)
 
@@ -102,6 +114,11 @@ def _row(session: Session, profile: int) -> ProfileRow:
 
 
 def _saved(row: ProfileRow) -> SavedProfile:
+    """Raises WrongState for a row that something else wrote into: a broken disk, most likely."""
+    document = row.document
+    whole = isinstance(document, dict) and (document.get("name"), document.get("model")) == (row.name, row.model)
+    if not whole or not isinstance(row.created_unix_s, float) or not 0 <= row.created_unix_s < 1e11:
+        raise WrongState(f"profile {row.id} ({str(row.name)[:60]!r}) is damaged and left out", "delete it")
     return SavedProfile(row.id, row.name, row.model, row.created_unix_s, row.note, row.version, row.document)
 
 

@@ -128,8 +128,9 @@ class TokenStore:
     def _kept(self) -> tuple[NamedToken, ...]:
         """What there is, before it is written anew; a file with something unreadable is kept under another name."""
         found = self.load()
-        if found.warnings and self.path.is_file():
-            self._document.set_aside().chmod(0o600)
+        if found.warnings and self.path.exists():
+            aside = self._document.set_aside()
+            aside.chmod(0o700 if aside.is_dir() else 0o600)
         return found.tokens
 
     def _write(self, tokens: Sequence[NamedToken]) -> None:

@@ -123,7 +123,10 @@ async def save_profile(bench: CurrentBench, body: ProfileSave) -> ProfileInfo:
     return info(await bench.profile_store.add(name, note, plain(document)))
 
 
-@router.post("/profiles/compare", responses=problems(UnknownThing, ProfileMisfit, UnreadableProfile, StoreUnavailable))
+@router.post(
+    "/profiles/compare",
+    responses=problems(UnknownThing, WrongState, ProfileMisfit, UnreadableProfile, StoreUnavailable),
+)
 async def compare_profiles(bench: CurrentBench, body: ProfilePair) -> Diff:
     """What differs between two profiles of the same model."""
     return compare(await _document(bench, body.left), await _document(bench, body.right))
@@ -135,7 +138,9 @@ async def _document(bench: Bench, given: ProfileDocument | int) -> ProfileDocume
     return detail(await bench.profile_store.get(given)).document
 
 
-@router.get("/profiles/{profile:int}", responses=problems(UnknownThing, UnreadableProfile, StoreUnavailable))
+@router.get(
+    "/profiles/{profile:int}", responses=problems(UnknownThing, WrongState, UnreadableProfile, StoreUnavailable)
+)
 async def get_profile_kept(bench: CurrentBench, profile: ProfileId) -> ProfileDetail:
     """A kept profile with its document."""
     return detail(await bench.profile_store.get(profile))
@@ -145,7 +150,7 @@ async def get_profile_kept(bench: CurrentBench, profile: ProfileId) -> ProfileDe
     "/profiles/{profile:int}/file",
     response_class=Response,
     responses={
-        **problems(UnknownThing, UnreadableProfile, StoreUnavailable),
+        **problems(UnknownThing, WrongState, UnreadableProfile, StoreUnavailable),
         200: {"content": {FILE: {"schema": {"type": "object"}}}},  # what is empty is left out, as a document may
     },
 )
@@ -156,7 +161,7 @@ async def get_profile_file(bench: CurrentBench, profile: ProfileId) -> Response:
     return Response(text_of(found.document), media_type=FILE, headers=named)
 
 
-@router.patch("/profiles/{profile:int}", responses=problems(UnknownThing, OutOfRange, StoreUnavailable))
+@router.patch("/profiles/{profile:int}", responses=problems(UnknownThing, WrongState, OutOfRange, StoreUnavailable))
 async def edit_profile(bench: CurrentBench, profile: ProfileId, body: ProfileLabel) -> ProfileInfo:
     """Another name or note."""
     return info(await bench.profile_store.edit(profile, body.name, body.note))

@@ -16400,7 +16400,7 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
-            /** @description This profile does not fit the device (/problems/profile-misfit) */
+            /** @description Not possible now (/problems/wrong-state); This profile does not fit the device (/problems/profile-misfit) */
             409: {
                 headers: {
                     [name: string]: unknown;
@@ -16470,6 +16470,15 @@ export interface operations {
             };
             /** @description There is no such thing (/problems/unknown-thing) */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
@@ -16615,6 +16624,15 @@ export interface operations {
                     "application/problem+json": components["schemas"]["Problem"];
                 };
             };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
             /** @description The body is too long (/problems/body-too-large) */
             413: {
                 headers: {
@@ -16676,6 +16694,15 @@ export interface operations {
             };
             /** @description There is no such thing (/problems/unknown-thing) */
             404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
                 headers: {
                     [name: string]: unknown;
                 };
