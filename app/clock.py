@@ -175,7 +175,12 @@ class BackgroundClock:
 
     async def sleep(self, seconds: float) -> None:
         await self._base.sleep(seconds)
-        if seconds <= 0 or self._comes_now():
+        if seconds > 0:
+            await self.turn()
+
+    async def turn(self) -> None:
+        """Return when what is next may be done: for work in the background that does not sleep first."""
+        if self._comes_now():
             return
         waiting = asyncio.get_running_loop().create_future()
         self._waiting.append(waiting)

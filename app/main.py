@@ -172,6 +172,7 @@ def create_app(
     bench = Bench(
         settings,
         clock,
+        background,
         manager,
         hub,
         procedures,

@@ -116,3 +116,15 @@ async def test_a_sleeper_that_is_cancelled_is_in_nobodys_way() -> None:
         gone.cancel()
     await clock.advance(0)
     assert stays.done()
+
+
+async def test_who_does_not_sleep_asks_for_a_turn() -> None:
+    clock = VirtualClock()
+    background = BackgroundClock(clock)
+    with background.urgent():
+        waits = asyncio.create_task(background.turn())
+        await clock.advance(HELD_MAX_S / 2)
+        assert not waits.done()
+    await clock.advance(0)
+    assert waits.done()
+    await background.turn()

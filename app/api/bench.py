@@ -14,7 +14,7 @@ from app.api.schemas import Port
 from app.api.sessions import Sessions
 from app.api.tokens import Tokens
 from app.api.vitals import Vitals
-from app.clock import Clock
+from app.clock import BackgroundClock, Clock
 from app.conditions.service import ConditionService
 from app.devices.manager import DeviceManager
 from app.settings import Settings
@@ -36,6 +36,7 @@ class Bench:
 
     settings: Settings
     clock: Clock
+    background: BackgroundClock
     manager: DeviceManager
     hub: TelemetryHub
     procedures: Procedures

@@ -122,7 +122,9 @@ class Feed:
         return Joined(reader, plan.units, granted_hz, device.chip_timed, self._unix_s() - device_s, past_s, past)
 
     def leave(self, reader: Reader) -> None:
-        """A reader has gone. A second call does nothing."""
+        """A reader has gone. One that is not here changes nothing."""
+        if not any(reader in group.readers for group in self._groups.values()):
+            return
         self.pump()  # what was sampled for the others, before the beat may change
         for subscription, group in list(self._groups.items()):
             if reader in group.readers:

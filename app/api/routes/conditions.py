@@ -20,6 +20,7 @@ from app.api.schemas_conditions import (
     ConditionsText,
     DeviceRemoved,
 )
+from app.clock import BackgroundClock
 from app.conditions.service import ConditionService, Standing
 from app.devices.device import Device
 
@@ -44,7 +45,7 @@ async def conditions(socket: WebSocket) -> None:
     news = News(bench.conditions)
     try:
         tasks = [
-            asyncio.create_task(_send(socket, bench.conditions, news), name="conditions socket"),
+            asyncio.create_task(_send(socket, bench.conditions, news, bench.background), name="conditions socket"),
             asyncio.create_task(_hear(socket, bench.pages), name="conditions socket hears"),
         ]
         try:
@@ -80,15 +81,17 @@ class News:
         return [(device, axis, standing) for (device, axis), standing in waiting.items()]
 
 
-async def _send(socket: WebSocket, conditions: ConditionService, news: News) -> None:
+async def _send(socket: WebSocket, conditions: ConditionService, news: News, clock: BackgroundClock) -> None:
     await _say(socket, ConditionsSnapshot(axes=[_message(*one) for one in conditions.all()]))
     while True:
         gone: set[str] = set()
         try:
             heard = await asyncio.wait_for(news.next(), ALIVE_S)
         except TimeoutError:
+            heard = []
+        await clock.turn()  # many wake at once: not all of them before a stop
+        if not heard:
             await _say(socket, Alive())
-            continue
         for device_id, axis, standing in heard:
             device = conditions.device(device_id)
             if standing is not None and device is not None:

@@ -22,7 +22,7 @@ from app.api.schemas_telemetry import (
     TelemetryStopped,
     TelemetryText,
 )
-from app.clock import Clock
+from app.clock import BackgroundClock
 from app.devices.results import ChipEvents, MotionEnd
 from app.links.errors import BenchError, OutOfRange, UsageError
 from app.telemetry.feed import Joined
@@ -70,7 +70,7 @@ async def telemetry(socket: WebSocket, device: str) -> None:
             history_rows=len(joined.history_time_s),
         )
         try:
-            await _stream(socket, start, joined, bench.clock)
+            await _stream(socket, start, joined, bench.background)
         finally:
             bench.hub.leave(joined.reader)
 
@@ -98,7 +98,7 @@ def _number(query: Mapping[str, str], name: str, default: float) -> float:
         raise UsageError(f"{name} is a number, not {text[:40]!r}") from error
 
 
-async def _stream(socket: WebSocket, start: TelemetryStart, joined: Joined, clock: Clock) -> None:
+async def _stream(socket: WebSocket, start: TelemetryStart, joined: Joined, clock: BackgroundClock) -> None:
     sending = asyncio.create_task(_send(socket, start, joined, clock), name="telemetry socket")
     hearing = asyncio.create_task(_hear(socket), name="telemetry socket hears")
     tasks = (sending, hearing)
@@ -119,7 +119,7 @@ async def _hear(socket: WebSocket) -> None:
         pass
 
 
-async def _send(socket: WebSocket, start: TelemetryStart, joined: Joined, clock: Clock) -> None:
+async def _send(socket: WebSocket, start: TelemetryStart, joined: Joined, clock: BackgroundClock) -> None:
     await _say(socket, start)
     reader = joined.reader
     for first in range(0, start.history_rows, HISTORY_ROWS_A_FRAME):
@@ -128,6 +128,7 @@ async def _send(socket: WebSocket, start: TelemetryStart, joined: Joined, clock:
         await socket.send_bytes(reader.frame(len(time_s), body))
     while True:
         await reader.wait()
+        await clock.turn()  # many wake with one beat: not all of them before a stop
         for event in reader.take_events():
             await _say(socket, _text(event))
         while (frame := reader.take(clock.now())) is not None:
