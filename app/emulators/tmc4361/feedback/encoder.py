@@ -173,6 +173,10 @@ def _n_event(fb: Floats, n: Cells, counts: int) -> int:
     return word
 
 
+_REPEATS = 8
+"""Two times four counts: behind them, and before them, nothing happens that has not happened, or will not."""
+
+
 @compiled
 def pass_counts(fb: Floats, n: Cells, old: int, new: int) -> int:
     """What the N channel makes of the counts between two ticks."""
@@ -189,7 +193,15 @@ def pass_counts(fb: Floats, n: Cells, old: int, new: int) -> int:
     at = old
     if abs(new - old) > 2 * per_turn:  # turned by hand: the last two turns tell everything
         at = new - way * 2 * per_turn
+    passed = 0
     while at != new:
+        if passed >= _REPEATS:  # between two pulses A and B say the same every four counts
+            place = _in_turn(fb, n, at)
+            left = min(per_turn - 1 - place if way > 0 else place - 4, abs(new - at)) if place >= 4 else 0
+            if left > 2 * _REPEATS:
+                at += way * ((left - _REPEATS) // 4 * 4)
+                passed = 0
+        passed = passed + 1 if _in_turn(fb, n, at + way) >= 4 else 0
         at += way
         met = _n_condition(fb, n, at)
         was = n[N_LEVEL] != 0

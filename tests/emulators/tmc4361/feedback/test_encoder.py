@@ -3,12 +3,18 @@
 from __future__ import annotations
 
 import math
+from random import Random
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from app.emulators.tmc4361.feedback import layout
+from app.emulators.tmc4361.feedback.encoder import pass_counts
+from app.emulators.tmc4361.feedback.layout import Cells, Floats
+from app.emulators.tmc4361.feedback.options import FeedbackOptions, ShaftEncoder
+from app.emulators.tmc4361.feedback.unit import FeedbackUnit
 from app.emulators.tmc4361.feedback.words import encoder_scale
 from app.emulators.tmc4361.layout import (
     FB_ENC_DONE,
@@ -38,6 +44,7 @@ from tests.emulators.tmc4361.feedback.rig import (
     ENC_RESET_VAL,
     ENC_VEL_ZERO,
     ENC_VMEAN,
+    F_CLK,
     GENERAL_CONF,
     INPUT_FILT_CONF,
     MOTOR_S,
@@ -586,3 +593,37 @@ def test_registers_read_back_with_their_signs() -> None:
     bench = loose({CL_OFFSET: -300 & 0xFFFFFFFF})
     assert signed(bench.unit.read(CL_OFFSET)) == -300
     assert bench.unit.read(0x24) is None  # VMAX is the ramp generator's
+
+
+def _with_encoder(lines: int, conf: int) -> tuple[Floats, Cells]:
+    cells = FeedbackUnit(FeedbackOptions(encoder=ShaftEncoder(lines=lines)), F_CLK).fb
+    integers = cells[layout.INTEGERS_AT :].view(np.int64)
+    integers[layout.ENC_IN_CONF] = conf
+    return cells, integers
+
+
+@pytest.mark.parametrize("armed", range(4))
+@pytest.mark.parametrize("sensitivity", range(4))
+def test_many_counts_at_once_are_as_good_as_one_after_another(armed: int, sensitivity: int) -> None:
+    random = Random(armed * 4 + sensitivity)
+    for _ in range(40):
+        conf = random.getrandbits(32) & ~0b110_1100 | sensitivity << 5 | armed << 2
+        at_once, one_by_one = _with_encoder(50, conf), _with_encoder(50, conf)
+        old = random.randrange(-500, 500)
+        new = old + random.choice((-1, 1)) * random.randrange(1, 390)
+        word = pass_counts(*at_once, old, new)
+        way, each = (1 if new > old else -1), 0
+        for count in range(old, new, way):
+            each |= pass_counts(*one_by_one, count, count + way)
+        assert word == each
+        assert at_once[0].tobytes() == one_by_one[0].tobytes()
+
+
+@pytest.mark.timeout(100)  # count by count these would take ten minutes
+def test_a_shaft_that_runs_away_costs_no_more_than_one_that_turns() -> None:
+    """As with a load that no motor holds: an emulator that falls behind keeps everything else from being answered."""
+    turn = 4 * 4_194_304
+    encoder = _with_encoder(4_194_304, 0b1_0001_0100)
+    for number in range(20_000):
+        pass_counts(*encoder, number * turn, number * turn + turn - 1)
+    assert encoder[1][layout.N_LEVEL] == 0
