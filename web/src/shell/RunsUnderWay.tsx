@@ -3,8 +3,8 @@ import { IconRotateClockwise } from "@tabler/icons-react";
 import { useSyncExternalStore } from "react";
 import { Link, useLocation } from "wouter";
 import { useDevices } from "../api/queries";
-import { runsUnderWay, watchRuns } from "../pages/module/heldRuns";
 import { PAGES } from "./pages";
+import { runsUnderWay, watchRuns } from "./runs";
 
 /** On every other page than its own: a sweep or slow turn that goes on, with the ways to it and out of it. */
 export function RunsUnderWay() {

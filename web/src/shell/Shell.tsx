@@ -2,7 +2,6 @@ import { Group, Text } from "@mantine/core";
 import { useHotkeys } from "@mantine/hooks";
 import { type PropsWithChildren, useEffect, useRef } from "react";
 import { Link, useLocation } from "wouter";
-import { StartUpDialog } from "../lib/startup/StartUpDialog";
 import { ColorSchemeToggle } from "./ColorSchemeToggle";
 import { ConditionBar } from "./ConditionBar";
 import { ConnectionBanner } from "./ConnectionBanner";
@@ -17,6 +16,7 @@ import { isAt, PAGES, pagesFor } from "./pages";
 import { RunsUnderWay } from "./RunsUnderWay";
 import { ServerStatus } from "./ServerStatus";
 import { Shortcuts } from "./Shortcuts";
+import { StartUp } from "./StartUp";
 import { StopAll } from "./StopAll";
 import classes from "./shell.module.css";
 import { useFamily } from "./useFamily";
@@ -43,7 +43,7 @@ export function Shell({ children }: PropsWithChildren) {
       <a className={classes.skip} href="#main">
         Skip to the page
       </a>
-      <StartUpDialog />
+      <StartUp />
       <LeaseQuestion />
       <LeaseNews />
       <header className={classes.header}>

@@ -9,15 +9,22 @@ export interface StartUpWanted {
 }
 
 let wanted: StartUpWanted | null = null;
+let ever = false;
 const listeners = new Set<() => void>();
 
 export function wantStartUp(next: StartUpWanted | null): void {
   wanted = next;
+  ever ||= next !== null;
   for (const listener of listeners) listener();
 }
 
 export function wantedStartUp(): StartUpWanted | null {
   return wanted;
+}
+
+/** Whether anybody has asked for one since the page was loaded: before, its dialog need not be there. */
+export function everWantedStartUp(): boolean {
+  return ever;
 }
 
 export function onWantedStartUp(listener: () => void): () => void {

@@ -9,11 +9,10 @@ import { EmptyState } from "../../lib/EmptyState";
 import { familyOf } from "../../lib/family";
 import { later } from "../../lib/later";
 import { useSelection } from "../../live/selection";
-import { eventRegisters } from "../events/useEvents";
+import { eventRegisters } from "../events/registers";
 import { AxisTree } from "./AxisTree";
 import classes from "./bench.module.css";
 import { DemoBanner } from "./DemoBanner";
-import { LimitLine } from "./LimitLine";
 import { BenchLive, useLiveAxis } from "./live";
 import { MotionCard } from "./motion/MotionCard";
 import { useSearch } from "./motion/useSearch";
@@ -23,6 +22,7 @@ import { useScopeSettings } from "./scope/settings";
 import { useEmulator } from "./useEmulator";
 
 const EmulatorPanel = later(() => import("./EmulatorPanel").then((part) => part.EmulatorPanel));
+const LimitLine = later(() => import("./LimitLine").then((part) => part.LimitLine));
 const EventsTimeline = later(() => import("../events/EventsTimeline").then((part) => part.EventsTimeline));
 
 /** All axes at a glance, one in the hand, and the scope on it. */
@@ -131,7 +131,10 @@ function Bench({ devices, lost }: BenchProps) {
 }
 
 function Limits({ device, axis, unit }: { device: Device; axis: Device["axes"][number]; unit: string }) {
-  return <LimitLine device={device} axis={axis} live={useLiveAxis(device.id, axis.index)} unit={unit} />;
+  const live = useLiveAxis(device.id, axis.index);
+  const limited =
+    axis.limit_warnings.length > 0 || Object.values(axis.limits).some((limit) => typeof limit === "number");
+  return limited && <LimitLine device={device} axis={axis} live={live} unit={unit} />;
 }
 
 interface StageProps {

@@ -18,7 +18,7 @@ interface Props {
 /** From this share of a range on, measured from its middle, an axis is near its end. */
 const NEAR = 0.9;
 
-/** The soft limits of an axis and how near it is to them; nothing where it has none. */
+/** The soft limits of an axis that has some, and how near it is to them. */
 export function LimitLine({ device, axis, live, unit }: Props) {
   const { limits } = axis;
   const scale = scaleOf(axis, device.clock_hz);
@@ -48,7 +48,6 @@ export function LimitLine({ device, axis, live, unit }: Props) {
 
   const ranged = from !== null || to !== null;
   const others = otherLimits(limits);
-  if (!ranged && speed === null && others === "" && axis.limit_warnings.length === 0) return null;
   const place = (value: number | null, none: string) => {
     if (value === null) return none;
     const shown = fromSteps(value, unit, scale, "position");

@@ -4,14 +4,16 @@ import { useEffect, useId, useRef } from "react";
 import type { Schemas } from "../../api/client";
 import type { Device } from "../../api/queries";
 import { fixed } from "../../lib/format";
+import { later } from "../../lib/later";
 import { scaleOf, toSteps } from "../../lib/units";
 import { everyTick } from "../../live/LiveText";
 import classes from "./bench.module.css";
 import type { LiveAxis } from "./live";
-import { SearchOverlay } from "./SearchOverlay";
 import type { EmulatorState } from "./useEmulator";
 import { useSearchEdges } from "./useSearchEdges";
 import { useStage } from "./useStage";
+
+const SearchOverlay = later(() => import("./SearchOverlay").then((part) => part.SearchOverlay));
 
 /** how low the spindle lies; with a search, whose zero is named above the lamps */
 const RAIL_Y = 49;

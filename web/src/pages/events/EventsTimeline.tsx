@@ -10,7 +10,8 @@ import { useFrame } from "../../live/useFrame";
 import { EventList } from "./EventList";
 import { isFault, type Lane, nearest } from "./EventLog";
 import classes from "./events.module.css";
-import { type EventBit, eventRegisters, useEvents } from "./useEvents";
+import { eventRegisters } from "./registers";
+import { type EventBit, useEvents } from "./useEvents";
 
 const LANE_PX = 18;
 const HIT_PX = 8;

@@ -1,6 +1,6 @@
 import { describe, expect, it } from "vitest";
 import { type EventEntry, EventLog, isFault, lanesOf, nearest } from "./EventLog";
-import { eventRegisters } from "./useEvents";
+import { eventRegisters } from "./registers";
 
 const BITS = ["TARGET_REACHED", "STOPL_EVENT", "RST_EV"];
 const entry = (seq: number, timeS: number, names: string[], unixS: number | null = 1000 + timeS): EventEntry => ({

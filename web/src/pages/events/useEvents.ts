@@ -3,10 +3,10 @@ import { useEffect, useMemo, useRef, useState } from "react";
 import { api, type Schemas, unwrap } from "../../api/client";
 import type { AxisAddress } from "../../api/motion";
 import { useCatalogModel } from "../../api/queries";
-import { type Family, familyOf } from "../../lib/family";
 import type { TelemetrySource } from "../../live/TelemetrySource";
 import { useFrame } from "../../live/useFrame";
 import { EventLog, type Lane, lanesOf } from "./EventLog";
+import { eventRegisters } from "./registers";
 
 const POLL_MS = 2000;
 const PAGE = 2000;
@@ -16,18 +16,6 @@ const LOOK_MS = 150;
 export interface EventBit {
   name: string;
   help: string;
-}
-
-/** The registers that tell of events, by family. */
-const REGISTERS: Partial<Record<Family, readonly string[]>> = {
-  sramp: ["EVENTS"],
-  sixpoint: ["RAMP_STAT", "GSTAT"],
-};
-
-/** The registers whose bits are the events of that model; none where it has no timeline. */
-export function eventRegisters(model: string | undefined): readonly string[] {
-  const family = familyOf(model);
-  return (family && REGISTERS[family]) ?? [];
 }
 
 /** The bits of those registers with their meanings, from the catalog. */

@@ -1,6 +1,7 @@
 import { type AxisAddress, motion } from "../../api/motion";
 import { KINDS } from "../../lib/condition/kinds";
 import { conditions, type Kind } from "../../live/conditions";
+import { tellRuns } from "../../shell/runs";
 import { STOP_EVENT } from "../../shell/stopEverything";
 import { HeldRun, type Leg, type RunState } from "./HeldRun";
 
@@ -18,18 +19,6 @@ export interface TabRun {
 const STUCK: readonly Kind[] = ["held", "stalled", "driver_fault", "cannot_move"];
 
 const runs = new Map<string, TabRun>();
-const watchers = new Set<() => void>();
-let underWay: readonly TabRun[] = [];
-
-/** Called when a run begins, goes on to its next speed, or ends. */
-export function watchRuns(listener: () => void): () => void {
-  watchers.add(listener);
-  return () => watchers.delete(listener);
-}
-
-/** The runs of this tab that turn a motor now; always the same array until one begins, goes on or ends. */
-export const runsUnderWay = (): readonly TabRun[] => underWay;
-
 /** The run of that axis: another page of this tab may be looked at meanwhile, a stop or a closed tab ends it. */
 export function runOf({ device, axis }: AxisAddress): TabRun {
   const key = `${device}/${axis}`;
@@ -43,8 +32,8 @@ export function runOf({ device, axis }: AxisAddress): TabRun {
       halt: () => motion.stop({ device, axis }, "ramp"),
     },
     (_: RunState) => {
-      underWay = [...runs.values()].filter((each) => each.run.running);
-      for (const listener of [...listeners, ...watchers]) listener();
+      for (const listener of listeners) listener();
+      tellRuns([...runs.values()].filter((each) => each.run.running));
     },
   );
   window.addEventListener("pagehide", () => run.abort());

@@ -1,4 +1,4 @@
-import { ActionIcon, Button, Group } from "@mantine/core";
+import { ActionIcon, Button, Group, Text } from "@mantine/core";
 import { IconPlayerRecord, IconPlayerStop } from "@tabler/icons-react";
 import { useState } from "react";
 import { Link } from "wouter";
@@ -6,7 +6,6 @@ import type { Device } from "../../api/queries";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { LiveText } from "../../live/LiveText";
 import { isRunning, useChanges, useRecordings } from "./api";
-import classes from "./recordings.module.css";
 import { usualChannels } from "./usual";
 
 interface Props {
@@ -49,9 +48,9 @@ export function RecordButton({ device, axis, rateHz }: Props) {
         >
           <LiveText read={() => (running.state === "waiting" ? "armed" : elapsed(Date.now() / 1000 - begun))} />
         </Button>
-        <Link href={`/recordings/${running.id}`} className={classes.link}>
+        <Text component={Link} fz={13} c="var(--mantine-color-anchor)" href={`/recordings/${running.id}`}>
           Look
-        </Link>
+        </Text>
       </Group>
     );
   }

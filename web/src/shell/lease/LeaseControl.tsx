@@ -6,10 +6,10 @@ import { desk } from "../../api/lease/bench";
 import { isFree, type Lease } from "../../api/lease/LeaseDesk";
 import { later } from "../../lib/later";
 import classes from "./lease.module.css";
-import { OnlyLooking } from "./OnlyLooking";
 import { useLease } from "./useLease";
 import { isSilent, lasting } from "./words";
 
+const OnlyLooking = later(() => import("./OnlyLooking").then((part) => part.OnlyLooking));
 const LeasePanel = later(() => import("./LeasePanel").then((part) => part.LeasePanel));
 
 function takenWords(lease: Lease): string {

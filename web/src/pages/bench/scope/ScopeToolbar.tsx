@@ -5,13 +5,13 @@ import { namesOf } from "../../../lib/choices";
 import { later } from "../../../lib/later";
 import { scaleOf, symbolOf, unitsFor } from "../../../lib/units";
 import { LiveText } from "../../../live/LiveText";
-import { RecordButton } from "../../recordings/RecordButton";
 import { type AxisRef, rowsOf } from "./model";
 import type { RowId } from "./rows";
 import classes from "./scope.module.css";
 import { keepS, RATES_HZ, type ScopeSettings, SPANS_S, type Trigger } from "./settings";
 import type { Scope } from "./useScope";
 
+const RecordButton = later(() => import("../../recordings/RecordButton").then((part) => part.RecordButton));
 const ScopeChoices = later(() => import("./ScopeChoices").then((part) => part.ScopeChoices));
 
 interface Props {
@@ -154,7 +154,11 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
           />
         </Popover.Dropdown>
       </Popover>
-      {device && <RecordButton device={device} axis={main.axis} rateHz={settings.rateHz} />}
+      {device && (
+        <span className={classes.record}>
+          <RecordButton device={device} axis={main.axis} rateHz={settings.rateHz} />
+        </span>
+      )}
       <LiveText
         className={classes.triggerState}
         read={() => (scope.view.waiting ? "waiting for a move" : "")}
