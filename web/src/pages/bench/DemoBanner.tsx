@@ -5,13 +5,15 @@ import { useQueries, useQueryClient } from "@tanstack/react-query";
 import { Link } from "wouter";
 import { api, unwrap } from "../../api/client";
 import type { Device } from "../../api/queries";
+import { later } from "../../lib/later";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useSelection } from "../../live/selection";
 import classes from "./bench.module.css";
 import { endDemo, startDemo } from "./demo";
 import { shuttleKey } from "./motion/ShuttleSection";
 import { useAction } from "./motion/useAction";
-import { TryModels } from "./TryModels";
+
+const TryModels = later(() => import("./TryModels").then((part) => part.TryModels));
 
 const NEXT: readonly (readonly [href: string, name: string, what: string])[] = [
   ["/ramps", "Ramps", "design one and send it"],
