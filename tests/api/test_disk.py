@@ -6,10 +6,12 @@ import asyncio
 from pathlib import Path
 
 import httpx
+import pytest
 from fastapi import FastAPI
 
+from app.api.health import health_of
 from app.clock import VirtualClock
-from app.main import bench_of
+from app.main import bench_of, create_app
 from app.settings import Settings
 from app.store.connections import FILE_NAME, ConnectionStore
 from app.store.saver import RETRY_S
@@ -71,3 +73,17 @@ async def test_a_recording_that_cannot_be_renamed_is_told(
     assert (await client.get(f"recordings/{recording}")).json()["name"] == "first"
     gone = await client.delete(f"recordings/{recording}")  # its lock is a directory: not deleted as a whole
     assert gone.status_code == 503
+
+
+@pytest.mark.parametrize("name", ["connections.json", "positions.json"])
+async def test_a_broken_file_where_nothing_can_be_written_does_not_keep_the_server_from_starting(
+    settings: Settings, clock: VirtualClock, name: str
+) -> None:
+    broken, lock = settings.data_dir / name, settings.data_dir / f"{name}.lock"
+    lock.mkdir(parents=True)
+    broken.write_text("no JSON")
+    app = create_app(settings, clock)
+    async with app.router.lifespan_context(app):
+        notes = (await health_of(bench_of(app))).storage.notes
+        assert any(f"kept as {broken}," in note for note in notes)
+    assert broken.read_text() == "no JSON"
