@@ -256,7 +256,8 @@ function DiskUse({
   const low = room_bytes < Math.max(1e9, 0.02 * disk_bytes);
   return (
     <span className={classes.disk} data-low={low}>
-      <span className="num">{size_bytes === null ? "–" : sizeText(size_bytes)}</span> kept, <span className="num">{sizeText(room_bytes)}</span> room
+      <span className="num">{size_bytes === null ? "–" : sizeText(size_bytes)}</span> kept,{" "}
+      <span className="num">{sizeText(room_bytes)}</span> room
       <Progress value={share} size={5} w={64} aria-label="Share of the disk" />
       {low && (
         <span>{room_bytes === 0 ? "The disk is full: nothing can be recorded." : "The disk is nearly full."}</span>
