@@ -22,7 +22,7 @@ FILE_NAME = "tokens.json"
 Role = Literal["look", "drive", "administer"]
 ROLES: tuple[Role, ...] = get_args(Role)
 """Each may do what those before it may."""
-NAME = re.compile(r"\w(?:[\w.@+ -]{0,58}[\w.@+-])?")
+NAME = re.compile(r"[^\W\d](?:[\w.@+ -]{0,58}[\w.@+-])?")
 RESERVED = frozenset({"stepscope"})
 """What the server calls itself in the audit log."""
 TOKENS_MAX = 1000
@@ -92,7 +92,7 @@ class TokenStore:
         """Make a token and return it, the only time. Raises UsageError, WrongState where the name is taken, OSError."""
         if not NAME.fullmatch(name) or name.casefold() in RESERVED:
             raise UsageError(
-                f"{name[:70]!r} is no name for a token: it has 1 to 60 letters, digits and . @ + - _ or spaces between,"
+                f"{name[:70]!r} is no name for a token: it begins with a letter, has 1 to 60 letters, digits and . @ + - _ or spaces between,"
                 f" and is not {', '.join(sorted(RESERVED))}"
             )
         if role not in ROLES:

@@ -82,7 +82,7 @@ async def test_what_was_set_aside_is_told(settings: Settings, clock: VirtualCloc
 
 
 async def test_what_is_not_saved_is_told(app: FastAPI, client: httpx.AsyncClient, settings: Settings) -> None:
-    (settings.data_dir / "connections.json").mkdir(parents=True)  # nobody replaces a directory by a file
+    (settings.data_dir / "connections.json.lock").mkdir(parents=True)  # nobody opens a directory as a file
     await client.post("devices", json={"name": "Other", "model": "tmc4210", "link": {"kind": "emulator"}})
     notes = (await client.get("health/details")).json()["storage"]["notes"]
     assert any("connections.json cannot be written" in note for note in notes)

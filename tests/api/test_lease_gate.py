@@ -31,7 +31,7 @@ def unsafe_routes(app: FastAPI) -> Iterator[tuple[str, str]]:
 
 
 def filled(path: str) -> str:
-    return re.sub(r"{([^}:]*)[^}]*}", lambda part: NAMES.get(part.group(1), "x"), path)
+    return re.sub(r"{([^}:]*)(:int)?[^}]*}", lambda part: NAMES.get(part[1], "1" if part[2] else "x"), path)
 
 
 def shape(path: str) -> str:
@@ -81,6 +81,15 @@ async def test_a_session_that_only_looks_is_refused_too(app: FastAPI, pages: htt
 
 def test_no_route_changes_anything_by_another_method(app: FastAPI) -> None:
     assert {method for method, _ in unsafe_routes(app)} <= CHANGING_METHODS
+
+
+@pytest.mark.parametrize(("method", "path"), [("PUT", "lease/leave"), ("PATCH", "stop"), ("DELETE", "devices")])
+async def test_an_address_without_that_method_is_405_whoever_has_the_bench(
+    pages: httpx.AsyncClient, method: str, path: str
+) -> None:
+    assert (await pages.post(f"{BASE}/lease", json={"name": "Anna"}, headers=HOLDER)).status_code == 200
+    assert (await pages.request(method, f"{BASE}/{path}", headers=OTHER)).status_code == 405
+    assert (await pages.request(method, f"{BASE}/nothing", headers=OTHER)).status_code == 404
 
 
 @pytest.mark.parametrize("method", ["QUERY", "TRACE", "PROPFIND", "LINK"])

@@ -173,7 +173,9 @@ async def test_named_guesses_are_told_off_and_a_right_one_never_is(networked: Fa
 
 
 async def test_a_disk_that_takes_nothing_is_told(networked: FastAPI, settings: Settings) -> None:
-    (settings.data_dir / "tokens.json").mkdir()
+    lock = settings.data_dir / "tokens.json.lock"
+    lock.unlink(missing_ok=True)
+    lock.mkdir()  # nobody opens a directory as a file
     async with visitor(networked, TOKEN) as owner:
         refused = await owner.post(f"{BASE}/tokens", json={"name": "anna", "role": "look"})
     assert (refused.status_code, refused.json()["type"]) == (503, "/problems/store-unavailable")

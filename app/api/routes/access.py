@@ -57,6 +57,8 @@ async def add_token(bench: CurrentBench, body: TokenAdd, response: Response) -> 
 
 
 @router.delete("/tokens/{name}", status_code=204, responses=problems(UnknownThing, StoreUnavailable))
-async def revoke_token(bench: CurrentBench, name: str = Path(description="of the token", max_length=60)) -> None:
+async def revoke_token(
+    bench: CurrentBench, name: str = Path(description="of the token", max_length=60, pattern=r"^[^\W\d]")
+) -> None:
     """Revoke a named token: its sessions and its sockets end at once."""
     await bench.tokens.revoke(name)

@@ -320,8 +320,7 @@ class Library:
         return _stamp(f"{begin}{file.SUFFIX}"), _stamp(f"{begin}{LABEL}")
 
     def _size_of(self, recording: str) -> int:
-        names = (f"{recording}{suffix}" for suffix in SUFFIXES)
-        stamps = (_stamp(f"{self._folder}{os.sep}{name}") for name in names if name in self._seen)
+        stamps = (_stamp(f"{self._folder}{os.sep}{recording}{suffix}") for suffix in SUFFIXES)
         return sum(told[2] for told in stamps if told is not None)
 
     def _write_label(self, recording: str, label: Label) -> None:
