@@ -92,7 +92,8 @@ class TokenStore:
         """Make a token and return it, the only time. Raises UsageError, WrongState where the name is taken, OSError."""
         if not NAME.fullmatch(name) or name.casefold() in RESERVED:
             raise UsageError(
-                f"{name[:70]!r} is no name for a token: it begins with a letter, has 1 to 60 letters, digits and . @ + - _ or spaces between,"
+                f"{name[:70]!r} is no name for a token: it begins with a letter, and has 1 to 60 letters, digits and"
+                f" . @ + - _ or spaces between,"
                 f" and is not {', '.join(sorted(RESERVED))}"
             )
         if role not in ROLES:
