@@ -32,6 +32,7 @@ def visit(
     new_context: Callable[..., BrowserContext], networked: ServerProcess, errors: Errors
 ) -> Iterator[Callable[[str], Page]]:
     """Open the server's first page in a browser of one's own, and log in there."""
+    errors.expect("HTTP Authentication failed")  # a socket that comes back as its session ends
     errors.expect(r"status of 40[13]")  # what is refused here is refused on purpose
 
     def come(token: str) -> Page:

@@ -73,7 +73,7 @@ class Rig(Chip):
         self.world(**change)
 
     def rotate_away(self) -> None:
-        self.call("rotate", velocity=-10_000, unit="pps")
+        self.call("rotate", velocity=-2_000, unit="pps")
         wait_for(lambda: self.axis()["velocity_pps"] < -1_000, "it turns")
 
     def ready_again(self) -> None:

@@ -36,6 +36,7 @@ function Toast({ toast }: { toast: NotificationData }) {
       title={title}
       closeButtonProps={{ "aria-label": "Dismiss", ...closeButtonProps }}
       onClose={() => notifications.hide(id)}
+      styles={{ description: { color: "var(--mantine-color-text)" } }} // the library's grey is too faint
       withBorder
     >
       {message}
