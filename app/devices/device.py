@@ -297,6 +297,7 @@ class Device(ABC):
         """For the manager."""
         if state == "failed" and self.limiter is not None:
             self.limiter.forget()
+        self.queue.closed = state == "disconnected"
         if (state, problem) != (self._state, self._problem):
             self._state, self._problem = state, problem
             self._tell(StateChanged(state, problem))

@@ -112,6 +112,18 @@ class LinkQueue:
         self._batches = cast("BatchPort", port) if hasattr(port, "exchange_many") else None
         self._chains = cast("ChainPort", port) if getattr(port, "pipelined", False) else None
         self._arbiter = Arbiter() if self._batches is None else self._batches.arbiter
+        self._main = self
+        """Where this is a second way to a port: the first one."""
+        self._closed = False
+
+    @property
+    def closed(self) -> bool:
+        """Whether nothing goes out any more: a frame that waited for its turn would open the port anew."""
+        return self._main._closed
+
+    @closed.setter
+    def closed(self, closed: bool) -> None:
+        self._main._closed = closed
 
     @property
     def busy(self) -> bool:
@@ -132,7 +144,7 @@ class LinkQueue:
         holds back what goes over it."""
         other = LinkQueue(self.port, None, self._samples_waiting_max)
         other.counts, other.waits, other.log = self.counts, self.waits, self.log
-        other._meter, other._arbiter = self._meter, self._arbiter
+        other._meter, other._arbiter, other._main = self._meter, self._arbiter, self._main
         return other
 
     async def exchange(
@@ -406,13 +418,16 @@ class Turn:
         return replies
 
     async def _prepare(self, frames: Sequence[bytes]) -> None:
-        """Right before `frames` go out: let the more urgent go first, and ask the guard and the holds."""
+        """Right before `frames` go out: let the more urgent go first, see whether the link is still in use, and ask the
+        guard and the holds."""
         queue = self._queue
         if queue._arbiter.most_urgent < self._priority:
             queue.counts.overtaken += 1
             self._held = False  # should the wait be cancelled, the line is not ours to release
             await queue._arbiter.give_way(self._priority)
             self._held = True
+        if queue.closed:
+            raise LinkDown(queue.port.name, "disconnected before this was sent")
         if self._guard is not None:
             self._guard()
         for hold in queue.holds:

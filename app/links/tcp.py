@@ -44,6 +44,7 @@ class TcpPort:
         self.timeout_s = timeout_s
         self.connect_timeout_s = connect_timeout_s
         self.connections = 0
+        self._closings = 0
         self._clock = clock or WallClock()
         self._last_exchange_s = self._clock.now()
         self._stream: _Stream | None = None
@@ -94,6 +95,7 @@ class TcpPort:
         return [replies[at : at + size] for at in range(0, due, size)]
 
     async def aclose(self) -> None:
+        self._closings += 1
         self._drop()
 
     def _drop(self) -> None:
@@ -103,7 +105,7 @@ class TcpPort:
 
     async def _open(self) -> _Stream:
         self._drop()
-        loop = asyncio.get_running_loop()
+        loop, closings = asyncio.get_running_loop(), self._closings
         try:
             async with asyncio.timeout(self.connect_timeout_s):
                 _, stream = await loop.create_connection(lambda: _Stream(loop), self.host, self.port)
@@ -113,6 +115,9 @@ class TcpPort:
             raise LinkDown(self.name, error.strerror or str(error)) from error
         except ValueError as error:  # a host that no name server could be asked for: too long a label, a NUL
             raise LinkDown(self.name, f"no host can be called that: {error}") from error
+        if self._closings != closings:
+            stream.abort()
+            raise LinkDown(self.name, "closed while it was opened")
         self._stream = stream
         self.connections += 1
         return stream

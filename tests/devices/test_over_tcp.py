@@ -18,7 +18,7 @@ from app.devices.ramp_stops import RampStops
 from app.devices.start_up import AxisStart, start_up
 from app.emulators.build import build_emulator
 from app.emulators.device import EmulatedDevice
-from app.links.errors import LinkError, LinkTimeout
+from app.links.errors import LinkDown, LinkError, LinkTimeout
 from app.registers.catalog import CHIPS_32
 from tests.devices.bench import KINDS, START, state_of
 from tests.links.server import Server, serving
@@ -149,3 +149,23 @@ async def test_a_dead_link_is_edited_into_a_living_one() -> None:
         assert manager.get("far") is edited
         await manager.close()
         assert state_of(edited) == "disconnected"
+
+
+async def test_a_sample_that_waited_does_not_open_the_link_of_a_device_that_was_disconnected() -> None:
+    async with remote("tmc428") as (_, __, server):
+        manager = DeviceManager(KINDS, WallClock())
+        device = await manager.add(
+            DeviceConfig("Near", "tmc428", {"kind": "tcp", "host": "127.0.0.1", "port": server.port})
+        )
+        plan = device.sample_plan(("position.0",))
+        async with device.queue.turn():
+            sample = asyncio.create_task(device.take_samples(plan))
+            await asyncio.sleep(0)  # it waits for its turn
+            await manager.disconnect(device.id)
+        with pytest.raises(LinkDown, match="disconnected"):
+            await sample
+        assert server.connections == 2
+        await manager.connect(device.id)
+        assert device.state == "connected"
+        assert (await device.take_samples(plan)).times_s
+        await manager.close()

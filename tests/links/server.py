@@ -16,12 +16,12 @@ async def echo(frame: bytes, writer: asyncio.StreamWriter) -> None:
 
 
 class Server:
-    """`behave` may be changed at any time; `connections` counts those ever made."""
+    """`behave` may be changed at any time; `connections` counts those ever made, `ended` those that are over."""
 
     def __init__(self, behave: Behaviour, frame_bytes: int) -> None:
         self.behave = behave
         self.frame_bytes = frame_bytes
-        self.connections = 0
+        self.connections = self.ended = 0
         self.writers: list[asyncio.StreamWriter] = []
         self.port = 0
 
@@ -32,6 +32,7 @@ class Server:
             while True:
                 frame = await reader.readexactly(self.frame_bytes)
                 await self.behave(frame, writer)
+        self.ended += 1
         writer.close()
 
 

@@ -12,7 +12,7 @@ from app.emulators.build import build_emulator
 from app.emulators.options import EmulatorPatch, FaultsChange
 from app.links import datagram32
 from app.links.emulator import EmulatorPort
-from app.links.errors import LinkError, LinkTimeout, WrongState
+from app.links.errors import LinkDown, LinkError, LinkTimeout, WrongState
 from app.links.queue import LinkQueue, Priority, SampleDropped, Turn
 from tests.links.gate import GatedPort, settle
 
@@ -166,6 +166,29 @@ async def test_cancelled_while_overtaken_does_not_release_what_it_does_not_hold(
     await stop
     assert port.seen == [A, D]
     assert not queue.busy
+
+
+async def test_what_waited_while_the_link_was_closed_does_not_go_out() -> None:
+    port = GatedPort()
+    queue = LinkQueue(port)
+    first = soon(queue.exchange(A))
+    await settle()
+    waiting = [soon(queue.exchange(B)), soon(queue.sample([C])), soon(queue.beside().exchange(D, Priority.STOP))]
+    await settle()
+    queue.closed = True
+    await port.let_through(1)
+    await first
+    for each in await asyncio.gather(*waiting, return_exceptions=True):
+        assert isinstance(each, LinkDown), each
+    assert port.seen == [A]
+    assert queue.error is None
+    assert not queue.busy
+    queue.closed = False
+    last = soon(queue.exchange(B))
+    await settle()
+    await port.let_through(1)
+    await last
+    assert port.seen == [A, B]
 
 
 async def test_an_idle_link_needs_no_task_switch() -> None:

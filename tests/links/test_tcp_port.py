@@ -12,6 +12,7 @@ from app.clock import VirtualClock
 from app.links.errors import BadReply, LinkDown, LinkTimeout, OutOfRange, UnknownThing, UsageError
 from app.links.registry import open_port, tcp_factory
 from app.links.tcp import TcpPort
+from tests.links.pty_module import until
 from tests.links.server import echo, serving
 
 SHORT_S = 0.05
@@ -30,6 +31,18 @@ async def test_frames_go_there_and_back_without_delay() -> None:
         assert server.connections == port.connections == 1
         await port.aclose()
         await port.aclose()
+
+
+async def test_a_connection_that_is_made_after_the_port_was_closed_is_closed_too() -> None:
+    async with serving() as server:
+        port = TcpPort("127.0.0.1", server.port)
+        asked = asyncio.create_task(port.exchange(b"late"))
+        await asyncio.sleep(0)  # the connection is under way
+        await port.aclose()
+        with pytest.raises(LinkDown, match="closed while it was opened"):
+            await asked
+        await until(lambda: server.connections == server.ended == 1)
+        assert port.connections == 0
 
 
 async def test_a_late_answer_never_answers_the_next_question() -> None:
