@@ -70,15 +70,14 @@ async def list_recordings(
 ) -> RecordingList:
     """Recordings, the latest first, page by page."""
     library = bench.desk.library
-    page = await _aside(lambda: library.page(search, device, limit, before))
+    page, free_bytes = await _aside(lambda: (library.page(search, device, limit, before), library.free_bytes))
     found = [info(entry, bench.desk.course(entry.id)) for entry in page.entries]
-    size_bytes, free_bytes = await _aside(lambda: (library.size_bytes, library.free_bytes))
     room_bytes = max(0, free_bytes - bench.desk.reserve_bytes)
     return RecordingList(
         recordings=found,
         next=page.next,
         total=page.total,
-        size_bytes=size_bytes,
+        size_bytes=page.size_bytes,
         free_bytes=free_bytes,
         room_bytes=room_bytes,
     )

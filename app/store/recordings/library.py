@@ -32,7 +32,9 @@ NAME_MAX, NOTE_MAX = 100, 4000
 LABEL = ".json"
 SUFFIXES = (file.SUFFIX, marks.SUFFIX, LABEL, f"{LABEL}.lock")
 """Of all files of a recording; the rows come first."""
-SETTLED_NS = 2_000_000_000
+SETTLED_NS, SETTLED_COARSE_NS = 100_000_000, 2_000_000_000
+"""How long after a change another one would bear another time: of file systems that keep parts of a millisecond, and of
+others, where FAT counts in steps of 2 s."""
 WEIGHED_AT_ONCE = 200
 """Recordings whose files one answer looks at for the sum of their sizes: some 5 ms."""
 READ_PAUSE_S = 0.002
@@ -76,11 +78,15 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """Some of the list. `next` is the id to go on before, None at the end; `total` counts all that were looked for."""
+    """Some of the list. `next` is the id to go on before, None at the end; `total` counts all that were looked for.
+
+    size_bytes : of all recordings, found or not, as in `Library.size_bytes`
+    """
 
     entries: list[Entry]
     next: str | None
     total: int
+    size_bytes: int | None
 
 
 Stamp = tuple[int, int, int]
@@ -98,7 +104,10 @@ class _Known:
 
 
 class Library:
-    """The recordings below `data_dir`. `running` are the ids that are being written now, kept by the recorders."""
+    """The recordings below `data_dir`. `running` are the ids that are being written now, kept by the recorders.
+
+    For many threads: the names in the folder and the sizes are behind a lock, what was read of a file is not.
+    """
 
     def __init__(self, data_dir: Path) -> None:
         self._folder = data_dir / FOLDER
@@ -159,35 +168,35 @@ class Library:
         file that was never read (`read_all` does it before), a page without one only its own.
         """
         with self._looking:
-            ids = self._scan()
-            wanted = search.casefold().split()
-            if wanted or device:
-                # What the page shows is looked at once more; of the others what was read of them has to do.
-                known = (self._entries.get(each) or self._read(each) for each in ids)
-                ids = [
-                    one.entry.id
-                    for one in known
-                    if (not device or (one.entry.head is not None and one.entry.head.device == device))
-                    and all(word in one.words for word in wanted)
-                ]
-            older = [each for each in ids if each < before] if before else ids
-            shown = older[:limit]
-            return Page([self._entry(each) for each in shown], shown[-1] if len(shown) < len(older) else None, len(ids))
+            ids, size_bytes = self._scan(), self._sum()
+        wanted = search.casefold().split()
+        if wanted or device:
+            # What the page shows is looked at once more; of the others what was read of them has to do.
+            known = (self._entries.get(each) or self._read(each) for each in ids)
+            ids = [
+                one.entry.id
+                for one in known
+                if (not device or (one.entry.head is not None and one.entry.head.device == device))
+                and all(word in one.words for word in wanted)
+            ]
+        older = [each for each in ids if each < before] if before else ids
+        shown = older[:limit]
+        following = shown[-1] if len(shown) < len(older) else None
+        return Page([self._entry(each) for each in shown], following, len(ids), size_bytes)
 
     def read_all(self, ended: threading.Event) -> None:
         """Read what was never read, so that the first search need not. Blocks, for seconds where there are thousands;
         leaves others their turn in between, and ends early with `ended`."""
         with self._looking:
-            ids = list(self._scan())
+            ids = self._scan()
         while self.size_bytes is None:
             if ended.wait(READ_PAUSE_S):
                 return
         for each in ids:
             if ended.wait(READ_PAUSE_S):
                 return
-            with self._looking:
-                if each not in self._entries:
-                    self._read(each)
+            if each not in self._entries:
+                self._read(each)
 
     def entry(self, recording: str) -> Entry:
         """Raises UnknownThing."""
@@ -241,11 +250,7 @@ class Library:
         """Room that all of them take on the disk; None while thousands were never weighed: each call weighs some."""
         with self._looking:
             self._scan()
-            for recording in tuple(self.running):
-                self._weigh(recording)
-            for _ in range(min(len(self._changed), WEIGHED_AT_ONCE)):
-                self._weigh(self._changed.pop())
-            return None if self._changed else self._total_bytes
+            return self._sum()
 
     def _rows_of(self, recording: str) -> Path:
         return self._folder / f"{recording}{file.SUFFIX}"
@@ -258,13 +263,16 @@ class Library:
         return recording
 
     def _scan(self) -> list[str]:
-        """Every recording, the latest first: one look at the names in the folder, none while it is as it was."""
+        """Every recording, the latest first: one look at the names in the folder, none while it is as it was. The list
+        is never changed."""
+        looked_ns = time.time_ns()
         try:
             changed_ns = self._folder.stat().st_mtime_ns
             if self._scanned_ns != changed_ns:
                 self._take_in(set(os.listdir(self._folder)))
                 # What changes within the same tick of the file system's clock must not be missed.
-                self._scanned_ns = changed_ns if time.time_ns() - changed_ns > SETTLED_NS else 0
+                settled_ns = SETTLED_NS if changed_ns % 1_000_000 else SETTLED_COARSE_NS
+                self._scanned_ns = changed_ns if looked_ns - changed_ns > settled_ns else 0
         except OSError:
             self._take_in(set())
             self._scanned_ns = 0
@@ -282,7 +290,15 @@ class Library:
         self._with_rows |= {each for each in touched if each + file.SUFFIX in names}
         self._ids = sorted(self._with_rows, reverse=True)
         for recording in self._entries.keys() - self._with_rows:
-            del self._entries[recording]
+            self._entries.pop(recording, None)  # others may forget it, too
+
+    def _sum(self) -> int | None:
+        """What all of them take; some that were never weighed are, each time."""
+        for recording in tuple(self.running):
+            self._weigh(recording)
+        for _ in range(min(len(self._changed), WEIGHED_AT_ONCE)):
+            self._weigh(self._changed.pop())
+        return None if self._changed else self._total_bytes
 
     def _weigh(self, recording: str) -> None:
         """Look at the sizes of its files."""
