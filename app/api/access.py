@@ -119,16 +119,14 @@ class Access:
         identity = None if logs_in else self._in_session(scope, headers)
         if identity is None and scheme.casefold() == "bearer":
             identity = self._by_token(said.strip())
-        refusal: Response | None = None
         if identity is None:
             refusal = await self._refusal(scope, receive, bearer)
-            if refusal is None:
-                identity = ANYBODY
-        if identity is not None:
-            identify(scope, identity)
-            await self._app(scope, receive, send)
-        elif refusal is not None:
-            await refusal(scope, receive, send)
+            if refusal is not None:
+                await refusal(scope, receive, send)
+                return
+            identity = ANYBODY
+        identify(scope, identity)
+        await self._app(scope, receive, send)
 
     async def _refusal(self, scope: Scope, receive: Receive, bearer: str) -> Response | None:
         """What one gets who is not in; None where everybody is."""

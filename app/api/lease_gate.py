@@ -11,8 +11,7 @@ import asyncio
 import re
 from urllib.parse import parse_qsl
 
-from fastapi.routing import iter_route_contexts
-from starlette.routing import compile_path
+from starlette.routing import Match
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from app.api.lease import Lease
@@ -133,7 +132,6 @@ class LeaseGate:
         self._lease = lease
         self._calls = calls
         self._free = free
-        self._calls_there: list[tuple[frozenset[str], re.Pattern[str]]] | None = None
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
@@ -148,7 +146,7 @@ class LeaseGate:
         try:
             self._lease.require(session)
         except WrongState as error:
-            if not self._is_a_call(scope):
+            if not _is_a_call(scope):
                 await self._app(scope, receive, send)  # to be told that there is no such call, whoever has the bench
                 return
             await error_answer(error, scope["path"])(scope, receive, send)
@@ -159,13 +157,7 @@ class LeaseGate:
         finally:
             self._calls.end(call)
 
-    def _is_a_call(self, scope: Scope) -> bool:
-        """Whether the program has a route for it: this address by this method."""
-        if self._calls_there is None:
-            self._calls_there = []
-            for context in iter_route_contexts(scope["app"].routes):
-                path, methods = getattr(context, "path", None), getattr(context, "methods", None)
-                if path is not None and methods:
-                    self._calls_there.append((frozenset(methods), compile_path(path)[0]))
-        address = scope["path"]
-        return any(scope["method"] in methods and path.match(address) for methods, path in self._calls_there)
+
+def _is_a_call(scope: Scope) -> bool:
+    """Whether the program has a route for it: this address by this method."""
+    return any(route.matches(scope)[0] is Match.FULL for route in scope["app"].routes)

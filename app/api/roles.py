@@ -11,9 +11,8 @@ import re
 
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from app.api.guard import SAFE_METHODS
 from app.api.identity import identity_of
-from app.api.lease_gate import STOPS, template
+from app.api.lease_gate import CHANGING_METHODS, STOPS, template
 from app.api.problems import error_answer
 from app.links.errors import WrongState
 from app.store.tokens import Role
@@ -45,10 +44,8 @@ class Policy:
         call = f"{method} {path}"
         if self._administers.fullmatch(call) or path.startswith(self._tokens):
             return "administer"
-        # TRACE: no route has it, and the answer is that there is no such call.
-        if method in SAFE_METHODS or method == "TRACE" or self._looks.fullmatch(call):
-            return "look"
-        return "drive"
+        changes = method in CHANGING_METHODS and not self._looks.fullmatch(call)
+        return "drive" if changes else "look"
 
     def needs_of_socket(self, path: str) -> Role:
         """The least role for that WebSocket."""

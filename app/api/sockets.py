@@ -19,6 +19,8 @@ ENDED = 4401
 class _Open:
     identity: Identity
     end: asyncio.Event
+    cut: bool = False
+    """Whether something was to be sent after the end, and was not: then whoever served it has ended for that."""
 
 
 class Sockets:
@@ -47,12 +49,12 @@ class Sockets:
                 return
             socket = _Open(identity_of(scope), asyncio.Event())
             self._open.add(socket)
-            work = cast("Coroutine[Any, Any, None]", app(scope, receive, _only_until(socket.end, send)))
+            work = cast("Coroutine[Any, Any, None]", app(scope, receive, _only_until(socket, send)))
             serving = asyncio.create_task(work, name=f"socket {scope['path']}")
             ending = asyncio.create_task(socket.end.wait(), name="end of a socket")
             try:
                 await asyncio.wait({serving, ending}, return_when=asyncio.FIRST_COMPLETED)
-                if not serving.done():
+                if socket.cut or not serving.done():
                     await send({"type": "websocket.close", "code": ENDED, "reason": "logged out, or revoked"})
             finally:
                 self._open.discard(socket)
@@ -65,9 +67,10 @@ class Sockets:
         return kept
 
 
-def _only_until(end: asyncio.Event, send: Send) -> Send:
+def _only_until(socket: _Open, send: Send) -> Send:
     async def send_on(message: Message) -> None:
-        if end.is_set():
+        if socket.end.is_set():
+            socket.cut = True
             raise OSError("the socket is closed")  # as of one whose peer has gone
         await send(message)
 

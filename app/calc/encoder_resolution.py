@@ -32,6 +32,11 @@ class MeasuredEncoder:
     usual: int | None
     """The one usual resolution that lies within the uncertainty; None where there is none, or more than one."""
 
+    @property
+    def counts(self) -> int:
+        """The counts a turn that one would set: the usual ones, else what was measured; 0 where it stands still."""
+        return self.usual or round(abs(self.counts_per_turn))
+
 
 def constant_of(word: int, *, decimal: bool) -> float:
     """Microsteps that a count is worth by a word of ENC_CONST: 15 bits, then a fraction in 1/65536 or 1/10000."""

@@ -369,9 +369,8 @@ class ConditionService:
         elif isinstance(event, CounterWritten):
             known = axes[event.axis]
             known.forget_places()
-            if (
-                event.what in SETS_POSITION and known.searched != "running"
-            ):  # a search that is not over has found nothing yet
+            # A search that is not over has found nothing yet.
+            if event.what in SETS_POSITION and known.searched != "running":
                 known.referenced, known.reset_s = True, None
 
 
@@ -383,7 +382,8 @@ def _said(standing: Standing) -> tuple[object, ...]:
 
 def _resolution(device: Device, known: _Axis, seen: Seen, state: AxisState) -> WrongResolution | None:
     """Keep the place where the axis is, and say whether its encoder's resolution is wrong by all that are kept."""
-    microsteps = device.microsteps_of(axis := seen.axis)
+    axis = seen.axis
+    microsteps = device.microsteps_of(axis)
     if microsteps is None or seen.signs.regulated:  # a motor that follows its encoder deviates by nothing of the kind
         return None
     full_step, turn = microsteps

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -11,13 +11,12 @@ from pydantic import TypeAdapter
 
 from app.devices.config import AxisSettings, DeviceConfig, unique_slug
 from app.links.errors import BenchError
-from app.store.document import Document, UnreadableDocument, writable
+from app.store.document import Entries, Entry, writable
 
 FILE_NAME = "connections.json"
 FORMAT = "stepscope-connections"
 VERSION = 1
 
-Entry = dict[str, object]
 NOT_ONE = (BenchError, TypeError, ValueError, KeyError, ArithmeticError, AttributeError)
 """What an entry raises that is no connection, whatever somebody wrote into it."""
 _axes = TypeAdapter(list[AxisSettings])
@@ -35,7 +34,7 @@ class ConnectionStore:
     """Loads and saves connections. Two programs on one directory do not lose each other's."""
 
     def __init__(self, data_dir: Path) -> None:
-        self._document = Document(data_dir / FILE_NAME)
+        self._entries = Entries(data_dir / FILE_NAME, "connections", FORMAT, VERSION)
         self._base: dict[str, Entry] = {}
         """What the file held when we last saw it: tells our own changes from another program's."""
         self._kept_back: list[Entry] = []
@@ -43,11 +42,11 @@ class ConnectionStore:
 
     @property
     def path(self) -> Path:
-        return self._document.path
+        return self._entries.path
 
     def load(self) -> Loaded:
         """All connections that can be read. Raises nothing for a broken file: it is set aside, and a warning tells."""
-        entries, warnings = self._entries(self._document.kept_as)
+        entries, warnings = self._entries.read_or(self._entries.document.kept_as)
         configs: list[DeviceConfig] = []
         unreadable: list[Entry] = []
         for entry in entries:
@@ -58,7 +57,7 @@ class ConnectionStore:
                 why = " ".join(str(error).split())
                 warnings.append(f"{self.path}: connection {entry.get('name', '?')!r} left out: {why}")
         if unreadable:
-            warnings.append(f"{self.path}: the file as it was is kept as {self._document.kept_as()}")
+            warnings.append(f"{self.path}: the file as it was is kept as {self._entries.document.kept_as()}")
         self._base = _keyed([*(_entry(config) for config in configs), *unreadable])
         return Loaded(configs, warnings)
 
@@ -72,38 +71,18 @@ class ConnectionStore:
     def save(self, configs: Sequence[DeviceConfig]) -> None:
         """Make the file hold `configs`, what was kept back, and what another program put there. Raises OSError."""
         ours = _keyed([*self._kept_back, *(_entry(config) for config in configs if not config.demo)])
-        with self._document.locked():
-            theirs = _keyed(_whole(entry) for entry in self._entries(self._document.set_aside)[0] if writable(entry))
+        with self._entries.document.locked():
+            found, _ = self._entries.read_or(self._entries.document.set_aside)
+            theirs = _keyed(_whole(entry) for entry in found if writable(entry))
             kept = {key: self._kept(key, entry, theirs.get(key)) for key, entry in ours.items()}
             # What we never had is somebody else's; what we had and removed goes, unless somebody else changed it.
             kept |= {key: entry for key, entry in theirs.items() if key not in ours and entry != self._base.get(key)}
-            self._document.write({"format": FORMAT, "version": VERSION, "connections": list(kept.values())})
+            self._entries.write(list(kept.values()))
             self._base = ours
 
     def _kept(self, key: str, ours: Entry, theirs: Entry | None) -> Entry:
         """Of two versions the one that was changed since we last looked; ours, where both were."""
         return theirs if theirs is not None and ours == self._base.get(key) else ours
-
-    def _entries(self, set_aside: Callable[[], Path]) -> tuple[list[Entry], list[str]]:
-        """The file's connections, unchecked; none, and why, where the file cannot be read."""
-        try:
-            document = self._document.read()
-            return ([] if document is None else _connections(document)), []
-        except UnreadableDocument as error:
-            return [], [f"{self.path} cannot be read ({error}); it is kept as {set_aside()}, and a new one is begun"]
-
-
-def _connections(document: dict[str, object]) -> list[Entry]:
-    if document.get("format") != FORMAT or document.get("version") != VERSION:
-        raise UnreadableDocument(
-            f"format {document.get('format')!r} version {document.get('version')!r}"
-            f" instead of {FORMAT!r} version {VERSION}"
-        )
-    entries = document.get("connections")
-    if not isinstance(entries, list):
-        raise UnreadableDocument("its connections are no list")
-    # What is no object is left out by itself, and the others are kept.
-    return [entry if isinstance(entry, dict) else {"name": entry} for entry in entries]
 
 
 def _keyed(entries: Iterable[Entry]) -> dict[str, Entry]:

@@ -13,11 +13,13 @@ import math
 import os
 import tempfile
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import cast
 
 from app.store.files import aside_name, exclusive
+
+Entry = dict[str, object]
 
 
 class UnreadableDocument(Exception):
@@ -100,6 +102,48 @@ class Document:
             return self.set_aside()
         except OSError:
             return self.path
+
+
+class Entries:
+    """A document that lists entries under `key`, with its format and version beside it.
+
+    An entry that is no object counts as one whose `name` is what stands there: it is left out by itself, and the
+    others are kept.
+    """
+
+    def __init__(self, path: Path, key: str, file_format: str, version: int, name: str = "name") -> None:
+        self.document = Document(path)
+        self._key = key
+        self._head: Entry = {"format": file_format, "version": version}
+        self._name = name
+
+    @property
+    def path(self) -> Path:
+        return self.document.path
+
+    def read(self) -> list[Entry]:
+        """The entries, unchecked; none where there is no file. Raises UnreadableDocument."""
+        document = self.document.read()
+        if document is None:
+            return []
+        for name, wanted in self._head.items():
+            if document.get(name) != wanted:
+                raise UnreadableDocument(f"its {name} is {document.get(name)!r} instead of {wanted!r}")
+        entries = document.get(self._key)
+        if not isinstance(entries, list):
+            raise UnreadableDocument(f"its {self._key} are no list")
+        return [entry if isinstance(entry, dict) else {self._name: entry} for entry in entries]
+
+    def read_or(self, keep: Callable[[], Path]) -> tuple[list[Entry], list[str]]:
+        """The entries; none, and why, where the file cannot be read: then `keep` sets it aside and says where it is."""
+        try:
+            return self.read(), []
+        except UnreadableDocument as error:
+            return [], [f"{self.path} cannot be read ({error}); it is kept as {keep()}, and a new one is begun"]
+
+    def write(self, entries: Sequence[Entry]) -> None:
+        """Replace all entries. Raises OSError; then the old ones are still there."""
+        self.document.write({**self._head, self._key: list(entries)})
 
 
 def writable(value: object) -> bool:

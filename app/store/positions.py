@@ -5,18 +5,17 @@ Numbers of 64 bits are text there, since most readers of JSON end at 2^53, and f
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
-from app.store.document import Document, UnreadableDocument, writable
+from app.store.document import Entries, Entry, writable
 
 FILE_NAME = "positions.json"
 FORMAT = "stepscope-positions"
 VERSION = 1
 
-Entry = dict[str, object]
 Gear = tuple[int, int, int]
 """Microsteps per turn of the motor, teeth on the motor, teeth on the driven shaft."""
 
@@ -64,17 +63,17 @@ class PositionStore:
     """Loads and saves positions. Those of devices that this program does not have stay in the file."""
 
     def __init__(self, data_dir: Path) -> None:
-        self._document = Document(data_dir / FILE_NAME)
+        self._entries = Entries(data_dir / FILE_NAME, "positions", FORMAT, VERSION, name="device")
         self._ours: set[tuple[str, int]] = set()
         """What this program has saved or loaded: what of it is gone, it has given up."""
 
     @property
     def path(self) -> Path:
-        return self._document.path
+        return self._entries.path
 
     def load(self) -> LoadedPositions:
         """All that can be read. Raises nothing for a broken file: it is set aside, and a warning tells."""
-        entries, warnings = self._entries(self._document.kept_as)
+        entries, warnings = self._entries.read_or(self._entries.document.kept_as)
         positions: list[SavedPosition] = []
         for entry in entries:
             try:
@@ -82,39 +81,18 @@ class PositionStore:
             except (TypeError, ValueError, KeyError, ArithmeticError) as error:
                 warnings.append(f"{self.path}: position of {entry.get('device', '?')!r} left out: {error!r}")
         if entries and warnings:
-            warnings.append(f"{self.path}: the file as it was is kept as {self._document.kept_as()}")
+            warnings.append(f"{self.path}: the file as it was is kept as {self._entries.document.kept_as()}")
         self._ours = {position.key for position in positions}
         return LoadedPositions(positions, warnings)
 
     def save(self, positions: Sequence[SavedPosition]) -> None:
         """Make the file hold `positions`, and what another program put there. Raises OSError."""
         ours = {position.key for position in positions}
-        with self._document.locked():
-            found, _ = self._entries(self._document.set_aside)
+        with self._entries.document.locked():
+            found, _ = self._entries.read_or(self._entries.document.set_aside)
             others = [entry for entry in found if _key(entry) not in ours | self._ours and writable(entry)]
-            entries = [*(_entry(position) for position in positions), *others]
-            self._document.write({"format": FORMAT, "version": VERSION, "positions": entries})
+            self._entries.write([*(_entry(position) for position in positions), *others])
         self._ours = ours
-
-    def _entries(self, set_aside: Callable[[], Path]) -> tuple[list[Entry], list[str]]:
-        """The file's entries, unchecked; none, and why, where the file cannot be read."""
-        try:
-            document = self._document.read()
-            return ([] if document is None else _listed(document)), []
-        except UnreadableDocument as error:
-            return [], [f"{self.path} cannot be read ({error}); it is kept as {set_aside()}, and a new one is begun"]
-
-
-def _listed(document: dict[str, object]) -> list[Entry]:
-    if document.get("format") != FORMAT or document.get("version") != VERSION:
-        raise UnreadableDocument(
-            f"format {document.get('format')!r} version {document.get('version')!r}"
-            f" instead of {FORMAT!r} version {VERSION}"
-        )
-    entries = document.get("positions")
-    if not isinstance(entries, list):
-        raise UnreadableDocument("its positions are no list")
-    return [entry if isinstance(entry, dict) else {"device": entry} for entry in entries]
 
 
 def _key(entry: Entry) -> tuple[str, int] | None:

@@ -12,10 +12,10 @@ import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, cast, get_args
+from typing import Literal, get_args
 
 from app.links.errors import UnknownThing, UsageError, WrongState
-from app.store.document import Document, UnreadableDocument
+from app.store.document import Entries, Entry, UnreadableDocument
 
 FORMAT, VERSION = "stepscope-tokens", 1
 FILE_NAME = "tokens.json"
@@ -60,11 +60,11 @@ class TokenStore:
     """The file. Everything here blocks."""
 
     def __init__(self, data_dir: Path) -> None:
-        self._document = Document(data_dir / FILE_NAME)
+        self._entries = Entries(data_dir / FILE_NAME, "tokens", FORMAT, VERSION)
 
     @property
     def path(self) -> Path:
-        return self._document.path
+        return self._entries.path
 
     def stamp(self) -> tuple[int, int, int] | None:
         """Another value whenever the file is another one; None without a file."""
@@ -77,7 +77,7 @@ class TokenStore:
     def load(self) -> LoadedTokens:
         """All of them; what cannot be read lets nobody in. Raises nothing."""
         try:
-            entries = self._entries()
+            entries = self._entries.read()
         except UnreadableDocument as error:
             return LoadedTokens((), (f"{self.path} cannot be read ({error}): no named token lets anybody in",))
         tokens, warnings = [], []
@@ -99,7 +99,7 @@ class TokenStore:
         if role not in ROLES:
             raise UsageError(f"a role is {', '.join(ROLES)}, not {role!r}")
         token = secrets.token_urlsafe(24)
-        with self._document.locked():
+        with self._entries.document.locked():
             tokens = self._kept()
             if any(each.name.casefold() == name.casefold() for each in tokens):
                 raise WrongState(f"there is a token {name!r} already", "revoke it first, or take another name")
@@ -110,42 +110,32 @@ class TokenStore:
 
     def revoke(self, name: str) -> None:
         """End that token. Raises UnknownThing, OSError."""
-        with self._document.locked():
+        with self._entries.document.locked():
             tokens = self._kept()
             left = [each for each in tokens if each.name != name]
             if len(left) == len(tokens):
                 raise UnknownThing("token", name, [each.name for each in tokens])
             self._write(left)
 
-    def _entries(self) -> list[object]:
-        document = self._document.read()
-        if document is None:
-            return []
-        entries = document.get("tokens")
-        if document.get("format") != FORMAT or document.get("version") != VERSION or not isinstance(entries, list):
-            raise UnreadableDocument(f"it is no {FORMAT} of version {VERSION}")
-        return entries
-
     def _kept(self) -> tuple[NamedToken, ...]:
         """What there is, before it is written anew; a file with something unreadable is kept under another name."""
         found = self.load()
         if found.warnings and self.path.exists():
-            aside = self._document.set_aside()
+            aside = self._entries.document.set_aside()
             aside.chmod(0o700 if aside.is_dir() else 0o600)
         return found.tokens
 
     def _write(self, tokens: Sequence[NamedToken]) -> None:
         # Made by mkstemp, so 0600 from its first moment.
-        entries = [
-            {"name": each.name, "role": each.role, "sha256": each.hash, "created_unix_s": each.created_unix_s}
-            for each in tokens
-        ]
-        self._document.write({"format": FORMAT, "version": VERSION, "tokens": entries})
+        self._entries.write(
+            [
+                {"name": each.name, "role": each.role, "sha256": each.hash, "created_unix_s": each.created_unix_s}
+                for each in tokens
+            ]
+        )
 
 
-def _token(entry: object) -> NamedToken:
-    if not isinstance(entry, dict):
-        raise TypeError("it is no object")
+def _token(entry: Entry) -> NamedToken:
     name, role, digest, created = entry["name"], entry["role"], entry["sha256"], entry.get("created_unix_s", 0.0)
     if not isinstance(name, str) or not NAME.fullmatch(name) or name.casefold() in RESERVED:
         raise ValueError("its name is none")
@@ -155,4 +145,4 @@ def _token(entry: object) -> NamedToken:
         raise ValueError(f"the hash of {name!r} is none")
     if isinstance(created, bool) or not isinstance(created, int | float):
         raise TypeError(f"when {name!r} was made is no number")
-    return NamedToken(name, cast("Role", role), digest, float(created))
+    return NamedToken(name, role, digest, float(created))

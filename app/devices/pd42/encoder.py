@@ -44,8 +44,8 @@ def encoder_remedies(module: Module, axis: int, state: AxisState, seen: EncoderS
     # Without a resolution a count is a microstep.
     told = seen.ratio * seen.way * (present / turn if present else 1)
     found = measured_encoder(told, seen.way, turn, seen.slack)
-    counts = found.usual or round(found.counts_per_turn)
-    if not counts:
+    counts = found.counts
+    if not counts or found.counts_per_turn < 0:  # no parameter turns it round
         return ()
     writes = ((rows.EXTERNAL_RESOLUTION.name, counts), (rows.EXTERNAL_ENCODER.name, state.position))
     return (write_all(f"set the external encoder to {counts:,} counts a turn", writes, axis),)

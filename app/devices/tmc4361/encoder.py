@@ -21,7 +21,7 @@ def encoder_remedies(chip: Chip, axis: int, state: AxisState, seen: EncoderSeen)
     turn = mechanics.full_steps_per_rev * mechanics.microsteps_per_full_step
     constant = constant_of(word, decimal=bool(fields["enc_sel_decimal"]))
     found = measured_encoder(seen.ratio * seen.way / constant, seen.way, turn, seen.slack)
-    counts = found.usual or round(abs(found.counts_per_turn))
+    counts = found.counts
     if counts == 0:
         return ()
     writes: list[tuple[str, int | dict[str, int]]] = [

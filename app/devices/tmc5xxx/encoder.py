@@ -29,7 +29,7 @@ def encoder_remedies(chip: Chip, axis: int, state: AxisState, seen: EncoderSeen)
     constant = (rows.enc_const.decode(word) >> 16) + Fraction(fraction, DECIMAL if decimal else 1 << 16)
     turn = mechanics.full_steps_per_rev * mechanics.microsteps_per_full_step
     found = measured_encoder(seen.ratio * seen.way / float(constant), seen.way, turn, seen.slack)
-    counts = found.usual or round(abs(found.counts_per_turn))
+    counts = found.counts
     if counts == 0:
         return ()
     ratio = Fraction(turn, counts)
