@@ -84,7 +84,7 @@ async def set_up_bench(device: Device) -> None:
     """The TMC428, then what makes it pleasant: less current at rest, and switches that stop by the ramp."""
     await start_up(device, [tuning.start() for tuning in BENCH.values()])
     for axis in range(len(BENCH)):
-        # Full current while accelerating, less at rest: what is_v0 is for (001, 8.9).
+        # Full current while accelerating, less at rest: what is_v0 is for (DS-TMC428 8.9).
         await device.write(
             "is_agtat_is_aleat_is_v0_a_threshold",
             axis,

@@ -56,7 +56,7 @@ def coil_current(body: CoilCurrent) -> CoilCurrentResult:
         delay=delay,
         settings=_settings(body, stage, run, hold, delay),
         formula=_formula(stage),
-        source="DS5130, 11 and 30.2" if stage.internal else stage.chip.source,
+        source="DS-TMC5130 11 and 30.2" if stage.internal else stage.chip.source,
         warnings=[*warnings(stage, run, hold), *_of_delay(body, delay)],
     )
 
@@ -163,7 +163,7 @@ def _formula(stage: CurrentStage) -> str:
 
 def _of_delay(body: CoilCurrent, delay: HoldDelay) -> list[str]:
     if body.model == "tmc5160" and delay.tpowerdown is not None and delay.tpowerdown < 2:
-        return ["TPOWERDOWN below 2 leaves StealthChop no time to tune itself (DS5160, 6.2)"]
+        return ["TPOWERDOWN below 2 leaves StealthChop no time to tune itself (DS-TMC5160 6.2)"]
     return []
 
 

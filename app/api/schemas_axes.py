@@ -52,7 +52,7 @@ class AxisMove(Move):
 
 
 class Moves(Body):
-    """Moves of several axes that start together (001, 9.10): all targets in successive datagrams."""
+    """Moves of several axes that start together (DS-TMC428 9.10): all targets in successive datagrams."""
 
     moves: Annotated[list[AxisMove], Field(min_length=1, max_length=8)]
 

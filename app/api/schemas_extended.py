@@ -81,7 +81,7 @@ class Pieces(Answer):
 
 
 class RotaryOut(Answer):
-    """The turn, and what the application note (003, 3.2) calls its two numbers."""
+    """The turn, and what the application note (AN-001 3.2) calls its two numbers."""
 
     microsteps_per_turn: str = Field(description='exact, "n" or "n/d"')
     microsteps_per_turn_value: float

@@ -118,7 +118,7 @@ def units(body: Units) -> UnitsResult:
         sixpoint = sixpoint_units(body, velocity_pps, acceleration_pps2) if body.model in SIXPOINT else None
     steps = time_s = None
     if velocity_pps is not None and acceleration_pps2:
-        # From rest at a constant acceleration: S = v^2 / 2a (001, 8.14 in chip units).
+        # From rest at a constant acceleration: S = v^2 / 2a (DS-TMC428 8.14 in chip units).
         steps = velocity_pps**2 / (2 * abs(acceleration_pps2))
         time_s = abs(velocity_pps / acceleration_pps2)
     return UnitsResult(

@@ -2,12 +2,13 @@
 
 The formulas are those of the data sheets where these have one; each function names it. For the hysteresis of
 SpreadCycle they have words alone: the ripple that it makes has to be more than what resistance lets the current lose
-(DS5160, 8.1), and the comparator is blind for the blank time. That is put into numbers here, with half a step of the
-sine table (of 256) for each unit of hysteresis: a sum of 16 lifts the table's 248 to 256 and no more (DS5160, 8.1,
-HEND). INFERRED, as is the estimate of the chopper's frequency. A motor on an oscilloscope knows better (AN-001).
+(DS-TMC5160 8.1), and the comparator is blind for the blank time. That is put into numbers here, with half a step of the
+sine table (of 256) for each unit of hysteresis: a sum of 16 lifts the table's 248 to 256 and no more (DS-TMC5160 8.1,
+HEND). Inferred, as is the estimate of the chopper's frequency. A motor on an oscilloscope knows better
+(AN-SPREADCYCLE).
 
-Sources: DS5160, 7.2 to 8.1; DS5130, 7 and 8; DS5072, 8 and 9; DS5031, 7; DS5062, 8; AN-001 (Parameterization of
-spreadCycle).
+Sources: DS-TMC5160 7.2 to 8.1; DS-TMC5130 7 and 8; DS-TMC5072 8 and 9; DS-TMC5031 7; DS-TMC5062 8; AN-SPREADCYCLE
+(Parameterization of spreadCycle).
 """
 
 from __future__ import annotations
@@ -24,9 +25,9 @@ TABLE_PEAK = 248
 AMPLITUDE_MAX = 255
 """Of StealthChop's PWM."""
 AMPLITUDE_RMS = 374.0
-"""Supply over RMS voltage at amplitude 1: 256 * 256 / 248 * sqrt(2), as the sheets round it (DS5160, 7.4)."""
+"""Supply over RMS voltage at amplitude 1: 256 * 256 / 248 * sqrt(2), as the sheets round it (DS-TMC5160 7.4)."""
 GRADIENT = 1.46
-"""As the sheets have it, for a back-EMF constant as RMS (DS5160, 7.4): AMPLITUDE_RMS / 256."""
+"""As the sheets have it, for a back-EMF constant as RMS (DS-TMC5160 7.4): AMPLITUDE_RMS / 256."""
 
 
 @dataclass(frozen=True)
@@ -80,18 +81,18 @@ class Winding:
         return BLANK_CLOCKS[tbl] / self.clock_hz
 
     def off_s(self, toff: int) -> float:
-        """One of the two slow decays of a cycle [s]: 24 + 32 TOFF clocks (DS5160, 8.1, TOFF)."""
+        """One of the two slow decays of a cycle [s]: 24 + 32 TOFF clocks (DS-TMC5160 8.1, TOFF)."""
         return (24 + 32 * toff) / self.clock_hz
 
     def toff(self, chopper_hz: float) -> float:
-        """TOFF before rounding, for slow decays of half a cycle together: (t_off fCLK - 24) / 32 (DS5160, 8.1).
+        """TOFF before rounding, for slow decays of half a cycle together: (t_off fCLK - 24) / 32 (DS-TMC5160 8.1).
 
         The formula printed there subtracts 12; the results beside it, 3.0 and 4.25, and the length of TOFF take 24.
         """
         return (self.clock_hz / chopper_hz / 4 - 24) / 32
 
     def highest_chopper_hz(self, tbl: int, toff: int) -> float:
-        """Two slow decays and two blank times are the shortest cycle (DS5160, 8.1) [Hz]."""
+        """Two slow decays and two blank times are the shortest cycle (DS-TMC5160 8.1) [Hz]."""
         return 1 / (2 * self.off_s(toff) + 2 * self.blank_s(tbl))
 
     # --- ripple ---------------------------------------------------------------------------------
@@ -129,29 +130,29 @@ class Winding:
     # --- StealthChop ----------------------------------------------------------------------------
 
     def pwm_hz(self, pwm_freq: int) -> float:
-        """2 fCLK over the divider (DS5160, 7.2) [Hz]."""
+        """2 fCLK over the divider (DS-TMC5160 7.2) [Hz]."""
         return 2 * self.clock_hz / PWM_DIVIDERS[pwm_freq]
 
     def lowest_current_a(self, tbl: int, pwm_freq: int) -> float:
-        """Below it StealthChop does not regulate: t_blank f_PWM V / R (DS5160, 7.3.1) [A]."""
+        """Below it StealthChop does not regulate: t_blank f_PWM V / R (DS-TMC5160 7.3.1) [A]."""
         return self.blank_s(tbl) * self.pwm_hz(pwm_freq) * self.supply_v / self.resistance_ohm
 
     def amplitude(self, current_a: float | None = None) -> float:
-        """PWM amplitude for a current at rest, as RMS; None for the run current: 374 R I / V (DS5160, 7.4)."""
+        """PWM amplitude for a current at rest, as RMS; None for the run current: 374 R I / V (DS-TMC5160 7.4)."""
         return AMPLITUDE_RMS * self.resistance_ohm * (current_a or self.current_a) / self.supply_v
 
     # --- back-EMF -------------------------------------------------------------------------------
 
     @property
     def back_emf(self) -> float | None:
-        """Holding torque over twice the rated current: RMS of a coil [V s/rad] (DS5160, 7.4); None without a torque."""
+        """Holding torque over twice the rated current: RMS of a coil [V s/rad] (DS-TMC5160 7.4); None without it."""
         if self.holding_torque_nm is None:
             return None
         return self.holding_torque_nm / (2 * (self.rated_current_a or self.current_a))
 
     @property
     def gradient(self) -> float | None:
-        """PWM_GRAD before rounding: C_BEMF 2 pi fCLK 1.46 / (V MSPR) (DS5160, 7.4); None without a torque."""
+        """PWM_GRAD before rounding: C_BEMF 2 pi fCLK 1.46 / (V MSPR) (DS-TMC5160 7.4); None without a torque."""
         if self.back_emf is None:
             return None
         return self.back_emf * 2 * math.pi * self.clock_hz * GRADIENT / (self.supply_v * 256 * self.full_steps_per_rev)

@@ -1,6 +1,6 @@
 """Settings of the chopper to begin with, for a motor at its supply: each with what it means, its reason and source.
 
-A starting point, not an end: the sheets go on with an oscilloscope and an ear (application note AN-001).
+A starting point, not an end: the sheets go on with an oscilloscope and an ear (application note AN-SPREADCYCLE).
 
 Sources: as in `chopper`.
 """
@@ -15,13 +15,13 @@ from app.calc.chopper_stealth import stealthchop
 from app.calc.tmc5xxx_times import TABLE_MICROSTEPS, TSTEP_MAX, tstep
 
 BLANK_GOAL_S = 2e-6
-"""Blank times of 1 to 2 us are where to begin (AN-001)."""
+"""Blank times of 1 to 2 us are where to begin (AN-SPREADCYCLE)."""
 HYSTERESIS_USUAL = 4
-"""Fits most motors (DS5160, 8.1)."""
+"""Fits most motors (DS-TMC5160 8.1)."""
 HYSTERESIS_MOST = 16
 HEARD_HZ = 16e3
 HOT_HZ = 50e3
-"""Between these a chopper is not heard and loses little (DS5160, 8; DS5031, 7)."""
+"""Between these a chopper is not heard and loses little (DS-TMC5160 8; DS-TMC5031 7)."""
 
 
 def hints(model: str, winding: Winding, wishes: Wishes | None = None) -> Hints:
@@ -44,7 +44,7 @@ def split(hysteresis: int) -> tuple[int, int]:
     """HSTRT and HEND, as in their fields, for an effective hysteresis at its start, -2..16.
 
     As much as can be in HSTRT, from where the chip counts down to HEND within a cycle: that keeps the frequency up
-    where the supply is short (DS5160, 8.1, second example). Raises ValueError outside.
+    where the supply is short (DS-TMC5160 8.1, second example). Raises ValueError outside.
     """
     if not -2 <= hysteresis <= HYSTERESIS_MOST:
         raise ValueError(f"an effective hysteresis is -2 to 16, got {hysteresis}")
@@ -67,7 +67,7 @@ def _blank(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes) -> int:
         "sense resistor of most boards"
     )
     found.settings.append(
-        Setting("CHOPCONF", "tbl", tbl, None, meaning, reason, f"AN-001; {sheet.spreadcycle}", chosen)
+        Setting("CHOPCONF", "tbl", tbl, None, meaning, reason, f"AN-SPREADCYCLE; {sheet.spreadcycle}", chosen)
     )
     return tbl
 
@@ -93,7 +93,7 @@ def _hysteresis(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes, tb
         f"the band has to hold the ripple of the blank time and of both slow decays, {exact:.3g} of hysteresis, and "
         f"{HYSTERESIS_USUAL} suits most motors; as much of it as can be in HSTRT"
     )
-    source = f"{sheet.spreadcycle} (words), {OWN} (numbers); AN-001"
+    source = f"{sheet.spreadcycle} (words), {OWN} (numbers); AN-SPREADCYCLE"
     meanings = {"hstrt": f"+{start + 1}", "hend": f"{end - 3:+d}, effective {hysteresis} at the start"}
     for name, value in (("hstrt", start), ("hend", end)):
         found.settings.append(Setting("CHOPCONF", name, value, exact, meanings[name], reason, source, chosen))
@@ -147,7 +147,7 @@ def _limits(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes) -> Non
         winding,
         wishes,
         least,
-        "DS5160, 13.5",
+        "DS-TMC5160 13.5",
     )
     if winding.back_emf is None:
         return
@@ -159,7 +159,7 @@ def _limits(found: Hints, sheet: Sheet, winding: Winding, wishes: Wishes) -> Non
             winding.back_emf,
             "V s/rad",
             "holding torque over twice the rated current",
-            "DS5160, 7.4",
+            "DS-TMC5160 7.4",
         )
     )
     current = winding.current_limit_rad_s()
@@ -217,7 +217,7 @@ def _of_supply(found: Hints, winding: Winding) -> None:
             winding.headroom,
             "",
             "V / (R I): well above 1, below 25",
-            "AN-001",
+            "AN-SPREADCYCLE",
         )
     )
     if winding.supply_v <= winding.resistance_ohm * winding.peak_a:

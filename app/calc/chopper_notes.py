@@ -21,11 +21,11 @@ class Sheet(NamedTuple):
 
 
 SHEETS = {
-    "tmc5031": Sheet("none", 0, "DS5031, 7", ""),
-    "tmc5062": Sheet("none", 0, "DS5062, 8", ""),
-    "tmc5072": Sheet("fixed", 6, "DS5072, 9", "DS5072, 8"),
-    "tmc5130": Sheet("gradient", 8, "DS5130, 8", "DS5130, 7"),
-    "tmc5160": Sheet("tuned", 8, "DS5160, 8", "DS5160, 7"),
+    "tmc5031": Sheet("none", 0, "DS-TMC5031 7", ""),
+    "tmc5062": Sheet("none", 0, "DS-TMC5062 8", ""),
+    "tmc5072": Sheet("fixed", 6, "DS-TMC5072 9", "DS-TMC5072 8"),
+    "tmc5130": Sheet("gradient", 8, "DS-TMC5130 8", "DS-TMC5130 7"),
+    "tmc5160": Sheet("tuned", 8, "DS-TMC5160 8", "DS-TMC5160 7"),
 }
 OWN = "own estimate"
 

@@ -11,9 +11,9 @@ from app.calc.chopper import AMPLITUDE_MAX, PWM_DIVIDERS, Winding
 from app.calc.chopper_notes import Figure, Hints, Setting, Sheet, Wishes, picked
 
 PWM_GOAL_HZ = 35e3
-"""The middle, by ratio, of the 20 to 50 kHz that suit most motors (DS5160, 7.2)."""
+"""The middle, by ratio, of the 20 to 50 kHz that suit most motors (DS-TMC5160 7.2)."""
 REGULATION = 4
-"""PWM_GRAD to begin with where it is how fast the amplitude is regulated (DS5130, 7.2.2; DS5072, 8.2.3)."""
+"""PWM_GRAD to begin with where it is how fast the amplitude is regulated (DS-TMC5130 7.2.2; DS-TMC5072 8.2.3)."""
 
 
 def pwm_setting(clock_hz: float) -> int:

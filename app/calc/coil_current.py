@@ -5,9 +5,9 @@ VFS the voltage that vsense selects; the TMC5160 scales by GLOBALSCALER / 256 in
 its own to add. A TMC5130 can measure in its own transistors: full scale is then 3000 times the current that a resistor
 from 5VOUT lets into AIN_IREF. RMS is the peak over the square root of 2.
 
-Sources: DS5160, 9 and 28.2; DS5130, 9 to 11 and 30.2; DS5072, 7 and 23.2; DS5031, 6; DS5062, 7. Their tables of
-R_sense for the chips with two axes are reckoned with some 3 % less than the 0.32 V and 0.18 V that the same sheets
-state; the TMC5130's with the 0.325 V of its electrical characteristics, where its text says 0.32 V. The stated
+Sources: DS-TMC5160 9 and 28.2; DS-TMC5130 9 to 11 and 30.2; DS-TMC5072 7 and 23.2; DS-TMC5031 6; DS-TMC5062 7. Their
+tables of R_sense for the chips with two axes are reckoned with some 3 % less than the 0.32 V and 0.18 V that the same
+sheets state; the TMC5130's with the 0.325 V of its electrical characteristics, where its text says 0.32 V. The stated
 electrical characteristics are used here.
 """
 
@@ -22,7 +22,7 @@ SCALES = 32
 SCALER_FULL = 256
 SCALER_LEAST = 32
 SCALER_GOOD = 128
-"""A smaller GLOBALSCALER gives worse results (DS5160, 6.1)."""
+"""A smaller GLOBALSCALER gives worse results (DS-TMC5160 6.1)."""
 FINE_SCALE = 16
 """A smaller CS makes microsteps coarser (all sheets, IRUN)."""
 REFERENCE_GAIN = 3000.0
@@ -30,7 +30,7 @@ REFERENCE_V = 5.0
 REFERENCE_OHM = 1000.0
 """Of the pin AIN_IREF itself."""
 INTERNAL_SENSITIVE = 0.55
-"""Of the current inside with vsense = 0: what vsense = 1 gives (DS5130, 11)."""
+"""Of the current inside with vsense = 0: what vsense = 1 gives (DS-TMC5130 11)."""
 AIN_FULL_V = 2.5
 
 REACH = 0.03
@@ -62,11 +62,11 @@ class Sensing(NamedTuple):
 
 _DUAL = ((0.32, 0.18), 0.02, 1.1)
 CHIPS = {
-    "tmc5031": Sensing(*_DUAL, "DS5031, 6"),
-    "tmc5062": Sensing(*_DUAL, "DS5062, 7"),
-    "tmc5072": Sensing(*_DUAL, "DS5072, 7 and 23.2"),
-    "tmc5130": Sensing((0.325, 0.18), 0.02, 1.4, "DS5130, 10 and 30.2"),
-    "tmc5160": Sensing((0.325,), 0.0, math.inf, "DS5160, 9 and 28.2"),
+    "tmc5031": Sensing(*_DUAL, "DS-TMC5031 6"),
+    "tmc5062": Sensing(*_DUAL, "DS-TMC5062 7"),
+    "tmc5072": Sensing(*_DUAL, "DS-TMC5072 7 and 23.2"),
+    "tmc5130": Sensing((0.325, 0.18), 0.02, 1.4, "DS-TMC5130 10 and 30.2"),
+    "tmc5160": Sensing((0.325,), 0.0, math.inf, "DS-TMC5160 9 and 28.2"),
 }
 
 
@@ -161,7 +161,7 @@ class CurrentStage:
         """Settings for a wanted peak [A], best first; of a TMC5160 one for each scale, with its best scaler.
 
         A fine scale (16..31) comes before a coarse one wherever it gets within `REACH`; then the smaller error in
-        whole percents, then the greater scale (DS5160, 9: IRUN 31, and the rest by GLOBALSCALER), then the error.
+        whole percents, then the greater scale (DS-TMC5160 9: IRUN 31, and the rest by GLOBALSCALER), then the error.
 
         Raises ValueError for a current that is not above 0.
         """
@@ -181,7 +181,7 @@ class CurrentStage:
         return sorted(every, key=rank)
 
     def sense_power_w(self, peak_a: float) -> float | None:
-        """What a sense resistor gets at most, with the peak in its coil at rest [W]; None without one (DS5160, 9)."""
+        """What a sense resistor gets at most, the peak in its coil at rest [W]; None without one (DS-TMC5160 9)."""
         return None if self.sense_ohm is None else peak_a**2 * self.sense_ohm
 
 
@@ -212,13 +212,13 @@ def warnings(stage: CurrentStage, run: Setting, hold: Setting | None) -> list[st
             f"GLOBAL_SCALER {run.select} is not above {SCALER_GOOD}: a greater sense resistor regulates better"
         )
     if stage.internal and not 0.2 <= run.rms_a <= 1.2:
-        found.append("measured inside, currents of 0.2 to 1.2 A RMS are regulated well (DS5130, 11)")
+        found.append("measured inside, currents of 0.2 to 1.2 A RMS are regulated well (DS-TMC5130 11)")
     if stage.ain_v is not None and stage.ain_v < 0.5:
-        found.append("AIN_IREF below 0.5 V: noise of the digital part shows in the current (DS5130, 9)")
+        found.append("AIN_IREF below 0.5 V: noise of the digital part shows in the current (DS-TMC5130 9)")
     if hold is not None and hold.peak_a > run.peak_a:
         found.append("the current at rest is above the one in motion")
     return found
 
 
 _LEAST_STEALTH = {"tmc5072": 6, "tmc5130": 8, "tmc5160": 8}
-"""Of the chips with StealthChop (DS5072, 8.2.1; DS5130, 7.2.1; DS5160, 7.3.1)."""
+"""Of the chips with StealthChop (DS-TMC5072 8.2.1; DS-TMC5130 7.2.1; DS-TMC5160 7.3.1)."""

@@ -1,6 +1,6 @@
 """The driver chain of the TMC428: from a list of drivers to the configuration RAM.
 
-Source: 001, chapter 11. Decoding and frequencies live in the modules beside this one and are handed
+Source: DS-TMC428 chapter 11. Decoding and frequencies live in the modules beside this one and are handed
 on from here.
 """
 

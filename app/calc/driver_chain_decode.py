@@ -49,7 +49,7 @@ def decode_chain(ram_words: Sequence[int], lsmd: int) -> DecodedChain:
 
     Fewer NxM bits than drivers: the sheet does not say what follows. We take it that the cell
     address runs on from 63 to 0 while the motor count stands, so that the datagram is more than 64
-    bits long; a finding says so. Source: 001, chapters 10 and 11.
+    bits long; a finding says so. Source: DS-TMC428 chapters 10 and 11.
 
     Raises ValueError unless there are 32 words of 24 bits and LSMD is 0..3 (3 is not allowed by
     Table 9-2, but a register can hold it, so it is a finding).

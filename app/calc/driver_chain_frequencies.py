@@ -10,7 +10,7 @@ from typing import Protocol
 from app.calc.ram_words import whole_number
 
 CLK2_DIV_LOWEST = 7
-"""The chip's internal work allows no faster clock; smaller values only make it asymmetric (001, 9.7)."""
+"""The chip's internal work allows no faster clock; smaller values only make it asymmetric (DS-TMC428 9.7)."""
 CLK2_DIV_MAX = 255
 RAMP_DIV_MAX = 13
 AXES = 3
@@ -58,7 +58,7 @@ def chain_frequencies(
     - continuous update: f_clk * (2^-ramp_div_0 + 2^-ramp_div_1 + 2^-ramp_div_2) / 32768;
     - full step: f_spi / length, which at clk2_div = 7 is f_clk / 16 / length.
 
-    Source: 001, 9.7 and 2.1. Raises ValueError for a chain that sends endlessly, and out of range.
+    Source: DS-TMC428 9.7 and 2.1. Raises ValueError for a chain that sends endlessly, and out of range.
     """
     if not (math.isfinite(clock_hz) and clock_hz > 0):
         raise ValueError(f"clock_hz is {clock_hz}, but has to be a frequency above 0 Hz")

@@ -12,7 +12,7 @@ NEXT_MOTOR = 0x20
 """NxM, bit 5 of a RAM cell."""
 DRIVERS_MAX = 3
 STATUS_BITS = 48
-"""Bits sent back by the drivers that datagram_low_word and datagram_high_word hold (001, 2.2, 9.1)."""
+"""Bits sent back by the drivers that datagram_low_word and datagram_high_word hold (DS-TMC428 2.2, 9.1)."""
 
 
 @dataclass(frozen=True, slots=True)

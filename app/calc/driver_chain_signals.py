@@ -1,6 +1,6 @@
 """What can stand in the datagram of the driver chain: primary signals, and the drivers we know.
 
-Source: 001, Tables 11-1 and 11-2.
+Source: DS-TMC428 Tables 11-1 and 11-2.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ def _tmc236_bits(mixed_a: Signal, mixed_b: Signal) -> tuple[Signal, ...]:
 
 
 TMC236_FAMILY = KnownDriver(
-    # Four drivers, one interface: 12 bits, of each DAC the upper four (001, 11.2).
+    # Four drivers, one interface: 12 bits, of each DAC the upper four (DS-TMC428 11.2).
     names=("tmc236", "tmc239", "tmc246", "tmc249"),
     bit_names=("MDA", "CA3", "CA2", "CA1", "CA0", "PHA", "MDB", "CB3", "CB2", "CB1", "CB0", "PHB"),
     plain=_tmc236_bits(Signal.Zero, Signal.Zero),

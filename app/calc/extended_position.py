@@ -1,11 +1,11 @@
-"""Positions beyond a chip's counter: the counter wraps, the position goes on (003, chapter 2).
+"""Positions beyond a chip's counter: the counter wraps, the position goes on (AN-001 chapter 2).
 
 The application note keeps 64 bits in two halves and looks for a carry between them. Here a position is
 one integer without an end and each look at the counter adds the shorter way from the look before, which
 is the same wherever the note's procedure is right. It says more where the note is silent: a look that
 came so late that the counter may have gone round is an error, never a guess.
 
-003, 2.1 step 3 sets X_TARGET "using the lower 24 bits", and speaks of the "upper eight bits" of the
+AN-001 2.1 step 3 sets X_TARGET "using the lower 24 bits", and speaks of the "upper eight bits" of the
 actual position: left over from a chip of 24 bits. All 32 bits of the counter are meant (Table of registers, 2).
 """
 
@@ -57,7 +57,7 @@ class Counter:
 
     @property
     def piece(self) -> int:
-        """The longest move given to the chip at once: half of what its sign can tell (003, 2.1)."""
+        """The longest move given to the chip at once: half of what its sign can tell (AN-001 2.1)."""
         return 1 << (self.bits - 2)
 
     def shows(self, position: int) -> int:
@@ -151,7 +151,7 @@ def checked_position(position: int) -> int:
 
 
 def next_target(counter: Counter, target: int, actual: int) -> int:
-    """What to write to X_TARGET on the way from `actual` to `target` (003, 2.1 step 3) [as the counter shows it].
+    """What to write to X_TARGET on the way from `actual` to `target` (AN-001 2.1 step 3) [as the counter shows it].
 
     Written again at every look it keeps the chip from arriving anywhere but at `target`: what is left is
     never less than a piece.
@@ -166,7 +166,7 @@ def pieces(counter: Counter, target: int, actual: int) -> int:
 
 
 def compare_count(counter: Counter, position: int, actual: int) -> int | None:
-    """What to write to the position compare register for `position`; None while it has to be off (003, 2.1).
+    """What to write to the position compare register for `position`; None while it has to be off (AN-001 2.1).
 
     Further than a piece away the counter would show the same number before.
     """

@@ -8,7 +8,7 @@ The data sheet does not say on which clocks samples fall after a reset, nor whet
 of the sample or in the next: here samples fall on clock 0 and every 2^SR after it (`phase` shifts them), and a level
 counts from the clock of the sample that decides. The oracle in the tests says the same in another way.
 
-Source: 002 (TMC4361 data sheet), 6, 6.1, 6.1.1, 6.1.2, 6.1.3.
+Source: DS-TMC4361 6, 6.1, 6.1.1, 6.1.2, 6.1.3.
 """
 
 from __future__ import annotations
@@ -133,7 +133,7 @@ def filtered(levels: ArrayLike, sample_rate: int, length: int, initial: int | No
     phase : int, 0 to 2^SR - 1
         Clock of the first sample.
 
-    Raises ValueError outside of these ranges. Source: 002, 6.1.1, 6.1.2.
+    Raises ValueError outside of these ranges. Source: DS-TMC4361 6.1.1, 6.1.2.
     """
     pin = _levels(levels)
     limits = bounds(sample_rate, length)
@@ -189,7 +189,7 @@ EXAMPLES: Final = (
     Example("6.2", "s", 2, 0, "START", (2, 4, 7, 10, 17, 25, 29, 30), 40),
     Example("6.3", "enc_in", 0, 7, "A_SCLK", (4, 11, 14, 26, 28, 29, 40, 47), 56),
 )
-"""The settings of figures 6.1 to 6.3. Our copy of 002 has lost the drawings, so the waveforms are not theirs."""
+"""The settings of figures 6.1 to 6.3. Our copy of DS-TMC4361 has lost the drawings, so the waveforms are not theirs."""
 
 
 def _setting(name: str, value: int, highest: int) -> int:

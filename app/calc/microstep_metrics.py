@@ -75,7 +75,7 @@ def metrics(values: Sequence[int], usrs: int = 6, dac_bits: int = DAC_BITS) -> T
     """The figures of a table of 64 values, stepped through at `usrs` (0..6).
 
     `dac_bits` (1..6) is how many of the upper DAC bits reach the driver: 4 for TMC236 and its family
-    (001, Table 11-2), which sees the values in units of four.
+    (DS-TMC428 Table 11-2), which sees the values in units of four.
 
     Raises ValueError for a bad table, or for `usrs` or `dac_bits` out of range.
     """

@@ -1,6 +1,6 @@
 """How the TMC428 walks through its microstep table: indices, signs, phase and fast-decay bits.
 
-Source: 001, 12.1, Tables 12-3 and 12-4. A counter of the full wave, 0..255, moves by 2^(6 - usrs)
+Source: DS-TMC428 12.1, Tables 12-3 and 12-4. A counter of the full wave, 0..255, moves by 2^(6 - usrs)
 with each microstep. Its quarter mirrors and signs the table: sine for phase A, cosine for phase B.
 """
 

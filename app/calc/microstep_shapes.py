@@ -1,6 +1,6 @@
 """The wave shapes from which a microstep table is made: circle (sine), box, rhomb, and what lies between.
 
-Source: 001, 12.3. Shapes are functions of the position in the quarter period, t = phi / (pi/2), so
+Source: DS-TMC428 12.3. Shapes are functions of the position in the quarter period, t = phi / (pi/2), so
 that the straight ones are exact in floating point (the sheet's phi would put 32/64 just below 1/2).
 """
 

@@ -1,6 +1,6 @@
 """Microstep tables for the TMC428: designed from a formula, or checked when drawn by hand.
 
-Source: 001, chapter 12. This module is the front door: datagrams, sequencer and metrics of a table
+Source: DS-TMC428 chapter 12. This module is the front door: datagrams, sequencer and metrics of a table
 live in the modules beside it and are handed on from here.
 """
 

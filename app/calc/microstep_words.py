@@ -43,7 +43,7 @@ def values_from_ram_words(words: Sequence[int]) -> tuple[int, ...]:
 
 
 def table_datagrams(values: Sequence[int]) -> tuple[int, ...]:
-    """The 32 datagrams of 32 bits that write a table into the chip (001, Tables 12-1 and 12-2).
+    """The 32 datagrams of 32 bits that write a table into the chip (DS-TMC428 Tables 12-1 and 12-2).
 
     Raises ValueError as `checked_values`.
     """

@@ -3,7 +3,7 @@
 TMC4361 has it, and TMC2130 and TMC5xxx at other addresses. Bit i says by which of two neighbouring amounts entry i
 differs from entry i - 1; MSLUTSEL says which two, in up to four segments; MSLUTSTART holds where both phases begin.
 The rule was read from public drivers and holds for register dumps of real chips (the tests have them); the TMC4361
-data sheet that we had (002) ends before its chapter 11.2, which describes the table.
+data sheet that we had (DS-TMC4361) ends before its chapter 11.2, which describes the table.
 """
 
 from __future__ import annotations

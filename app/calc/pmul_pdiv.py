@@ -7,7 +7,7 @@ sheets take off 5 % (TMC428) or 1 % (TMC4210) before they truncate to a pair.
 The TMC428 data sheet counts `pmul` 0..127, the TMC4210 data sheet `PMUL` 128..255 with its fixed top
 bit; the register bits are the same. Here `pmul` is the former and `p_mul` the latter.
 
-Source: TMC428 data sheet (001), 8.7.1, 8.10, 8.11, 8.11.1 and the program of chapter 19; TMC4210 (000), 6.1.9.
+Sources: DS-TMC428 8.7.1, 8.10, 8.11, 8.11.1 and the program of chapter 19; DS-TMC4210 6.1.9.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ class Candidate:
     """One pair near the wanted p, and how it brakes from v_max (the exact ramp, worst of a few moves).
 
     pmul 0..127, p_mul 128..255, pdiv 0..13, p = p_mul / 2^(3 + pdiv)
-    quality : q = p / p_ideal; above 1 overshoots (001, 8.11)
+    quality : q = p / p_ideal; above 1 overshoots (DS-TMC428 8.11)
     overshoot_steps : farthest beyond the target [microsteps]
     settling_s : from the first arrival at the target to rest [s]; None where it oscillates without end
     move_s : the whole reference move [s], to compare pairs by; None where it oscillates without end
@@ -119,7 +119,7 @@ def design(
     clock_hz : above 0 [Hz], for the candidates' times
     evaluate : False leaves the moves out, for callers that want the pair alone
 
-    Raises ValueError outside these ranges. The pair is the one of the program in 001, chapter 19: p reduced, then
+    Raises ValueError outside these ranges. The pair is the one of the program in DS-TMC428 chapter 19: p reduced, then
     truncated. (That program keeps the reduction in single precision, which pushes exact hits, such as its own
     example of a_max 10 and 5 %, down by one pmul. Here 5 % is 5 %.)
     """

@@ -1,6 +1,6 @@
 """From wanted speed and acceleration to the registers that come nearest: dividers, v_max, a_max, usrs and the pair.
 
-Source: TMC428 data sheet (001), 8.14 for the rates and 8.7.1 for the limits.
+Source: DS-TMC428 8.14 for the rates and 8.7.1 for the limits.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ def inverse(
     clock_hz : above 0 [Hz]
     reduction : as in `design`
 
-    All results lie within the limits of a_max (001, 8.7.1). Among those with small rounding errors (0.5 % of the
+    All results lie within the limits of a_max (DS-TMC428 8.7.1). Among those with small rounding errors (0.5 % of the
     speed, 3 % of the acceleration) the dividers that differ by one at most, where any a_max is safe, come first,
     then those that differ least; among these the largest v_max and a_max, which is the finest resolution. Where no
     error is small, the smallest.
@@ -227,5 +227,5 @@ def _refusal(rate: float, slope: float, clock_hz: float, search: _Search, usrs: 
         )
     return (
         f"unreachable: {plain(rate)} pps with {plain(slope)} pps^2{resolution} lies outside a_max_lower_limit and"
-        " a_max_upper_limit (001, 8.7.1) for every pair of dividers"
+        " a_max_upper_limit (DS-TMC428 8.7.1) for every pair of dividers"
     )

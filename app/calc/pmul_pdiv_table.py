@@ -1,7 +1,7 @@
 """From p to the pair pmul/pdiv, for one or for many inputs at once, and the limits of a_max.
 
-`pmul_pdiv` designs one pair with its neighbours on top of this. Source: TMC428 data sheet (001), 8.7.1,
-8.11.1 and the program of chapter 19; TMC4210 (000), 6.1.7.1.1 and 6.1.9.2.2.
+`pmul_pdiv` designs one pair with its neighbours on top of this. Source: DS-TMC428 8.7.1,
+8.11.1 and the program of chapter 19; TMC4210 (DS-TMC4210), 6.1.7.1.1 and 6.1.9.2.2.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ MAX_DIVIDER = 13
 MAX_A = 2047
 MAX_PDIV = 13
 
-# What each data sheet takes off p (001 8.11.1: about 5 %; 000 6.1.9.2.2: about 1 %).
+# What each data sheet takes off p (DS-TMC428 8.11.1: about 5 %; DS-TMC4210 6.1.9.2.2: about 1 %).
 REDUCTIONS = {"tmc428": 0.05, "tmc4210": 0.01}
 
-# The braking distance is counted in 19 bits. At v_max up to 2048/sqrt(2) half the distance is enough (001 8.7.1).
+# The braking distance is counted in 19 bits. At v_max up to 2048/sqrt(2) half the distance is enough (DS-TMC428 8.7.1).
 V_MAX_OF_HALF_LIMIT = 1448
 
 # a_max and ramp_div - pulse_div have 2048 * 27 different values together.
@@ -74,7 +74,7 @@ def a_max_lower_limit(ramp_div: int, pulse_div: int, v_max: int = 2047) -> int:
 
     Half of it where `v_max` is at most 1448. More than 2047 means that only a_max = 0 is left.
 
-    Raises ValueError unless the dividers are 0..13 and `v_max` 0..2047. Source: 001, 8.7.1; 000, 6.1.7.1.1.
+    Raises ValueError unless the dividers are 0..13 and `v_max` 0..2047. Source: DS-TMC428 8.7.1; DS-TMC4210 6.1.7.1.1.
     """
     _check_dividers(ramp_div, pulse_div)
     _check_whole("v_max", v_max, 0, 2047)
@@ -89,7 +89,7 @@ def a_max_upper_limit(ramp_div: int, pulse_div: int) -> int:
 
     2047 and more mean no limit beyond the register's own range.
 
-    Raises ValueError unless the dividers are 0..13. Source: 001, 8.7.1; 000, 6.1.7.1.1.
+    Raises ValueError unless the dividers are 0..13. Source: DS-TMC428 8.7.1; DS-TMC4210 6.1.7.1.1.
     """
     _check_dividers(ramp_div, pulse_div)
     exponent = ramp_div - pulse_div + 12
@@ -99,7 +99,7 @@ def a_max_upper_limit(ramp_div: int, pulse_div: int) -> int:
 def design_many(a_max: ArrayLike, ramp_div: ArrayLike, pulse_div: ArrayLike, reduction: ArrayLike) -> PmulPdivTable:
     """The pairs of many inputs at once: arrays that broadcast, each within the ranges of `design`.
 
-    Raises ValueError outside the ranges. Equal to `design` (and to the loop over pdiv of 001, chapter 19) for
+    Raises ValueError outside the ranges. Equal to `design` (and to the loop over pdiv of DS-TMC428 chapter 19) for
     every element: scaling by powers of two is exact, so the exponent of p alone decides about pdiv.
     """
     a = _whole_array("a_max", a_max, MAX_A)

@@ -1,6 +1,6 @@
 """The on-chip RAM of the TMC428: 6-bit cells, two to a register word, in datagrams and out of them.
 
-Source: 001, chapter 10, Table 10-1. A word's even cell is in bits 5..0, its odd cell in bits 13..8;
+Source: DS-TMC428 chapter 10, Table 10-1. A word's even cell is in bits 5..0, its odd cell in bits 13..8;
 the rest of the 24 data bits means nothing.
 """
 

@@ -31,7 +31,7 @@ __all__ = [
 IntArray = NDArray[np.int64]
 
 MODES = ("ramp", "soft", "velocity", "hold")
-# |x_target - x_actual| has to be less for the chip to find the right direction (001, 8.1)
+# |x_target - x_actual| has to be less for the chip to find the right direction (DS-TMC428 8.1)
 DISTANCE_LIMIT = 1 << 23
 # The kernel counts clocks in 64 bits and multiplies them; a year at 16 MHz is far below this.
 MAX_CLOCKS = 1 << 50
@@ -225,7 +225,7 @@ def _prepared(parameters: RampParameters, distance: int, start: RampStart) -> tu
     """The kernel's settings and state at t = 0."""
     velocity = int(start.velocity * 256)
     if parameters.ramp_mode == "hold" and parameters.v_actual is not None:
-        velocity = parameters.v_actual * 256  # a write clears the hidden bits (001, 8.6)
+        velocity = parameters.v_actual * 256  # a write clears the hidden bits (DS-TMC428 8.6)
     fixed = velocity
     if parameters.ramp_mode == "velocity":
         if parameters.v_target is None:

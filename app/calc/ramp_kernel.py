@@ -1,12 +1,12 @@
 """The ramp generator of TMC428 and TMC4210 in exact integers, run from event to event.
 
-The data sheets (001 and 000) do not print the law by which the chip picks its target velocity. This is a
+The data sheets (DS-TMC428 and DS-TMC4210) do not print the law by which the chip picks its target velocity. This is a
 reading of them that reproduces their statements:
 
 - the velocity has 8 fractional bits; a ramp tick (every 32 * 2^ramp_div clocks) moves it toward the target
-  velocity by at most a_max of them (001, 8.11);
+  velocity by at most a_max of them (DS-TMC428 8.11);
 - a pulse tick (every 32 * 2^pulse_div clocks) adds the whole part of |v| to an 11-bit accumulator, whose
-  overflow is one step (001, 8.14); where both ticks fall together the ramp tick comes first;
+  overflow is one step (DS-TMC428 8.14); where both ticks fall together the ramp tick comes first;
 - with d = min(|x_target - x_actual|, 2^19 - 1) and p = (128 + pmul) / 2^(3 + pdiv) the target velocity is
   floor(sqrt(2048 * p * d)) in RAMP_MODE and floor(p * d) in SOFT_MODE, raised to v_min, cut to v_max;
 - the step that reaches the target also stops the motor if the whole part of |v| is v_min or less; else the
@@ -61,7 +61,7 @@ RUNNING, SETTLED, STUCK, OSCILLATES, UNDECIDED = range(5)
 # phases
 ACCELERATION, CONSTANT, DECELERATION, APPROACH, SETTLING, REVERSAL = range(6)
 
-LONGEST_BRAKING: Final = (1 << 19) - 1  # steps: the chip counts the braking distance in 19 bits (001, 8.7.1)
+LONGEST_BRAKING: Final = (1 << 19) - 1  # steps: the chip counts the braking distance in 19 bits (DS-TMC428 8.7.1)
 MAX_ARRIVALS: Final = 256
 MAX_EVENTS: Final = 4_000_000
 MAX_PHASES: Final = 32

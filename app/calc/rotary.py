@@ -1,4 +1,4 @@
-"""Axes that turn for ever: the position within a turn, whole turns, and ways to an angle (003, chapter 3).
+"""Axes that turn for ever: the position within a turn, whole turns, and ways to an angle (AN-001 chapter 3).
 
 A turn may be any number of microsteps and, behind a gear, no whole number of them: it is a fraction, so
 nothing adds up however long the axis turns.
@@ -86,7 +86,7 @@ class MissedWrap(ValueError):
 
 
 class TurnOffset:
-    """The place within a turn out of nothing but the counter (003, 3.2).
+    """The place within a turn out of nothing but the counter (AN-001 3.2).
 
     `low_bit` is the lower of the two neighbouring bits that tell of an overflow: by default the highest two of the
     counter; lower ones make smaller numbers and need looks more often. What the bits above them show is not used.

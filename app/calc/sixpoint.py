@@ -6,8 +6,8 @@ starting, one below VSTOP when stopping. Turning round takes a stop, and TZEROWA
 
 The chip works this out clock by clock; the curve here is what its units and parameters mean, without its rounding.
 
-Sources: 004 (PD42-1241 TMCL manual), 1.3 and 7.5, where the last leg down is D1 (its text once calls it D2) and the
-trapezoid brakes with parameter 17; velocity mode uses the maximum acceleration both ways (004, 1.3).
+Sources: FM-PD42-1241 1.3 and 7.5, where the last leg down is D1 (its text once calls it D2)
+and the trapezoid brakes with parameter 17; velocity mode uses the maximum acceleration both ways (FM-PD42-1241 1.3).
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """A SixPoint ramp as the registers of a TMC5xxx hold it, and what the data sheets warn of.
 
-Sources: DS5160 (TMC5160 data sheet), 6.3.1 and 12; the sheets of the others say the same.
+Sources: DS-TMC5160 (TMC5160 data sheet), 6.3.1 and 12; the sheets of the others say the same.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from app.calc.tmc5xxx_units import (
 
 Kind = Literal["pps", "pps^2", "s"]
 CRAWL = 10
-"""VSTOP below this may take its time on the last microsteps (DS5160, VSTOP)."""
+"""VSTOP below this may take its time on the last microsteps (DS-TMC5160, VSTOP)."""
 
 
 class Held(NamedTuple):

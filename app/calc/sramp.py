@@ -5,18 +5,18 @@
     jerk          BOW1        0     -BOW2    0    -BOW3     0      BOW4
 
 Slopes are as fast as the limits allow, VMAX is kept as long as possible, positioning ends exactly on the target
-(002, 8.2). The chip works this out every 64 clocks; this is what its units and rules mean, without its rounding.
+(DS-TMC4361 8.2). The chip works this out every 64 clocks; this is what its units and rules mean, without its rounding.
 
 What the data sheet leaves open, and the reading here:
-- ASTART and VSTART belong to a start from rest, VSTOP and DFINAL to a stop at rest (002, 8.2.1 says so of VSTART and
-  VSTOP). A slope from one velocity to another begins and ends with acceleration 0.
+- ASTART and VSTART belong to a start from rest, VSTOP and DFINAL to a stop at rest (DS-TMC4361 8.2.1 says so of
+  VSTART and VSTOP). A slope from one velocity to another begins and ends with acceleration 0.
 - A reversal runs through velocity 0 on one slope: until there it brakes (DMAX, BOW3, BOW4), from there it
   accelerates (AMAX, BOW1, BOW2).
 - "The starting acceleration becomes altered" where the slope does not fit VMAX (8.2.2): it is lowered until BOW2 ends
   on VMAX; in a short move until the move ends on the target.
 - VSTOP while positioning: the velocity at the target is at most VSTOP, the acceleration whatever it is there.
 
-Source: 002 (TMC4361 data sheet), 8.2, 8.2.1, 8.2.2.
+Source: DS-TMC4361 8.2, 8.2.1, 8.2.2.
 """
 
 from __future__ import annotations
@@ -52,8 +52,8 @@ POSITION_LIMIT = 1 << 32
 def position_plan(p: SRamp, distance: float, v_actual: float = 0.0, a_actual: float = 0.0) -> SRampPlan:
     """A move by `distance` [microsteps, signed] from velocity `v_actual` [pps] and acceleration `a_actual` [pps^2].
 
-    It ends at `distance` with acceleration 0, whatever DFINAL is (002, 8.2); with VSTOP the velocity there is at most
-    that. A motor that runs the wrong way, or too fast to stop within `distance`, comes back to the target.
+    It ends at `distance` with acceleration 0, whatever DFINAL is (DS-TMC4361 8.2); with VSTOP the velocity there is
+    at most that. A motor that runs the wrong way, or too fast to stop within `distance`, comes back to the target.
 
     Raises ValueError: |distance| of 2^32 or more, anything not finite.
     """

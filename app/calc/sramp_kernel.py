@@ -343,7 +343,7 @@ def _slow_enough(p: FloatArray, rows: FloatArray, n: int) -> bool:
 
 @compiled
 def starting_acceleration(p: FloatArray, v_start: float, target: float) -> float:
-    """With which a motor starts from rest to a velocity `target` above 0: altered to fit it (002, 8.2.2)."""
+    """With which a motor starts from rest to a velocity `target` above 0: altered to fit it (DS-TMC4361 8.2.2)."""
     a = p[AMAX] if p[VSTART] > 0 and not p[USE_ASTART] else min(p[ASTART], p[AMAX])
     return float(min(a, math.sqrt(2 * p[BOW2] * max(target - v_start, 0.0))))
 

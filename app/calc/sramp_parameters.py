@@ -42,7 +42,7 @@ class SRamp:
         if not self.vmax > 0:
             raise ValueError(
                 "vmax is above 0: with VMAX = 0 alone an S-ramp in positioning mode cannot be stopped either; "
-                "change to velocity mode, or write VMAX = 1 first (002, 8.2.2)"
+                "change to velocity mode, or write VMAX = 1 first (DS-TMC4361 8.2.2)"
             )
         for name in ("amax", "dmax"):
             if not getattr(self, name) > 0:
@@ -58,7 +58,7 @@ class SRamp:
 
     @property
     def start_acceleration(self) -> float:
-        """What a start from rest asks for, before it is altered to fit VMAX (002, 8.2.1, 8.2.2) [pps^2]."""
+        """What a start from rest asks for, before it is altered to fit VMAX (DS-TMC4361 8.2.1, 8.2.2) [pps^2]."""
         return self.amax if self.vstart > 0 and not self.use_astart_and_vstart else min(self.astart, self.amax)
 
 

@@ -28,9 +28,9 @@ class JerkPiece(NamedTuple):
     that brake onto the target, so that the motion ends on it and not beside it. `position`, `velocity_pps` and
     `acceleration_pps2` are those at the anchor.
 
-    name : the data sheet's phase: B1, B12, B2, B23, B3, B34, B4 of an S-ramp (002, 8.2), A1L, A1, A2, A3, A3L of a
-        trapezoid, HOLD of a rectangle. On the way through velocity 0 the phases of braking are followed by those of
-        accelerating; phases that take no time are left out.
+    name : the data sheet's phase: B1, B12, B2, B23, B3, B34, B4 of an S-ramp (DS-TMC4361 8.2), A1L, A1, A2, A3, A3L
+        of a trapezoid, HOLD of a rectangle. On the way through velocity 0 the phases of braking are followed by those
+        of accelerating; phases that take no time are left out.
     """
 
     name: str

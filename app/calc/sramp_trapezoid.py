@@ -5,12 +5,12 @@
     where |v|     < VBREAK       VMAX       < VBREAK
 
 VBREAK = 0 leaves A1L and A3L out. The ramp keeps VMAX as long as possible, and positioning ends exactly on the target
-(002, 8.2). A motor under way that gets another target or velocity goes on from its velocity; a reversal runs through
-velocity 0 without VSTART and VSTOP (002, 8.2.1). A motor that brakes and would have to accelerate again in the same
-direction first brakes down to 0, and then starts regularly (002, 8.2.2): `a_actual` against `v_actual` says that it
-brakes.
+(DS-TMC4361 8.2). A motor under way that gets another target or velocity goes on from its velocity; a reversal runs
+through velocity 0 without VSTART and VSTOP (DS-TMC4361 8.2.1). A motor that brakes and would have to accelerate again
+in the same direction first brakes down to 0, and then starts regularly (DS-TMC4361 8.2.2): `a_actual` against
+`v_actual` says that it brakes.
 
-Source: 002 (TMC4361 data sheet), 8.2, 8.2.1, 8.2.2; facts/chips/tmc4361-ramps.md, 2 and 3.
+Source: DS-TMC4361 8.2, 8.2.1, 8.2.2; NOTES-TMC4361-RAMPS 2 and 3.
 """
 
 from __future__ import annotations
@@ -131,7 +131,7 @@ def trapezoid_velocity_plan(p: Trapezoid, v_target: float, v_actual: float = 0.0
 
 
 def hold_position_plan(vmax: float, distance: float) -> SRampPlan:
-    """A rectangle: VMAX at once, and 0 at once at the target (002, 8.2; keep VMAX within fCLK / 4 there).
+    """A rectangle: VMAX at once, and 0 at once at the target (DS-TMC4361 8.2; keep VMAX within fCLK / 4 there).
 
     vmax : above 0 [pps]. distance : signed [microsteps]
 

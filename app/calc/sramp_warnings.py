@@ -1,4 +1,4 @@
-"""What the data sheet warns of, and which limits a ramp cannot use (002, 8.2.2)."""
+"""What the data sheet warns of, and which limits a ramp cannot use (DS-TMC4361 8.2.2)."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _TEXTS = {
     "amax_out_of_reach": "AMAX {} pps^2 is out of reach: BOW1 and BOW2 get to {} before {} pps",
     "dmax_out_of_reach": "DMAX {} pps^2 is out of reach: BOW3 and BOW4 get to {} from {} pps",
     "vmax_not_reached": "VMAX {} pps is not reached: the way is enough for {} pps",
-    "vmax_exceeded": "the velocity goes up to {} pps, above {}: a begun bow is ended first (002, 8.2.2)",
+    "vmax_exceeded": "the velocity goes up to {} pps, above {}: a begun bow is ended first (DS-TMC4361 8.2.2)",
     "target_overshoot": "too fast to stop before the target: the motor runs {} microsteps beyond and comes back",
     "vstart_overshoot": "VSTART {} pps is too fast for so short a move: the motor runs {} microsteps beyond "
     "its target and comes back",
@@ -24,10 +24,11 @@ _TEXTS = {
     "astart_above_amax": "ASTART {} is above AMAX {} pps^2: AMAX holds",
     "dfinal_above_dmax": "DFINAL {} is above DMAX {} pps^2: DMAX holds",
     "start_acceleration_altered": "a start with {} pps^2 does not fit VMAX, BOW2 and the way: it is altered to "
-    "{} (002, 8.2.2)",
-    "dmax_too_slow": "DMAX {} pps^2 is not above VMAX {} pps / 20 s: the target may be overrun; set VSTOP (002, 8.2.2)",
+    "{} (DS-TMC4361 8.2.2)",
+    "dmax_too_slow": "DMAX {} pps^2 is not above VMAX {} pps / 20 s: the target may be overrun; set VSTOP "
+    "(DS-TMC4361 8.2.2)",
     "stops_first": "the motor is braking, and a trapezoid brakes down to 0 before it accelerates again in the same "
-    "direction; to avoid it set VMAX below |VACTUAL| first, and raise it when that is reached (002, 8.2.2)",
+    "direction; to avoid it set VMAX below |VACTUAL| first, and raise it when that is reached (DS-TMC4361 8.2.2)",
     "vbreak_not_above_vstop": "VBREAK {} is not above VSTOP {} pps: DFINAL has no part in it",
 }
 

@@ -6,14 +6,15 @@ in 1/4 pps^2, bows in pps^3. For short and steep ramps accelerations and bows ca
 
 Two readings that the sources leave open:
 
-- How far direct values may go. 002 has 24 bits; later documents stop at 65535 (accelerations) and 4095 (bows) or
+- How far direct values may go. DS-TMC4361 has 24 bits; later documents stop at 65535 (accelerations) and 4095 (bows) or
   at 2^20 for both. 24 bits are taken, and what is above the lowest cap is warned of.
-- How fast positioning may go. 002 forbids more than fCLK/2 and advises fCLK/4 for positioning in hold mode; revision
-  3 advises fCLK/4 for all positioning. More than fCLK/2 is refused, more than fCLK/4 while positioning warned of.
+- How fast positioning may go. DS-TMC4361 forbids more than fCLK/2 and advises fCLK/4 for positioning in hold mode;
+  revision 3 advises fCLK/4 for all positioning. More than fCLK/2 is refused, more than fCLK/4 while positioning warned
+  of.
 
-002 prints the bows' highest bit as 2^-29 where 24 bits down to 2^-53 begin with 2^-30, and "mpps" for millions.
+DS-TMC4361 prints the bows' highest bit as 2^-29 where 24 bits down to 2^-53 begin with 2^-30, and "mpps" for millions.
 
-Source: 002 (TMC4361 data sheet), 1.4, 8, 8.1, 8.2, 8.2.3; `TMC4361A_Fields.h` of the vendor's TMC-API (2^20).
+Source: DS-TMC4361 1.4, 8, 8.1, 8.2, 8.2.3; `TMC4361A_Fields.h` of the vendor's TMC-API (2^20).
 """
 
 from __future__ import annotations
@@ -123,7 +124,7 @@ class Limits:
 class Units:
     """The units of one chip: its clock [Hz] and GENERAL_CONF's two switches for direct units.
 
-    Raises ValueError for a clock outside of 4.194304 to 32 MHz (002, 8.2.3).
+    Raises ValueError for a clock outside of 4.194304 to 32 MHz (DS-TMC4361 8.2.3).
     """
 
     clock_hz: float = CLOCK_HZ_DEFAULT
@@ -222,7 +223,7 @@ class Units:
         advised = self.clock_hz / 4
         if positioning and speed > advised:
             found.append(
-                f"{register} is above fCLK/4, {_number(advised)} pps: positioning may not end exactly (002, 8.2)"
+                f"{register} is above fCLK/4, {_number(advised)} pps: positioning may not end exactly (DS-TMC4361 8.2)"
             )
         longest = self.step_rate_max(step_length_add)
         if step_length_add and speed > longest:
@@ -241,7 +242,7 @@ class Units:
         found = [
             f"{register} is above {number}, {_number(number * self.least(register))} {quantity.unit}: {who}"
             for number, who in (
-                (cap, "data sheets from revision 3.10 on allow no more in direct units, 002 has 24 bits"),
+                (cap, "data sheets from revision 3.10 on allow no more in direct units, DS-TMC4361 has 24 bits"),
                 (DIRECT_FIELD_CAP, "the vendor's list of fields allows no more than 2^20 in direct units"),
             )
             if raw > number + 0.5
@@ -251,12 +252,13 @@ class Units:
     def step_rate_max(self, step_length_add: int = 0) -> float:
         """The highest step rate with pulses of `step_length_add` + 1 clocks and as long a rest [pps].
 
-        002, 1.4 says fCLK/2 for pulses of one clock; the rest of longer ones is an inference from 8.1.
+        DS-TMC4361 1.4 says fCLK/2 for pulses of one clock; the rest of longer ones is an inference from 8.1.
         """
         return self.clock_hz / (2 * (step_length_add + 1))
 
     def table(self) -> tuple[Limits, ...]:
-        """Every register that can be written, in the order of the data sheet's list of value classes (002, 8.2.3)."""
+        """Every register that can be written, in the order of the data sheet's list of value classes (DS-TMC4361
+        8.2.3)."""
         return tuple(self.limits(name) for name in FORMATS if name not in ("VACTUAL", "AACTUAL"))
 
 

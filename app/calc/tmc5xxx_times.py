@@ -3,8 +3,8 @@
 TSTEP is the time between two microsteps of 256 a full step, whatever the resolution is, so a threshold on it is a
 velocity; the faster the motor, the smaller the number. The chips with two axes have thresholds in units of velocity.
 
-Sources: data sheet of the TMC5160 (DS5160), 6.2 and 12.1; of the TMC5130 (DS5130), 6.2 and 12, where TPOWERDOWN counts
-otherwise; of the TMC5072 (DS5072), 6.2, whose thresholds do not look at the lowest eight bits.
+Sources: DS-TMC5160 6.2 and 12.1; DS-TMC5130 6.2 and 12, where TPOWERDOWN counts otherwise; DS-TMC5072 6.2, whose
+thresholds do not look at the lowest eight bits.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ def threshold(
 ) -> Threshold:
     """The velocities of TPWMTHRS, TCOOLTHRS or THIGH, in `microsteps` a full step; `small_hysteresis` as in GCONF.
 
-    The chip compares with the number, and with 15/16 (31/32) of it less 1 once it has switched (DS5160, TSTEP).
+    The chip compares with the number, and with 15/16 (31/32) of it less 1 once it has switched (DS-TMC5160, TSTEP).
 
     Raises ValueError outside of 0..2^20 - 1, and for a resolution that cannot be.
     """

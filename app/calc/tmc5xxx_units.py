@@ -4,8 +4,8 @@ A velocity unit is fCLK / 2^24, an acceleration unit fCLK^2 / 2^41. In these the
 (axis parameter 255) is 0; where it is 1, in pps and pps^2, of which the chip gets the nearest whole units. Everything
 broadcasts: scalars in, a float or int out; arrays in, an array out.
 
-Sources: TMC5160 data sheet (DS5160), 12.1, with the same formulas in those of the others; 004 (PD42-1241 TMCL manual),
-7.4. What registers can hold: DS5160, 6.3.1.
+Sources: TMC5160 data sheet (DS-TMC5160) 12.1, with the same formulas in those of the others; FM-PD42-1241
+7.4. What registers can hold: DS-TMC5160 6.3.1.
 """
 
 from __future__ import annotations

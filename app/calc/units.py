@@ -4,7 +4,7 @@ A velocity register value is a fraction of 2048 of the pulse clock, an accelerat
 256th of a velocity unit per ramp clock. Everything broadcasts: scalars in, a float out; arrays in,
 an array out.
 
-Source: TMC428 data sheet (001), 8.14; the TMC4210 (000, 2.3) shares it.
+Source: DS-TMC428 8.14; the TMC4210 (DS-TMC4210 2.3) shares it.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def pulse_rate_hz(velocity: Numbers, pulse_div: Numbers, clock_hz: Numbers) -> f
     `velocity` is -2047..2047 (the sign is the direction; fractions are welcome: v_actual has 8 bits
     of them), `pulse_div` 0..13, `clock_hz` above 0. Shape: what the three broadcast to.
 
-    Raises ValueError outside these ranges. Source: 001, 8.14.
+    Raises ValueError outside these ranges. Source: DS-TMC428 8.14.
     """
     v = _finite("velocity", velocity, -MAX_VELOCITY, MAX_VELOCITY)
     divider = _whole("pulse_div", pulse_div, 0, MAX_DIVIDER)
@@ -85,7 +85,7 @@ def velocity_from_rate(rate_hz: Numbers, pulse_div: Numbers, clock_hz: Numbers) 
     """Velocity register value of a pulse rate [Hz], not rounded: the inverse of `pulse_rate_hz`.
 
     Raises ValueError where the rate is more than velocity 2047 gives with this `pulse_div`, naming
-    the largest rate, and outside the ranges of `pulse_rate_hz`. Source: 001, 8.14.
+    the largest rate, and outside the ranges of `pulse_rate_hz`. Source: DS-TMC428 8.14.
     """
     rate = np.asarray(rate_hz, dtype=np.float64)
     divider = _whole("pulse_div", pulse_div, 0, MAX_DIVIDER)
@@ -104,7 +104,7 @@ def acceleration_hz_s(a: Numbers, pulse_div: Numbers, ramp_div: Numbers, clock_h
 
     `a` is -2047..2047 (a_actual is signed), both dividers 0..13, `clock_hz` above 0.
 
-    Raises ValueError outside these ranges. Source: 001, 8.14.
+    Raises ValueError outside these ranges. Source: DS-TMC428 8.14.
     """
     register = _finite("a", a, -MAX_ACCELERATION, MAX_ACCELERATION)
     return _plain(register * _acceleration_unit_hz_s(pulse_div, ramp_div, clock_hz))
@@ -122,7 +122,7 @@ def acceleration_from_hz_s(
     """Acceleration register value of a change of pulse rate [Hz/s], not rounded.
 
     Raises ValueError where it is more than the value 2047 gives with these dividers, naming the
-    largest acceleration. Source: 001, 8.14.
+    largest acceleration. Source: DS-TMC428 8.14.
     """
     unit = _acceleration_unit_hz_s(pulse_div, ramp_div, clock_hz)
     register = np.asarray(acceleration, dtype=np.float64) / unit
@@ -131,7 +131,7 @@ def acceleration_from_hz_s(
 
 
 def microsteps_per_full_step(usrs: int) -> int:
-    """2^usrs, for usrs 0..6. Source: 001, Table 8-8."""
+    """2^usrs, for usrs 0..6. Source: DS-TMC428 Table 8-8."""
     return 1 << int(_whole("usrs", usrs, 0, MAX_USRS))
 
 
@@ -142,7 +142,7 @@ def full_step_rate_hz(rate_hz: Numbers, usrs: Numbers) -> float | FloatArray: ..
 def full_step_rate_hz(rate_hz: Numbers, usrs: Numbers) -> float | FloatArray:
     """Full-step rate R_FS [Hz] of a pulse rate [Hz]: R / 2^usrs. The same for accelerations [Hz/s] and for steps.
 
-    Raises ValueError unless `usrs` is 0..6 and the rate finite. Source: 001, 8.14.
+    Raises ValueError unless `usrs` is 0..6 and the rate finite. Source: DS-TMC428 8.14.
     """
     rate = np.asarray(rate_hz, dtype=np.float64)
     if not np.all(np.isfinite(rate)):
@@ -163,7 +163,7 @@ def steps_during_acceleration(
 
     `velocity` is -2047..2047, `a_max` above 0 to 2047 (with 0 the velocity is never reached).
 
-    Raises ValueError outside these ranges. Source: 001, 8.14.
+    Raises ValueError outside these ranges. Source: DS-TMC428 8.14.
     """
     v = _finite("velocity", velocity, -MAX_VELOCITY, MAX_VELOCITY)
     a = _finite("a_max", a_max, 0, MAX_ACCELERATION)

@@ -444,7 +444,7 @@ class Device(ABC):
 
     @abstractmethod
     async def move_together(self, moves: Sequence[AxisMove]) -> list[MoveStarted]:
-        """Prepare all, then start all in successive datagrams (001, 9.10)."""
+        """Prepare all, then start all in successive datagrams (DS-TMC428 9.10)."""
 
     async def move(self, axis: int, target: float, relative: bool = False, unit: str = "microsteps") -> MoveStarted:
         """Go to `target`, in RAMP_MODE or SOFT_MODE. Raises WrongState where the setting cannot move the motor."""

@@ -15,9 +15,9 @@ MODE_NAMES = ("ramp", "soft", "velocity", "hold")
 """The calculators' names of the ramp modes, by number."""
 POSITION_MIN, POSITION_MAX = -(1 << 23), (1 << 23) - 1
 DISTANCE_MAX = (1 << 23) - 1
-"""|x_target - x_actual| has to be less than 2^23, else the motor goes the other way round (001, 8.1)."""
+"""|x_target - x_actual| has to be less than 2^23, else the motor goes the other way round (DS-TMC428 8.1)."""
 P_MUL_FIRST = 128
-"""p_mul of pmul 0: the mantissa's leading one is fixed (001, 8.10)."""
+"""p_mul of pmul 0: the mantissa's leading one is fixed (DS-TMC428 8.10)."""
 
 
 @dataclass(slots=True)
@@ -64,12 +64,12 @@ class Setting:
 
     @property
     def p(self) -> float:
-        """The proportionality factor (001, 8.10)."""
+        """The proportionality factor (DS-TMC428 8.10)."""
         return float(self.p_mul / 2 ** (3 + self.pdiv))
 
     @property
     def p_ideal(self) -> float:
-        """The largest p without overshoot, but for rounding (001, 8.11)."""
+        """The largest p without overshoot, but for rounding (DS-TMC428 8.11)."""
         return float(self.a_max / (128 * 2.0 ** (self.ramp_div - self.pulse_div)))
 
     def parameters(self, clock_hz: float, mode: int, v_target: int = 0, v_actual: int | None = None) -> RampParameters:

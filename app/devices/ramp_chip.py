@@ -191,7 +191,7 @@ class RampChip(RegisterChip):
         left: bool | None,
         right: bool | None,
     ) -> bool:
-        """v_actual reads 0 below one chip unit too, so 0 alone does not say that the motor rests (001, 8.6)."""
+        """v_actual reads 0 below one chip unit too, so 0 alone does not say that the motor rests (DS-TMC428 8.6)."""
         if v_actual:
             return True
         if not setting.v_max or not setting.a_max or setting.mode == HOLD_MODE:

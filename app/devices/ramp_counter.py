@@ -22,7 +22,7 @@ from app.links.queue import Priority
 from app.registers.model import Register
 
 CLOCKS_PER_STEP = 32
-"""The pulse generator makes a step in 32 clocks at the most: pulse_div 0, v_max 2047 of 2048 (001, 8.14)."""
+"""The pulse generator makes a step in 32 clocks at the most: pulse_div 0, v_max 2047 of 2048 (DS-TMC428 8.14)."""
 
 
 class RampCounter(RampStops):

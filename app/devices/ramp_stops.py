@@ -84,7 +84,7 @@ class RampStops(RampWrites):
     async def set_position(self, axis: int, position: int) -> int:
         """Call the place where the motor stands `position`; x_target follows. Returns what was subtracted.
 
-        v_max is 0 meanwhile, as the sheets ask for (001, 8.4), so nothing moves. Raises WrongState
+        v_max is 0 meanwhile, as the sheets ask for (DS-TMC428 8.4), so nothing moves. Raises WrongState
         while the motor turns, OutOfRange outside 24 bits.
         """
         self.axis(axis)

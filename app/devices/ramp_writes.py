@@ -46,7 +46,7 @@ class RampWrites(RampMoves):
         mode = rows.mode.unpack(await words.read(rows.reference))
         if mode == RAMP_MODE:
             return []
-        return [f"pulse_div changed in {rows.mode.values[mode]}: it may have forced a microstep (001, 8.14)"]
+        return [f"pulse_div changed in {rows.mode.values[mode]}: it may have forced a microstep (DS-TMC428 8.14)"]
 
     async def _explain(self, words: Words, register: Register, word: int, back: int) -> str | None:
         axis = register.axis

@@ -1,4 +1,5 @@
-"""Getting a motor to run (001, chapter 13): everything that has to be set before the first target, in its order."""
+"""Getting a motor to run (DS-TMC428 chapter 13): everything that has to be set before the first target, in its
+order."""
 
 from __future__ import annotations
 
@@ -34,11 +35,11 @@ class AxisStart:
 
 DRIVERS = ("tmc236", "tmc236", "tmc236")
 CLK2_DIV = 7
-"""The fastest clock of the driver chain, good for TMC236 and its family (001, 9.7)."""
+"""The fastest clock of the driver chain, good for TMC236 and its family (DS-TMC428 9.7)."""
 
 
 EIGHTHS, HOLD_EIGHTHS = 8, 4
-"""Full scale, and what is enough at rest (001, 8.9)."""
+"""Full scale, and what is enough at rest (DS-TMC428 8.9)."""
 RAM_WORDS = 32
 MICROSTEPS = (64, 32, 16, 8, 4, 2, 1)
 CURRENTS = "is_agtat_is_aleat_is_v0_a_threshold"
@@ -53,7 +54,7 @@ async def start_up(device: Device, axes: Sequence[AxisStart], drivers: Sequence[
     Raises BenchError: at the first write that the chip did not take, with the rest not tried.
     """
     if device.model == "tmc428":
-        # RAM first: as long as it is noise, a datagram to the chain may never end (001, chapter 11).
+        # RAM first: as long as it is noise, a datagram to the chain may never end (DS-TMC428 chapter 11).
         chain = build_chain(drivers)
         await device.write_driver_chain(chain.ram_words, chain.lsmd)
         await device.write_microstep_table(design_table().values)

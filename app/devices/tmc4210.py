@@ -62,10 +62,11 @@ class Tmc4210(RampSamples):
 
     async def _motion_warnings(self, words: Words) -> list[str]:
         enabled = self._interface.unpack(await words.read(self._interface))["en_sd"]
-        return [] if enabled else ["en_sd is off: no step reaches the driver (000, 1.4)"]
+        return [] if enabled else ["en_sd is off: no step reaches the driver (DS-TMC4210 1.4)"]
 
     def _right_wired(self) -> bool:
-        """With mot1r the right switch is one, and read from its register; the status bit is then 0 (000, 5.2.2.2)."""
+        """With mot1r the right switch is one, and read from its register; the status bit is then 0 (DS-TMC4210
+        5.2.2.2)."""
         word = self._known.get(self._global.address, 0)
         return bool(self._global.unpack(word)["mot1r"])
 

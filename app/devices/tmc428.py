@@ -86,7 +86,7 @@ class Tmc428(RampSamples):
     # --- switches -------------------------------------------------------------------------------
 
     def _wired(self, axis: int) -> tuple[bool, bool]:
-        """Which of the left and the right switch exist (001, Table 9-3)."""
+        """Which of the left and the right switch exist (DS-TMC428 Table 9-3)."""
         word = self._known.get(self._global.address, self._global.reset or 0)
         if self._refmux.unpack(word):
             return True, True
@@ -109,11 +109,11 @@ class Tmc428(RampSamples):
     def switch_problem(self) -> tuple[str, str] | None:
         word = self._known.get(self._global.address, 0)
         if self._refmux.unpack(word) and not self._field(self._global, "continuous_update").unpack(word):
-            return "multiplexed switches are not sampled at rest", "set continuous_update (001, 9.7)"
+            return "multiplexed switches are not sampled at rest", "set continuous_update (DS-TMC428 9.7)"
         return None
 
     def switch_latency_s(self) -> float:
-        """Multiplexed switches are sampled by datagrams, at rest by those of the continuous update (001, 9.7)."""
+        """Multiplexed switches are sampled by datagrams, at rest by those of the continuous update (DS-TMC428 9.7)."""
         word = self._known.get(self._global.address, 0)
         settings = [self.setting(axis.index) for axis in self.axes]
         if not self._refmux.unpack(word) or any(setting is None for setting in settings):
@@ -151,7 +151,7 @@ class Tmc428(RampSamples):
         return await super()._before_write(words, register, word)
 
     def _expected_back(self, register: Register, word: int) -> int:
-        if register is self._cover:  # the chip stores cover_pos + 1 (001, 9.2)
+        if register is self._cover:  # the chip stores cover_pos + 1 (DS-TMC428 9.2)
             return self._shifted(word, 1)
         return super()._expected_back(register, word)
 

@@ -1,7 +1,7 @@
 """The driver chain: which bits leave for the drivers, how long that takes, and what comes back.
 
 The configuration RAM lists signal codes in the order of the bits; a set NxM bit ends a driver's part
-(001, 10 and 11). The board has three drivers of the TMC236 family, 12 bits each, daisy-chained.
+(DS-TMC428 10 and 11). The board has three drivers of the TMC236 family, 12 bits each, daisy-chained.
 """
 
 from __future__ import annotations
@@ -24,12 +24,12 @@ Bit 8 is constant 1. No load reading, no error (TMC236/TMC239/TMC246/TMC249 data
 CELLS = 64
 NXM = 0x20
 SHORTEST_DIVIDER = 7
-"""Smaller clk2_div give the same frequency (001, 9.7)."""
+"""Smaller clk2_div give the same frequency (DS-TMC428 9.7)."""
 
 
 @dataclass(frozen=True, slots=True)
 class Polarity:
-    """The signal polarity bits of the global parameter register (001, 9.7)."""
+    """The signal polarity bits of the global parameter register (DS-TMC428 9.7)."""
 
     ph: int = 0
     fd: int = 0
@@ -82,7 +82,7 @@ def walk(ram: Sequence[int], lsmd: int) -> tuple[Place, ...] | None:
 def duration_clocks(places: tuple[Place, ...] | None, clk2_div: int) -> int:
     """Clocks that a datagram takes: 1 + bits + 1 SPI clocks and 1 for each NxM (1.5 if clk2_div > 7).
 
-    001, 9.7. An SPI clock is 2 * (clk2_div + 1) clocks. `kernel.NEVER` for a datagram without end.
+    DS-TMC428 9.7. An SPI clock is 2 * (clk2_div + 1) clocks. `kernel.NEVER` for a datagram without end.
     """
     if places is None:
         return kernel.NEVER
@@ -113,7 +113,7 @@ def compose(
 ) -> Datagram:
     """The datagram that `motors` make: RAM places filled with signals, then covered.
 
-    `cover` is (first bit, length, bits) or None; bit length-1 of the cover comes first (001, 9.2). A
+    `cover` is (first bit, length, bits) or None; bit length-1 of the cover comes first (DS-TMC428 9.2). A
     datagram without end is shown as empty.
     """
     idle = Signals(0, 1, 0, 0, 0)

@@ -1,7 +1,7 @@
 """What the emulated TMC428 and TMC4210 share: time, power, the 32-bit datagram and the axis registers.
 
 A chip here knows clocks, not seconds. The status byte of a reply and the data of a read are as of the
-falling edge of the chip select; a write takes effect after that (001, 6.2).
+falling edge of the chip select; a write takes effect after that (DS-TMC428 6.2).
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from app.registers.model import to_signed
 _WORD = 0xFF_FFFF
 ADDRESSES = 128
 
-# Registers of an axis, by the low four address bits (001, Table 7-2; 000, 5.3).
+# Registers of an axis, by the low four address bits (DS-TMC428 Table 7-2; DS-TMC4210 5.3).
 (X_TARGET, X_ACTUAL, V_MIN, V_MAX, V_TARGET, V_ACTUAL, A_MAX, A_ACTUAL) = range(8)
 (CURRENT, PMUL_PDIV, MODE, INTERRUPT, DIVIDERS, DX_REF, X_LATCHED, LAST_INDEX) = range(8, 16)
 POWER_DOWN, SWITCHES, GLOBAL = 0x38, 0x3E, 0x3F
 CLK2_DIV_RESET = 15 << 8
-"""The only register bits that are set after power-on: clk2_div of a TMC428, STPDIV of a TMC4210 (001, 7.3)."""
+"""The only register bits that are set after power-on: clk2_div of a TMC428, STPDIV of a TMC4210 (DS-TMC428 7.3)."""
 
 VELOCITY_MODE, HOLD_MODE = 2, 3
 FASTEST = 2047
@@ -63,7 +63,7 @@ class Chip(ABC):
     # --- power and time --------------------------------------------------------------------------
 
     def _power_on(self) -> None:
-        """All registers 0 but the divider (001, 6.1); carriages and inputs are not the chip's."""
+        """All registers 0 but the divider (DS-TMC428 6.1); carriages and inputs are not the chip's."""
         mechanics = self.axes[:, stage.KEPT_WITHOUT_POWER].copy()
         general_input = self.chip[k.GPIN]
         self.axes[:] = 0
@@ -98,7 +98,7 @@ class Chip(ABC):
 
     def exchange(self, word: int, clock: int) -> int:
         """The 32-bit reply to a 32-bit datagram at `clock` clocks of the outside."""
-        if self.powered_down:  # the falling edge of the chip select wakes the chip (001, 9.5)
+        if self.powered_down:  # the falling edge of the chip select wakes the chip (DS-TMC428 9.5)
             self.powered_down = False
             self._offset += clock - self._asleep_since
             k.refresh(self.axes, self.chip)
@@ -186,14 +186,14 @@ class Chip(ABC):
         return self._get(index, k.VT) & 0xFFF
 
     def _read_v_actual(self, index: int) -> int:
-        # Sign and magnitude inside: 0 reads back for anything between -1 and 1 (001, 8.6).
+        # Sign and magnitude inside: 0 reads back for anything between -1 and 1 (DS-TMC428 8.6).
         v8 = self._get(index, k.V8)
         return (v8 >> 8 if v8 >= 0 else -(-v8 >> 8)) & 0xFFF
 
     def _read_a_actual(self, index: int) -> int:
         """Mean of the last four ramp ticks, fraction dropped.
 
-        The sheets say only that the read-out is smoothed (001, 8.8); over how long is our choice.
+        The sheets say only that the read-out is smoothed (DS-TMC428 8.8); over how long is our choice.
         """
         total = sum(self._get(index, column) for column in (k.A0, k.A1, k.A2, k.A3))
         return (total // 4 if total >= 0 else -(-total // 4)) & 0xFFF
@@ -253,7 +253,7 @@ class Chip(ABC):
         axis[k.REFR] = data >> 11 & 1
 
     def _write_interrupt(self, index: int, data: int) -> None:
-        """Masks are set, flags cleared by a 1; a flag without its mask is 0 (001, 8.13)."""
+        """Masks are set, flags cleared by a 1; a flag without its mask is 0 (DS-TMC428 8.13)."""
         axis = self.axes[index]
         axis[k.MASK] = data >> 8
         axis[k.FLAGS] &= ~data & data >> 8
@@ -269,7 +269,7 @@ class Chip(ABC):
             self._force_microstep(index)
 
     def _force_microstep(self, index: int) -> None:
-        """Changing pulse_div outside RAMP_MODE may force an internal microstep (001, 8.14).
+        """Changing pulse_div outside RAMP_MODE may force an internal microstep (DS-TMC428 8.14).
 
         The sheet says neither when nor where to. Our choice: from an odd microstep position the sequencer
         goes on by one in the last direction, the driver sees it, and x_actual does not count it; from an

@@ -38,7 +38,7 @@ Cells = NDArray[np.int64]
 NEVER = 1 << 62
 """A tick that never comes."""
 FAR = (1 << 19) - 1
-"""Longest distance that the ramp generator sees (001, 8.7.1)."""
+"""Longest distance that the ramp generator sees (DS-TMC428 8.7.1)."""
 
 # --- columns of `axes` ---------------------------------------------------------------------------
 X, XT, VMIN, VMAX, VT, V8, AMAX, ACC = range(8)
@@ -233,7 +233,7 @@ def _pin(axes: Cells, chip: Cells, pin: int, select: int) -> int:
 
 @compiled
 def _seen(axes: Cells, chip: Cells, i: int) -> Any:
-    """What the chip takes its pins for (001, Table 9-3; 000, 1.5.4): (left, right) of motor `i`."""
+    """What the chip takes its pins for (DS-TMC428 Table 9-3; DS-TMC4210 1.5.4): (left, right) of motor `i`."""
     if chip[KIND] == TMC4210_KIND:
         left = (axes[0, PHYS] | axes[0, PHYS] >> 2) & 1
         right = (axes[0, PHYS] >> 1) & 1
@@ -633,7 +633,7 @@ def _step(axes: Cells, chip: Cells, i: int, tick: int) -> None:
 
 @compiled
 def _next_update(axes: Cells, chip: Cells, after: int) -> int:
-    """First tick behind `after` at which some motor asks for a continuous update (001, 9.7).
+    """First tick behind `after` at which some motor asks for a continuous update (DS-TMC428 9.7).
 
     Every 1024 ramp ticks of each motor, so that the frequencies add up as in the sheet's formula. The
     three are offset by odd numbers of ramp ticks, else equal dividers would fall together and not add.
@@ -715,7 +715,7 @@ def _request(axes: Cells, chip: Cells, clock: int, tick: int) -> None:
 
 @compiled
 def status(axes: Cells, chip: Cells) -> int:
-    """Status byte of the next reply (001, Table 6-4; 000, 5.2.2.2)."""
+    """Status byte of the next reply (DS-TMC428 Table 6-4; DS-TMC4210 5.2.2.2)."""
     bits = 0
     interrupt = chip[COMP_FLAG] & chip[COMP_MASK]
     for i in range(chip[NAXES]):

@@ -53,12 +53,12 @@ class EmulatorOptions(_Closed):
     )
     wiring: Wiring = Field(
         default="multiplexed",
-        description="TMC428: how the switches reach REF1..REF3 (001, Figures 9-3 to 9-5); the reference switch is "
+        description="TMC428: how the switches reach REF1..REF3 (DS-TMC428 Figures 9-3 to 9-5); the reference switch is "
         "wired or with the left one (9.8). The chip interprets its pins by refmux and mot1r whatever the wiring.",
     )
     v_actual_writable: VActualWritable = Field(
         default="hold-mode",
-        description="where a write to V_ACTUAL counts: in HOLD_MODE only, as 001, 8.6 says, so that a stop in "
+        description="where a write to V_ACTUAL counts: in HOLD_MODE only, as DS-TMC428 8.6 says, so that a stop in "
         "VELOCITY_MODE brakes; or in VELOCITY_MODE too, where 0 then stops dead, as Trinamic's own software expects",
     )
     stages: Annotated[list[StageOptions], Field(max_length=3)] = Field(

@@ -1,6 +1,6 @@
 """The microstep sequencer: where in the wave a motor stands, and what its two coils then get.
 
-The wave index runs 0..255 over four full steps (001, 12.1, Tables 12-3 and 12-4).
+The wave index runs 0..255 over four full steps (DS-TMC428 12.1, Tables 12-3 and 12-4).
 """
 
 from __future__ import annotations
@@ -10,10 +10,10 @@ from typing import NamedTuple
 
 FULL_STEP_INCREMENT = 64
 FULL_STEP_DAC = 63
-"""Full stepping drives both coils with constant amplitude and needs no table (001, 8.14 and 12)."""
+"""Full stepping drives both coils with constant amplitude and needs no table (DS-TMC428 8.14 and 12)."""
 
 _PHASES = ((1, 1, 0, 1), (1, 0, 1, 0), (0, 0, 0, 1), (0, 1, 1, 0))
-"""PH_A, PH_B, FD_A, FD_B by quadrant (001, Table 12-3)."""
+"""PH_A, PH_B, FD_A, FD_B by quadrant (DS-TMC428 Table 12-3)."""
 
 
 class Coils(NamedTuple):
@@ -28,7 +28,7 @@ class Coils(NamedTuple):
 
 
 def increment(usrs: int) -> int:
-    """Width of a microstep in wave indices (001, Table 12-4). %111 is not specified: like %110 here."""
+    """Width of a microstep in wave indices (DS-TMC428 Table 12-4). %111 is not specified: like %110 here."""
     return FULL_STEP_INCREMENT >> min(usrs, 6)
 
 
@@ -44,7 +44,7 @@ def table_index(wave: int) -> int:
 def coils(wave: int, width: int, scale: int, table: Sequence[int]) -> Coils:
     """What the coils get at `wave` (0..255).
 
-    `width` is the microstep's increment, `scale` the 3-bit current code (0 is 8/8, else eighths; 001,
+    `width` is the microstep's increment, `scale` the 3-bit current code (0 is 8/8, else eighths; DS-TMC428,
     Table 8-1), `table` the 64 entries of 6 bits. Scaling drops the fraction.
     """
     eighths = scale or 8

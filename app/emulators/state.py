@@ -72,7 +72,7 @@ class ChainState(BaseModel):
 
     datagrams_sent: int
     busy: bool
-    endless: bool = Field(description="no NxM bit in the RAM: the datagram never ends (001, 11)")
+    endless: bool = Field(description="no NxM bit in the RAM: the datagram never ends (DS-TMC428 11)")
     duration_us: float | None = Field(description="what one datagram takes now; null if endless")
     last_bits: str = Field(description="the last datagram, first bit first")
     covered: bool

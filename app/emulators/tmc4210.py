@@ -44,13 +44,13 @@ class Tmc4210(Chip):
         self._writers[POS_COMP_INT] = self._write_compare_interrupt
         self._writers[GLOBAL] = self._write_global
         for address in range(RAM, RAM + 64):
-            # It has the RAM of its family, initialised, readable, and without any effect (000, 5.2.3, 5.3).
+            # It has the RAM of its family, initialised, readable, and without any effect (DS-TMC4210 5.2.3, 5.3).
             self._writers[address] = partial(self._write_ram, address)
 
     def exchange(self, word: int, clock: int) -> int:
         blocked = self._words[IF_CONFIGURATION] & _SDO_INT
         reply = super().exchange(word, clock)
-        if blocked:  # the output pin is nINT and nothing else (000, 5.2.2.2)
+        if blocked:  # the output pin is nINT and nothing else (DS-TMC4210 5.2.2.2)
             return 0 if reply >> 31 else 0xFFFF_FFFF
         return reply
 
@@ -61,7 +61,7 @@ class Tmc4210(Chip):
         """The pointer counts steps (it has no usrs to widen them); the motor follows the step output."""
         interface = self._words[IF_CONFIGURATION]
         self.axes[index, k.INC] = 1
-        # Without en_sd no step leaves the chip (000, 1.4).
+        # Without en_sd no step leaves the chip (DS-TMC4210 1.4).
         self.axes[index, k.MINC] = 0 if not interface >> 5 & 1 else -1 if interface >> 4 & 1 else 1
 
     def _write_ustep_count(self, data: int) -> None:

@@ -35,7 +35,7 @@ class Tmc428(Chip):
 
     def _reset(self) -> None:
         noise = random.Random(f"{self.options.seed} {self.power_cycles}")
-        self.ram = [noise.getrandbits(6) for _ in range(128)]  # not initialised by power-on (001, 7.3)
+        self.ram = [noise.getrandbits(6) for _ in range(128)]  # not initialised by power-on (DS-TMC428 7.3)
         self._shift = 0
         self._cover_pos_stored = 0
         self._last: Datagram | None = None
@@ -72,11 +72,11 @@ class Tmc428(Chip):
         axis[k.ISAG] = data >> 20 & 7
 
     def _microstep(self, index: int) -> None:
-        """By usrs, how far a step moves the wave index and the motor; the index itself stays (001, 12.1)."""
+        """By usrs, how far a step moves the wave index and the motor; the index itself stays (DS-TMC428 12.1)."""
         width = increment(self._words[index << 4 | 0xC] & 7)
         turned = self._words[GLOBAL] >> 4 & 1
         self.axes[index, k.INC] = width
-        # The sheet: inverting the phase bits turns the motor round (001, 9.7).
+        # The sheet: inverting the phase bits turns the motor round (DS-TMC428 9.7).
         self.axes[index, k.MINC] = -width if turned else width
 
     # --- global registers ------------------------------------------------------------------------
@@ -156,13 +156,13 @@ class Tmc428(Chip):
         return self._shift >> shift & 0xFF_FFFF
 
     def _arm_capture(self, _data: int) -> None:
-        """Clears both words and waits for the next reply of the chain (001, 9.1)."""
+        """Clears both words and waits for the next reply of the chain (DS-TMC428 9.1)."""
         self._settle_datagrams()
         self._shift = 0
         self.chip[k.CAPTURE] = 1
 
     def _read_cover(self) -> int:
-        # The chip keeps cover_pos + 1 (001, 9.2), in six bits.
+        # The chip keeps cover_pos + 1 (DS-TMC428 9.2), in six bits.
         waits = 1 if self.chip[k.CW] else 0
         return self._words[COVER] & 0x1F | self._cover_pos_stored << 8 | waits << 23
 
@@ -172,7 +172,7 @@ class Tmc428(Chip):
         self._cover_pos_stored = (data >> 8 & 0x3F) + 1 & 0x3F
 
     def _write_cover_datagram(self, data: int) -> None:
-        """Covers the next datagram, and asks for one; its reply is captured too (001, 9.1, 9.3)."""
+        """Covers the next datagram, and asks for one; its reply is captured too (DS-TMC428 9.1, 9.3)."""
         self._settle_datagrams()
         self._words[COVER_DATAGRAM] = data
         self.chip[k.CW] = 1

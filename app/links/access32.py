@@ -15,7 +15,7 @@ READ_FRAMES = tuple(datagram32.read(address) for address in range(128))
 
 
 class Spi32Access:
-    """32-bit datagrams (001, 6; 000, 5.2.2). `name` names the link in errors."""
+    """32-bit datagrams (DS-TMC428 6; DS-TMC4210 5.2.2). `name` names the link in errors."""
 
     frame_bytes = datagram32.FRAME_BYTES
     reply_bytes = datagram32.FRAME_BYTES

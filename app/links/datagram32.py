@@ -1,7 +1,7 @@
 """The 32-bit datagram of TMC428 and TMC4210, both ways: pure functions, no port.
 
-To the chip (001, Table 6-3; 000, 5.2.2.1): RRS and six address bits, RW (1 reads), 24 data bits.
-From the chip (001, Table 6-4; 000, 5.2.2.2): eight status bits, 24 data bits. On the wire the most
+To the chip (DS-TMC428 Table 6-3; DS-TMC4210 5.2.2.1): RRS and six address bits, RW (1 reads), 24 data bits.
+From the chip (DS-TMC428 Table 6-4; DS-TMC4210 5.2.2.2): eight status bits, 24 data bits. On the wire the most
 significant byte goes first.
 """
 
@@ -71,10 +71,10 @@ def write(address: int, data: int) -> bytes:
 
 
 STATUS_TMC428 = ("xEQt1", "RS1", "xEQt2", "RS2", "xEQt3", "RS3", "CDGW", "INT")
-"""Status bits of the TMC428, bit 0 first (001, Table 6-4)."""
+"""Status bits of the TMC428, bit 0 first (DS-TMC428 Table 6-4)."""
 
 STATUS_TMC4210 = ("xEQt1", "R_L", "", "GP_IN", "", "R_R", "", "INT")
-"""Status bits of the TMC4210, bit 0 first; "" is not used (000, 5.2.2.2)."""
+"""Status bits of the TMC4210, bit 0 first; "" is not used (DS-TMC4210 5.2.2.2)."""
 
 
 def status_flags(status: int, names: tuple[str, ...]) -> dict[str, bool]:

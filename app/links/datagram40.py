@@ -1,6 +1,6 @@
 """The 40-bit datagram of the TMC4361 and the TMC5xxx, both ways: pure functions, no port.
 
-To the chip (002, 5.1): a write bit (1 writes), seven address bits, 32 data bits. From the chip: eight
+To the chip (DS-TMC4361 5.1): a write bit (1 writes), seven address bits, 32 data bits. From the chip: eight
 status bits, 32 data bits. On the wire the most significant byte goes first.
 
 The answer is pipelined: the data of a reply belong to the datagram before, its register if that one

@@ -1,9 +1,9 @@
-"""Which TMCL modules of a line are in download mode: they store what they are told instead of doing it (004, 3.6.36).
+"""Which TMCL modules of a line are in download mode: they store what they are told instead of doing it.
 
-Command 132 begins it and 133 ends it; every command below 128 in between becomes a command of the module's program and
-is answered with status 101. So whoever asks a module anything on his own has to be silent then, or his questions
-overwrite its program and wear its EEPROM. `LinkQueue` asks here about every frame, right before it goes out, and tells
-of every answer. Devices on one line share what is known: each of them can send a frame to any address.
+FM-PD42-1241 3.6.36. Command 132 begins it and 133 ends it; every command below 128 in between becomes a command of the
+module's program and is answered with status 101. So whoever asks a module anything on his own has to be silent then, or
+his questions overwrite its program and wear its EEPROM. `LinkQueue` asks here about every frame, right before it goes
+out, and tells of every answer. Devices on one line share what is known: each of them can send a frame to any address.
 """
 
 from __future__ import annotations

@@ -66,7 +66,7 @@ class RegisterAccess(Protocol):
 
 
 class Spi40Access:
-    """40-bit datagrams (002, 5.1). `name` names the link in errors, `fetch` is what ends a chain.
+    """40-bit datagrams (DS-TMC4361 5.1). `name` names the link in errors, `fetch` is what ends a chain.
 
     A reply alone shows nothing but its length. Writes show themselves in the reply after: `check_all`.
     """

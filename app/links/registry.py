@@ -24,7 +24,7 @@ PortFactory = Callable[[str, Link, Clock], FramePort]
 TMCL_MODELS = frozenset({"pd42-1241"})
 """Modules that speak TMCL: nine-byte frames, several on one line by address."""
 SPEED_HZ_MAX = 16_000_000
-"""Half of the fastest clock that any of the chips may have (002, 5.3)."""
+"""Half of the fastest clock that any of the chips may have (DS-TMC4361 5.3)."""
 UART_BAUD_MIN = 9000
 """Slower than this no chip can measure (TMC5160A data sheet 1.14, 5.1.1)."""
 

@@ -31,7 +31,7 @@ from app.links.tmcl import FRAME_BYTES
 from app.links.wire_budget import BITS_PER_BYTE, WireBudget
 
 BAUD = 9600
-"""What a module has from the factory (004, 3.1; global parameter 65)."""
+"""What a module has from the factory (FM-PD42-1241 3.1; global parameter 65)."""
 BAUDS = (9600, 14400, 19200, 28800, 38400, 57600, 76800, 115200, 230400, 250000, 500000, 1000000)
 """What global parameter 65 can be set to."""
 ADDRESS = 1

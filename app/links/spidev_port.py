@@ -16,9 +16,9 @@ from app.clock import Clock, WallClock
 from app.links.errors import BadReply, LinkDown
 
 SPEED_HZ = 1_000_000
-"""Well below what the chips allow: half of their clock (002, 5.3), a quarter in later revisions."""
+"""Well below what the chips allow: half of their clock (DS-TMC4361 5.3), a quarter in later revisions."""
 MODE = 3
-"""Clock idles high; data are taken over on its rising edge (002, 5.2)."""
+"""Clock idles high; data are taken over on its rising edge (DS-TMC4361 5.2)."""
 
 
 class SpiDevice(Protocol):

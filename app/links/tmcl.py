@@ -1,9 +1,9 @@
 """The nine-byte frame of TMCL, both ways: pure functions, no port.
 
-To the module (004, 3.1): address, command, type, motor or bank, four bytes of value, checksum. From
-the module (004, 3.2): host address, module address, status, command, four bytes of value, checksum.
+To the module (FM-PD42-1241 3.1): address, command, type, motor or bank, four bytes of value, checksum. From
+the module (FM-PD42-1241 3.2): host address, module address, status, command, four bytes of value, checksum.
 Values are signed, most significant byte first. The checksum is the sum of the eight bytes before
-it, modulo 256 (004, 3.1.1). Two answers are otherwise: the version as a string (command 136, type 0)
+it, modulo 256 (FM-PD42-1241 3.1.1). Two answers are otherwise: the version as a string (command 136, type 0)
 and program memory (command 134) fill bytes 1..8 with data and have no checksum.
 """
 
@@ -22,7 +22,7 @@ VALUE_MIN, VALUE_MAX = -(1 << 31), (1 << 31) - 1
 
 
 def checksum(body: bytes) -> int:
-    """The last byte of a frame, from the eight before it (004, 3.1.1)."""
+    """The last byte of a frame, from the eight before it (FM-PD42-1241 3.1.1)."""
     return sum(body) & 0xFF
 
 
@@ -59,7 +59,7 @@ class Request:
 
 @dataclass(frozen=True, slots=True)
 class Reply:
-    """One answer. `opcode` is the command's, `status` 100 where all went well (004, 3.2.1)."""
+    """One answer. `opcode` is the command's, `status` 100 where all went well (FM-PD42-1241 3.2.1)."""
 
     host: int
     module: int
@@ -102,12 +102,12 @@ def has_plain_reply(request: bytes) -> bool:
 
 
 def has_reply(request: bytes) -> bool:
-    """Whether `request` is answered at all (004, 3.6.36): factory settings are not, a reset may be."""
+    """Whether `request` is answered at all (FM-PD42-1241 3.6.36): factory settings are not, a reset may be."""
     return request[1] not in (Opcode.FACTORY_DEFAULT, Opcode.RESET_MODULE, Opcode.BOOT)
 
 
 def is_event(frame: bytes) -> bool:
-    """Whether `frame` is the position reached event (004, 3.6.35), which nobody asks for at that moment."""
+    """Whether `frame` is the position reached event (FM-PD42-1241 3.6.35), which nobody asks for at that moment."""
     return len(frame) == FRAME_BYTES and frame[2] == Status.EVENT and frame[3] == Opcode.REQUEST_EVENT and sound(frame)
 
 

@@ -50,7 +50,7 @@ def _ap(
         access=access,
         reset=None if reset is None else to_raw(reset, 32),
         group=group,
-        source=f"004, {section}",
+        source=f"FM-PD42-1241 {section}",
         volatile=volatile or access is R,
         space=Space.AXIS,
         read_clears=clears,

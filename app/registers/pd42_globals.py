@@ -40,7 +40,7 @@ def _gp(
         access=access,
         reset=None if reset is None else to_raw(reset, 32),
         group=group,
-        source=f"004, {section}",
+        source=f"FM-PD42-1241 {section}",
         volatile=volatile or access is Access.R,
         space=space,
         stored=stored,

@@ -1,6 +1,6 @@
 """Registers of the TMC4210: one axis, step/direction output.
 
-"000" in a source stands for the TMC4210 data sheet v1.03. What that document leaves open about
+"DS-TMC4210" in a source stands for the TMC4210 data sheet v1.03. What that document leaves open about
 bits is taken from the data sheet of the TMC429, which shares the core, and says so.
 """
 
@@ -30,7 +30,7 @@ _AXIS_REGISTERS = (
         unit="microsteps",
         address=0x00,
         axis=0,
-        source="000, 6.1.1, 2.4",
+        source="DS-TMC4210 6.1.1, 2.4",
     ),
     Register(
         "X_ACTUAL",
@@ -43,7 +43,7 @@ _AXIS_REGISTERS = (
         access=Access.RW_IF,
         volatile=True,
         write_note="works in every mode, but in ramp_mode and soft_mode the motor then drives to X_TARGET",
-        source="000, 6.1.2, 2.4",
+        source="DS-TMC4210 6.1.2, 2.4",
     ),
     Register(
         "V_MIN",
@@ -52,9 +52,9 @@ _AXIS_REGISTERS = (
         unit=VELOCITY_UNIT,
         address=0x02,
         axis=0,
-        source="000, 6.1.3",
+        source="DS-TMC4210 6.1.3",
     ),
-    Register("V_MAX", 11, "speed limit", unit=VELOCITY_UNIT, address=0x03, axis=0, source="000, 6.1.4"),
+    Register("V_MAX", 11, "speed limit", unit=VELOCITY_UNIT, address=0x03, axis=0, source="DS-TMC4210 6.1.4"),
     Register(
         "V_TARGET",
         12,
@@ -66,7 +66,7 @@ _AXIS_REGISTERS = (
         axis=0,
         volatile=True,
         write_note="kept in velocity_mode; the ramp generator overwrites it in ramp_mode and soft_mode",
-        source="000, 6.1.5",
+        source="DS-TMC4210 6.1.5",
     ),
     Register(
         "V_ACTUAL",
@@ -80,7 +80,7 @@ _AXIS_REGISTERS = (
         access=Access.RW_IF,
         volatile=True,
         write_note="only in hold_mode; writing 0 there stops at once",
-        source="000, 6.1.6",
+        source="DS-TMC4210 6.1.6",
     ),
     Register(
         "A_MAX",
@@ -89,7 +89,7 @@ _AXIS_REGISTERS = (
         unit=ACCELERATION_UNIT,
         address=0x06,
         axis=0,
-        source="000, 6.1.7",
+        source="DS-TMC4210 6.1.7",
     ),
     Register(
         "A_ACTUAL",
@@ -101,7 +101,7 @@ _AXIS_REGISTERS = (
         axis=0,
         access=Access.R,
         volatile=True,
-        source="000, 2.4, 6.1.8 (the table of 6.1 calls it 11 bits unsigned)",
+        source="DS-TMC4210 2.4, 6.1.8 (the table of 6.1 calls it 11 bits unsigned)",
     ),
     Register(
         "PMUL_PDIV",
@@ -110,7 +110,7 @@ _AXIS_REGISTERS = (
         reset=0x8000,
         address=0x09,
         axis=0,
-        source="000, 6.1.9",
+        source="DS-TMC4210 6.1.9",
         fields=(
             Field("PDIV", 4, "exponent of the divisor", range=(0, 13), lsb=0),
             Field("PMUL", 8, "mantissa with its fixed leading one", range=(128, 255), reset=128, lsb=8),
@@ -122,7 +122,7 @@ _AXIS_REGISTERS = (
         "ramp mode and what the switches do",
         address=0x0A,
         axis=0,
-        source="000, 5.3, 6.1 (register table); TMC429 v2.06, p. 34 (bits)",
+        source="DS-TMC4210 5.3, 6.1 (register table); TMC429 v2.06, p. 34 (bits)",
         fields=reference_fields(upper_case=True),
     ),
     Register(
@@ -133,7 +133,7 @@ _AXIS_REGISTERS = (
         axis=0,
         group="interrupts",
         volatile=True,
-        source="000, 6.1 (register table); TMC429 v2.06, p. 36 (bits)",
+        source="DS-TMC4210 6.1 (register table); TMC429 v2.06, p. 36 (bits)",
         fields=interrupt_fields(upper_case=False),
     ),
     Register(
@@ -143,7 +143,7 @@ _AXIS_REGISTERS = (
         address=0x0C,
         axis=0,
         write_note="change PULSE_DIV in ramp_mode only",
-        source="000, 5.3, 6.1 (register table)",
+        source="DS-TMC4210 5.3, 6.1 (register table)",
         fields=divider_fields(upper_case=True),
     ),
     Register(
@@ -154,7 +154,7 @@ _AXIS_REGISTERS = (
         address=0x0D,
         axis=0,
         group="switches",
-        source="000, 5.3, 6.1 (register table)",
+        source="DS-TMC4210 5.3, 6.1 (register table)",
     ),
     Register(
         "X_LATCHED",
@@ -168,7 +168,7 @@ _AXIS_REGISTERS = (
         group="switches",
         volatile=True,
         write_note="any write arms the latch and sets lp; the value itself cannot be written",
-        source="000, 5.3, 6.1 (register table)",
+        source="DS-TMC4210 5.3, 6.1 (register table)",
     ),
     Register(
         "USTEP_COUNT_4210",
@@ -178,7 +178,7 @@ _AXIS_REGISTERS = (
         address=0x0F,
         axis=0,
         volatile=True,
-        source="000, 6.1 (register table)",
+        source="DS-TMC4210 6.1 (register table)",
     ),
 )
 
@@ -189,7 +189,7 @@ _GLOBAL_REGISTERS = (
         "step/direction output and switch inputs; set en_sd before use",
         address=0x34,
         group="step/dir",
-        source="000, 1.4, 5.3; TMC429 v2.06, p. 42 (bits)",
+        source="DS-TMC4210 1.4, 5.3; TMC429 v2.06, p. 42 (bits)",
         fields=(
             Field("inv_ref", 1, "switch inputs", values={0: "high active", 1: "low active"}, lsb=0),
             Field(
@@ -221,7 +221,7 @@ _GLOBAL_REGISTERS = (
         unit="microsteps",
         address=0x35,
         group="position compare",
-        source="000, 5.3; TMC429 v2.06, p. 43 (access, sign)",
+        source="DS-TMC4210 5.3; TMC429 v2.06, p. 43 (access, sign)",
     ),
     Register(
         "POS_COMP_INT_4210",
@@ -230,7 +230,7 @@ _GLOBAL_REGISTERS = (
         address=0x36,
         group="position compare",
         volatile=True,
-        source="000, 5.3; TMC429 v2.06, p. 21",
+        source="DS-TMC4210 5.3; TMC429 v2.06, p. 21",
         fields=(
             Field("I", 1, "the compare position was met; write 1 to clear", lsb=0, access=Access.R_W1C),
             Field("M", 1, "lets the flag be set and raise the interrupt", values=OFF_ON, lsb=8),
@@ -244,7 +244,7 @@ _GLOBAL_REGISTERS = (
         access=Access.W,
         reset=None,
         group="global",
-        source="000, 5.3",
+        source="DS-TMC4210 5.3",
     ),
     Register(
         "TYPE_VERSION_4210",
@@ -255,7 +255,7 @@ _GLOBAL_REGISTERS = (
         reset=TYPE_VERSION,
         values={TYPE_VERSION: "TMC4210 / TMC429"},
         group="global",
-        source="000, 5.3",
+        source="DS-TMC4210 5.3",
     ),
     Register(
         "REFERENCE_SWITCHES",
@@ -266,7 +266,7 @@ _GLOBAL_REGISTERS = (
         reset=None,
         group="switches",
         volatile=True,
-        source="000, 5.2.2.2, 5.3",
+        source="DS-TMC4210 5.2.2.2, 5.3",
         fields=(
             Field(
                 "r_r",
@@ -290,7 +290,7 @@ _GLOBAL_REGISTERS = (
         reset=0xF00,
         address=0x3F,
         group="global",
-        source="000, 5.3; TMC429 v2.06, p. 21, 53 (bits)",
+        source="DS-TMC4210 5.3; TMC429 v2.06, p. 21, 53 (bits)",
         fields=(
             Field("STPDIV_4210", 4, "step pulse length, 16 * (1 + STPDIV) clocks", unit="16 tCLK", reset=15, lsb=8),
             Field("mot1r", 1, "REF_R is the right switch", values=OFF_ON, lsb=21),

@@ -1,8 +1,8 @@
 """Registers and RAM words of the TMC428, three axes.
 
 An address is the datagram's upper seven bits: RRS as bit 6, then the 6-bit address, so 0x00..0x3F
-are registers and 0x40..0x7F the on-chip RAM (data sheet, Table 7-1). "001" in a source stands for
-the TMC428 data sheet v2.05; "TMC429 v2.06" for that of its successor, where 001 gives no bit
+are registers and 0x40..0x7F the on-chip RAM (data sheet, Table 7-1). "DS-TMC428" in a source stands for
+the TMC428 data sheet v2.05; "TMC429 v2.06" for that of its successor, where DS-TMC428 gives no bit
 positions (its Tables 7-2 and 9-1 draw them).
 """
 
@@ -49,7 +49,7 @@ SIGNAL_CODES = {
     0x12: "Direction",
     0x13: "Step",
 }
-"""Primary signal codes (001, Table 11-1); 0x14..0x1F are unused and send 1."""
+"""Primary signal codes (DS-TMC428 Table 11-1); 0x14..0x1F are unused and send 1."""
 
 
 def _axis_registers(axis: int) -> tuple[Register, ...]:
@@ -63,7 +63,7 @@ def _axis_registers(axis: int) -> tuple[Register, ...]:
             unit="microsteps",
             address=base | 0x0,
             axis=axis,
-            source="001, 8.1",
+            source="DS-TMC428 8.1",
         ),
         Register(
             "x_actual",
@@ -74,7 +74,7 @@ def _axis_registers(axis: int) -> tuple[Register, ...]:
             address=base | 0x1,
             axis=axis,
             volatile=True,
-            source="001, 8.2",
+            source="DS-TMC428 8.2",
         ),
         Register(
             "v_min",
@@ -83,7 +83,7 @@ def _axis_registers(axis: int) -> tuple[Register, ...]:
             unit=VELOCITY_UNIT,
             address=base | 0x2,
             axis=axis,
-            source="001, 8.3",
+            source="DS-TMC428 8.3",
         ),
         Register(
             "v_max",
@@ -92,7 +92,7 @@ def _axis_registers(axis: int) -> tuple[Register, ...]:
             unit=VELOCITY_UNIT,
             address=base | 0x3,
             axis=axis,
-            source="001, 8.4",
+            source="DS-TMC428 8.4",
         ),
         Register(
             "v_target",
@@ -105,7 +105,7 @@ def _axis_registers(axis: int) -> tuple[Register, ...]:
             axis=axis,
             volatile=True,
             write_note="kept in VELOCITY_MODE; the ramp generator overwrites it in RAMP_MODE and SOFT_MODE",
-            source="001, 8.5",
+            source="DS-TMC428 8.5",
         ),
         Register(
             "v_actual",
@@ -119,7 +119,7 @@ def _axis_registers(axis: int) -> tuple[Register, ...]:
             access=Access.RW_IF,
             volatile=True,
             write_note="only in HOLD_MODE; writing 0 there stops at once",
-            source="001, 8.6",
+            source="DS-TMC428 8.6",
         ),
         Register(
             "a_max",
@@ -128,7 +128,7 @@ def _axis_registers(axis: int) -> tuple[Register, ...]:
             unit=ACCELERATION_UNIT,
             address=base | 0x6,
             axis=axis,
-            source="001, 8.7",
+            source="DS-TMC428 8.7",
         ),
         Register(
             "a_actual",
@@ -140,7 +140,7 @@ def _axis_registers(axis: int) -> tuple[Register, ...]:
             axis=axis,
             access=Access.R,
             volatile=True,
-            source="001, 8.8",
+            source="DS-TMC428 8.8",
         ),
         Register(
             "is_agtat_is_aleat_is_v0_a_threshold",
@@ -149,7 +149,7 @@ def _axis_registers(axis: int) -> tuple[Register, ...]:
             address=base | 0x8,
             axis=axis,
             group="current",
-            source="001, 8.9",
+            source="DS-TMC428 8.9",
             fields=(
                 Field(
                     "a_threshold",
@@ -170,7 +170,7 @@ def _axis_registers(axis: int) -> tuple[Register, ...]:
             reset=0x8000,
             address=base | 0x9,
             axis=axis,
-            source="001, 8.10; TMC429 v2.06, p. 21 (bit 15)",
+            source="DS-TMC428 8.10; TMC429 v2.06, p. 21 (bit 15)",
             fields=(
                 Field("pdiv", 4, "exponent of the divisor", range=(0, 13), lsb=0),
                 Field("pmul", 7, "mantissa less its fixed leading one (p_mul - 128)", lsb=8),
@@ -183,7 +183,7 @@ def _axis_registers(axis: int) -> tuple[Register, ...]:
             "ramp mode and what the switches do",
             address=base | 0xA,
             axis=axis,
-            source="001, 8.12, Tables 8-3 to 8-5",
+            source="DS-TMC428 8.12, Tables 8-3 to 8-5",
             fields=reference_fields(upper_case=False),
         ),
         Register(
@@ -194,7 +194,7 @@ def _axis_registers(axis: int) -> tuple[Register, ...]:
             axis=axis,
             group="interrupts",
             volatile=True,
-            source="001, 8.13, Tables 8-6 and 8-7",
+            source="DS-TMC428 8.13, Tables 8-6 and 8-7",
             fields=interrupt_fields(upper_case=True),
         ),
         Register(
@@ -204,7 +204,7 @@ def _axis_registers(axis: int) -> tuple[Register, ...]:
             address=base | 0xC,
             axis=axis,
             write_note="change pulse_div in RAMP_MODE only, elsewhere it may force a microstep",
-            source="001, 8.14, Table 8-8",
+            source="DS-TMC428 8.14, Table 8-8",
             fields=(
                 Field("usrs", 3, "microsteps per full step, 2^usrs", range=(0, 6), values=MICROSTEPS, lsb=0),
                 *divider_fields(upper_case=False),
@@ -218,7 +218,7 @@ def _axis_registers(axis: int) -> tuple[Register, ...]:
             address=base | 0xD,
             axis=axis,
             group="switches",
-            source="001, 8.15; TMC429 v2.06, p. 21 (width)",
+            source="DS-TMC428 8.15; TMC429 v2.06, p. 21 (width)",
         ),
         Register(
             "x_latched",
@@ -232,7 +232,7 @@ def _axis_registers(axis: int) -> tuple[Register, ...]:
             group="switches",
             volatile=True,
             write_note="any write arms the latch and sets lp; the value itself cannot be written",
-            source="001, 8.16",
+            source="DS-TMC428 8.16",
         ),
     )
 
@@ -249,7 +249,7 @@ def _global_registers() -> tuple[Register, ...]:
             group="driver chain",
             volatile=True,
             write_note=rearms,
-            source="001, 9.1",
+            source="DS-TMC428 9.1",
         ),
         Register(
             "datagram_high_word",
@@ -260,7 +260,7 @@ def _global_registers() -> tuple[Register, ...]:
             group="driver chain",
             volatile=True,
             write_note=rearms,
-            source="001, 9.1",
+            source="DS-TMC428 9.1",
         ),
         Register(
             "cover_pos_cover_len",
@@ -270,7 +270,7 @@ def _global_registers() -> tuple[Register, ...]:
             group="driver chain",
             volatile=True,
             write_note="cover_pos reads back as cover_pos + 1",
-            source="001, 9.2; TMC429 v2.06, p. 21 (bits)",
+            source="DS-TMC428 9.2; TMC429 v2.06, p. 21 (bits)",
             fields=(
                 Field("cover_len", 5, "how many bits are covered", unit="bits", range=(0, 24), lsb=0),
                 Field("cover_pos", 6, "first covered bit, counted from 0", unit="bits", lsb=8),
@@ -283,7 +283,7 @@ def _global_registers() -> tuple[Register, ...]:
             "bits sent to the chain once, over those of the next datagram; writing sends",
             address=0x33,
             group="driver chain",
-            source="001, 9.3",
+            source="DS-TMC428 9.3",
         ),
         Register(
             "power_down",
@@ -293,7 +293,7 @@ def _global_registers() -> tuple[Register, ...]:
             access=Access.W,
             reset=None,
             group="global",
-            source="001, 9.5",
+            source="DS-TMC428 9.5",
         ),
         Register(
             "l3_r3_l2_r2_l1_r1",
@@ -304,7 +304,7 @@ def _global_registers() -> tuple[Register, ...]:
             reset=None,
             group="switches",
             volatile=True,
-            source="001, 9.6; TMC429 v2.06, p. 21 (bits)",
+            source="DS-TMC428 9.6; TMC429 v2.06, p. 21 (bits)",
             fields=tuple(
                 Field(
                     f"{side}{motor}",
@@ -326,7 +326,7 @@ def _global_registers() -> tuple[Register, ...]:
             reset=0xF00,
             address=0x3F,
             group="global",
-            source="001, 9.7, Tables 9-1 to 9-3; TMC429 v2.06, p. 45 (bits)",
+            source="DS-TMC428 9.7, Tables 9-1 to 9-3; TMC429 v2.06, p. 45 (bits)",
             fields=(
                 Field(
                     "LSMD",
@@ -400,7 +400,7 @@ def _chain_words() -> tuple[Register, ...]:
             address=RAM_CHAIN | word,
             reset=None,
             group="driver chain RAM",
-            source="001, Tables 10-1 and 11-1",
+            source="DS-TMC428 Tables 10-1 and 11-1",
             fields=half(0, word, 0) + half(1, word, 8),
         )
         for word in range(32)
@@ -416,7 +416,7 @@ def _table_words() -> tuple[Register, ...]:
             address=RAM_TABLE | word,
             reset=None,
             group="microstep table RAM",
-            source="001, Tables 10-1 and 12-1",
+            source="DS-TMC428 Tables 10-1 and 12-1",
             fields=(
                 Field("y_even", 6, f"entry {2 * word}", unit="DAC counts", lsb=0, reset=None),
                 Field("y_odd", 6, f"entry {2 * word + 1}", unit="DAC counts", lsb=8, reset=None),

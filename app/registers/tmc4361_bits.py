@@ -43,7 +43,7 @@ EVENTS: Final[Mapping[int, tuple[str, str]]] = MappingProxyType(
 )
 """(name, meaning) by bit of EVENTS, and of the registers that select events. Bit 22 has no name.
 
-Sources: 002, 7.2 (what events are); TMC4361A, PY4361, STEPPYR, TOM4361 (bits).
+Sources: DS-TMC4361 7.2 (what events are); TMC4361A, PY4361, STEPPYR, TOM4361 (bits).
 """
 
 EVENT_BITS: Final[Mapping[str, int]] = MappingProxyType({name: bit for bit, (name, _) in EVENTS.items()})
@@ -99,13 +99,13 @@ def selected_events(selection: int) -> tuple[int, ...]:
     """Event bits that the SPI status byte shows, in the order of its bits 0 to 7; at most eight.
 
     `selection` is SPI_STATUS_SELECTION. Where it names more than eight events the lowest eight are
-    shown; status bits beyond the selected ones stay 0. Source: 002, 7.2.
+    shown; status bits beyond the selected ones stay 0. Source: DS-TMC4361 7.2.
     """
     return tuple(bit for bit in range(32) if selection >> bit & 1)[:SPI_STATUS_BITS]
 
 
 def spi_status(events: int, selection: int) -> int:
-    """The SPI status byte, 0..255, for EVENTS and SPI_STATUS_SELECTION (32 bits each). Source: 002, 7.2."""
+    """The SPI status byte, 0..255, for EVENTS and SPI_STATUS_SELECTION (32 bits each). Source: DS-TMC4361 7.2."""
     return sum((events >> bit & 1) << place for place, bit in enumerate(selected_events(selection)))
 
 

@@ -1,4 +1,4 @@
-"""Status and event registers of the TMC4361 (002, 7)."""
+"""Status and event registers of the TMC4361 (DS-TMC4361 7)."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ EVENT_ROWS = (
         address=0x0B,
         reset=0x82029805,
         group="events",
-        source=f"002, 7.2; {TOM_STEPPYR}",
+        source=f"DS-TMC4361 7.2; {TOM_STEPPYR}",
         fields=_selection("show"),
     ),
     Register(
@@ -44,7 +44,7 @@ EVENT_ROWS = (
         "events that reading EVENTS leaves as they are",
         address=0x0C,
         group="events",
-        source=f"002, 7.2; {TOM_TBONE_STEPPYR}",
+        source=f"DS-TMC4361 7.2; {TOM_TBONE_STEPPYR}",
         fields=_selection("keep"),
     ),
     Register(
@@ -53,7 +53,7 @@ EVENT_ROWS = (
         "events that make the pin INTR active",
         address=0x0D,
         group="events",
-        source=f"002, 7.2; {TOM_TBONE_STEPPYR}",
+        source=f"DS-TMC4361 7.2; {TOM_TBONE_STEPPYR}",
         fields=_selection("interrupt"),
     ),
     Register(
@@ -66,7 +66,7 @@ EVENT_ROWS = (
         group="events",
         volatile=True,
         read_clears=True,
-        source=f"002, 7.2; {TOM_TBONE_STEPPYR}",
+        source=f"DS-TMC4361 7.2; {TOM_TBONE_STEPPYR}",
         fields=_events(),
     ),
     Register(
@@ -78,7 +78,7 @@ EVENT_ROWS = (
         reset=None,
         group="events",
         volatile=True,
-        source=f"002, 7.1 (name, address); {TOM_TBONE_STEPPYR} (bits); KMARX (bits 31:24)",
+        source=f"DS-TMC4361 7.1 (name, address); {TOM_TBONE_STEPPYR} (bits); KMARX (bits 31:24)",
         fields=(
             _flag("TARGET_REACHED_F", 0, "XACTUAL is XTARGET"),
             _flag("POS_COMP_REACHED_F", 1, "the compared position has been reached"),

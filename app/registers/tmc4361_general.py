@@ -17,7 +17,7 @@ from app.registers.tmc4361_rows import (
 CLOCK_HZ_DEFAULT = 16_000_000
 CLOCK_HZ_MIN = 4_194_304
 CLOCK_HZ_MAX = 32_000_000
-"""Lowest and highest fCLK [Hz] (002, 8.2.3; in words "4.2 MHz up to 32 MHz"; later revisions say 30 MHz)."""
+"""Lowest and highest fCLK [Hz] (DS-TMC4361 8.2.3; in words "4.2 MHz up to 32 MHz"; later revisions say 30 MHz)."""
 
 RESET_CODE = 0x525354
 """What RESET_REG takes for a reset: "RST"."""
@@ -54,7 +54,7 @@ GENERAL_ROWS = (
         address=0x00,
         reset=0x6020,
         group="general",
-        source=f"002, 8, 8.1, 8.2.3 (bits 5:1); {TOM_TBONE_STEPPYR}; CAMILLE (reset)",
+        source=f"DS-TMC4361 8, 8.1, 8.2.3 (bits 5:1); {TOM_TBONE_STEPPYR}; CAMILLE (reset)",
         fields=(
             Field(
                 "use_astart_and_vstart",
@@ -189,7 +189,7 @@ GENERAL_ROWS = (
         "sample rate and length of the digital filter of each input group",
         address=0x03,
         group="filters",
-        source=f"002, 6, 6.1.1, 6.1.2; {TOM_TBONE_STEPPYR} (bits)",
+        source=f"DS-TMC4361 6, 6.1.1, 6.1.2; {TOM_TBONE_STEPPYR} (bits)",
         fields=(
             *_filter_group("enc_in", 0, "the encoder pins"),
             *_filter_group("ref", 8, "STOPL, HOME_REF and STOPR"),
@@ -204,7 +204,7 @@ GENERAL_ROWS = (
         unit=CLOCKS,
         address=0x10,
         group="step/dir",
-        source=f"002, 8, 8.1; {TOM} (OLDC's table resets it to 0x00040001: open)",
+        source=f"DS-TMC4361 8, 8.1; {TOM} (OLDC's table resets it to 0x00040001: open)",
         fields=(
             Field("STP_LENGTH_ADD", 16, "a step pulse lasts one clock more than this", unit=CLOCKS, lsb=0),
             Field("DIR_SETUP_TIME", 16, "no step for so long after DIROUT changed", unit=CLOCKS, lsb=16),
@@ -248,7 +248,7 @@ GENERAL_ROWS = (
         address=0x31,
         reset=CLOCK_HZ_DEFAULT,
         group="clock",
-        source=f"002, 1.4, 8, 8.2.3; {TOM_TBONE_STEPPYR}; OLDC (reset)",
+        source=f"DS-TMC4361 1.4, 8, 8.2.3; {TOM_TBONE_STEPPYR}; OLDC (reset)",
     ),
     Register(
         "RESET_CLK_GATING",

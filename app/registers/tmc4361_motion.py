@@ -1,4 +1,4 @@
-"""Ramp generator, reference switches and positions of the TMC4361 (002, 8 and 9)."""
+"""Ramp generator, reference switches and positions of the TMC4361 (DS-TMC4361 8 and 9)."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ DIRECT = "fCLK^2/2^37 with direct_acc_val_en"
 
 def _velocity(name: str, address: int, meaning: str, source: str) -> Register:
     """An unsigned velocity of 23 bits and 8 fractional bits."""
-    return Register(name, 31, meaning, unit=VELOCITY_UNIT, address=address, group="ramp", source=f"002, 8; {source}")
+    return Register(
+        name, 31, meaning, unit=VELOCITY_UNIT, address=address, group="ramp", source=f"DS-TMC4361 8; {source}"
+    )
 
 
 def _acceleration(name: str, address: int, meaning: str, source: str, group: str = "ramp") -> Register:
@@ -36,7 +38,7 @@ def _acceleration(name: str, address: int, meaning: str, source: str, group: str
         unit=ACCELERATION_UNIT,
         address=address,
         group=group,
-        source=f"002, {section}; {source}",
+        source=f"DS-TMC4361 {section}; {source}",
     )
 
 
@@ -48,7 +50,7 @@ def _bow(number: int, meaning: str) -> Register:
         unit=BOW_UNIT,
         address=0x2C + number,
         group="ramp",
-        source=f"002, 8, 8.2.3; {TOM_TBONE_STEPPYR}",
+        source=f"DS-TMC4361 8, 8.2.3; {TOM_TBONE_STEPPYR}",
     )
 
 
@@ -82,7 +84,7 @@ RAMP_ROWS = (
         "velocity or positioning, and the shape of ramps",
         address=0x20,
         group="ramp",
-        source=f"002, 8, 8.2; {TOM_TBONE_STEPPYR}",
+        source=f"DS-TMC4361 8, 8.2; {TOM_TBONE_STEPPYR}",
         fields=(
             Field("RAMP_PROFILE", 2, "shape of ramps", lsb=0, range=(0, 2), values=RAMP_PROFILES),
             Field("OPERATION_MODE", 1, "what VMAX is", lsb=2, values={0: "velocity mode", 1: "positioning mode"}),
@@ -92,7 +94,7 @@ RAMP_ROWS = (
         "XACTUAL",
         0x21,
         "where the ramp generator is",
-        f"002, 8; {TOM_TBONE_STEPPYR}",
+        f"DS-TMC4361 8; {TOM_TBONE_STEPPYR}",
         volatile=True,
         group="ramp",
     ),
@@ -106,7 +108,7 @@ RAMP_ROWS = (
         access=Access.R,
         volatile=True,
         group="ramp",
-        source=f"002, 8.2.3 (32 bits; the table of 8 says 24); {TOM_TBONE_STEPPYR}",
+        source=f"DS-TMC4361 8.2.3 (32 bits; the table of 8 says 24); {TOM_TBONE_STEPPYR}",
     ),
     Register(
         "AACTUAL",
@@ -118,7 +120,7 @@ RAMP_ROWS = (
         access=Access.R,
         volatile=True,
         group="ramp",
-        source=f"002, 8, 8.2.3 (24 bits); {TOM_TBONE_STEPPYR} (32 bits, sign extended)",
+        source=f"DS-TMC4361 8, 8.2.3 (24 bits); {TOM_TBONE_STEPPYR} (32 bits, sign extended)",
     ),
     Register(
         "VMAX",
@@ -128,7 +130,7 @@ RAMP_ROWS = (
         unit=VELOCITY_UNIT,
         address=0x24,
         group="ramp",
-        source=f"002, 8, 8.2, 8.2.3; {TOM_TBONE_STEPPYR}",
+        source=f"DS-TMC4361 8, 8.2, 8.2.3; {TOM_TBONE_STEPPYR}",
     ),
     _velocity("VSTART", 0x25, "speed at which a ramp begins, in both directions", TOM_TBONE_STEPPYR),
     _velocity("VSTOP", 0x26, "speed from which a ramp ends at once, in both directions", TOM_TBONE_STEPPYR),
@@ -141,7 +143,7 @@ RAMP_ROWS = (
         f"acceleration with which an S-ramp begins, and of a trapezoid below VBREAK; {DIRECT}",
         address=0x2A,
         group="ramp",
-        source=f"002, 8, 8.2, 8.2.3 (24 bits); {TOM_STEPPYR}",
+        source=f"DS-TMC4361 8, 8.2, 8.2.3 (24 bits); {TOM_STEPPYR}",
         fields=(
             Field("ASTART", 24, "the acceleration", unit=ACCELERATION_UNIT, lsb=0),
             Field(
@@ -167,7 +169,7 @@ RAMP_ROWS = (
         "XTARGET",
         0x37,
         "where positioning goes",
-        f"002, 8; {TOM_TBONE_STEPPYR}",
+        f"DS-TMC4361 8; {TOM_TBONE_STEPPYR}",
         group="ramp",
     ),
     Register(
@@ -218,7 +220,7 @@ REFERENCE_ROWS = (
         group="reference",
         volatile=True,
         write_note="start_home_tracking returns to 0 by itself",
-        source=f"002, 9, 9.1; {TOM_TBONE_STEPPYR} (bits)",
+        source=f"DS-TMC4361 9, 9.1; {TOM_TBONE_STEPPYR} (bits)",
         fields=(
             Field("stop_left_en", 1, "STOPL stops motion to the left", lsb=0, values=OFF_ON),
             Field("stop_right_en", 1, "STOPR stops motion to the right", lsb=1, values=OFF_ON),
@@ -274,23 +276,23 @@ REFERENCE_ROWS = (
         unit=MICROSTEPS,
         address=0x1E,
         group="reference",
-        source=f"002, 9; {TOM}",
+        source=f"DS-TMC4361 9; {TOM}",
     ),
     _acceleration("DSTOP", 0x2C, "deceleration of soft stops by switches and virtual stops", TOM, "reference"),
-    _position("POS_COMP", 0x32, "position to compare with", f"002, 9; {TOM_TBONE}"),
-    _position("VIRT_STOP_LEFT", 0x33, "stops the motor at and left of here", f"002, 9; {TOM_TBONE_STEPPYR}"),
+    _position("POS_COMP", 0x32, "position to compare with", f"DS-TMC4361 9; {TOM_TBONE}"),
+    _position("VIRT_STOP_LEFT", 0x33, "stops the motor at and left of here", f"DS-TMC4361 9; {TOM_TBONE_STEPPYR}"),
     _position(
         "VIRT_STOP_RIGHT",
         0x34,
         "stops the motor at and right of here",
-        f"002, 9 (called left there, with the right comparison); {TOM_TBONE_STEPPYR}",
+        f"DS-TMC4361 9 (called left there, with the right comparison); {TOM_TBONE_STEPPYR}",
     ),
-    _position("X_HOME", 0x35, "position of home", f"002, 9; {TOM}", volatile=True),
+    _position("X_HOME", 0x35, "position of home", f"DS-TMC4361 9; {TOM}", volatile=True),
     _position(
         "X_LATCH",
         0x36,
         "XACTUAL at the latest edge that was to be latched",
-        f"002, 9 (RW there; a write is X_RANGE); {TOM_TBONE}",
+        f"DS-TMC4361 9 (RW there; a write is X_RANGE); {TOM_TBONE}",
         access=Access.R,
         volatile=True,
     ),
@@ -325,6 +327,6 @@ REFERENCE_ROWS = (
         address=0x7C,
         access=Access.W,
         group="reference",
-        source=f"{HEADERS}; manual of revision 3.10 (format)",
+        source=f"{HEADERS}; REV310 (format)",
     ),
 )

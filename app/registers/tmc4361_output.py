@@ -329,7 +329,7 @@ _DRIVER_ROWS = (
         address=0x1F,
         reset=0x280,
         group="pwm",
-        source=f"002, 1.3.4; {TOM}; OLDC (reset)",
+        source=f"DS-TMC4361 1.3.4; {TOM}; OLDC (reset)",
     ),
     Register(
         "CHOPSYNC_DIV",

@@ -1,6 +1,6 @@
 """What the rows of the TMC4361 share: units, sources, and what a field takes over from its word.
 
-"002" in a source stands for the TMC4361-LA data sheet. Our copy ends inside 9.1, before its register
+"DS-TMC4361" in a source stands for the TMC4361-LA data sheet. Our copy ends inside 9.1, before its register
 chapter 17; what it does not tell is taken from later public sources, named as follows:
 
 - TMC4361A: the vendor's TMC-API header of the later chip; PY4361: its PyTrinamic counterpart (one origin);

@@ -1,8 +1,9 @@
 """What the rows of the TMC5031, TMC5062, TMC5072, TMC5130 and TMC5160 share: units, names of values, sources.
 
 Rows are written once, as the first axis has them; `tmc5xxx` puts them onto the axes of each chip. A source begins with
-the chip's data sheet and the place in it, where that tells the row: DS5031 and DS5062 by section (their revisions of
-2023 and before), DS5072 (Rev. 1.26), DS5130 (Rev. 1.21) and DS5160 (Rev. 1.18) by page. Second sources:
+the chip's data sheet and the place in it, where that tells the row: DS-TMC5031 and DS-TMC5062 by section (their
+revisions of 2023 and before), DS-TMC5072 (Rev. 1.26), DS-TMC5130 (Rev. 1.21) and DS-TMC5160 (Rev. 1.18) by page. Second
+sources:
 
 - API: the vendor's TMC-API headers, and PY: PyTrinamic's tables; one origin, so together one source.
 """
@@ -196,4 +197,4 @@ def sheet(model: str, name: str, group: str) -> str:
     """The chip's data sheet and where in it the register is told. Raises KeyError where nobody has looked that up."""
     places = _PLACES[model]
     key = next(key for key in (name.partition("[")[0], group, "") if key in places)
-    return f"DS{model.removeprefix('tmc')}, {places[key]}"
+    return f"DS-{model.upper()} {places[key]}"

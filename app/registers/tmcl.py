@@ -1,6 +1,6 @@
 """TMCL as rows: commands, status codes and flags, for driver, emulator, console and log alike.
 
-Source "004" is the TMCL manual of the PD42-1241 (firmware V1.44). Its tables were lost in the copy
+Source "FM-PD42-1241" is the TMCL manual of the PD42-1241 (firmware V1.44). Its tables were lost in the copy
 at hand; type and motor codes come from manuals and headers of sister modules, named in `source`.
 """
 
@@ -12,15 +12,15 @@ from enum import IntEnum, IntFlag
 from types import MappingProxyType
 
 COORDINATES_IN_EEPROM = 255
-"""As motor of SCO and GCO: copy between RAM and EEPROM (004, 3.6.22 and 3.6.23)."""
+"""As motor of SCO and GCO: copy between RAM and EEPROM (FM-PD42-1241 3.6.22 and 3.6.23)."""
 CONTROL_FIRST = 128
-"""Commands from here on are control commands: never stored in a program (004, 3.6.36)."""
+"""Commands from here on are control commands: never stored in a program (FM-PD42-1241 3.6.36)."""
 MAGIC = 1234
 """What factory settings and reset want as value, so that no slip of a byte causes them."""
 
 
 class Opcode(IntEnum):
-    """Command numbers (004, 3.6); names of the control commands are ours."""
+    """Command numbers (FM-PD42-1241 3.6); names of the control commands are ours."""
 
     ROR = 1
     ROL = 2
@@ -79,7 +79,7 @@ class Opcode(IntEnum):
 
 
 class Status(IntEnum):
-    """Third byte of a reply (004, 3.2.1)."""
+    """Third byte of a reply (FM-PD42-1241 3.2.1)."""
 
     WRONG_CHECKSUM = 1
     INVALID_COMMAND = 2
@@ -174,95 +174,107 @@ _WAITS = {"TICKS": 0, "POS": 1, "REFSW": 2, "LIMSW": 3, "RFS": 4}
 _FLAGS = {"ALL": 0, "ETO": 1, "EAL": 2, "EDV": 3, "EPO": 4}
 
 COMMANDS: tuple[CommandRow, ...] = (
-    CommandRow(1, "ROR", "rotate right", "Turn on and on, position counting up.", "004, 3.6.1", motor=_MOTOR,
+    CommandRow(1, "ROR", "rotate right", "Turn on and on, position counting up.", "FM-PD42-1241 3.6.1", motor=_MOTOR,
                value="velocity [pps]", moves=True),
-    CommandRow(2, "ROL", "rotate left", "Turn on and on, position counting down.", "004, 3.6.2", motor=_MOTOR,
+    CommandRow(2, "ROL", "rotate left", "Turn on and on, position counting down.", "FM-PD42-1241 3.6.2", motor=_MOTOR,
                value="velocity [pps]", moves=True),
-    CommandRow(3, "MST", "motor stop", "Slow down to a stop with the maximum acceleration.", "004, 3.6.3",
+    CommandRow(3, "MST", "motor stop", "Slow down to a stop with the maximum acceleration.", "FM-PD42-1241 3.6.3",
                motor=_MOTOR, moves=True),
-    CommandRow(4, "MVP", "move to position", "Go to a position by a ramp; answers at once.", "004, 3.6.4", _MVP,
+    CommandRow(4, "MVP", "move to position", "Go to a position by a ramp; answers at once.", "FM-PD42-1241 3.6.4", _MVP,
                "ABS, REL or COORD", _MOTOR, "position, distance or number of a coordinate", moves=True),
-    CommandRow(5, "SAP", "set axis parameter", "Write an axis parameter (RAM).", "004, 3.6.5",
+    CommandRow(5, "SAP", "set axis parameter", "Write an axis parameter (RAM).", "FM-PD42-1241 3.6.5",
                type="axis parameter", motor=_MOTOR, value="value", moves=True),
-    CommandRow(6, "GAP", "get axis parameter", "Read an axis parameter.", "004, 3.6.6", type="axis parameter",
+    CommandRow(6, "GAP", "get axis parameter", "Read an axis parameter.", "FM-PD42-1241 3.6.6", type="axis parameter",
                motor=_MOTOR, reply="value", reads=True),
-    CommandRow(9, "SGP", "set global parameter", "Write a global parameter or user variable.", "004, 3.6.7",
+    CommandRow(9, "SGP", "set global parameter", "Write a global parameter or user variable.", "FM-PD42-1241 3.6.7",
                type="parameter", motor=_BANK, value="value"),
-    CommandRow(10, "GGP", "get global parameter", "Read a global parameter or user variable.", "004, 3.6.8",
+    CommandRow(10, "GGP", "get global parameter", "Read a global parameter or user variable.", "FM-PD42-1241 3.6.8",
                type="parameter", motor=_BANK, reply="value", reads=True),
-    CommandRow(11, "STGP", "store global parameter", "Copy a user variable, 0..55, to EEPROM.", "004, 3.6.9",
+    CommandRow(11, "STGP", "store global parameter", "Copy a user variable, 0..55, to EEPROM.", "FM-PD42-1241 3.6.9",
                type="user variable", motor="bank, 2"),
     CommandRow(12, "RSGP", "restore global parameter", "Copy a user variable, 0..55, back from EEPROM.",
-               "004, 3.6.10", type="user variable", motor="bank, 2"),
-    CommandRow(13, "RFS", "reference search", "Start, stop or ask for the built-in reference search.", "004, 3.6.11",
+               "FM-PD42-1241 3.6.10", type="user variable", motor="bank, 2"),
+    CommandRow(13, "RFS", "reference search", "Start, stop or ask for the built-in reference search.",
+               "FM-PD42-1241 3.6.11",
                _RFS, "START, STOP or STATUS", _MOTOR, reply="STATUS: 0 when no search runs", moves=True),
-    CommandRow(14, "SIO", "set output", "Switch an output, or the pull-ups of the inputs.", "004, 3.6.12",
+    CommandRow(14, "SIO", "set output", "Switch an output, or the pull-ups of the inputs.", "FM-PD42-1241 3.6.12",
                type="port", motor="bank, 2 (outputs) or 0 (pull-ups)", value="0 or 1; pull-ups: bits"),
-    CommandRow(15, "GIO", "get input", "Read an input, or what an output was set to.", "004, 3.6.13", type="port",
+    CommandRow(15, "GIO", "get input", "Read an input, or what an output was set to.",
+               "FM-PD42-1241 3.6.13", type="port",
                motor="bank, 0 digital, 1 analog, 2 outputs", reply="state or ADC counts", reads=True),
-    CommandRow(19, "CALC", "calculate", "Calculate with accumulator and value.", "004, 3.6.14", _CALC, "operation",
+    CommandRow(19, "CALC", "calculate", "Calculate with accumulator and value.",
+               "FM-PD42-1241 3.6.14", _CALC, "operation",
                value="operand", reply="operand"),
-    CommandRow(20, "COMP", "compare", "Compare the accumulator with a value.", "004, 3.6.15", value="value",
+    CommandRow(20, "COMP", "compare", "Compare the accumulator with a value.", "FM-PD42-1241 3.6.15", value="value",
                direct=False),
-    CommandRow(21, "JC", "jump conditional", "Jump where the condition holds.", "004, 3.6.16", _CONDITIONS,
+    CommandRow(21, "JC", "jump conditional", "Jump where the condition holds.", "FM-PD42-1241 3.6.16", _CONDITIONS,
                "condition", value="address", direct=False),
-    CommandRow(22, "JA", "jump always", "Jump.", "004, 3.6.17", value="address", direct=False),
-    CommandRow(23, "CSUB", "call subroutine", "Jump, and remember the way back.", "004, 3.6.18", value="address",
+    CommandRow(22, "JA", "jump always", "Jump.", "FM-PD42-1241 3.6.17", value="address", direct=False),
+    CommandRow(23, "CSUB", "call subroutine", "Jump, and remember the way back.",
+               "FM-PD42-1241 3.6.18", value="address",
                direct=False),
-    CommandRow(24, "RSUB", "return from subroutine", "Go back to where the subroutine was called.", "004, 3.6.19",
+    CommandRow(24, "RSUB", "return from subroutine", "Go back to where the subroutine was called.",
+               "FM-PD42-1241 3.6.19",
                direct=False),
-    CommandRow(25, "EI", "enable interrupt", "Enable an interrupt; 255 all of them.", "004, 3.6.30",
+    CommandRow(25, "EI", "enable interrupt", "Enable an interrupt; 255 all of them.", "FM-PD42-1241 3.6.30",
                type="interrupt, 255 for all"),
-    CommandRow(26, "DI", "disable interrupt", "Disable an interrupt; 255 all of them.", "004, 3.6.31",
+    CommandRow(26, "DI", "disable interrupt", "Disable an interrupt; 255 all of them.", "FM-PD42-1241 3.6.31",
                type="interrupt, 255 for all"),
-    CommandRow(27, "WAIT", "wait", "Wait for time, position, switch or search.", "004, 3.6.20", _WAITS, "condition",
+    CommandRow(27, "WAIT", "wait", "Wait for time, position, switch or search.",
+               "FM-PD42-1241 3.6.20", _WAITS, "condition",
                _MOTOR, "ticks of 10 ms, or time limit", direct=False),
-    CommandRow(28, "STOP", "stop program", "End the program.", "004, 3.6.21", direct=False),
-    CommandRow(30, "SCO", "set coordinate", "Write a coordinate; motor 255 copies to EEPROM.", "004, 3.6.22",
+    CommandRow(28, "STOP", "stop program", "End the program.", "FM-PD42-1241 3.6.21", direct=False),
+    CommandRow(30, "SCO", "set coordinate", "Write a coordinate; motor 255 copies to EEPROM.", "FM-PD42-1241 3.6.22",
                type=_COORDINATE, motor="motor, 0; 255 for EEPROM", value="position"),
-    CommandRow(31, "GCO", "get coordinate", "Read a coordinate; motor 255 copies from EEPROM.", "004, 3.6.23",
+    CommandRow(31, "GCO", "get coordinate", "Read a coordinate; motor 255 copies from EEPROM.", "FM-PD42-1241 3.6.23",
                type=_COORDINATE, motor="motor, 0; 255 for EEPROM", reply="position", reads=True),
-    CommandRow(32, "CCO", "capture coordinate", "Take the actual position as a coordinate.", "004, 3.6.24",
+    CommandRow(32, "CCO", "capture coordinate", "Take the actual position as a coordinate.", "FM-PD42-1241 3.6.24",
                type=_COORDINATE, motor=_MOTOR, reply="position"),
-    CommandRow(33, "CALCX", "calculate with X", "Calculate with accumulator and X register.", "004, 3.6.26",
+    CommandRow(33, "CALCX", "calculate with X", "Calculate with accumulator and X register.", "FM-PD42-1241 3.6.26",
                {**_CALC, "SWAP": 10}, "operation"),
     CommandRow(34, "AAP", "accumulator to axis parameter", "Write the accumulator to an axis parameter.",
-               "004, 3.6.27", type="axis parameter", motor=_MOTOR, moves=True),
+               "FM-PD42-1241 3.6.27", type="axis parameter", motor=_MOTOR, moves=True),
     CommandRow(35, "AGP", "accumulator to global parameter", "Write the accumulator to a global parameter.",
-               "004, 3.6.28", type="parameter", motor=_BANK),
-    CommandRow(36, "CLE", "clear error flags", "Clear flags of the program interpreter.", "004, 3.6.29", _FLAGS,
+               "FM-PD42-1241 3.6.28", type="parameter", motor=_BANK),
+    CommandRow(36, "CLE", "clear error flags", "Clear flags of the program interpreter.", "FM-PD42-1241 3.6.29", _FLAGS,
                "flag"),
-    CommandRow(37, "VECT", "set interrupt vector", "Tell where an interrupt goes.", "004, 3.6.32", type="interrupt",
+    CommandRow(37, "VECT", "set interrupt vector", "Tell where an interrupt goes.",
+               "FM-PD42-1241 3.6.32", type="interrupt",
                value="address", direct=False),
-    CommandRow(38, "RETI", "return from interrupt", "Go back to what the interrupt interrupted.", "004, 3.6.33",
+    CommandRow(38, "RETI", "return from interrupt", "Go back to what the interrupt interrupted.", "FM-PD42-1241 3.6.33",
                direct=False),
-    CommandRow(39, "ACO", "accumulator to coordinate", "Write the accumulator to a coordinate.", "004, 3.6.25",
+    CommandRow(39, "ACO", "accumulator to coordinate", "Write the accumulator to a coordinate.", "FM-PD42-1241 3.6.25",
                type=_COORDINATE, motor=_MOTOR),
     *(
         CommandRow(64 + number, f"UF{number}", f"user function {number}",
-                   "Reserved for functions of a customer's own firmware.", "004, 3.6.34",
+                   "Reserved for functions of a customer's own firmware.", "FM-PD42-1241 3.6.34",
                    type="its own", motor="its own", value="its own", reply="its own", moves=True)
         for number in range(8)
     ),
-    CommandRow(128, "", "stop application", "Stop the program in the module.", "004, 3.6.36"),
-    CommandRow(129, "", "run application", "Run the program in the module.", "004, 3.6.36",
+    CommandRow(128, "", "stop application", "Stop the program in the module.", "FM-PD42-1241 3.6.36"),
+    CommandRow(129, "", "run application", "Run the program in the module.", "FM-PD42-1241 3.6.36",
                {"CURRENT": 0, "ADDRESS": 1}, "from where", value="address for type 1", moves=True),
-    CommandRow(130, "", "step application", "Do the next command of the program.", "004, 3.6.36", moves=True),
-    CommandRow(131, "", "reset application", "Stop the program and go to its start.", "004, 3.6.36"),
-    CommandRow(132, "", "enter download mode", "From now on store commands instead of doing them.", "004, 3.6.36",
+    CommandRow(130, "", "step application", "Do the next command of the program.", "FM-PD42-1241 3.6.36", moves=True),
+    CommandRow(131, "", "reset application", "Stop the program and go to its start.", "FM-PD42-1241 3.6.36"),
+    CommandRow(132, "", "enter download mode", "From now on store commands instead of doing them.",
+               "FM-PD42-1241 3.6.36",
                value="address"),
-    CommandRow(133, "", "exit download mode", "From now on do commands again.", "004, 3.6.36"),
-    CommandRow(134, "", "read program memory", "Read a stored command; the answer has no checksum.", "004, 3.6.36",
+    CommandRow(133, "", "exit download mode", "From now on do commands again.", "FM-PD42-1241 3.6.36"),
+    CommandRow(134, "", "read program memory", "Read a stored command; the answer has no checksum.",
+               "FM-PD42-1241 3.6.36",
                value="address", reply="the command", reads=True),
-    CommandRow(135, "", "get application status", "What the program interpreter does.", "004, 3.6.36",
+    CommandRow(135, "", "get application status", "What the program interpreter does.", "FM-PD42-1241 3.6.36",
                {"POINTER": 0, "COUNTER": 1, "ACCUMULATOR": 2, "X": 3}, "what", reply="by type", reads=True),
-    CommandRow(136, "", "get firmware version", "Module and firmware; the string has no checksum.", "004, 3.6.36",
+    CommandRow(136, "", "get firmware version", "Module and firmware; the string has no checksum.",
+               "FM-PD42-1241 3.6.36",
                {"STRING": 0, "BINARY": 1}, "form", reply="module << 16 | version", reads=True),
-    CommandRow(137, "", "restore factory settings", "Forget everything in EEPROM; not answered.", "004, 3.6.36",
+    CommandRow(137, "", "restore factory settings", "Forget everything in EEPROM; not answered.", "FM-PD42-1241 3.6.36",
                value="1234"),
     CommandRow(138, "", "request position reached event", "Tell by a second answer when an MVP has arrived.",
-               "004, 3.6.35", {"NEXT": 0, "EVERY": 1}, "which MVP", value="bits of motors, 1", reply="bits of motors"),
-    CommandRow(255, "", "reset module", "Start the module again, as after power-on.", "004, 3.6.36", value="1234",
+               "FM-PD42-1241 3.6.35", {"NEXT": 0, "EVERY": 1}, "which MVP", value="bits of motors, 1",
+               reply="bits of motors"),
+    CommandRow(255, "", "reset module", "Start the module again, as after power-on.",
+               "FM-PD42-1241 3.6.36", value="1234",
                moves=True),
 )  # fmt: skip
 
@@ -290,7 +302,7 @@ REFERENCE_MODES: Mapping[int, str] = MappingProxyType(
         8: "home switch to the left, stop switches ignored",
     }
 )
-"""Axis parameter 193 (004, 7.1): 1..4 with `SWAPPED` added look for the other side, 5..8 with `HOME_INVERTED`
+"""Axis parameter 193 (FM-PD42-1241 7.1): 1..4 with `SWAPPED` added look for the other side, 5..8 with `HOME_INVERTED`
 take the home switch the other way round."""
 SWAPPED = 64
 HOME_INVERTED = 128

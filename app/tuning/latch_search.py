@@ -1,8 +1,8 @@
-"""Reference search of a TMC4361: both edges of a switch as the chip latches them, and zero in the middle (002, 9).
+"""Reference search of a TMC4361: both edges of a switch as the chip latches them, and zero in the middle.
 
-"left" and "right" are the stop switches. "reference" is HOME_REF, which is crossed: home tracking puts first the one
-edge and then the other into X_HOME. Where home lies nobody knows, so the search goes left, and turns at the left end if
-it has not met both edges.
+DS-TMC4361 9. "left" and "right" are the stop switches. "reference" is HOME_REF, which is crossed: home tracking puts
+first the one edge and then the other into X_HOME. Where home lies nobody knows, so the search goes left, and turns at
+the left end if it has not met both edges.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Reference search by a TMCL module itself: told how, started, followed, and asked what it found (004, 7.1).
+"""Reference search by a TMCL module itself: told how, started, followed, and asked what it found (FM-PD42-1241 7.1).
 
 The module tells no more than that it searches. Which part of the search it is in shows in its speed:
 the search speed until a switch was found, the switch speed for finding the edges.

@@ -1,8 +1,8 @@
-"""Reference search: both edges of a switch by the position latch, and zero in the middle (001, 9.9).
+"""Reference search: both edges of a switch by the position latch, and zero in the middle (DS-TMC428 9.9).
 
 Three switches are meant. "left" and "right" are end switches: the motor runs into the switch, which
 stops it, and comes back out; the two edges differ by the switch's hysteresis. "reference" is the
-switch between them that shares the left input (wired or, 001, 9.8), and is crossed.
+switch between them that shares the left input (wired or, DS-TMC428 9.8), and is crossed.
 
 Which of the two switches on the shared input is active, the chip cannot tell. Going right it can
 only be the reference switch that becomes active, and coming from the right end it is the first one
@@ -93,7 +93,7 @@ class ReferenceSearch(Search):
         switches = (await finder.state()).switches
         if (switches.right if self.switch == "right" else switches.left) is None:
             side = "right" if self.switch == "right" else "left"
-            raise WrongState(f"axis {self.axis} has no {side} switch", "see refmux and mot1r (001, Table 9-3)")
+            raise WrongState(f"axis {self.axis} has no {side} switch", "see refmux and mot1r (DS-TMC428 Table 9-3)")
         one_pps = finder.chip.clock_hz / (2**setting.pulse_div * 2048 * 32)
         wanted = setting.v_max / 4 if self._velocity_pps is None else self._velocity_pps / one_pps
         if wanted > setting.v_max:
@@ -144,7 +144,7 @@ class ReferenceSearch(Search):
         await finder.halt()
 
     async def _over_active_range(self) -> int:
-        """Left across the active switch, under the protection of dx_ref_tolerance (001, 8.15, 9.9).
+        """Left across the active switch, under the protection of dx_ref_tolerance (DS-TMC428 8.15, 9.9).
 
         The tolerance lies around position zero and has 12 bits, so zero is put where the range
         reaches as far to the left as it can. A wider switch stops the motor again at the range's

@@ -260,7 +260,7 @@ async def test_a_sixpoint_ramp_that_cannot_be_is_422(
     assert words in answer.json()["detail"]
 
 
-@pytest.mark.sheet("004", "7.4")
+@pytest.mark.sheet("FM-PD42-1241", "7.4")
 async def test_units_of_a_module(client: httpx.AsyncClient) -> None:
     body = {
         "model": "pd42-1241",

@@ -35,7 +35,7 @@ async def test_phase_and_the_level_before_count(client: httpx.AsyncClient) -> No
     assert answer["output"] == [0, 0, 0, 1, 1]
 
 
-@pytest.mark.sheet("002", "6.1.2")
+@pytest.mark.sheet("DS-TMC4361", "6.1.2")
 async def test_bounds_are_told_in_clocks_and_in_seconds(client: httpx.AsyncClient) -> None:
     answer = await asked(client, clock_hz=8e6, sample_rate=3, length=5, input=[0])
     limits = bounds(3, 5, 8e6)
@@ -46,7 +46,7 @@ async def test_bounds_are_told_in_clocks_and_in_seconds(client: httpx.AsyncClien
         assert told[f"{name}_s"] == pytest.approx(clocks / 8e6)
 
 
-@pytest.mark.sheet("002", "6.1")
+@pytest.mark.sheet("DS-TMC4361", "6.1")
 async def test_the_filters_are_listed_with_fields_that_exist(client: httpx.AsyncClient) -> None:
     answer = (await client.get("calc/input-filter")).raise_for_status().json()
     register = TMC4361.get(answer["register_name"], 0)

@@ -27,7 +27,7 @@ from tests.api.processes import address, running
 DEADLINE_S = 60.0
 AXIS = 1
 X_ACTUAL, V_ACTUAL = 0x11, 0x15
-"""Of axis 1 (001, 8.1)."""
+"""Of axis 1 (DS-TMC428 8.1)."""
 X_ACTUAL_0 = 0x01
 
 

@@ -89,8 +89,8 @@ async def test_parameters_by_name_and_by_number(client: httpx.AsyncClient, motor
     assert (beyond.status_code, beyond.json()["type"]) == (422, "/problems/out-of-range")
 
 
-@pytest.mark.sheet("004", "3.6.9")
-@pytest.mark.sheet("004", "3.6.10")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.9")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.10")
 @pytest.mark.parametrize("name", ["gp2_5", "coord3"])
 async def test_what_is_stored_comes_back(client: httpx.AsyncClient, motor: str, name: str) -> None:
     await client.put(f"{motor}/registers/{name}", json={"value": 77})
@@ -240,7 +240,7 @@ async def test_a_raw_frame_has_nine_bytes(client: httpx.AsyncClient, motor: str)
 # --- reference search ---------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("004", "7.1")
+@pytest.mark.sheet("FM-PD42-1241", "7.1")
 async def test_it_searches_by_itself_in_one_of_its_modes(
     client: httpx.AsyncClient, motor: str, clock: VirtualClock
 ) -> None:

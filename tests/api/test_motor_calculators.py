@@ -71,7 +71,7 @@ async def test_a_tmc5130_measures_inside(client: httpx.AsyncClient) -> None:
     assert answer["sense_power_w"] is None
     assert {"name": "GCONF", "field": "internal_Rsense", "value": 1} in answer["settings"]
     assert "3000" in answer["formula"]
-    assert answer["source"].startswith("DS5130, 11")
+    assert answer["source"].startswith("DS-TMC5130 11")
 
 
 async def test_delays_of_the_current(client: httpx.AsyncClient) -> None:

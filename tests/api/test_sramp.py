@@ -80,7 +80,7 @@ async def test_bows_and_dmax_follow_the_first_where_they_are_left_out(client: ht
     assert given["duration_s"] == plan.duration_s
 
 
-@pytest.mark.sheet("002", "8.2.3")
+@pytest.mark.sheet("DS-TMC4361", "8.2.3")
 async def test_registers_say_what_the_chip_will_hold(client: httpx.AsyncClient) -> None:
     given = await answer(client, vmax=1000.001, amax=1234.6, rounding="registers", direct_bow_val_en=1)
     registers = {register["parameter"]: register for register in given["registers"]}

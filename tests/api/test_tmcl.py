@@ -19,7 +19,7 @@ from app.links.tmcl_text import parse_line
 from app.registers.tmcl import COMMANDS
 
 
-@pytest.mark.sheet("004", "3.6.4")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.4")
 async def test_a_command_by_fields_or_by_line_is_the_same_nine_bytes(
     client: httpx.AsyncClient, motor: str, clock: VirtualClock
 ) -> None:

@@ -1,4 +1,5 @@
-"""All inputs of the pmul/pdiv design in one call, against the data sheets' own loop (001, 8.11 and 19) one by one."""
+"""All inputs of the pmul/pdiv design in one call, against the data sheets' own loop (DS-TMC428 8.11 and 19) one by
+one."""
 
 from __future__ import annotations
 

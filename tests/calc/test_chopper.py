@@ -33,13 +33,13 @@ windings = st.builds(
 
 @pytest.mark.parametrize(("clock_hz", "toff"), [(12e6, 3.0), (16e6, 4.25)])
 def test_the_sheets_off_time(clock_hz: float, toff: float) -> None:
-    """DS5160, 8.1: 25 kHz with half of a cycle in two slow decays; the results take 24 clocks, the formula says 12."""
+    """DS-TMC5160 8.1: 25 kHz, half of a cycle in two slow decays; the results take 24 clocks, the formula says 12."""
     assert Winding(1, 1e-3, 1, 24, clock_hz).toff(25e3) == pytest.approx(toff)
     assert Winding(1, 1e-3, 1, 24, clock_hz).off_s(3) == 120 / clock_hz
 
 
 def test_the_sheets_hysteresis() -> None:
-    """DS5160, 8.1: 4 with as much as can be in HSTRT is HSTRT 6 and HEND 0."""
+    """DS-TMC5160 8.1: 4 with as much as can be in HSTRT is HSTRT 6 and HEND 0."""
     assert split(4) == (6, 0)
     assert split(-2) == (0, 0)
     assert split(16) == (7, 11)
@@ -61,7 +61,7 @@ def test_a_hysteresis_is_what_both_fields_make(hysteresis: int) -> None:
 
 
 def test_the_sheets_lowest_current() -> None:
-    """DS5160, 7.3.1: 5 Ohm at 24 V with TBL 1 and pwm_freq 0 takes 225 mA."""
+    """DS-TMC5160 7.3.1: 5 Ohm at 24 V with TBL 1 and pwm_freq 0 takes 225 mA."""
     assert Winding(5, 1e-3, 1, 24, 16e6).lowest_current_a(1, 0) == pytest.approx(0.225)
 
 
@@ -70,7 +70,7 @@ def test_the_sheets_lowest_current() -> None:
     [(18e6, (35.2, 52.7, 70.3, 87.8)), (16e6, (31.3, 46.9, 62.5, 78.0)), (8e6, (15.6, 23.4, 31.2, 39.0))],
 )
 def test_the_sheets_pwm_frequencies(clock_hz: float, khz: tuple[float, ...]) -> None:
-    """DS5160, 7.2, table 7.1."""
+    """DS-TMC5160 7.2, table 7.1."""
     winding = Winding(1, 1e-3, 1, 24, clock_hz)
     assert [winding.pwm_hz(n) / 1e3 for n in range(4)] == pytest.approx(khz, abs=0.06)
 
@@ -87,7 +87,7 @@ def test_blank_times_of_one_to_two_microseconds(clock_hz: float, tbl: int) -> No
 
 
 def test_amplitude_and_gradient() -> None:
-    """DS5160, 7.4: PWM_OFS = 374 R I / V; C_BEMF = T / 2 I; PWM_GRAD = C_BEMF 2 pi fCLK 1.46 / (V MSPR)."""
+    """DS-TMC5160 7.4: PWM_OFS = 374 R I / V; C_BEMF = T / 2 I; PWM_GRAD = C_BEMF 2 pi fCLK 1.46 / (V MSPR)."""
     assert MOTOR.amplitude() == pytest.approx(374 * 2.3 * 1.06 / 24)
     assert MOTOR.back_emf == pytest.approx(0.15)
     assert MOTOR.gradient == pytest.approx(0.15 * 2 * math.pi * 16e6 * 1.46 / (24 * 51_200))
@@ -123,7 +123,7 @@ def test_the_speed_limit_is_the_ramp_designers_motors_too() -> None:
 
 
 def test_the_application_notes_motor() -> None:
-    """AN-001, 0.5 Ohm, 0.6 mH, IRUN 23 at 0.15 Ohm: 26 kHz with TBL 2, TOFF 5 and hysteresis 6, then 60 kHz with TBL 1
+    """AN-001 0.5 Ohm, 0.6 mH, IRUN 23 at 0.15 Ohm: 26 kHz with TBL 2, TOFF 5 and hysteresis 6, then 60 kHz with TBL 1
     and TOFF 2, where it takes a hysteresis beyond what is usual. The estimate leaves out what switching takes."""
     winding = Winding(0.5, 0.6e-3, 1.01, 24, 16e6, irun=23)
     assert 26e3 < winding.chopper_hz(2, 5, 6) < 26e3 * 1.5
@@ -184,7 +184,7 @@ def test_what_is_asked_for_is_kept() -> None:
 
 
 def test_a_common_motor_at_every_chip() -> None:
-    """Effective hysteresis 4 for most motors (DS5160, 8.1), and this is one of them."""
+    """Effective hysteresis 4 for most motors (DS-TMC5160 8.1), and this is one of them."""
     for model in SHEETS:
         found = hints(model, MOTOR)
         assert [found.value(name) for name in ("tbl", "toff", "hstrt", "hend")] == [1, 4, 6, 0]
@@ -197,7 +197,7 @@ def test_a_common_motor_at_every_chip() -> None:
 
 
 def test_speeds_in_every_unit_that_is_of_use() -> None:
-    """DS5160, 13.5: a turn a second is where StallGuard begins to work for many motors."""
+    """DS-TMC5160 13.5: a turn a second is where StallGuard begins to work for many motors."""
     figures = {figure.name: figure.value for figure in hints("tmc5160", MOTOR).figures}
     assert figures["stallguard_least"] == pytest.approx(51_200)
     assert figures["stallguard_least_rpm"] == pytest.approx(60)

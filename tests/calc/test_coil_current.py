@@ -33,7 +33,7 @@ def stage(model: str, ohm: float = 0.15) -> CurrentStage:
     ],
 )
 def test_sense_resistors_of_a_tmc5160(ohm: float, rms_a: float, peak_a: float) -> None:
-    """DS5160, 9: the table is rounded, its RMS column from the rounded peaks."""
+    """DS-TMC5160 9: the table is rounded, its RMS column from the rounded peaks."""
     full = stage("tmc5160", ohm).setting(31, 256)
     assert full.peak_a == pytest.approx(peak_a, abs=0.26 if ohm < 0.05 else 0.1)
     assert full.rms_a == pytest.approx(rms_a, rel=0.055)
@@ -57,7 +57,7 @@ def test_sense_resistors_of_a_tmc5160(ohm: float, rms_a: float, peak_a: float) -
     ],
 )
 def test_sense_resistors_of_a_tmc5130(ohm: float, low: float, high: float) -> None:
-    """DS5130, 10, RMS with vsense 0 and 1: reckoned with 0.325 V, as in 30.2, where the text of 10 says 0.32 V."""
+    """DS-TMC5130 10, RMS with vsense 0 and 1: reckoned with 0.325 V, as in 30.2, where the text of 10 says 0.32 V."""
     chip = stage("tmc5130", ohm)
     assert chip.setting(31, 0).rms_a == pytest.approx(low, abs=0.0051)
     assert chip.setting(31, 1).rms_a == pytest.approx(high, abs=0.0051)
@@ -69,7 +69,7 @@ def test_sense_resistors_of_a_tmc5130(ohm: float, low: float, high: float) -> No
 )
 @pytest.mark.parametrize("model", ["tmc5031", "tmc5062", "tmc5072"])
 def test_sense_resistors_of_chips_with_two_axes(model: str, ohm: float, low: float, high: float) -> None:
-    """DS5072, 7 (and DS5031, 6): the table has some 3 % less than 0.32 V and 0.18 V, stated beside it, give."""
+    """DS-TMC5072 7 (and DS-TMC5031 6): the table has some 3 % less than 0.32 V and 0.18 V, stated beside it, give."""
     chip = stage(model, ohm)
     for select, printed in enumerate((low, high)):
         assert 0 < chip.setting(31, select).rms_a / printed - 1 < 0.06
@@ -92,7 +92,7 @@ def test_sense_resistors_of_chips_with_two_axes(model: str, ohm: float, low: flo
     ],
 )
 def test_a_tmc5130_without_sense_resistors(ohm: float, low: float, high: float) -> None:
-    """DS5130, 11: peaks with vsense 0 and 1."""
+    """DS-TMC5130 11: peaks with vsense 0 and 1."""
     chip = CurrentStage("tmc5130", None, reference_ohm=ohm)
     assert chip.full_scale_a(0) == pytest.approx(low, abs=0.0051)
     assert chip.full_scale_a(1) == pytest.approx(high, abs=0.0051)
@@ -100,7 +100,7 @@ def test_a_tmc5130_without_sense_resistors(ohm: float, low: float, high: float) 
 
 
 def test_a_voltage_at_ain_scales_the_current() -> None:
-    """DS5130, 9: in proportion up to 2.5 V, no more above."""
+    """DS-TMC5130 9: in proportion up to 2.5 V, no more above."""
     inside = stage("tmc5130").full_scale_a(0)
     for volts, share in ((0.0, 0.0), (1.25, 0.5), (2.5, 1.0), (5.0, 1.0)):
         assert CurrentStage("tmc5130", 0.15, ain_v=volts).full_scale_a(0) == pytest.approx(share * inside)
@@ -137,7 +137,7 @@ def test_the_best_setting_is_as_near_as_a_scale_allows(model: str, ohm: float, p
 
 
 def test_a_tmc5160_keeps_irun_at_31_where_the_scaler_can_do_it() -> None:
-    """DS5160, 9: IRUN 31, and the rest by GLOBALSCALER."""
+    """DS-TMC5160 9: IRUN 31, and the rest by GLOBALSCALER."""
     best = stage("tmc5160", 0.075).ranked(2.0 * math.sqrt(2))[0]
     assert (best.scale, best.select) == (31, 167)
     assert best.rms_a == pytest.approx(2.0, rel=1e-3)
@@ -154,7 +154,7 @@ def test_a_hold_current_is_looked_for_with_the_selection_of_the_run_current(mode
 
 
 def test_power_in_the_sense_resistor() -> None:
-    """DS5160, 9: I^2 R, with the peak at rest."""
+    """DS-TMC5160 9: I^2 R, with the peak at rest."""
     assert stage("tmc5160", 0.1).sense_power_w(2.0) == pytest.approx(0.4)
 
 

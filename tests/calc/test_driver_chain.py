@@ -1,4 +1,4 @@
-"""Building a driver chain: 001, chapter 11, Tables 11-1 to 11-3."""
+"""Building a driver chain: DS-TMC428 chapter 11, Tables 11-1 to 11-3."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ EXAMPLE: list[str | Mapping[str, object]] = ["tmc236", "tmc236", {"driver": "tmc
 """The chain of section 11.2: fast decay is used by the third driver only."""
 
 
-@pytest.mark.sheet("001", "11")
+@pytest.mark.sheet("DS-TMC428", "11")
 def test_signal_codes_of_table_11_1() -> None:
     words = TABLE_11_1.split()
     table = dict(zip(words[::2], (int(code, 16) for code in words[1::2]), strict=True))
@@ -61,7 +61,7 @@ def test_signal_codes_of_table_11_1() -> None:
         assert signal_name(code) == name
 
 
-@pytest.mark.sheet("001", "11")
+@pytest.mark.sheet("DS-TMC428", "11")
 @pytest.mark.parametrize("code", range(0x14, 0x20))
 def test_the_rest_of_table_11_1_has_no_signal(code: int) -> None:
     assert signal_code(signal_name(code)) == code
@@ -70,7 +70,7 @@ def test_the_rest_of_table_11_1_has_no_signal(code: int) -> None:
     assert any(f"{code:#04x}" in text for text in chain.warnings)
 
 
-@pytest.mark.sheet("001", "11.2")
+@pytest.mark.sheet("DS-TMC428", "11.2")
 @pytest.mark.parametrize("family_member", ["tmc236", "tmc239", "tmc246", "tmc249", "TMC249"])
 def test_the_example_is_table_11_2(family_member: str) -> None:
     chain = build_chain([family_member, family_member, {"driver": family_member, "fast_decay": True}])
@@ -97,12 +97,12 @@ def test_the_example_is_table_11_2(family_member: str) -> None:
     assert chain.warnings == ()
 
 
-@pytest.mark.sheet("001", "11.2")
+@pytest.mark.sheet("DS-TMC428", "11.2")
 def test_the_example_goes_out_as_table_11_3() -> None:
     assert [f"{word:08X}" for word in build_chain(EXAMPLE).datagrams] == TABLE_11_3.split()
 
 
-@pytest.mark.sheet("001", "10")
+@pytest.mark.sheet("DS-TMC428", "10")
 def test_ram_words_hold_the_even_cell_low_and_the_odd_cell_high() -> None:
     chain = build_chain(EXAMPLE)
     assert chain.ram_words[:6] == (0x0510, 0x0304, 0x0602, 0x0D10, 0x0B0C, 0x2E0A)
@@ -111,7 +111,7 @@ def test_ram_words_hold_the_even_cell_low_and_the_odd_cell_high() -> None:
     assert len(chain.ram_words) == 32
 
 
-@pytest.mark.sheet("001", "9.7")
+@pytest.mark.sheet("DS-TMC428", "9.7")
 @pytest.mark.parametrize(("drivers", "lsmd"), [(1, 0b00), (2, 0b01), (3, 0b10)])
 def test_lsmd_of_table_9_2(drivers: int, lsmd: int) -> None:
     assert build_chain(["tmc249"] * drivers).lsmd == lsmd
@@ -168,7 +168,7 @@ def test_64_bits_fit_and_65_do_not() -> None:
         build_chain([{"driver": "custom", "signals": ["Zero"] * 65}])
 
 
-@pytest.mark.sheet("001", "2.2")
+@pytest.mark.sheet("DS-TMC428", "2.2")
 @pytest.mark.parametrize(("extra", "warned"), [(24, False), (25, True)])
 def test_more_than_48_bits_lose_status(extra: int, warned: bool) -> None:
     chain = build_chain(["tmc246", "tmc246", {"driver": "custom", "signals": ["Zero"] * extra}])

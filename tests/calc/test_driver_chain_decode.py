@@ -81,7 +81,7 @@ def test_findings_tell_endless_and_too_long_chains(lsmd: int, ends: set[int]) ->
     assert decoded.length_bits == sent_bits(tuple(cells), lsmd)
 
 
-@pytest.mark.sheet("001", "11")
+@pytest.mark.sheet("DS-TMC428", "11")
 def test_without_nxm_the_chip_sends_endlessly() -> None:
     decoded = decode_chain([0x1111] * 32, 0)
     assert decoded.length_bits is None
@@ -90,7 +90,7 @@ def test_without_nxm_the_chip_sends_endlessly() -> None:
     assert [finding.kind for finding in decoded.findings] == ["endless"]
 
 
-@pytest.mark.sheet("001", "11")
+@pytest.mark.sheet("DS-TMC428", "11")
 def test_unused_codes_are_found_with_their_positions() -> None:
     cells = [0x14, 0x13, 0x1F, 0x31] + [0x15] * 60
     (finding,) = decode_chain(pack_cells(cells), 0).findings
@@ -98,14 +98,14 @@ def test_unused_codes_are_found_with_their_positions() -> None:
     assert "sent as 1" in finding.text
 
 
-@pytest.mark.sheet("001", "9.7")
+@pytest.mark.sheet("DS-TMC428", "9.7")
 def test_lsmd_three_is_not_allowed_by_table_9_2() -> None:
     decoded = decode_chain([0x3030] * 32, 3)
     assert [finding.kind for finding in decoded.findings] == ["lsmd_not_allowed"]
     assert decoded.length_bits == 4
 
 
-@pytest.mark.sheet("001", "10")
+@pytest.mark.sheet("DS-TMC428", "10")
 def test_a_smaller_lsmd_ends_the_datagram_earlier() -> None:
     chain = build_chain(["tmc236", "tmc249", "tmc246"])
     assert [decode_chain(chain.ram_words, lsmd).length_bits for lsmd in range(3)] == [12, 24, 36]

@@ -1,4 +1,4 @@
-"""How fast a chain is: 001, 9.7 and 2.1."""
+"""How fast a chain is: DS-TMC428 9.7 and 2.1."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ CLOCK_HZ = 16e6
 THREE = build_chain(["tmc236"] * 3)
 
 
-@pytest.mark.sheet("001", "2.1")
+@pytest.mark.sheet("DS-TMC428", "2.1")
 def test_three_drivers_of_16_bits_make_20_thousand_full_steps() -> None:
     chain = build_chain([{"signals": ["Zero"] * 16}] * 3)
     found = chain_frequencies(chain, CLOCK_HZ, clk2_div=7)
@@ -23,20 +23,20 @@ def test_three_drivers_of_16_bits_make_20_thousand_full_steps() -> None:
     assert round(found.full_step_max_hz, -4) == 20_000
 
 
-@pytest.mark.sheet("001", "9.7")
+@pytest.mark.sheet("DS-TMC428", "9.7")
 @pytest.mark.parametrize(("clk2_div", "clocks_per_bit"), [(7, 16), (8, 18), (15, 32), (255, 512)])
 def test_spi_clock(clk2_div: int, clocks_per_bit: int) -> None:
     assert chain_frequencies(THREE, CLOCK_HZ, clk2_div).spi_clock_hz == CLOCK_HZ / clocks_per_bit
 
 
-@pytest.mark.sheet("001", "9.7")
+@pytest.mark.sheet("DS-TMC428", "9.7")
 def test_the_example_of_three_drivers_of_12_bits_takes_41_clocks() -> None:
     found = chain_frequencies(THREE, CLOCK_HZ, clk2_div=7)
     assert (found.nxm_clocks, found.datagram_clocks) == (1, 41)
     assert found.datagram_hz == pytest.approx(1e6 / 41)
 
 
-@pytest.mark.sheet("001", "9.7")
+@pytest.mark.sheet("DS-TMC428", "9.7")
 @pytest.mark.parametrize("clk2_div", [8, 15, 100, 255])
 def test_above_7_each_nxm_bit_takes_one_and_a_half_clocks(clk2_div: int) -> None:
     found = chain_frequencies(THREE, CLOCK_HZ, clk2_div)
@@ -44,7 +44,7 @@ def test_above_7_each_nxm_bit_takes_one_and_a_half_clocks(clk2_div: int) -> None
     assert found.datagram_hz == pytest.approx(CLOCK_HZ / (2 * (clk2_div + 1)) / 42.5)
 
 
-@pytest.mark.sheet("001", "9.7")
+@pytest.mark.sheet("DS-TMC428", "9.7")
 @pytest.mark.parametrize("clk2_div", range(7))
 def test_below_7_it_gets_no_faster_but_asymmetric(clk2_div: int) -> None:
     found, at_seven = (chain_frequencies(THREE, CLOCK_HZ, value) for value in (clk2_div, 7))
@@ -54,7 +54,7 @@ def test_below_7_it_gets_no_faster_but_asymmetric(clk2_div: int) -> None:
     assert at_seven.warnings == ()
 
 
-@pytest.mark.sheet("001", "9.7")
+@pytest.mark.sheet("DS-TMC428", "9.7")
 @pytest.mark.parametrize(
     ("ramp_divs", "expected_hz"),
     [

@@ -21,7 +21,7 @@ from app.calc.extended_position import (
 counters = st.sampled_from([Counter(bits) for bits in (4, 24, 32)])
 
 
-@pytest.mark.sheet("003", "2")
+@pytest.mark.sheet("AN-001", "2")
 def test_how_far_a_counter_reaches() -> None:
     """(2^31) - 1 steps: 8,388,608 full steps of 256, 41,943 turns of 200 full steps, 11.6 hours at one a second."""
     longest = Counter(32).half - 1
@@ -39,7 +39,7 @@ def test_a_counter_shows_the_lowest_bits(counter: Counter, position: int) -> Non
     assert counter.shows(shown) == shown
 
 
-@pytest.mark.sheet("003", "2.1")
+@pytest.mark.sheet("AN-001", "2.1")
 @given(counters, st.data())
 def test_random_walks_over_many_wraps_are_followed_exactly(counter: Counter, data: st.DataObject) -> None:
     true = data.draw(st.integers(-(1 << 50), 1 << 50))
@@ -77,7 +77,7 @@ def test_at_rest_it_may_go_unlooked_at_for_ever() -> None:
     assert Counter(24).service_period_s(1000.0) == pytest.approx(((1 << 23) - 1) / 4000)
 
 
-@pytest.mark.sheet("003", "2.1")
+@pytest.mark.sheet("AN-001", "2.1")
 @given(counters, st.data())
 def test_moves_are_made_in_pieces_and_end_at_the_target(counter: Counter, data: st.DataObject) -> None:
     """A chip that goes the shorter way to X_TARGET, looked at whenever it likes, ends at the 64-bit target."""
@@ -98,7 +98,7 @@ def test_moves_are_made_in_pieces_and_end_at_the_target(counter: Counter, data: 
     assert pieces(counter, target, true) == 0
 
 
-@pytest.mark.sheet("003", "2.1")
+@pytest.mark.sheet("AN-001", "2.1")
 @given(counters, st.data())
 def test_a_snapshot_belongs_to_where_the_axis_was_then(counter: Counter, data: st.DataObject) -> None:
     """Also where the counter wrapped between the snapshot and the look."""
@@ -108,7 +108,7 @@ def test_a_snapshot_belongs_to_where_the_axis_was_then(counter: Counter, data: s
     assert axis.latched(counter.shows(then)) == then
 
 
-@pytest.mark.sheet("003", "2.1")
+@pytest.mark.sheet("AN-001", "2.1")
 @given(counters, st.integers(-(1 << 45), 1 << 45), st.integers(-(1 << 34), 1 << 34))
 def test_the_position_compare_is_off_while_it_would_come_early(counter: Counter, actual: int, ahead: int) -> None:
     armed = compare_count(counter, actual + ahead, actual)

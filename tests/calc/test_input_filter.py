@@ -28,8 +28,8 @@ def walked(levels: list[int], sample_rate: int, length: int, initial: int, phase
     return output
 
 
-@pytest.mark.sheet("002", "6.1.1")
-@pytest.mark.sheet("002", "6.1.2")
+@pytest.mark.sheet("DS-TMC4361", "6.1.1")
+@pytest.mark.sheet("DS-TMC4361", "6.1.2")
 @given(
     st.lists(st.integers(0, 1), min_size=1, max_size=300),
     st.integers(0, 4),
@@ -47,7 +47,7 @@ def test_clock_by_clock_it_is_what_the_rule_says(
     assert got.sample_clocks.tolist() == list(range(phase, len(levels), 2**sample_rate))
 
 
-@pytest.mark.sheet("002", "6.1.1")
+@pytest.mark.sheet("DS-TMC4361", "6.1.1")
 @pytest.mark.parametrize(("sample_rate", "length"), SETTINGS)
 def test_sample_rate_is_the_clock_over_a_power_of_two(sample_rate: int, length: int) -> None:
     levels = np.arange(1024) % 2
@@ -55,7 +55,7 @@ def test_sample_rate_is_the_clock_over_a_power_of_two(sample_rate: int, length: 
     assert bounds(sample_rate, length).period_clocks == 2**sample_rate
 
 
-@pytest.mark.sheet("002", "6.1.2")
+@pytest.mark.sheet("DS-TMC4361", "6.1.2")
 @pytest.mark.parametrize(("sample_rate", "length"), SETTINGS)
 def test_bounds_are_met_and_never_left_whatever_the_phase(sample_rate: int, length: int) -> None:
     limits = bounds(sample_rate, length)
@@ -77,20 +77,20 @@ def test_bounds_are_met_and_never_left_whatever_the_phase(sample_rate: int, leng
     assert limits.passed_clocks in passed[True]
 
 
-@pytest.mark.sheet("002", "6.1.2")
+@pytest.mark.sheet("DS-TMC4361", "6.1.2")
 def test_length_0_filters_nothing() -> None:
     levels = np.random.default_rng(1).integers(0, 2, 500)
     assert np.array_equal(filtered(levels, 0, 0).output, levels)
 
 
-@pytest.mark.sheet("002", "6")
+@pytest.mark.sheet("DS-TMC4361", "6")
 def test_times_of_the_slowest_and_a_fast_filter_at_16_mhz() -> None:
     slow, fast = bounds(7, 7), bounds(0, 7)
     assert slow.seconds(slow.passed_clocks) == 64e-6
     assert fast.seconds(fast.passed_clocks) == 0.5e-6
 
 
-@pytest.mark.sheet("002", "6.1.3")
+@pytest.mark.sheet("DS-TMC4361", "6.1.3")
 def test_the_three_examples_show_a_stopped_glitch_and_a_passed_pulse() -> None:
     assert [(e.figure, e.sample_rate, e.length) for e in EXAMPLES] == [("6.1", 1, 1), ("6.2", 2, 0), ("6.3", 0, 7)]
     for example in EXAMPLES:
@@ -100,7 +100,7 @@ def test_the_three_examples_show_a_stopped_glitch_and_a_passed_pulse() -> None:
         assert example.pin in next(group.pins for group in groups(0) if group.suffix == example.group)
 
 
-@pytest.mark.sheet("002", "6.1")
+@pytest.mark.sheet("DS-TMC4361", "6.1")
 @given(st.integers(0, 0xFFFF_FFFF))
 def test_the_four_groups_are_the_fields_of_the_register(word: int) -> None:
     fields = TMC4361.get("INPUT_FILT_CONF", 0).unpack(word)

@@ -79,7 +79,7 @@ def test_distortion_agrees_with_the_power_of_the_wave(wave: list[int]) -> None:
     assert power == pytest.approx((1 + found.thd**2) * fundamental**2 / 2, rel=1e-9)
 
 
-@pytest.mark.sheet("001", "12.3")
+@pytest.mark.sheet("DS-TMC428", "12.3")
 def test_a_rhomb_has_the_ripple_and_angles_of_a_square() -> None:
     t = np.arange(64) / 64
     sine = np.concatenate([rhomb(t), 1 - rhomb(t), -rhomb(t), rhomb(t) - 1])

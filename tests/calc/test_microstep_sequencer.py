@@ -1,4 +1,4 @@
-"""Stepping through the table: 001, 12.1, Tables 12-3 and 12-4."""
+"""Stepping through the table: DS-TMC428 12.1, Tables 12-3 and 12-4."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ TABLE_12_4 = {
 }
 
 
-@pytest.mark.sheet("001", "12.1")
+@pytest.mark.sheet("DS-TMC428", "12.1")
 @pytest.mark.parametrize("usrs", TABLE_12_4)
 def test_indices_of_table_12_4(usrs: int) -> None:
     width, rising, rising_tail, falling, falling_tail = TABLE_12_4[usrs]
@@ -48,7 +48,7 @@ def test_indices_of_table_12_4(usrs: int) -> None:
         assert down[-len(falling_tail) :] == falling_tail
 
 
-@pytest.mark.sheet("001", "12.1")
+@pytest.mark.sheet("DS-TMC428", "12.1")
 @pytest.mark.parametrize("usrs", range(7))
 def test_inside_a_quadrant_indices_move_by_the_increment(usrs: int) -> None:
     for step in step_through(RAMP, usrs):
@@ -57,7 +57,7 @@ def test_inside_a_quadrant_indices_move_by_the_increment(usrs: int) -> None:
         assert (step.index_a, step.index_b) == ((rising, falling) if step.quadrant % 2 else (falling, rising))
 
 
-@pytest.mark.sheet("001", "12.1")
+@pytest.mark.sheet("DS-TMC428", "12.1")
 @pytest.mark.parametrize(
     ("quadrant", "bits"), [(1, (1, 1, 0, 1)), (2, (1, 0, 1, 0)), (3, (0, 0, 0, 1)), (4, (0, 1, 1, 0))]
 )
@@ -68,14 +68,14 @@ def test_phase_and_fast_decay_bits_of_table_12_3(quadrant: int, bits: tuple[int,
         assert {(step.ph_a, step.ph_b, step.fd_a, step.fd_b) for step in part} == {bits}
 
 
-@pytest.mark.sheet("001", "8.14")
+@pytest.mark.sheet("DS-TMC428", "8.14")
 def test_each_full_step_turns_one_phase_bit() -> None:
     steps = step_through(RAMP, 0)
     for before, after in zip(steps, steps[1:] + steps[:1], strict=True):
         assert (before.ph_a != after.ph_a) + (before.ph_b != after.ph_b) == 1
 
 
-@pytest.mark.sheet("001", "12.1")
+@pytest.mark.sheet("DS-TMC428", "12.1")
 @given(values=tables, usrs=resolutions)
 def test_currents_are_table_values_with_the_sign_of_the_phase_bit(values: list[int], usrs: int) -> None:
     for step in step_through(values, usrs):
@@ -83,7 +83,7 @@ def test_currents_are_table_values_with_the_sign_of_the_phase_bit(values: list[i
         assert step.current_b == (1 if step.ph_b else -1) * values[step.index_b]
 
 
-@pytest.mark.sheet("001", "12.1")
+@pytest.mark.sheet("DS-TMC428", "12.1")
 @given(values=tables, usrs=resolutions)
 def test_phase_a_follows_phase_b_by_a_quarter_and_turns_after_a_half(values: list[int], usrs: int) -> None:
     steps = step_through(values, usrs)
@@ -93,7 +93,7 @@ def test_phase_a_follows_phase_b_by_a_quarter_and_turns_after_a_half(values: lis
     assert sine[2 * quarter :] == [-current for current in sine[: 2 * quarter]]
 
 
-@pytest.mark.sheet("001", "12.1")
+@pytest.mark.sheet("DS-TMC428", "12.1")
 @given(values=tables.map(sorted), usrs=resolutions)
 def test_fast_decay_is_on_while_a_current_falls(values: list[int], usrs: int) -> None:
     steps = step_through(values, usrs)
@@ -108,7 +108,7 @@ def _current(step: SequencerStep, phase: str) -> int:
     return step.current_a if phase == "a" else step.current_b
 
 
-@pytest.mark.sheet("001", "12.1")
+@pytest.mark.sheet("DS-TMC428", "12.1")
 @given(usrs=resolutions, start=st.integers(0, 255))
 def test_a_resolution_changed_under_way_keeps_its_offset(usrs: int, start: int) -> None:
     steps = step_through(RAMP, usrs, start)

@@ -1,4 +1,4 @@
-"""Tables from the formulas of 001 chapter 12 and the shapes of 12.3."""
+"""Tables from the formulas of DS-TMC428 chapter 12 and the shapes of 12.3."""
 
 from __future__ import annotations
 
@@ -35,38 +35,38 @@ def as_printed(phi: float, sigma: float) -> float:
     return f_circle
 
 
-@pytest.mark.sheet("001", "12")
+@pytest.mark.sheet("DS-TMC428", "12")
 def test_the_first_formula_gives_the_printed_table() -> None:
     assert list(design_table().values) == PRINTED_TABLE
 
 
-@pytest.mark.sheet("001", "12")
+@pytest.mark.sheet("DS-TMC428", "12")
 def test_five_values_of_the_first_formula_would_be_64() -> None:
     raw = [int(0.5 + 64 * math.sin(phi)) for phi in PHI]
     assert raw.count(64) == 5
     assert list(design_table().values) == [min(value, 63) for value in raw]
 
 
-@pytest.mark.sheet("001", "12")
+@pytest.mark.sheet("DS-TMC428", "12")
 def test_the_second_formula() -> None:
     assert list(design_table(method="63").values) == [int(63 * math.sin(phi)) for phi in PHI]
 
 
-@pytest.mark.sheet("001", "12")
+@pytest.mark.sheet("DS-TMC428", "12")
 @pytest.mark.parametrize("offset", range(64))
 def test_the_third_formula(offset: int) -> None:
     expected = [int(offset + (63 - offset) * math.sin(phi)) for phi in PHI]
     assert list(design_table(offset=offset, method="offset").values) == expected
 
 
-@pytest.mark.sheet("001", "12.3")
+@pytest.mark.sheet("DS-TMC428", "12.3")
 @pytest.mark.parametrize("sigma", [-1.0, -0.5, -0.2, 0.0, 0.2, 0.5, 1.0])
 def test_shapes_are_those_of_the_sheet(sigma: float) -> None:
     expected = [as_printed(phi, sigma) for phi in PHI]
     np.testing.assert_allclose(f_sigma(quarter_positions(), sigma), expected, atol=1e-14)
 
 
-@pytest.mark.sheet("001", "12.3")
+@pytest.mark.sheet("DS-TMC428", "12.3")
 def test_plus_one_is_the_box_zero_the_circle_minus_one_the_rhomb() -> None:
     t = np.linspace(0, 1, 1001)
     np.testing.assert_allclose(f_sigma(t, 1), box(t), atol=1e-15)
@@ -74,7 +74,7 @@ def test_plus_one_is_the_box_zero_the_circle_minus_one_the_rhomb() -> None:
     np.testing.assert_allclose(f_sigma(t, -1), rhomb(t), atol=1e-15)
 
 
-@pytest.mark.sheet("001", "12.3")
+@pytest.mark.sheet("DS-TMC428", "12.3")
 def test_current_vectors_draw_box_circle_and_rhomb() -> None:
     t = np.linspace(0, 1, 257)
     half_side = 1 / math.sqrt(2)
@@ -83,7 +83,7 @@ def test_current_vectors_draw_box_circle_and_rhomb() -> None:
     np.testing.assert_allclose(rhomb(t) + rhomb(1 - t), 1)
 
 
-@pytest.mark.sheet("001", "12.3")
+@pytest.mark.sheet("DS-TMC428", "12.3")
 @given(sigma=sigmas, t=st.floats(0, 1))
 def test_between_the_shapes_is_their_mixture(sigma: float, t: float) -> None:
     other = float(box(t)) if sigma > 0 else float(rhomb(t))
@@ -132,7 +132,7 @@ def test_an_offset_makes_the_second_formula_the_third(sigma: float, offset: floa
     assert any("offset" in text for text in second.warnings) == (offset > 0)
 
 
-@pytest.mark.sheet("001", "12.3")
+@pytest.mark.sheet("DS-TMC428", "12.3")
 @pytest.mark.parametrize(("sigma", "warned"), [(-0.51, True), (-0.5, False), (0.0, False), (0.5, False), (0.51, True)])
 def test_beyond_the_sheets_range_of_sigma_is_a_warning(sigma: float, warned: bool) -> None:
     assert any("-0.5..0.5" in text for text in design_table(sigma).warnings) == warned

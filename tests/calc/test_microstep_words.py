@@ -1,4 +1,4 @@
-"""A microstep table as RAM words and datagrams (001, Tables 12-1 and 12-2), there and back."""
+"""A microstep table as RAM words and datagrams (DS-TMC428 Tables 12-1 and 12-2), there and back."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ F0003C3B F2003D3C F4003E3D F6003E3E F8003F3F FA003F3F FC003F3F FE003F3F
 tables = st.lists(st.integers(0, 63), min_size=64, max_size=64)
 
 
-@pytest.mark.sheet("001", "12")
+@pytest.mark.sheet("DS-TMC428", "12")
 def test_the_sine_table_goes_out_as_table_12_2() -> None:
     assert [f"{word:08X}" for word in table_datagrams(design_table().values)] == TABLE_12_2.split()
 
 
-@pytest.mark.sheet("001", "12")
+@pytest.mark.sheet("DS-TMC428", "12")
 @pytest.mark.parametrize(
     ("word", "odd", "even"),
     [(0, 2, 0), (1, 5, 3), (2, 8, 6), (3, 11, 9), (4, 14, 12), (27, 62, 62), (28, 63, 63), (31, 63, 63)],
@@ -42,7 +42,7 @@ def test_rows_of_table_12_1(word: int, odd: int, even: int) -> None:
     assert table_datagrams(design_table().values)[word] == 0b11 << 30 | word << 25 | odd << 8 | even
 
 
-@pytest.mark.sheet("001", "12")
+@pytest.mark.sheet("DS-TMC428", "12")
 def test_table_12_2_reads_back_as_the_sine_table() -> None:
     words = [int(word, 16) for word in TABLE_12_2.split()]
     assert values_from_datagrams(words) == design_table().values

@@ -17,7 +17,7 @@ reductions = st.one_of(st.sampled_from([0.0, 0.01, 0.05]), st.floats(0, 0.99))
 
 
 def program_of_chapter_19(a_max: int, ramp_div: int, pulse_div: int, reduction: float) -> tuple[int, int]:
-    """The data sheet's program, 001 chapter 19, in double precision: (p_mul, pdiv), (-1, -1) for none."""
+    """The data sheet's program, DS-TMC428 chapter 19, in double precision: (p_mul, pdiv), (-1, -1) for none."""
     p_reduced = a_max / (128.0 * 2.0 ** (ramp_div - pulse_div)) * (1.0 - reduction)
     found = (-1, -1)
     for pdiv in range(14):
@@ -27,8 +27,8 @@ def program_of_chapter_19(a_max: int, ramp_div: int, pulse_div: int, reduction: 
     return found
 
 
-@pytest.mark.sheet("001", "19")
-@pytest.mark.sheet("000", "6.1.9.2.2")
+@pytest.mark.sheet("DS-TMC428", "19")
+@pytest.mark.sheet("DS-TMC4210", "6.1.9.2.2")
 @pytest.mark.parametrize("chip", ["tmc428", "tmc4210"])
 def test_every_input_gives_the_pair_of_the_sheets_program(chip: str) -> None:
     reduction = default_reduction(chip)
@@ -86,15 +86,15 @@ def test_one_design_is_its_row_of_the_table(a_max: int, ramp_div: int, pulse_div
     assert one.candidates[0].p_mul == p_mul
 
 
-@pytest.mark.sheet("001", "8.11")
-@pytest.mark.sheet("000", "6.1.9.1")
+@pytest.mark.sheet("DS-TMC428", "8.11")
+@pytest.mark.sheet("DS-TMC4210", "6.1.9.1")
 def test_p_is_a_max_by_128_and_the_divider_ratio() -> None:
     assert design("tmc428", 100, 5, 5, evaluate=False).p_ideal == 100 / 128
     assert design("tmc428", 100, 7, 5, evaluate=False).p_ideal == 100 / 128 / 4
     assert design("tmc4210", 100, 5, 7, evaluate=False).p_ideal == 100 / 128 * 4
 
 
-@pytest.mark.sheet("001", "8.11.1")
+@pytest.mark.sheet("DS-TMC428", "8.11.1")
 def test_the_tmc428_takes_off_five_per_cent() -> None:
     # the program's own example: a_max 10, both dividers 3, 5 %: p*0.95*8*2^8 = 152
     found = design("tmc428", 10, 3, 3)
@@ -103,14 +103,14 @@ def test_the_tmc428_takes_off_five_per_cent() -> None:
     assert found.quality == pytest.approx(0.95)
 
 
-@pytest.mark.sheet("000", "6.1.9.2")
+@pytest.mark.sheet("DS-TMC4210", "6.1.9.2")
 def test_the_tmc4210_takes_off_one_per_cent() -> None:
     found = design("tmc4210", 100, 5, 5)
     assert found.p_reduced == pytest.approx(0.99 * 100 / 128)
     assert (found.p_mul, found.pdiv) == (198, 5)
 
 
-@pytest.mark.sheet("001", "8.10")
+@pytest.mark.sheet("DS-TMC428", "8.10")
 def test_both_countings_and_the_value_agree_in_every_candidate() -> None:
     for candidate in design("tmc428", 77, 4, 6, evaluate=False).candidates:
         assert candidate.p_mul == candidate.pmul + 128
@@ -119,8 +119,8 @@ def test_both_countings_and_the_value_agree_in_every_candidate() -> None:
         assert candidate.p == candidate.p_mul / 2 ** (3 + candidate.pdiv)
 
 
-@pytest.mark.sheet("001", "8.11")
-@pytest.mark.sheet("000", "6.1.9.2.1")
+@pytest.mark.sheet("DS-TMC428", "8.11")
+@pytest.mark.sheet("DS-TMC4210", "6.1.9.2.1")
 @settings(max_examples=100, deadline=None)
 @given(a_max=st.integers(1, 2047), ramp_div=dividers, pulse_div=dividers)
 def test_the_candidates_hold_every_pair_of_the_sheets_band(a_max: int, ramp_div: int, pulse_div: int) -> None:
@@ -138,7 +138,7 @@ def test_the_candidates_hold_every_pair_of_the_sheets_band(a_max: int, ramp_div:
         assert (found.pmul - 1, found.pdiv) in offered  # the sheets' way out of a one-step overshoot
 
 
-@pytest.mark.sheet("001", "8.11")
+@pytest.mark.sheet("DS-TMC428", "8.11")
 def test_the_candidates_show_where_overshooting_begins() -> None:
     by_quality = sorted(design("tmc428", 100, 5, 5).candidates, key=lambda candidate: candidate.quality)
     assert all(candidate.overshoot_steps == 0 for candidate in by_quality if candidate.quality < 0.98)
@@ -157,8 +157,8 @@ def test_a_candidate_that_never_settles_has_no_times() -> None:
     assert all(candidate.settling_s is None and candidate.overshoot_steps for candidate in endless)
 
 
-@pytest.mark.sheet("001", "8.7.1")
-@pytest.mark.sheet("000", "6.1.7.1.1")
+@pytest.mark.sheet("DS-TMC428", "8.7.1")
+@pytest.mark.sheet("DS-TMC4210", "6.1.7.1.1")
 def test_the_limits_of_a_max() -> None:
     for ramp_div in range(14):
         for pulse_div in range(14):
@@ -174,8 +174,8 @@ def test_the_limits_of_a_max() -> None:
                 assert upper >= 2047
 
 
-@pytest.mark.sheet("001", "8.7.1")
-@pytest.mark.sheet("000", "6.1.7.1")
+@pytest.mark.sheet("DS-TMC428", "8.7.1")
+@pytest.mark.sheet("DS-TMC4210", "6.1.7.1")
 @pytest.mark.parametrize("chip", ["tmc428", "tmc4210"])
 def test_within_the_limits_there_is_a_pair_for_every_a_max(chip: str) -> None:
     reduction = default_reduction(chip)

@@ -42,7 +42,7 @@ def test_what_registers_can_do_is_found_again(
     assert (found.pmul, found.p_mul, found.pdiv) == (pair.pmul, pair.p_mul, pair.pdiv)
 
 
-@pytest.mark.sheet("001", "8.7.1")
+@pytest.mark.sheet("DS-TMC428", "8.7.1")
 def test_dividers_that_differ_by_one_at_most_are_preferred() -> None:
     found = inverse("tmc428", 20_000, 100_000)
     assert abs(found.ramp_div - found.pulse_div) <= 1

@@ -151,8 +151,8 @@ def test_both_directions_mirror_each_other(move: tuple[RampParameters, int]) -> 
     assert np.array_equal(there.acceleration_pps2, -back.acceleration_pps2)
 
 
-@pytest.mark.sheet("001", "8.1")
-@pytest.mark.sheet("000", "6.1.1")
+@pytest.mark.sheet("DS-TMC428", "8.1")
+@pytest.mark.sheet("DS-TMC4210", "6.1.1")
 def test_a_distance_of_2_to_the_23_is_refused() -> None:
     assert exact_ramp(PLAIN, 2**23 - 1, 2).position[-1] == 2**23 - 1
     for distance in (2**23, -(2**23)):
@@ -160,8 +160,8 @@ def test_a_distance_of_2_to_the_23_is_refused() -> None:
             exact_ramp(PLAIN, distance, 2)
 
 
-@pytest.mark.sheet("001", "8.3")
-@pytest.mark.sheet("000", "6.1.3")
+@pytest.mark.sheet("DS-TMC428", "8.3")
+@pytest.mark.sheet("DS-TMC4210", "6.1.3")
 @settings(max_examples=100, deadline=None)
 @given(sound_moves())
 def test_v_min_of_one_reaches_every_target_and_a_larger_one_sooner(move: tuple[RampParameters, int]) -> None:
@@ -176,7 +176,7 @@ def test_v_min_of_one_reaches_every_target_and_a_larger_one_sooner(move: tuple[R
     assert fast.duration_s <= slow.duration_s + step_s
 
 
-@pytest.mark.sheet("001", "8.3")
+@pytest.mark.sheet("DS-TMC428", "8.3")
 def test_without_v_min_a_soft_approach_that_falls_below_one_is_refused() -> None:
     soft = replace(PLAIN, ramp_mode="soft", v_min=0)
     with pytest.raises(ValueError, match=r"never ends: 1 microsteps before the target .* v_min is 0"):
@@ -184,7 +184,7 @@ def test_without_v_min_a_soft_approach_that_falls_below_one_is_refused() -> None
     assert exact_ramp(replace(soft, v_min=1), 1000).settled
 
 
-@pytest.mark.sheet("001", "8.4")
+@pytest.mark.sheet("DS-TMC428", "8.4")
 def test_v_max_of_zero_holds_the_motor() -> None:
     with pytest.raises(ValueError, match="v_max is 0"):
         exact_ramp(replace(PLAIN, v_max=0), 100)
@@ -193,8 +193,8 @@ def test_v_max_of_zero_holds_the_motor() -> None:
     assert not held.settled
 
 
-@pytest.mark.sheet("001", "8.7")
-@pytest.mark.sheet("000", "6.1.7")
+@pytest.mark.sheet("DS-TMC428", "8.7")
+@pytest.mark.sheet("DS-TMC4210", "6.1.7")
 def test_without_a_max_a_moving_motor_cannot_stop() -> None:
     with pytest.raises(ValueError, match="a_max is 0"):
         exact_ramp(replace(PLAIN, a_max=0), 100)
@@ -203,7 +203,7 @@ def test_without_a_max_a_moving_motor_cannot_stop() -> None:
     assert set(away.velocity_pps) == {pulse_rate_hz(500, 5, 16e6)}
 
 
-@pytest.mark.sheet("001", "8.6")
+@pytest.mark.sheet("DS-TMC428", "8.6")
 def test_a_written_v_actual_has_no_hidden_bits() -> None:
     held = replace(PLAIN, ramp_mode="hold", v_actual=300)
     curve = exact_ramp(held, 0, samples=3, start=RampStart(velocity=12.5), duration_s=0.5)
@@ -212,7 +212,7 @@ def test_a_written_v_actual_has_no_hidden_bits() -> None:
     assert curve.shape == "hold"
 
 
-@pytest.mark.sheet("001", "8.14")
+@pytest.mark.sheet("DS-TMC428", "8.14")
 @settings(max_examples=100, deadline=None)
 @given(
     v_max=st.integers(100, 2047),
@@ -256,7 +256,7 @@ def moves_with_moderate_p(draw: st.DrawFn, reduction: float) -> tuple[RampParame
     return paired(parameters, reduction), draw(st.one_of(st.integers(1, 100), st.integers(1, 2**23 - 1)))
 
 
-@pytest.mark.sheet("001", "8.11")
+@pytest.mark.sheet("DS-TMC428", "8.11")
 @settings(max_examples=300, deadline=None)
 @given(moves_with_moderate_p(reduction=0.0))
 def test_an_exact_p_overshoots_by_one_step_at_most(move: tuple[RampParameters, int]) -> None:
@@ -264,8 +264,8 @@ def test_an_exact_p_overshoots_by_one_step_at_most(move: tuple[RampParameters, i
     assert ramp_ending(*move).overshoot_steps <= 1
 
 
-@pytest.mark.sheet("001", "8.11.1")
-@pytest.mark.sheet("000", "6.1.9.2")
+@pytest.mark.sheet("DS-TMC428", "8.11.1")
+@pytest.mark.sheet("DS-TMC4210", "6.1.9.2")
 @pytest.mark.parametrize("reduction", [0.01, 0.02, 0.05])
 @settings(max_examples=150, deadline=None)
 @given(data=st.data())
@@ -275,8 +275,8 @@ def test_a_reduced_p_does_not_overshoot(reduction: float, data: st.DataObject) -
     assert ramp_ending(parameters, distance).duration_s is not None
 
 
-@pytest.mark.sheet("001", "8.10")
-@pytest.mark.sheet("000", "6.1.9.1")
+@pytest.mark.sheet("DS-TMC428", "8.10")
+@pytest.mark.sheet("DS-TMC4210", "6.1.9.1")
 def test_too_small_a_p_is_slow_and_too_large_a_p_overshoots() -> None:
     right = paired(replace(PLAIN, v_max=2047))
     small, large = replace(right, pdiv=right.pdiv + 2), replace(right, pdiv=right.pdiv - 2)
@@ -288,8 +288,8 @@ def test_too_small_a_p_is_slow_and_too_large_a_p_overshoots() -> None:
     assert endings["large"].overshoot_steps > 500
 
 
-@pytest.mark.sheet("001", "8.7.1")
-@pytest.mark.sheet("000", "6.1.7.1.1")
+@pytest.mark.sheet("DS-TMC428", "8.7.1")
+@pytest.mark.sheet("DS-TMC4210", "6.1.7.1.1")
 def test_braking_distances_beyond_2_to_the_19_steps_oscillate() -> None:
     # ramp_div - pulse_div = 5: the lower limit is 16, and 8 with v_max up to 1448
     at_limit = paired(RampParameters(v_min=1, v_max=2047, a_max=16, ramp_div=10, pulse_div=5))

@@ -78,7 +78,7 @@ def test_no_distance_takes_no_time() -> None:
     assert not curve.position.any()
 
 
-@pytest.mark.sheet("001", "8.10")
+@pytest.mark.sheet("DS-TMC428", "8.10")
 def test_the_chips_ramp_comes_close_to_the_ideal_one() -> None:
     pair = design("tmc428", 200, 5, 5, evaluate=False)
     assert pair.pmul is not None

@@ -57,7 +57,7 @@ def test_of_two_shortest_ways_the_positive_one() -> None:
     assert Rotary(Fraction(100)).target(0, 51) == -49
 
 
-@pytest.mark.sheet("003", "3.2")
+@pytest.mark.sheet("AN-001", "3.2")
 @given(turns, st.sampled_from([Counter(8), Counter(24), Counter(32)]), st.data())
 def test_the_offset_follows_as_the_whole_position_would(turn: Fraction, counter: Counter, data: st.DataObject) -> None:
     """Any two neighbouring bits, both directions, many overflows."""
@@ -71,7 +71,7 @@ def test_the_offset_follows_as_the_whole_position_would(turn: Fraction, counter:
         assert offset.look(counter.shows(position)) == Fraction(position) % turn
 
 
-@pytest.mark.sheet("003", "3.1")
+@pytest.mark.sheet("AN-001", "3.1")
 def test_the_bicycles_valve() -> None:
     """A lane of 256 microsteps and a wheel of 100: each round the valve comes round 56 further."""
     offset = TurnOffset(Fraction(100), Counter(8), 0)

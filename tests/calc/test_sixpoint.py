@@ -51,7 +51,7 @@ def close(p: SixPoint, distance: float) -> float:
     return 1e-9 * (abs(distance) + p.v_max)
 
 
-@pytest.mark.sheet("004", "1.3")
+@pytest.mark.sheet("FM-PD42-1241", "1.3")
 @settings(deadline=None)
 @given(p=ramps(), distance=distances)
 def test_from_rest_it_is_as_fast_as_the_ramps_allow_everywhere(p: SixPoint, distance: float) -> None:
@@ -149,7 +149,7 @@ def test_the_mirrored_move_is_the_move_mirrored(p: SixPoint, distance: float, v_
     assert np.array_equal(one.at(times).position, -other.at(times).position)
 
 
-@pytest.mark.sheet("004", "1.3")
+@pytest.mark.sheet("FM-PD42-1241", "1.3")
 @settings(deadline=None)
 @given(v_max=speeds, a_max=rates, d_max=rates, distance=distances)
 def test_without_v1_it_is_the_trapezoid(v_max: float, a_max: float, d_max: float, distance: float) -> None:
@@ -248,8 +248,8 @@ def test_a_highest_speed_below_vstop_needs_no_braking() -> None:
     assert position_plan(p, 1, v_actual=150).pieces[-1].velocity_at(0.0) == pytest.approx(150)
 
 
-@pytest.mark.sheet("004", "1.3")
-@pytest.mark.sheet("004", "7.5")
+@pytest.mark.sheet("FM-PD42-1241", "1.3")
+@pytest.mark.sheet("FM-PD42-1241", "7.5")
 def test_a_rotation_changes_speed_by_the_maximum_acceleration_alone() -> None:
     plan = velocity_plan(EXAMPLE, 30_000)
     assert [(phase.name, phase.start_velocity_pps) for phase in plan.phases] == [("acceleration AMAX", 100)]
@@ -261,7 +261,7 @@ def test_a_rotation_changes_speed_by_the_maximum_acceleration_alone() -> None:
     assert slower.phases[0].name == "deceleration AMAX"
 
 
-@pytest.mark.sheet("004", "3.6.3")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.3")
 def test_a_stop_brakes_by_the_maximum_acceleration_down_to_vstop() -> None:
     plan = velocity_plan(EXAMPLE, 0, v_actual=-20_000)
     assert plan.duration_s == pytest.approx((20_000 - 200) / 20_000)

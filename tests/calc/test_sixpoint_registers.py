@@ -128,7 +128,7 @@ def test_a_common_ramp_in_registers() -> None:
     ],
 )
 def test_what_the_sheets_warn_of(changes: dict[str, int], code: str) -> None:
-    """DS5160, 6.3.1: VSTOP, VSTART, D1, V1, VMAX, TZEROWAIT."""
+    """DS-TMC5160 6.3.1: VSTOP, VSTART, D1, V1, VMAX, TZEROWAIT."""
     found = findings(GOOD | changes)
     assert [finding.code for finding in found] == [code]
     assert found[0].register in found[0].text or code == "no_zero_wait"
@@ -141,5 +141,5 @@ def test_a_trapezoid_is_not_warned_of() -> None:
 
 
 def test_velocity_modes_need_neither_stop_nor_deceleration() -> None:
-    """DS5160, AMAX: acceleration and deceleration of velocity mode."""
+    """DS-TMC5160, AMAX: acceleration and deceleration of velocity mode."""
     assert not findings(GOOD | {"VSTOP": 0, "D1": 0, "DMAX": 0, "V1": 0}, positioning=False)

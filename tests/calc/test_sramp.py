@@ -31,7 +31,7 @@ def start_of(plan: SRampPlan) -> tuple[float, float]:
     return float(start.velocity_pps), float(start.acceleration_pps2)
 
 
-@pytest.mark.sheet("002", "8.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2")
 def test_seven_phases_with_the_signs_of_the_table() -> None:
     for way in (1, -1):
         plan = position_plan(UNEVEN, way * 100_000)
@@ -56,7 +56,7 @@ def test_worked_slopes(bow: float, durations: list[float], way: float) -> None:
     assert plan.limits[1].peak == pytest.approx(min(200_000, math.sqrt(bow * 50_000)))
 
 
-@pytest.mark.sheet("002", "8.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2")
 def test_phases_that_are_not_reached_are_left_out() -> None:
     assert names(position_plan(EXAMPLE, 17_500)) == ["B1", "B12", "B2", "B3", "B34", "B4"]
     assert names(position_plan(EXAMPLE, 100)) == ["B1", "B2", "B3", "B4"]
@@ -75,7 +75,7 @@ def test_with_the_default_bow_the_slope_just_touches_amax(vmax: float, amax: flo
     assert plan.duration_s == pytest.approx(2 * vmax / amax)
 
 
-@pytest.mark.sheet("002", "8.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2")
 def test_vmax_is_kept_as_long_as_possible() -> None:
     plan = position_plan(EXAMPLE, 50_000)
     kept = plan.phases[3]
@@ -84,7 +84,7 @@ def test_vmax_is_kept_as_long_as_possible() -> None:
     assert plan.duration_s == pytest.approx(0.7 + kept.duration_s)
 
 
-@pytest.mark.sheet("002", "8.2.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2.2")
 def test_slopes_are_fastest_without_b12_and_b34() -> None:
     """Of all bows, those beyond which B12 and B34 appear give the last gain in time that bows alone can give."""
     durations = [velocity_plan(replace(EXAMPLE, bow1=bow, bow2=bow), 50_000).duration_s for bow in (4e5, 8e5, 1e9)]
@@ -92,12 +92,12 @@ def test_slopes_are_fastest_without_b12_and_b34() -> None:
     assert durations[2] == pytest.approx(50_000 / 200_000, rel=1e-3)  # infinite bows: the trapezoid
 
 
-@pytest.mark.sheet("002", "8.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2")
 def test_dfinal_has_no_part_in_positioning() -> None:
     assert position_plan(replace(EXAMPLE, dfinal=50_000), 20_000) == position_plan(EXAMPLE, 20_000)
 
 
-@pytest.mark.sheet("002", "8.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2")
 def test_astart_and_dfinal_are_where_a_velocity_ramp_begins_and_ends() -> None:
     p = replace(EXAMPLE, astart=50_000, dfinal=80_000)
     rising = velocity_plan(p, 50_000)
@@ -112,7 +112,7 @@ def test_astart_and_dfinal_are_where_a_velocity_ramp_begins_and_ends() -> None:
     assert velocity_plan(p, 50_000, 20_000).duration_s == velocity_plan(EXAMPLE, 50_000, 20_000).duration_s
 
 
-@pytest.mark.sheet("002", "8.2.1")
+@pytest.mark.sheet("DS-TMC4361", "8.2.1")
 def test_vstart_leaves_b1_out_unless_astart_is_asked_for() -> None:
     p = replace(EXAMPLE, vstart=5000, astart=50_000)
     plan = velocity_plan(p, 50_000)
@@ -125,7 +125,7 @@ def test_vstart_leaves_b1_out_unless_astart_is_asked_for() -> None:
     assert start_of(backward) == (-5000, -200_000)
 
 
-@pytest.mark.sheet("002", "8.2.1")
+@pytest.mark.sheet("DS-TMC4361", "8.2.1")
 def test_vstop_leaves_b4_out() -> None:
     p = replace(EXAMPLE, vstop=3000, dfinal=50_000)
     for plan in (velocity_plan(p, 0, 50_000), position_plan(p, 100_000)):
@@ -138,7 +138,7 @@ def test_vstop_leaves_b4_out() -> None:
     assert backward.phases[-1].end_velocity_pps == pytest.approx(-3000)
 
 
-@pytest.mark.sheet("002", "8.2.1")
+@pytest.mark.sheet("DS-TMC4361", "8.2.1")
 def test_vstop_belongs_to_the_target_and_to_vmax_0() -> None:
     p = replace(EXAMPLE, vstop=3000)
     assert velocity_plan(p, 1000, 50_000).phases[-1].end_velocity_pps == pytest.approx(1000)
@@ -147,7 +147,7 @@ def test_vstop_belongs_to_the_target_and_to_vmax_0() -> None:
     assert position_plan(p, 0.1).phases[-1].end_velocity_pps < 3000  # so short that it never has to brake
 
 
-@pytest.mark.sheet("002", "8.2.1")
+@pytest.mark.sheet("DS-TMC4361", "8.2.1")
 def test_a_reversal_uses_neither_vstart_nor_vstop() -> None:
     p = replace(EXAMPLE, vstart=5000, vstop=3000, astart=100_000, dfinal=100_000)
     plan = velocity_plan(p, -40_000, 30_000)
@@ -161,7 +161,7 @@ def test_a_reversal_uses_neither_vstart_nor_vstop() -> None:
     assert gentler.pieces[2].acceleration_at(gentler.pieces[2].end_s) == pytest.approx(-50_000)
 
 
-@pytest.mark.sheet("002", "8.2.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2.2")
 def test_a_start_that_does_not_fit_vmax_is_altered() -> None:
     p = replace(EXAMPLE, vstart=45_000)  # AMAX^2 / (2 BOW2) = 10 000 pps more would exceed VMAX
     plan = velocity_plan(p, 50_000)
@@ -175,7 +175,7 @@ def test_a_start_that_does_not_fit_vmax_is_altered() -> None:
     assert steep.overshoot == 0
 
 
-@pytest.mark.sheet("002", "8.2.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2.2")
 def test_a_register_change_may_take_the_velocity_beyond_vmax() -> None:
     plan = position_plan(EXAMPLE, 100_000, 45_000, 200_000)
     assert plan.limits[0].peak == pytest.approx(55_000)
@@ -184,7 +184,7 @@ def test_a_register_change_may_take_the_velocity_beyond_vmax() -> None:
     assert velocity_plan(EXAMPLE, 50_000, 45_000, 200_000).limits[0].peak == pytest.approx(55_000)
 
 
-@pytest.mark.sheet("002", "8.2.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2.2")
 def test_lower_values_while_under_way_may_overshoot_the_target() -> None:
     under_way = position_plan(EXAMPLE, 30_000)
     state = under_way.at(0.35)
@@ -198,7 +198,7 @@ def test_lower_values_while_under_way_may_overshoot_the_target() -> None:
     assert plan.at(plan.duration_s).position == left
 
 
-@pytest.mark.sheet("002", "8.2.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2.2")
 def test_vmax_0_alone_is_no_way_to_stop_a_positioning_s_ramp() -> None:
     with pytest.raises(ValueError, match="VMAX = 1 first"):
         replace(EXAMPLE, vmax=0.0)

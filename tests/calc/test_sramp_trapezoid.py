@@ -76,7 +76,7 @@ def check(p: Trapezoid, plan: SRampPlan) -> None:
             assert abs(middle) >= p.vbreak
 
 
-@pytest.mark.sheet("002", "8.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2")
 def test_the_worked_example() -> None:
     plan = trapezoid_position_plan(EXAMPLE, 20_000)
     assert names(plan) == ["A1L", "A1", "A2", "A3", "A3L"]
@@ -89,7 +89,7 @@ def test_the_worked_example() -> None:
     assert plan.at(plan.duration_s).velocity_pps == 0
 
 
-@pytest.mark.sheet("002", "8.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2")
 def test_without_vbreak_each_slope_has_one_acceleration() -> None:
     plan = trapezoid_position_plan(Trapezoid(1000, 500, 1000), 2000)
     assert names(plan) == ["A1", "A2", "A3"]
@@ -146,7 +146,7 @@ def test_a_change_of_velocity(p: Trapezoid, target: float, v: float, brakes: flo
         assert plan.end_position == plan.pieces[-1].position_at(plan.duration_s)
 
 
-@pytest.mark.sheet("002", "8.2.1")
+@pytest.mark.sheet("DS-TMC4361", "8.2.1")
 def test_vstart_and_vstop_have_no_part_in_a_reversal() -> None:
     plan = trapezoid_velocity_plan(EXAMPLE, -30_000, 20_000)
     assert names(plan) == ["A3", "A3L", "A1L", "A1"]
@@ -156,7 +156,7 @@ def test_vstart_and_vstop_have_no_part_in_a_reversal() -> None:
     assert back.phases[2].start_velocity_pps == pytest.approx(0, abs=1e-6)
 
 
-@pytest.mark.sheet("002", "8.2.1")
+@pytest.mark.sheet("DS-TMC4361", "8.2.1")
 def test_vstop_ends_a_stop_and_no_other_change() -> None:
     assert trapezoid_velocity_plan(EXAMPLE, 0, 30_000).phases[-1].end_velocity_pps == pytest.approx(2000)
     assert trapezoid_velocity_plan(EXAMPLE, 1000, 30_000).phases[-1].end_velocity_pps == pytest.approx(1000)
@@ -164,7 +164,7 @@ def test_vstop_ends_a_stop_and_no_other_change() -> None:
     assert trapezoid_position_plan(EXAMPLE, 0, 1500).duration_s == 0
 
 
-@pytest.mark.sheet("002", "8.2.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2.2")
 def test_a_braking_motor_stands_before_it_accelerates_again() -> None:
     plan = trapezoid_position_plan(EXAMPLE, 50_000, 30_000, -1.0)
     assert names(plan) == ["A3", "A3L", "A1L", "A1", "A2", "A3", "A3L"]
@@ -179,7 +179,7 @@ def test_a_braking_motor_stands_before_it_accelerates_again() -> None:
     assert names(trapezoid_velocity_plan(EXAMPLE, 40_000, 30_000, -1.0)) == ["A3", "A3L", "A1L", "A1"]
 
 
-@pytest.mark.sheet("002", "8.2.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2.2")
 def test_braking_that_takes_20_seconds_may_overrun() -> None:
     assert "dmax_too_slow" in codes(trapezoid_position_plan(Trapezoid(20_000, 1000, 1000), 1e6))
     assert "dmax_too_slow" not in codes(trapezoid_position_plan(Trapezoid(20_000, 1000, 1001), 1e6))
@@ -199,7 +199,7 @@ def test_other_warnings() -> None:
     assert "target_overshoot" in codes(trapezoid_position_plan(Trapezoid(1000, 1000, 1000), 10, 900))
 
 
-@pytest.mark.sheet("002", "8.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2")
 def test_hold_mode_is_a_rectangle() -> None:
     plan = hold_position_plan(4000, -1000)
     assert plan.duration_s == 0.25

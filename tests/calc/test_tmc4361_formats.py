@@ -19,8 +19,8 @@ BOWS = ["BOW1", "BOW2", "BOW3", "BOW4"]
 WRITTEN = [*VELOCITIES, *ACCELERATIONS, *BOWS, "DFREEZE"]
 
 
-@pytest.mark.sheet("002", "8")
-@pytest.mark.sheet("002", "8.2.3")
+@pytest.mark.sheet("DS-TMC4361", "8")
+@pytest.mark.sheet("DS-TMC4361", "8.2.3")
 @pytest.mark.parametrize("name", FORMATS)
 def test_formats_are_as_wide_as_their_registers(name: str) -> None:
     found = TMC4361.find(name, 0)
@@ -38,7 +38,7 @@ def test_formats_are_as_wide_as_their_registers(name: str) -> None:
         )
 
 
-@pytest.mark.sheet("002", "8.2.3")
+@pytest.mark.sheet("DS-TMC4361", "8.2.3")
 def test_smallest_and_greatest_values_of_the_data_sheets_table() -> None:
     """With its "mpps" read as thousandths in the row of minima of velocities, as millions in the row of maxima."""
     units = Units(clock_hz=32e6)
@@ -53,7 +53,7 @@ def test_smallest_and_greatest_values_of_the_data_sheets_table() -> None:
         assert units.limits(name).highest == pytest.approx(16.777e6, rel=1e-4)
 
 
-@pytest.mark.sheet("002", "8.2.3")
+@pytest.mark.sheet("DS-TMC4361", "8.2.3")
 def test_direct_units_of_the_data_sheets_example_at_16_mhz() -> None:
     """1.86 kpps^2 to 31.25 Gpps^2 and 454.75 kpps^3 to 7.63 Tpps^3; the minus signs there are lost "about"s."""
     for name in ACCELERATIONS:
@@ -66,7 +66,7 @@ def test_direct_units_of_the_data_sheets_example_at_16_mhz() -> None:
         assert DIRECT.limits(name) == Units().limits(name)
 
 
-@pytest.mark.sheet("002", "8.2.3")
+@pytest.mark.sheet("DS-TMC4361", "8.2.3")
 def test_direct_units_by_hand() -> None:
     assert DIRECT.to_raw("AMAX", 10e6) == 5369
     assert DIRECT.to_raw("BOW1", 100e6) == 220
@@ -79,8 +79,8 @@ def test_direct_units_by_hand() -> None:
     assert [round(Units(clock, True, True).least("BOW4") / 1e3, 2) for clock in (8e6, 12e6)] == [56.84, 191.85]
 
 
-@pytest.mark.sheet("002", "1.4")
-@pytest.mark.sheet("002", "8.2.3")
+@pytest.mark.sheet("DS-TMC4361", "1.4")
+@pytest.mark.sheet("DS-TMC4361", "8.2.3")
 @pytest.mark.parametrize("clock_hz", [CLOCK_HZ_MIN, 8e6, 16e6])
 def test_half_a_pulse_per_clock_is_the_end(clock_hz: float) -> None:
     units = Units(clock_hz)
@@ -131,7 +131,7 @@ def test_errors_name_the_register_and_its_limit(name: str) -> None:
                 units.to_raw(name, -1.0)
 
 
-@pytest.mark.sheet("002", "8.2.3")
+@pytest.mark.sheet("DS-TMC4361", "8.2.3")
 @pytest.mark.parametrize("clock_hz", [0.0, 4e6, 32.1e6, math.nan])
 def test_a_clock_outside_of_the_data_sheets_is_refused(clock_hz: float) -> None:
     with pytest.raises(ValueError, match="CLK_FREQ is 4194304 to 32000000 Hz"):
@@ -147,7 +147,7 @@ def test_a_number_wider_than_the_register_is_refused(name: str) -> None:
 
 
 def test_an_open_question_direct_values_above_the_lowest_cap_are_taken_and_warned_of() -> None:
-    """002 has 24 bits, the vendor's list of fields 2^20, revision 3.10 65535 and 4095 (facts: tmc4361-ramps, 5)."""
+    """DS-TMC4361 has 24 bits, the list of fields 2^20, revision 3.10 65535 and 4095 (NOTES-TMC4361-RAMPS 5)."""
     for name, cap in ((ACCELERATIONS[0], DIRECT_ACCELERATION_CAP), (BOWS[0], DIRECT_BOW_CAP)):
         at, above = (DIRECT.from_raw(name, raw) for raw in (cap, cap + 1))
         assert not DIRECT.warnings(name, at)
@@ -158,9 +158,9 @@ def test_an_open_question_direct_values_above_the_lowest_cap_are_taken_and_warne
         assert not Units().warnings(name, 4e6), "no cap without direct units"
 
 
-@pytest.mark.sheet("002", "8.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2")
 def test_an_open_question_positioning_above_a_quarter_of_the_clock_is_warned_of() -> None:
-    """002 advises fCLK/4 for hold positioning, revision 3 for all positioning; above it stays allowed here."""
+    """DS-TMC4361 advises fCLK/4 for hold positioning, revision 3 for all positioning; above it stays allowed here."""
     units = Units()
     assert not units.warnings("VMAX", 4e6, positioning=True)
     assert not units.warnings("VMAX", 5e6, positioning=False)
@@ -169,7 +169,7 @@ def test_an_open_question_positioning_above_a_quarter_of_the_clock_is_warned_of(
     assert units.to_raw("VMAX", 4_000_001) == 4_000_001 * 256
 
 
-@pytest.mark.sheet("002", "8.1")
+@pytest.mark.sheet("DS-TMC4361", "8.1")
 def test_long_step_pulses_leave_fewer_steps() -> None:
     units = Units()
     assert [units.step_rate_max(add) for add in (0, 1, 3)] == [8e6, 4e6, 2e6]
@@ -180,6 +180,6 @@ def test_long_step_pulses_leave_fewer_steps() -> None:
         units.warnings("VMAX", 1, step_length_add=65_536)
 
 
-@pytest.mark.sheet("002", "8.2.3")
+@pytest.mark.sheet("DS-TMC4361", "8.2.3")
 def test_the_table_of_limits_has_every_register_that_can_be_written() -> None:
     assert [limits.register for limits in Units().table()] == [name for name in FORMATS if not name.endswith("ACTUAL")]

@@ -16,7 +16,7 @@ clocks = st.floats(4e6, 18e6)
 resolutions = st.sampled_from(times.RESOLUTIONS)
 
 
-@pytest.mark.sheet("004", "6.1")
+@pytest.mark.sheet("FM-PD42-1241", "6.1")
 def test_steps_of_one_turn_a_second() -> None:
     """200 full steps of 256 microsteps at 16 MHz."""
     assert times.tstep(51_200) == 312
@@ -31,7 +31,7 @@ def test_at_standstill_and_slower_than_it_can_count_the_step_time_is_the_longest
 
 @given(units=st.integers(17, VELOCITY_MAX), clock_hz=clocks)
 def test_a_step_takes_2_to_the_24_over_the_velocity(units: int, clock_hz: float) -> None:
-    """DS5160, 12.1: TSTEP = 2^24 / V at 256 microsteps, whatever the clock is."""
+    """DS-TMC5160 12.1: TSTEP = 2^24 / V at 256 microsteps, whatever the clock is."""
     assert abs(times.tstep(velocity_pps(units, clock_hz), 256, clock_hz) - (1 << 24) / units) <= 1
 
 
@@ -44,7 +44,7 @@ def test_arrays_are_scalars_side_by_side(values: list[float]) -> None:
 def test_a_threshold_switches_at_its_velocity_and_a_little_above(
     raw: int, microsteps: int, clock_hz: float, small: bool
 ) -> None:
-    """DS5160, TSTEP: the second number compared with is 15/16 (31/32) of it less 1."""
+    """DS-TMC5160, TSTEP: the second number compared with is 15/16 (31/32) of it less 1."""
     found = times.threshold(raw, microsteps, clock_hz, small)
     assert found.falling_pps * raw * 256 / microsteps == pytest.approx(clock_hz)
     assert found.rising_pps > found.falling_pps
@@ -65,7 +65,7 @@ def test_a_threshold_of_0_is_never_reached() -> None:
 
 @given(pps=st.floats(0, 1), clock_hz=clocks)
 def test_thresholds_in_velocity_do_not_look_at_eight_bits(pps: float, clock_hz: float) -> None:
-    """DS5072, 6.2.2: bits 22..8 are compared."""
+    """DS-TMC5072 6.2.2: bits 22..8 are compared."""
     highest = VELOCITY_MAX * velocity_unit_pps(clock_hz)
     raw = times.velocity_threshold(pps * highest, clock_hz)
     assert raw % 256 == 0
@@ -76,7 +76,7 @@ def test_thresholds_in_velocity_do_not_look_at_eight_bits(pps: float, clock_hz: 
 
 
 def test_the_longest_pause() -> None:
-    """DS5160, TZEROWAIT: about 0 to 2 seconds."""
+    """DS-TMC5160, TZEROWAIT: about 0 to 2 seconds."""
     assert times.zero_wait_s(times.WAIT_MAX) == pytest.approx(2.097, abs=1e-3)
     assert times.zero_wait_s(1, 12e6) == 512 / 12e6
 
@@ -88,7 +88,7 @@ def test_power_down_delays_there_and_back(raw: int, clock_hz: float, first_free:
 
 
 def test_a_tmc5130_counts_power_down_from_a_single_clock() -> None:
-    """DS5130, 6.2: 0 none, 1 the least, else one less times 2^18."""
+    """DS-TMC5130 6.2: 0 none, 1 the least, else one less times 2^18."""
     assert times.power_down_s(0, 16e6, first_free=True) == 0
     assert times.power_down_s(1, 16e6, first_free=True) == 1 / 16e6
     assert times.power_down_s(2, 16e6, first_free=True) == times.power_down_s(1) == 0.016384

@@ -23,7 +23,7 @@ accelerations = st.integers(-ACCELERATION_MAX, ACCELERATION_MAX)
 clocks = st.floats(4e6, 20e6)
 
 
-@pytest.mark.sheet("004", "7.4")
+@pytest.mark.sheet("FM-PD42-1241", "7.4")
 def test_the_formulas_at_16_mhz() -> None:
     assert velocity_unit_pps() == 16e6 / 2 / 2**23
     assert acceleration_unit_pps2() == 16e6**2 / (512 * 256) / 2**24
@@ -33,7 +33,7 @@ def test_the_formulas_at_16_mhz() -> None:
     assert round(velocity_pps((1 << 20) - 1)) == 999_999
 
 
-@pytest.mark.sheet("004", "6.1")
+@pytest.mark.sheet("FM-PD42-1241", "6.1")
 def test_one_turn_a_second() -> None:
     # 200 full steps of 256 microsteps.
     assert velocity_units(51_200) == 53_687

@@ -1,4 +1,5 @@
-"""Chip units: the formulas of 001 8.14, round trips, vectors against scalars, and the mechanics behind the shaft."""
+"""Chip units: the formulas of DS-TMC428 8.14, round trips, vectors against scalars, and the mechanics behind the
+shaft."""
 
 from __future__ import annotations
 
@@ -25,7 +26,7 @@ registers = st.integers(0, 2047)
 clocks = st.floats(1e5, 32e6)
 
 
-@pytest.mark.sheet("001", "8.14")
+@pytest.mark.sheet("DS-TMC428", "8.14")
 def test_the_pulse_rate_is_the_formula() -> None:
     # velocity 2048 would be one step with each pulse clock of f/32/2^pulse_div: 500 kHz at 16 MHz
     assert pulse_rate_hz(1024, 0, 16e6) == 250_000
@@ -33,13 +34,13 @@ def test_the_pulse_rate_is_the_formula() -> None:
     assert pulse_rate_hz(2047, 3, 8e6) == 8e6 * 2047 / (2**3 * 2048 * 32)
 
 
-@pytest.mark.sheet("001", "8.14")
+@pytest.mark.sheet("DS-TMC428", "8.14")
 def test_the_acceleration_is_the_formula() -> None:
     assert acceleration_hz_s(1, 0, 0, 16e6) == 16e6**2 / 2**29
     assert acceleration_hz_s(2047, 13, 13, 16e6) == 16e6 * 16e6 * 2047 / 2**55
 
 
-@pytest.mark.sheet("001", "8.14")
+@pytest.mark.sheet("DS-TMC428", "8.14")
 @given(velocity=st.integers(1, 2047), a_max=st.integers(1, 2047), ramp_div=dividers, pulse_div=dividers, clock=clocks)
 def test_steps_of_acceleration_are_half_v_squared_over_a(
     velocity: int, a_max: int, ramp_div: int, pulse_div: int, clock: float
@@ -48,7 +49,7 @@ def test_steps_of_acceleration_are_half_v_squared_over_a(
     assert steps_during_acceleration(velocity, a_max, ramp_div, pulse_div) == pytest.approx(0.5 * rate**2 / slope)
 
 
-@pytest.mark.sheet("001", "8.14")
+@pytest.mark.sheet("DS-TMC428", "8.14")
 @pytest.mark.parametrize("usrs", range(7))
 def test_full_steps_are_microsteps_by_two_to_the_usrs(usrs: int) -> None:
     assert microsteps_per_full_step(usrs) == 2**usrs

@@ -49,7 +49,7 @@ def marks(item: pytest.Item) -> Iterator[tuple[str, str]]:
     """Yield (document, section) of each `sheet` mark of a test. Raises UsageError for one that is not listed."""
     for mark in item.iter_markers("sheet"):
         if mark.kwargs or len(mark.args) != 2 or not all(isinstance(argument, str) for argument in mark.args):
-            raise pytest.UsageError(f'{item.nodeid}: write @pytest.mark.sheet("001", "8.7.1"), not {mark.args!r}')
+            raise pytest.UsageError(f'{item.nodeid}: write @pytest.mark.sheet("DS-TMC428", "8.7.1"), not {mark.args!r}')
         document, section = mark.args
         if document not in documents() or section not in documents()[document].sections:
             raise pytest.UsageError(

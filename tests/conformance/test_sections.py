@@ -27,7 +27,9 @@ def project(pytester: pytest.Pytester) -> pytest.Pytester:
     return pytester
 
 
-@pytest.mark.parametrize("mark", ['"001", "8.99"', '"009", "1"', '"001", 8', '"001"', 'document="001", section="1"'])
+@pytest.mark.parametrize(
+    "mark", ['"DS-TMC428", "8.99"', '"009", "1"', '"DS-TMC428", 8', '"DS-TMC428"', 'document="DS-TMC428", section="1"']
+)
 def test_a_mark_that_names_no_section_is_refused(project: pytest.Pytester, mark: str) -> None:
     item = project.getitem(f"import pytest\n\n@pytest.mark.sheet({mark})\ndef test_func(): ...")
     with pytest.raises(pytest.UsageError, match=r"sections\.toml|write @pytest"):
@@ -36,6 +38,7 @@ def test_a_mark_that_names_no_section_is_refused(project: pytest.Pytester, mark:
 
 def test_a_test_may_hold_several_sections(project: pytest.Pytester) -> None:
     item = project.getitem(
-        "import pytest\n\n@pytest.mark.sheet('001', '8.1')\n@pytest.mark.sheet('000', '6.1.1')\ndef test_func(): ..."
+        "import pytest\n\n@pytest.mark.sheet('DS-TMC428', '8.1')\n"
+        "@pytest.mark.sheet('DS-TMC4210', '6.1.1')\ndef test_func(): ..."
     )
-    assert set(marks(item)) == {("001", "8.1"), ("000", "6.1.1")}
+    assert set(marks(item)) == {("DS-TMC428", "8.1"), ("DS-TMC4210", "6.1.1")}

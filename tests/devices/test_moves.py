@@ -74,7 +74,7 @@ async def test_relative_and_in_the_axis_s_units() -> None:
             await b.device.move(0, 1, unit="furlong")
 
 
-@pytest.mark.sheet("001", "9.10")
+@pytest.mark.sheet("DS-TMC428", "9.10")
 async def test_several_axes_start_in_successive_datagrams() -> None:
     async with bench() as b:
         await b.device.rotate(1, 2000)  # in VELOCITY_MODE and turning: its start is the mode, not the target
@@ -136,7 +136,7 @@ async def test_a_p_that_does_not_fit_is_a_warning() -> None:
         assert "slow" in (await b.device.move(0, 1000)).warnings[0]
 
 
-@pytest.mark.sheet("001", "8.1")
+@pytest.mark.sheet("DS-TMC428", "8.1")
 @pytest.mark.parametrize("target", [-(1 << 23) - 1, 1 << 23, 1e12, -1e300])
 async def test_a_target_beyond_24_bits(target: float) -> None:
     async with bench() as b:
@@ -154,7 +154,7 @@ async def test_a_target_that_is_no_number(target: float) -> None:
             await b.device.rotate(0, target)
 
 
-@pytest.mark.sheet("001", "8.1")
+@pytest.mark.sheet("DS-TMC428", "8.1")
 async def test_a_distance_of_2_to_the_23_is_refused() -> None:
     async with bench() as b:
         await b.device.set_position(0, -5)
@@ -172,7 +172,7 @@ async def test_an_active_switch_in_the_way_is_a_warning() -> None:
         assert await b.at_rest() == 100
 
 
-@pytest.mark.sheet("000", "1.4")
+@pytest.mark.sheet("DS-TMC4210", "1.4")
 async def test_step_direction_output_off_is_a_warning() -> None:
     async with bench("tmc4210") as b:
         await b.device.write("en_sd", value=0)

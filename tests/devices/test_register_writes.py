@@ -123,7 +123,7 @@ def test_a_changed_mask_never_clears_a_flag(word: int, mask: str, value: int) ->
     assert sent >> 8 == (word >> 8 & ~(part.mask >> 8)) | value << part.lsb - 8
 
 
-@pytest.mark.sheet("001", "8.13")
+@pytest.mark.sheet("DS-TMC428", "8.13")
 @pytest.mark.parametrize("model", list(CHIPS_32))
 async def test_changing_a_mask_leaves_the_flags_and_a_flag_is_cleared_by_a_one(model: str) -> None:
     async with bench(model) as b:
@@ -194,7 +194,7 @@ async def test_what_cannot_be_written_names_its_limits(
         assert sum(b.device.queue.counts.frames) == sent
 
 
-@pytest.mark.sheet("001", "8.6")
+@pytest.mark.sheet("DS-TMC428", "8.6")
 async def test_v_actual_is_written_in_hold_mode_only() -> None:
     async with bench() as b:
         with pytest.raises(WriteRefused, match="HOLD_MODE only"):
@@ -204,7 +204,7 @@ async def test_v_actual_is_written_in_hold_mode_only() -> None:
         assert (await b.device.read("v_actual", 0)).value == -100
 
 
-@pytest.mark.sheet("001", "8.5")
+@pytest.mark.sheet("DS-TMC428", "8.5")
 async def test_v_target_belongs_to_the_ramp_generator_outside_velocity_mode() -> None:
     async with bench() as b:
         await b.device.move(0, 100_000)
@@ -217,7 +217,7 @@ async def test_v_target_belongs_to_the_ramp_generator_outside_velocity_mode() ->
         assert (await b.device.write("v_target", 0, value=-55)).verified
 
 
-@pytest.mark.sheet("001", "8.16")
+@pytest.mark.sheet("DS-TMC428", "8.16")
 async def test_x_latched_is_armed_by_any_write_and_keeps_its_value() -> None:
     async with bench() as b:
         written = await b.device.write("x_latched", 0, value=1234)
@@ -226,7 +226,7 @@ async def test_x_latched_is_armed_by_any_write_and_keeps_its_value() -> None:
         assert (await b.device.read("lp", 0)).value == 1
 
 
-@pytest.mark.sheet("001", "9.2")
+@pytest.mark.sheet("DS-TMC428", "9.2")
 async def test_cover_pos_reads_back_one_more_and_is_not_moved_by_that() -> None:
     async with bench() as b:
         written = await b.device.write("cover_pos_cover_len", fields={"cover_pos": 7, "cover_len": 3})
@@ -235,7 +235,7 @@ async def test_cover_pos_reads_back_one_more_and_is_not_moved_by_that() -> None:
         assert (await b.device.write("cover_len", value=5)).fields["cover_pos"] == 8
 
 
-@pytest.mark.sheet("001", "8.14")
+@pytest.mark.sheet("DS-TMC428", "8.14")
 async def test_pulse_div_outside_ramp_mode_is_told() -> None:
     async with bench() as b:
         assert (await b.device.write("pulse_div", 0, value=5)).note == ""
@@ -244,7 +244,7 @@ async def test_pulse_div_outside_ramp_mode_is_told() -> None:
         assert (await b.device.write("ramp_div", 0, value=7)).note == ""
 
 
-@pytest.mark.sheet("001", "8.2")
+@pytest.mark.sheet("DS-TMC428", "8.2")
 async def test_x_actual_in_ramp_mode_is_told_to_start_the_motor() -> None:
     async with bench() as b:
         written = await b.device.write("x_actual", 0, value=500)
@@ -253,7 +253,7 @@ async def test_x_actual_in_ramp_mode_is_told_to_start_the_motor() -> None:
         assert (await b.device.axis_state(0)).position == 0
 
 
-@pytest.mark.sheet("001", "8.7")
+@pytest.mark.sheet("DS-TMC428", "8.7")
 async def test_a_max_0_while_turning_is_told() -> None:
     async with bench() as b:
         await b.device.rotate(0, 5000)
@@ -261,7 +261,7 @@ async def test_a_max_0_while_turning_is_told() -> None:
         assert "immediate stop" in (await b.device.write("a_max", 0, value=0)).note
 
 
-@pytest.mark.sheet("001", "9.5")
+@pytest.mark.sheet("DS-TMC428", "9.5")
 async def test_power_down_is_not_read_back_because_that_would_wake_the_chip() -> None:
     async with bench() as b:
         written = await b.device.write("power_down", value=0)

@@ -37,7 +37,7 @@ async def test_by_the_ramp(model: str) -> None:
 
 
 @BOTH
-@pytest.mark.sheet("001", "8.6")
+@pytest.mark.sheet("DS-TMC428", "8.6")
 async def test_immediately(model: str) -> None:
     async with bench(model) as b:
         await b.device.rotate(0, -10_000)
@@ -49,7 +49,7 @@ async def test_immediately(model: str) -> None:
         assert (state.position, state.velocity_pps, state.moving) == (before, 0.0, False)
 
 
-@pytest.mark.sheet("001", "8.7")
+@pytest.mark.sheet("DS-TMC428", "8.7")
 async def test_without_acceleration_there_is_no_ramp_so_it_is_immediate() -> None:
     async with bench() as b:
         await b.device.rotate(0, 10_000)

@@ -14,7 +14,7 @@ from app.registers.catalog import CHIPS_32
 from tests.devices.bench import bench
 
 
-@pytest.mark.sheet("001", "7.3")
+@pytest.mark.sheet("DS-TMC428", "7.3")
 async def test_the_ram_is_noise_until_it_is_written() -> None:
     async with bench(started=False) as b:
         noise = await b.device.read_microstep_table()
@@ -33,7 +33,7 @@ async def test_what_is_no_table_is_not_written(values: list[int]) -> None:
         assert await b.device.read_microstep_table() == before
 
 
-@pytest.mark.sheet("001", "11.2")
+@pytest.mark.sheet("DS-TMC428", "11.2")
 async def test_a_driver_chain_there_and_back() -> None:
     async with bench(started=False) as b:
         chain = build_chain(["tmc236", {"driver": "tmc249", "fast_decay": True}])
@@ -83,7 +83,7 @@ async def test_a_tmc4210_has_neither() -> None:
             await b.device.write_driver_chain([0], 0)
 
 
-@pytest.mark.sheet("001", "13")
+@pytest.mark.sheet("DS-TMC428", "13")
 @pytest.mark.parametrize("model", list(CHIPS_32))
 async def test_after_the_start_up_the_motor_runs(model: str) -> None:
     async with bench(model) as b:

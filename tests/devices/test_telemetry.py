@@ -170,7 +170,7 @@ async def test_a_long_oscillation_is_predicted_too() -> None:
         assert np.nanmax(np.abs(samples[:, 1])) < 20
 
 
-@pytest.mark.sheet("001", "8.3")
+@pytest.mark.sheet("DS-TMC428", "8.3")
 async def test_a_move_that_never_ends_is_predicted_as_far_as_it_goes() -> None:
     async with bench() as b:
         await b.device.write("v_min", 0, value=0)
@@ -217,7 +217,7 @@ async def test_replies_that_do_not_fit_and_channels_that_do_not_exist() -> None:
             b.device.sample_plan([])
 
 
-@pytest.mark.sheet("001", "9.7")
+@pytest.mark.sheet("DS-TMC428", "9.7")
 async def test_a_switch_that_the_wiring_does_not_have_is_nan() -> None:
     async with bench() as b:
         await b.device.write("refmux", value=0)
@@ -228,7 +228,7 @@ async def test_a_switch_that_the_wiring_does_not_have_is_nan() -> None:
         assert np.isnan(samples[-1, [0, 2]]).all()
 
 
-@pytest.mark.sheet("000", "1.5.4")
+@pytest.mark.sheet("DS-TMC4210", "1.5.4")
 async def test_the_right_switch_of_a_tmc4210_needs_mot1r() -> None:
     async with bench("tmc4210", stages=[{"start_fullsteps": 7600.0}]) as b:
         recorder = Recorder(b, "switch_right.0")

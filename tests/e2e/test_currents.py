@@ -152,7 +152,7 @@ def test_the_chopper_of_a_motor_has_reasons(currents: Page, chip: Motor) -> None
     fill(currents, "motor-mH", 2.8)
     toff = currents.get_by_test_id("hint-toff")
     expect(toff).to_contain_text("kHz")
-    expect(toff).to_contain_text("DS5160")
+    expect(toff).to_contain_text("DS-TMC5160")
     expect(currents.get_by_test_id("figure-current_limit")).to_contain_text("TSTEP")
     expect(currents.get_by_test_id("use-chopper")).to_contain_text("Use all")
     wanted = int(toff.locator("span span").nth(1).inner_text())

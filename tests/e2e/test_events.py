@@ -49,7 +49,7 @@ def times(page: Page, event: str) -> int:
     return int(row.inner_text()) if row.count() else 0
 
 
-@pytest.mark.sheet("002", "7.2")
+@pytest.mark.sheet("DS-TMC4361", "7.2")
 def test_what_the_chip_tells_gets_a_row(bench: Page, chip: Loop) -> None:
     before = told(chip, "TARGET_REACHED")
     there_and_back(chip)
@@ -123,7 +123,7 @@ def test_accessible_as_timeline_and_as_list(
     check_axe(page)
 
 
-@pytest.mark.sheet("002", "7.2")
+@pytest.mark.sheet("DS-TMC4361", "7.2")
 def test_the_registers_page_does_not_read_events_away(page: Page, chip: Loop) -> None:
     select(page.context, chip.device)
     page.goto("/registers")

@@ -38,7 +38,7 @@ def bound(page: Page, name: str) -> str:
     return page.get_by_test_id(f"bound-{name}").locator("td").first.inner_text()
 
 
-@pytest.mark.sheet("002", "6.1.2")
+@pytest.mark.sheet("DS-TMC4361", "6.1.2")
 def test_a_filter_is_chosen_by_what_it_does_and_written(filters: Page, chip: Loop) -> None:
     expect(filters.get_by_test_id("bound-always")).to_contain_text("62.5", timeout=PATIENCE_MS)
     filters.get_by_label("Sample rate of Reference switches, sr_ref").select_option("3")
@@ -55,7 +55,7 @@ def test_a_filter_is_chosen_by_what_it_does_and_written(filters: Page, chip: Loo
     assert chip.register("INPUT_FILT_CONF") == 5 << 12 | 3 << 8
 
 
-@pytest.mark.sheet("002", "6.1.3")
+@pytest.mark.sheet("DS-TMC4361", "6.1.3")
 def test_figures_of_the_data_sheet_are_drawn_with_their_settings(filters: Page) -> None:
     for group, pin, figure in (("ref", "HOME_REF", "6.1"), ("s", "START", "6.2"), ("enc_in", "A_SCLK", "6.3")):
         filters.get_by_test_id(f"group-{group}").click()

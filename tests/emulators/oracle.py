@@ -458,7 +458,7 @@ class Oracle:
         return "".join(str(drawn[motor][code]) if code < 20 else "1" for motor, code in self._chain() or [])
 
     def _signals(self, axis: Axis, tick: int) -> list[int]:
-        """The twenty primary signals of a motor, by their codes (001, Table 11-1)."""
+        """The twenty primary signals of a motor, by their codes (DS-TMC428 Table 11-1)."""
         resting = axis.v8 == 0
         if resting and tick - axis.stopped_at >= 255 * 2**axis.ramp_div:
             scale = axis.is_v0

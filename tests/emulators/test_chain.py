@@ -1,4 +1,4 @@
-"""The driver chain: 001 sections 2.1, 6.3, 9.1 to 9.3, 9.7, chapters 10 and 11."""
+"""The driver chain: DS-TMC428 sections 2.1, 6.3, 9.1 to 9.3, 9.7, chapters 10 and 11."""
 
 from __future__ import annotations
 
@@ -48,8 +48,8 @@ def send(bench: Bench) -> str:
     return bench.chain().last_bits
 
 
-@pytest.mark.sheet("001", "10")
-@pytest.mark.sheet("001", "11.2")
+@pytest.mark.sheet("DS-TMC428", "10")
+@pytest.mark.sheet("DS-TMC428", "11.2")
 def test_table_11_3_writes_the_ram_of_table_11_2() -> None:
     bench = chained()
     first = [0x10, 5, 4, 3, 2, 6, 0x10, 0xD, 0xC, 0xB, 0xA, 0x2E]
@@ -61,9 +61,9 @@ def test_table_11_3_writes_the_ram_of_table_11_2() -> None:
     assert len(TABLE_11_3.split()) == 18
 
 
-@pytest.mark.sheet("001", "11.2")
-@pytest.mark.sheet("001", "11")
-@pytest.mark.sheet("001", "9.7")
+@pytest.mark.sheet("DS-TMC428", "11.2")
+@pytest.mark.sheet("DS-TMC428", "11")
+@pytest.mark.sheet("DS-TMC428", "9.7")
 def test_the_example_chain_sends_36_bits_in_order() -> None:
     bench = chained()
     assert len(send(bench)) == 36
@@ -73,13 +73,13 @@ def test_the_example_chain_sends_36_bits_in_order() -> None:
     assert send(bench) == "0" + "1111" + "1" + "0" + "1111" + "1" + "011111011111" + "0" + "11111" + "1" + "11111"
 
 
-@pytest.mark.sheet("001", "9.7")
+@pytest.mark.sheet("DS-TMC428", "9.7")
 @pytest.mark.parametrize(("lsmd", "bits"), [(0, 12), (1, 24), (2, 36)])
 def test_lsmd_is_the_number_of_drivers_less_one(lsmd: int, bits: int) -> None:
     assert len(send(chained(0x700 | lsmd))) == bits
 
 
-@pytest.mark.sheet("001", "11")
+@pytest.mark.sheet("DS-TMC428", "11")
 @pytest.mark.parametrize("code", range(0x20))
 def test_every_primary_signal_code(code: int) -> None:
     """A chain of one bit, motor 1 on wave index 64 + 16 (usrs 6): sine entry 48, cosine entry 16, quadrant 2."""
@@ -95,7 +95,7 @@ def test_every_primary_signal_code(code: int) -> None:
     assert send(bench) == str(expected.get(code, 1))
 
 
-@pytest.mark.sheet("001", "11")
+@pytest.mark.sheet("DS-TMC428", "11")
 def test_step_and_direction_bits() -> None:
     bench = free_bench()
     bench.three_drivers(0x700)
@@ -111,9 +111,9 @@ def test_step_and_direction_bits() -> None:
     assert bench.chain().datagrams_sent == 3
 
 
-@pytest.mark.sheet("001", "2.4")
-@pytest.mark.sheet("001", "9.7")
-@pytest.mark.sheet("001", "12.1")
+@pytest.mark.sheet("DS-TMC428", "2.4")
+@pytest.mark.sheet("DS-TMC428", "9.7")
+@pytest.mark.sheet("DS-TMC428", "12.1")
 @pytest.mark.parametrize(
     ("bit", "codes"), [(4, (0x06, 0x0E)), (5, (0x07, 0x0F)), (6, tuple(range(6)) + tuple(range(8, 14)))]
 )
@@ -128,7 +128,7 @@ def test_polarity_bits_invert_their_signals(bit: int, codes: tuple[int, ...]) ->
         assert (levels[0] != levels[1]) == (code in codes), code
 
 
-@pytest.mark.sheet("001", "9.7")
+@pytest.mark.sheet("DS-TMC428", "9.7")
 def test_inverting_the_phase_bits_turns_the_motor_round() -> None:
     bench = chained(0x702 | 1 << 4)
     bench.ramp()
@@ -138,7 +138,7 @@ def test_inverting_the_phase_bits_turns_the_motor_round() -> None:
     assert (bench.x, bench.place() - start) == (640, -10)
 
 
-@pytest.mark.sheet("001", "11")
+@pytest.mark.sheet("DS-TMC428", "11")
 def test_without_an_nxm_bit_the_datagram_never_ends_until_one_is_written() -> None:
     bench = free_bench()
     for word in range(32):
@@ -160,9 +160,9 @@ def test_without_an_nxm_bit_the_datagram_never_ends_until_one_is_written() -> No
     assert not bench.status & 0x40
 
 
-@pytest.mark.sheet("001", "7.2")
-@pytest.mark.sheet("001", "11")
-@pytest.mark.sheet("001", "9.7")
+@pytest.mark.sheet("DS-TMC428", "7.2")
+@pytest.mark.sheet("DS-TMC428", "11")
+@pytest.mark.sheet("DS-TMC428", "9.7")
 def test_datagrams_are_sent_on_demand_only() -> None:
     bench = chained()
     bench.seconds(1.0)
@@ -175,7 +175,7 @@ def test_datagrams_are_sent_on_demand_only() -> None:
     assert bench.chain().datagrams_sent == 25
 
 
-@pytest.mark.sheet("001", "9.7")
+@pytest.mark.sheet("DS-TMC428", "9.7")
 @pytest.mark.parametrize("ramp_divs", [(0, 0, 0), (5, 5, 5), (4, 5, 7), (2, 9, 9)])
 def test_continuous_update_frequency(ramp_divs: tuple[int, int, int]) -> None:
     """f = fCLK * (1/2^rd0 + 1/2^rd1 + 1/2^rd2) / 32768, all motors at rest."""
@@ -188,8 +188,8 @@ def test_continuous_update_frequency(ramp_divs: tuple[int, int, int]) -> None:
     assert bench.chain().datagrams_sent - before == pytest.approx(expected, rel=0.002, abs=3)
 
 
-@pytest.mark.sheet("001", "9.7")
-@pytest.mark.sheet("001", "6.3")
+@pytest.mark.sheet("DS-TMC428", "9.7")
+@pytest.mark.sheet("DS-TMC428", "6.3")
 @pytest.mark.parametrize(
     ("clk2_div", "clocks"),
     [(7, 41 * 16), (0, 41 * 16), (6, 41 * 16), (8, 42.5 * 18), (15, 42.5 * 32), (255, 42.5 * 512)],
@@ -207,8 +207,8 @@ def test_datagram_duration(clk2_div: int, clocks: float) -> None:
     assert not bench.chain().busy
 
 
-@pytest.mark.sheet("001", "2.1")
-@pytest.mark.sheet("001", "9.7")
+@pytest.mark.sheet("DS-TMC428", "2.1")
+@pytest.mark.sheet("DS-TMC428", "9.7")
 def test_steps_faster_than_datagrams_are_not_all_seen_by_the_drivers() -> None:
     bench = chained()
     bench.ramp(mode=HOLD)
@@ -218,7 +218,7 @@ def test_steps_faster_than_datagrams_are_not_all_seen_by_the_drivers() -> None:
     assert bench.chain().datagrams_sent == pytest.approx(0.1 * 16e6 / 656, rel=0.001)
 
 
-@pytest.mark.sheet("001", "11")
+@pytest.mark.sheet("DS-TMC428", "11")
 def test_an_early_nxm_wraps_round_the_ram() -> None:
     ram = [0x10] * 64
     ram[5] |= 0x20
@@ -230,8 +230,8 @@ def test_an_early_nxm_wraps_round_the_ram() -> None:
     assert chain.duration_clocks(None, 7) == NEVER
 
 
-@pytest.mark.sheet("001", "9.2")
-@pytest.mark.sheet("001", "9.3")
+@pytest.mark.sheet("DS-TMC428", "9.2")
+@pytest.mark.sheet("DS-TMC428", "9.3")
 @pytest.mark.parametrize("position", [0, 5, 39, 62])
 def test_cover_position_reads_back_plus_one(position: int) -> None:
     bench = chained()
@@ -240,8 +240,8 @@ def test_cover_position_reads_back_plus_one(position: int) -> None:
     assert bench.read(COVER) == position + 1 << 8 | 7
 
 
-@pytest.mark.sheet("001", "9.2")
-@pytest.mark.sheet("001", "9.3")
+@pytest.mark.sheet("DS-TMC428", "9.2")
+@pytest.mark.sheet("DS-TMC428", "9.3")
 def test_a_cover_datagram_covers_the_next_datagram_and_only_that() -> None:
     bench = chained()
     plain = send(bench)
@@ -256,7 +256,7 @@ def test_a_cover_datagram_covers_the_next_datagram_and_only_that() -> None:
     assert bench.chain().last_bits == plain
 
 
-@pytest.mark.sheet("001", "9.3")
+@pytest.mark.sheet("DS-TMC428", "9.3")
 def test_cdgw_until_the_cover_datagram_is_sent() -> None:
     bench = chained()
     bench.write(COVER, 3)
@@ -271,7 +271,7 @@ def test_cdgw_until_the_cover_datagram_is_sent() -> None:
     assert not bench.status & 0x40
 
 
-@pytest.mark.sheet("001", "9.3")
+@pytest.mark.sheet("DS-TMC428", "9.3")
 def test_a_cover_written_during_a_datagram_waits_for_the_next() -> None:
     bench = chained()
     plain = send(bench)
@@ -291,7 +291,7 @@ def test_a_cover_written_during_a_datagram_waits_for_the_next() -> None:
     assert state.last_bits == f"{0xABCDEF:024b}" + plain[24:]
 
 
-@pytest.mark.sheet("001", "9.3")
+@pytest.mark.sheet("DS-TMC428", "9.3")
 def test_length_zero_forces_an_unchanged_datagram() -> None:
     bench = chained()
     before = bench.chain().datagrams_sent
@@ -300,8 +300,8 @@ def test_length_zero_forces_an_unchanged_datagram() -> None:
     assert bits == send(bench)
 
 
-@pytest.mark.sheet("001", "9.1")
-@pytest.mark.sheet("001", "2")
+@pytest.mark.sheet("DS-TMC428", "9.1")
+@pytest.mark.sheet("DS-TMC428", "2")
 def test_reply_words_capture_the_next_datagram_after_a_write() -> None:
     bench = chained()
     bench.patch(drivers=[{"axis": 0, "status": 0x123}, {"axis": 1, "status": 0x456}, {"axis": 2, "status": 0x789}])
@@ -330,8 +330,8 @@ def test_reply_words_capture_the_next_datagram_after_a_write() -> None:
     assert bench.read(HIGH_WORD) == 0x0FF
 
 
-@pytest.mark.sheet("001", "9.1")
-@pytest.mark.sheet("001", "9.3")
+@pytest.mark.sheet("DS-TMC428", "9.1")
+@pytest.mark.sheet("DS-TMC428", "9.3")
 def test_a_cover_datagram_updates_the_reply_words_by_shifting() -> None:
     bench = chained()
     send(bench)
@@ -340,7 +340,7 @@ def test_a_cover_datagram_updates_the_reply_words_by_shifting() -> None:
     assert (bench.read(LOW_WORD), bench.read(HIGH_WORD)) == (0x100100, 0x100100)
 
 
-@pytest.mark.sheet("001", "9.1")
+@pytest.mark.sheet("DS-TMC428", "9.1")
 def test_longer_datagrams_leave_their_last_48_bits() -> None:
     statuses = [0xABC, 0xDEF, 0x123]
     sent = [1, 0] * 30
@@ -348,7 +348,7 @@ def test_longer_datagrams_leave_their_last_48_bits() -> None:
     assert "".join(map(str, back)) == f"{0xABCDEF123:036b}" + "10" * 12
 
 
-@pytest.mark.sheet("001", "11.2")
+@pytest.mark.sheet("DS-TMC428", "11.2")
 def test_the_chain_may_be_reconfigured_at_any_time() -> None:
     bench = chained()
     bench.ramp(dividers=0x3306)
@@ -360,7 +360,7 @@ def test_the_chain_may_be_reconfigured_at_any_time() -> None:
     assert bench.v > 0
 
 
-@pytest.mark.sheet("001", "11.1")
+@pytest.mark.sheet("DS-TMC428", "11.1")
 def test_datagrams_before_the_ram_is_initialised_are_random_but_harmless() -> None:
     for seed in range(20):
         bench = free_bench(seed=seed)
@@ -371,7 +371,7 @@ def test_datagrams_before_the_ram_is_initialised_are_random_but_harmless() -> No
         assert bench.chain().datagrams_sent > 0
 
 
-@pytest.mark.sheet("001", "9.7")
+@pytest.mark.sheet("DS-TMC428", "9.7")
 @pytest.mark.parametrize("polarity", [0, 1])
 def test_the_chip_select_polarity_also_turns_the_multiplexer(polarity: int) -> None:
     """nSCS_S drives the 74HC157 (Figure 9-5): the other level at rest shows the other switches."""

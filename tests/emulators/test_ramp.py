@@ -1,4 +1,4 @@
-"""Motion: 001 sections 8.1 to 8.8, 8.10 to 8.12 and 8.14; 000 section 6.1."""
+"""Motion: DS-TMC428 sections 8.1 to 8.8, 8.10 to 8.12 and 8.14; DS-TMC4210 section 6.1."""
 
 from __future__ import annotations
 
@@ -36,9 +36,9 @@ def moving(model: str = "tmc428", mode: int = RAMP, **changed: int) -> Bench:
     return bench
 
 
-@pytest.mark.sheet("001", "8.1")
-@pytest.mark.sheet("000", "6.1.1")
-@pytest.mark.sheet("000", "1.5")
+@pytest.mark.sheet("DS-TMC428", "8.1")
+@pytest.mark.sheet("DS-TMC4210", "6.1.1")
+@pytest.mark.sheet("DS-TMC4210", "1.5")
 @BOTH
 @pytest.mark.parametrize("target", [1, 5000, -1, -5000, 40_000])
 def test_the_motor_goes_where_the_target_is(model: str, target: int) -> None:
@@ -48,8 +48,8 @@ def test_the_motor_goes_where_the_target_is(model: str, target: int) -> None:
     assert (bench.x, bench.v) == (target, 0)
 
 
-@pytest.mark.sheet("001", "8.1")
-@pytest.mark.sheet("000", "6.1.1")
+@pytest.mark.sheet("DS-TMC428", "8.1")
+@pytest.mark.sheet("DS-TMC4210", "6.1.1")
 @BOTH
 def test_nothing_moves_after_power_on(model: str) -> None:
     bench = free_bench(model)
@@ -58,8 +58,8 @@ def test_nothing_moves_after_power_on(model: str) -> None:
     assert (bench.x, bench.v) == (0, 0)
 
 
-@pytest.mark.sheet("001", "8.1")
-@pytest.mark.sheet("001", "5")
+@pytest.mark.sheet("DS-TMC428", "8.1")
+@pytest.mark.sheet("DS-TMC428", "5")
 @pytest.mark.parametrize("later", [-2000, 8000, 900])
 def test_the_target_may_be_changed_during_motion(later: int) -> None:
     bench = moving()
@@ -71,7 +71,7 @@ def test_the_target_may_be_changed_during_motion(later: int) -> None:
     assert (bench.x, bench.v) == (later, 0)
 
 
-@pytest.mark.sheet("001", "8.1")
+@pytest.mark.sheet("DS-TMC428", "8.1")
 @pytest.mark.parametrize(
     ("start", "target", "sign"), [(0x7FFFF0, -0x7FFFF0, 1), (-0x7FFFF0, 0x7FFFF0, -1), (0, -(2**23), -1)]
 )
@@ -85,8 +85,8 @@ def test_the_shorter_way_round_the_24_bit_circle(start: int, target: int, sign: 
     assert bench.signed(V_TARGET, 12) * sign > 0
 
 
-@pytest.mark.sheet("001", "8.2")
-@pytest.mark.sheet("000", "6.1.2")
+@pytest.mark.sheet("DS-TMC428", "8.2")
+@pytest.mark.sheet("DS-TMC4210", "6.1.2")
 @BOTH
 def test_overwriting_the_position_in_ramp_mode_drives_back_to_the_target(model: str) -> None:
     bench = moving(model)
@@ -96,8 +96,8 @@ def test_overwriting_the_position_in_ramp_mode_drives_back_to_the_target(model: 
     assert bench.x == 0
 
 
-@pytest.mark.sheet("001", "8.4")
-@pytest.mark.sheet("000", "6.1.4")
+@pytest.mark.sheet("DS-TMC428", "8.4")
+@pytest.mark.sheet("DS-TMC4210", "6.1.4")
 @BOTH
 def test_v_max_zero_holds_the_motor_while_positions_are_written(model: str) -> None:
     bench = moving(model, v_max=0)
@@ -108,8 +108,8 @@ def test_v_max_zero_holds_the_motor_while_positions_are_written(model: str) -> N
     assert (bench.x, bench.place()) == (1234, carriage)
 
 
-@pytest.mark.sheet("001", "8.3")
-@pytest.mark.sheet("000", "6.1.3")
+@pytest.mark.sheet("DS-TMC428", "8.3")
+@pytest.mark.sheet("DS-TMC4210", "6.1.3")
 def test_v_min_is_the_speed_of_the_last_steps_and_shortens_the_way() -> None:
     def time_of(v_min: int) -> float:
         bench = moving(v_min=v_min, a_max=20, p=24 << 8 | 7)  # 0.95 * 20 / 128
@@ -123,8 +123,8 @@ def test_v_min_is_the_speed_of_the_last_steps_and_shortens_the_way() -> None:
     assert time_of(300) < time_of(1)
 
 
-@pytest.mark.sheet("001", "8.3")
-@pytest.mark.sheet("000", "6.1.3")
+@pytest.mark.sheet("DS-TMC428", "8.3")
+@pytest.mark.sheet("DS-TMC4210", "6.1.3")
 def test_without_v_min_the_motor_may_stay_short_of_its_target() -> None:
     bench = moving(v_min=0, p=13)  # p = 128 / 2^16: sqrt(2048 p d) is below 1 only for d = 0, so take SOFT_MODE
     bench.write(MODE, SOFT | NO_STOPS)
@@ -136,8 +136,8 @@ def test_without_v_min_the_motor_may_stay_short_of_its_target() -> None:
     assert bench.x == 5000
 
 
-@pytest.mark.sheet("001", "8.4")
-@pytest.mark.sheet("000", "6.1.4")
+@pytest.mark.sheet("DS-TMC428", "8.4")
+@pytest.mark.sheet("DS-TMC4210", "6.1.4")
 def test_v_max_limits_the_speed_and_may_be_lowered_in_motion() -> None:
     bench = moving(v_max=900)
     bench.write(X_TARGET, 100_000)
@@ -154,8 +154,8 @@ def test_v_max_limits_the_speed_and_may_be_lowered_in_motion() -> None:
     assert bench.v == 300
 
 
-@pytest.mark.sheet("001", "8.5")
-@pytest.mark.sheet("000", "6.1.5")
+@pytest.mark.sheet("DS-TMC428", "8.5")
+@pytest.mark.sheet("DS-TMC4210", "6.1.5")
 @BOTH
 def test_v_target_is_the_users_in_velocity_mode_and_the_generators_in_ramp_mode(model: str) -> None:
     bench = moving(model, mode=VELOCITY)
@@ -170,7 +170,7 @@ def test_v_target_is_the_users_in_velocity_mode_and_the_generators_in_ramp_mode(
     assert bench.signed(V_TARGET, 12) != 5
 
 
-@pytest.mark.sheet("001", "8.5")
+@pytest.mark.sheet("DS-TMC428", "8.5")
 def test_velocity_mode_keeps_to_v_max_and_a_max() -> None:
     bench = moving(mode=VELOCITY, v_max=500, a_max=256)
     bench.write(V_TARGET, 2000)
@@ -180,9 +180,9 @@ def test_velocity_mode_keeps_to_v_max_and_a_max() -> None:
     assert (bench.v, bench.signed(V_TARGET, 12)) == (500, 2000)
 
 
-@pytest.mark.sheet("001", "8.5")
-@pytest.mark.sheet("001", "2.2")
-@pytest.mark.sheet("000", "1.5.2")
+@pytest.mark.sheet("DS-TMC428", "8.5")
+@pytest.mark.sheet("DS-TMC428", "2.2")
+@pytest.mark.sheet("DS-TMC4210", "1.5.2")
 @BOTH
 def test_hold_mode_ignores_v_target_and_all_limits(model: str) -> None:
     bench = moving(model, mode=HOLD, v_max=10, a_max=1)
@@ -196,8 +196,8 @@ def test_hold_mode_ignores_v_target_and_all_limits(model: str) -> None:
     assert bench.x == pytest.approx(-1800 * 1000 / 2048, abs=1)
 
 
-@pytest.mark.sheet("001", "8.6")
-@pytest.mark.sheet("000", "6.1.6")
+@pytest.mark.sheet("DS-TMC428", "8.6")
+@pytest.mark.sheet("DS-TMC4210", "6.1.6")
 @pytest.mark.parametrize("mode", [RAMP, SOFT, VELOCITY])
 def test_v_actual_is_read_only_outside_hold_mode(mode: int) -> None:
     bench = moving(mode=mode)
@@ -212,7 +212,7 @@ def hard_stop(bench: Bench) -> None:
     bench.write(V_ACTUAL, 0)
 
 
-@pytest.mark.sheet("001", "8.6")
+@pytest.mark.sheet("DS-TMC428", "8.6")
 @BOTH
 @pytest.mark.parametrize(("writable", "dead"), [(None, False), ("hold-mode", False), ("velocity-mode", True)])
 @pytest.mark.parametrize("before", [RAMP, VELOCITY])
@@ -242,8 +242,8 @@ def test_zero_written_in_velocity_mode_brakes_or_stops_dead_as_the_option_says(
     assert bench.v != 0
 
 
-@pytest.mark.sheet("001", "8.6")
-@pytest.mark.sheet("000", "6.1.6")
+@pytest.mark.sheet("DS-TMC428", "8.6")
+@pytest.mark.sheet("DS-TMC4210", "6.1.6")
 def test_zero_written_in_hold_mode_stops_at_once_hidden_bits_and_all() -> None:
     bench = moving(mode=VELOCITY, a_max=100)
     bench.write(V_TARGET, 1000)
@@ -258,8 +258,8 @@ def test_zero_written_in_hold_mode_stops_at_once_hidden_bits_and_all() -> None:
     assert bench.v == 1
 
 
-@pytest.mark.sheet("001", "8.6")
-@pytest.mark.sheet("000", "6.1.6")
+@pytest.mark.sheet("DS-TMC428", "8.6")
+@pytest.mark.sheet("DS-TMC4210", "6.1.6")
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_velocity_below_one_reads_as_zero(sign: int) -> None:
     bench = moving(mode=VELOCITY, a_max=255)
@@ -270,8 +270,8 @@ def test_a_velocity_below_one_reads_as_zero(sign: int) -> None:
     assert bench.v == sign
 
 
-@pytest.mark.sheet("001", "8.7")
-@pytest.mark.sheet("000", "6.1.7")
+@pytest.mark.sheet("DS-TMC428", "8.7")
+@pytest.mark.sheet("DS-TMC4210", "6.1.7")
 @BOTH
 def test_without_acceleration_the_motor_can_neither_start_nor_stop(model: str) -> None:
     bench = moving(model, mode=VELOCITY)
@@ -283,8 +283,8 @@ def test_without_acceleration_the_motor_can_neither_start_nor_stop(model: str) -
     assert bench.v == 800
 
 
-@pytest.mark.sheet("001", "8.7.1")
-@pytest.mark.sheet("000", "6.1.7.1.1")
+@pytest.mark.sheet("DS-TMC428", "8.7.1")
+@pytest.mark.sheet("DS-TMC4210", "6.1.7.1.1")
 @pytest.mark.parametrize("distance", [2**19 - 1, 2**19, 2**19 + 500_000, 8_000_000])
 def test_the_ramp_generator_sees_no_further_than_2_to_the_19(distance: int) -> None:
     bench = moving(v_max=2047, p=5 << 8 | 13)  # p = 133 / 2^16
@@ -294,8 +294,8 @@ def test_the_ramp_generator_sees_no_further_than_2_to_the_19(distance: int) -> N
     assert bench.read(V_TARGET) == min(2047, isqrt(2048 * 133 * seen >> 16))
 
 
-@pytest.mark.sheet("001", "8.7.1")
-@pytest.mark.sheet("000", "6.1.7.1.1")
+@pytest.mark.sheet("DS-TMC428", "8.7.1")
+@pytest.mark.sheet("DS-TMC4210", "6.1.7.1.1")
 @pytest.mark.parametrize(
     ("share", "pmul_pdiv", "speed", "fits"), [(1, 12, 2047, True), (2, 13, 1448, True), (4, 13, 1448, False)]
 )
@@ -317,8 +317,8 @@ def test_a_max_lower_limit(share: int, pmul_pdiv: int, speed: int, fits: bool) -
     assert (furthest <= 1_600_001) == fits
 
 
-@pytest.mark.sheet("001", "8.8")
-@pytest.mark.sheet("000", "6.1.8")
+@pytest.mark.sheet("DS-TMC428", "8.8")
+@pytest.mark.sheet("DS-TMC4210", "6.1.8")
 @BOTH
 def test_a_actual_is_the_smoothed_signed_acceleration(model: str) -> None:
     bench = moving(model, mode=VELOCITY, a_max=400)
@@ -336,8 +336,8 @@ def test_a_actual_is_the_smoothed_signed_acceleration(model: str) -> None:
     assert bench.signed(A_ACTUAL, 12) == -400
 
 
-@pytest.mark.sheet("001", "8.10")
-@pytest.mark.sheet("000", "6.1.9")
+@pytest.mark.sheet("DS-TMC428", "8.10")
+@pytest.mark.sheet("DS-TMC4210", "6.1.9")
 @BOTH
 @pytest.mark.parametrize("pmul", [0, 1, 127])
 def test_the_msb_of_p_mul_is_fixed(model: str, pmul: int) -> None:
@@ -346,8 +346,8 @@ def test_the_msb_of_p_mul_is_fixed(model: str, pmul: int) -> None:
     assert bench.read(P) == (128 + pmul) << 8 | 7
 
 
-@pytest.mark.sheet("001", "8.10")
-@pytest.mark.sheet("000", "6.1.9.1")
+@pytest.mark.sheet("DS-TMC428", "8.10")
+@pytest.mark.sheet("DS-TMC4210", "6.1.9.1")
 @pytest.mark.parametrize(("pmul", "pdiv"), [(0, 0), (0, 5), (60, 5), (127, 9), (127, 13)])
 @pytest.mark.parametrize("distance", [1, 2, 77, 5000])
 def test_wanted_velocity_follows_p_and_the_distance(pmul: int, pdiv: int, distance: int) -> None:
@@ -360,8 +360,8 @@ def test_wanted_velocity_follows_p_and_the_distance(pmul: int, pdiv: int, distan
         assert bench.signed(V_TARGET, 12) == -min(2047, max(1, int(wanted)))
 
 
-@pytest.mark.sheet("001", "8.11")
-@pytest.mark.sheet("000", "6.1.9.2")
+@pytest.mark.sheet("DS-TMC428", "8.11")
+@pytest.mark.sheet("DS-TMC4210", "6.1.9.2")
 def test_five_percent_less_than_exact_p_never_overshoots_and_exact_p_by_one_step_at_most() -> None:
     for a_max in (64, 256, 1000):
         for reduction, allowed in ((0.95, 0), (1.0, 1)):
@@ -378,8 +378,8 @@ def test_five_percent_less_than_exact_p_never_overshoots_and_exact_p_by_one_step
             assert 9000 <= furthest <= 9000 + allowed, (a_max, reduction)
 
 
-@pytest.mark.sheet("001", "8.11")
-@pytest.mark.sheet("000", "6.1.9.1")
+@pytest.mark.sheet("DS-TMC428", "8.11")
+@pytest.mark.sheet("DS-TMC4210", "6.1.9.1")
 def test_a_far_too_large_p_swings_about_the_target_and_a_small_one_is_slow() -> None:
     def settled_after(p: int) -> float:
         bench = moving(a_max=64, p=p)
@@ -395,9 +395,9 @@ def test_a_far_too_large_p_swings_about_the_target_and_a_small_one_is_slow() -> 
     assert settled_after(127 << 8 | 0) > 1.5 * fitting
 
 
-@pytest.mark.sheet("001", "8.12")
-@pytest.mark.sheet("001", "2.2")
-@pytest.mark.sheet("000", "1.5.2")
+@pytest.mark.sheet("DS-TMC428", "8.12")
+@pytest.mark.sheet("DS-TMC428", "2.2")
+@pytest.mark.sheet("DS-TMC4210", "1.5.2")
 def test_soft_mode_approaches_more_gently_than_ramp_mode() -> None:
     def last_phase(mode: int) -> float:
         # In SOFT_MODE v falls with d itself: p such that both begin to brake from the same speed.
@@ -413,9 +413,9 @@ def test_soft_mode_approaches_more_gently_than_ramp_mode() -> None:
     assert last_phase(SOFT) > 2 * last_phase(RAMP)
 
 
-@pytest.mark.sheet("001", "8.14")
-@pytest.mark.sheet("001", "2.1")
-@pytest.mark.sheet("000", "6.1.12")
+@pytest.mark.sheet("DS-TMC428", "8.14")
+@pytest.mark.sheet("DS-TMC428", "2.1")
+@pytest.mark.sheet("DS-TMC4210", "6.1.12")
 @BOTH
 @pytest.mark.parametrize("pulse_div", [0, 3, 8, 13])
 @pytest.mark.parametrize("velocity", [1, 777, 2047])
@@ -427,8 +427,8 @@ def test_pulse_rate(model: str, pulse_div: int, velocity: int) -> None:
     assert bench.x == velocity
 
 
-@pytest.mark.sheet("001", "8.14")
-@pytest.mark.sheet("000", "6.1.12")
+@pytest.mark.sheet("DS-TMC428", "8.14")
+@pytest.mark.sheet("DS-TMC4210", "6.1.12")
 @BOTH
 @pytest.mark.parametrize("ramp_div", [0, 4, 9])
 @pytest.mark.parametrize("a_max", [1, 100, 2047])
@@ -440,7 +440,7 @@ def test_acceleration_rate(model: str, ramp_div: int, a_max: int) -> None:
     assert bench.v == min(2047, 200 * a_max // 256)
 
 
-@pytest.mark.sheet("001", "8.14")
+@pytest.mark.sheet("DS-TMC428", "8.14")
 def test_steps_during_acceleration() -> None:
     """S = v^2 / (2 a) * 2^(ramp_div - pulse_div) / 8."""
     bench = moving(mode=VELOCITY, a_max=50, dividers=3 << 12 | 4 << 8 | 6)
@@ -450,7 +450,7 @@ def test_steps_during_acceleration() -> None:
     assert bench.x == pytest.approx(1600**2 / 50 / 2 * 2 / 8, rel=0.002)
 
 
-@pytest.mark.sheet("001", "8.14")
+@pytest.mark.sheet("DS-TMC428", "8.14")
 @pytest.mark.parametrize("mode", [RAMP, SOFT, VELOCITY, HOLD])
 @pytest.mark.parametrize("odd", [False, True])
 def test_changing_pulse_div_may_force_an_internal_microstep(mode: int, odd: bool) -> None:
@@ -467,10 +467,10 @@ def test_changing_pulse_div_may_force_an_internal_microstep(mode: int, odd: bool
     assert (bench.x, bench.place() - carriage) == (before, 1 / 64 if forced else 0)
 
 
-@pytest.mark.sheet("000", "6.1.11")
-@pytest.mark.sheet("001", "8.6")
-@pytest.mark.sheet("001", "8.13")
-@pytest.mark.sheet("000", "6.1.6")
+@pytest.mark.sheet("DS-TMC4210", "6.1.11")
+@pytest.mark.sheet("DS-TMC428", "8.6")
+@pytest.mark.sheet("DS-TMC428", "8.13")
+@pytest.mark.sheet("DS-TMC4210", "6.1.6")
 @BOTH
 def test_the_interrupt_register_tells_that_the_target_is_reached(model: str) -> None:
     bench = moving(model)
@@ -484,7 +484,7 @@ def test_the_interrupt_register_tells_that_the_target_is_reached(model: str) -> 
     assert bench.status & 0x81 == 0x81
 
 
-@pytest.mark.sheet("000", "1.4.1")
+@pytest.mark.sheet("DS-TMC4210", "1.4.1")
 def test_the_clock_may_run_at_32_mhz() -> None:
     bench = free_bench("tmc4210", clock_hz=32e6)
     bench.ramp(mode=HOLD, dividers=0)

@@ -1,4 +1,4 @@
-"""Microsteps and currents: 001 sections 8.9, 8.14, 12, 12.1, 13."""
+"""Microsteps and currents: DS-TMC428 sections 8.9, 8.14, 12, 12.1, 13."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ TABLE_12_4 = {
 }
 
 
-@pytest.mark.sheet("001", "12.1")
+@pytest.mark.sheet("DS-TMC428", "12.1")
 @pytest.mark.parametrize("usrs", TABLE_12_4)
 def test_table_12_4(usrs: int) -> None:
     width, sine, cosine = TABLE_12_4[usrs]
@@ -49,7 +49,7 @@ def test_table_12_4(usrs: int) -> None:
     assert [table_index(wave + 64 & 255) for wave in waves] == [index for quadrant in cosine for index in quadrant]
 
 
-@pytest.mark.sheet("001", "12.1")
+@pytest.mark.sheet("DS-TMC428", "12.1")
 @pytest.mark.parametrize(
     ("quadrant", "ph_a", "ph_b", "fd_a", "fd_b"), [(0, 1, 1, 0, 1), (1, 1, 0, 1, 0), (2, 0, 0, 0, 1), (3, 0, 1, 1, 0)]
 )
@@ -59,8 +59,8 @@ def test_table_12_3(quadrant: int, ph_a: int, ph_b: int, fd_a: int, fd_b: int) -
         assert (got.ph_a, got.ph_b, got.fd_a, got.fd_b) == (ph_a, ph_b, fd_a, fd_b)
 
 
-@pytest.mark.sheet("001", "12")
-@pytest.mark.sheet("001", "10")
+@pytest.mark.sheet("DS-TMC428", "12")
+@pytest.mark.sheet("DS-TMC428", "10")
 def test_table_12_2_writes_the_quarter_sine() -> None:
     bench = free_bench()
     bench.hex(TABLE_12_2)
@@ -71,8 +71,8 @@ def test_table_12_2_writes_the_quarter_sine() -> None:
     assert values == SINE
 
 
-@pytest.mark.sheet("001", "12.1")
-@pytest.mark.sheet("001", "8.14")
+@pytest.mark.sheet("DS-TMC428", "12.1")
+@pytest.mark.sheet("DS-TMC428", "8.14")
 @pytest.mark.parametrize("usrs", range(8))
 @pytest.mark.parametrize("direction", [1, -1])
 def test_the_driver_sees_the_expanded_wave_step_by_step(usrs: int, direction: int) -> None:
@@ -93,8 +93,8 @@ def test_the_driver_sees_the_expanded_wave_step_by_step(usrs: int, direction: in
     assert bench.place() - start == direction * step * width / 64
 
 
-@pytest.mark.sheet("001", "8.14")
-@pytest.mark.sheet("001", "12")
+@pytest.mark.sheet("DS-TMC428", "8.14")
+@pytest.mark.sheet("DS-TMC428", "12")
 def test_full_steps_need_no_table_and_turn_one_phase_each() -> None:
     bench = free_bench()
     bench.hex("80003010")
@@ -110,7 +110,7 @@ def test_full_steps_need_no_table_and_turn_one_phase_each() -> None:
     assert seen == [(1, 0), (0, 0), (0, 1), (1, 1), (1, 0)]
 
 
-@pytest.mark.sheet("001", "12.1")
+@pytest.mark.sheet("DS-TMC428", "12.1")
 def test_changing_usrs_midway_leaves_an_offset() -> None:
     bench = free_bench()
     bench.three_drivers()
@@ -140,14 +140,14 @@ def dac_b(bench: Bench) -> int:
     return bench.driver().dac_b
 
 
-@pytest.mark.sheet("001", "8.9")
+@pytest.mark.sheet("DS-TMC428", "8.9")
 @pytest.mark.parametrize("code", range(8))
 def test_table_8_1(code: int) -> None:
     bench = resting(code, 0, 0, 0)
     assert dac_b(bench) == 63 * (code or 8) // 8
 
 
-@pytest.mark.sheet("001", "8.9")
+@pytest.mark.sheet("DS-TMC428", "8.9")
 @pytest.mark.parametrize(
     ("threshold", "a_max", "expected"),
     [
@@ -175,7 +175,7 @@ def test_table_8_2(threshold: int, a_max: int, expected: str) -> None:
     assert value <= 63 * 2 // 8
 
 
-@pytest.mark.sheet("001", "8.9")
+@pytest.mark.sheet("DS-TMC428", "8.9")
 @pytest.mark.parametrize("ramp_div", [3, 6])
 def test_is_v0_comes_after_255_ramp_ticks(ramp_div: int) -> None:
     bench = resting(1, 0, 0, 0, ramp_div)
@@ -190,8 +190,8 @@ def test_is_v0_comes_after_255_ramp_ticks(ramp_div: int) -> None:
     assert dac_b(bench) == 7
 
 
-@pytest.mark.sheet("001", "8.9")
-@pytest.mark.sheet("001", "9.7")
+@pytest.mark.sheet("DS-TMC428", "8.9")
+@pytest.mark.sheet("DS-TMC428", "9.7")
 @pytest.mark.parametrize("continuous", [True, False])
 def test_only_continuous_update_brings_the_rest_current_to_the_drivers(continuous: bool) -> None:
     bench = resting(4, 0, 0, 0)
@@ -203,14 +203,14 @@ def test_only_continuous_update_brings_the_rest_current_to_the_drivers(continuou
     assert bench.driver().dac_b == (31 if continuous else 63)
 
 
-@pytest.mark.sheet("001", "8.9")
+@pytest.mark.sheet("DS-TMC428", "8.9")
 @pytest.mark.parametrize("eighths", range(1, 8))
 def test_scaling_reduces_the_number_of_effective_microsteps(eighths: int) -> None:
     levels = {coils(wave, 1, eighths, list(range(64))).dac_a for wave in range(64)}
     assert levels == set(range(8 * eighths))
 
 
-@pytest.mark.sheet("001", "13")
+@pytest.mark.sheet("DS-TMC428", "13")
 def test_a_motor_is_started_as_chapter_13_says() -> None:
     bench = Bench()
     bench.hex(TABLE_12_2)
@@ -222,7 +222,7 @@ def test_a_motor_is_started_as_chapter_13_says() -> None:
     assert bench.place() == 3750 + 100
 
 
-@pytest.mark.sheet("001", "12.2")
+@pytest.mark.sheet("DS-TMC428", "12.2")
 @pytest.mark.parametrize("usrs", [1, 2, 4])
 def test_a_partial_table_is_enough_for_one_constant_resolution(usrs: int) -> None:
     """Every width-th entry and the last; all others stay power-on noise, and nobody reads them."""

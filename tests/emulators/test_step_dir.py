@@ -1,4 +1,4 @@
-"""Step/direction output, position compare and step pointer of the TMC4210: 000 chapters 1, 2, 5, 6."""
+"""Step/direction output, position compare and step pointer of the TMC4210: DS-TMC4210 chapters 1, 2, 5, 6."""
 
 from __future__ import annotations
 
@@ -30,8 +30,8 @@ def stepping(interface: int = EN_SD, **options: object) -> Bench:
     return bench
 
 
-@pytest.mark.sheet("000", "6.2.1")
-@pytest.mark.sheet("000", "1.4")
+@pytest.mark.sheet("DS-TMC4210", "6.2.1")
+@pytest.mark.sheet("DS-TMC4210", "1.4")
 @pytest.mark.parametrize("enabled", [True, False])
 def test_without_en_sd_no_step_leaves_the_chip(enabled: bool) -> None:
     bench = stepping(EN_SD if enabled else 0)
@@ -43,8 +43,8 @@ def test_without_en_sd_no_step_leaves_the_chip(enabled: bool) -> None:
     assert bench.place() - start == (20 if enabled else 0)
 
 
-@pytest.mark.sheet("000", "1.1")
-@pytest.mark.sheet("000", "1.4.1")
+@pytest.mark.sheet("DS-TMC4210", "1.1")
+@pytest.mark.sheet("DS-TMC4210", "1.4.1")
 @pytest.mark.parametrize("microsteps", [1, 3, 16, 256])
 def test_the_external_driver_decides_what_a_step_is(microsteps: int) -> None:
     bench = stepping(driver_microsteps=microsteps)
@@ -54,9 +54,9 @@ def test_the_external_driver_decides_what_a_step_is(microsteps: int) -> None:
     assert bench.place() - start == -768 / microsteps
 
 
-@pytest.mark.sheet("000", "6.2.1")
-@pytest.mark.sheet("000", "1.2.2")
-@pytest.mark.sheet("000", "2.2")
+@pytest.mark.sheet("DS-TMC4210", "6.2.1")
+@pytest.mark.sheet("DS-TMC4210", "1.2.2")
+@pytest.mark.sheet("DS-TMC4210", "2.2")
 @pytest.mark.parametrize("inverted", [0, 1])
 def test_direction_output_and_its_inversion(inverted: int) -> None:
     bench = stepping(EN_SD | inverted * INV_DIR)
@@ -68,10 +68,10 @@ def test_direction_output_and_its_inversion(inverted: int) -> None:
     assert bench.place() - start == (-10 if inverted else 10)
 
 
-@pytest.mark.sheet("000", "6.2.2")
-@pytest.mark.sheet("000", "8.1")
-@pytest.mark.sheet("000", "5.3")
-@pytest.mark.sheet("000", "1.2.2")
+@pytest.mark.sheet("DS-TMC4210", "6.2.2")
+@pytest.mark.sheet("DS-TMC4210", "8.1")
+@pytest.mark.sheet("DS-TMC4210", "5.3")
+@pytest.mark.sheet("DS-TMC4210", "1.2.2")
 @pytest.mark.parametrize("stpdiv", [0, 1, 7, 15])
 @pytest.mark.parametrize("inverted", [0, 1])
 def test_step_pulse_length(stpdiv: int, inverted: int) -> None:
@@ -89,8 +89,8 @@ def test_step_pulse_length(stpdiv: int, inverted: int) -> None:
     assert high == bench.step_dir().pulse_clocks == 16 * (1 + stpdiv)
 
 
-@pytest.mark.sheet("000", "6.2.1")
-@pytest.mark.sheet("000", "5.3")
+@pytest.mark.sheet("DS-TMC4210", "6.2.1")
+@pytest.mark.sheet("DS-TMC4210", "5.3")
 def test_step_half_makes_every_edge_a_step() -> None:
     bench = stepping(EN_SD | STEP_HALF)
     levels = []
@@ -101,7 +101,7 @@ def test_step_half_makes_every_edge_a_step() -> None:
     assert levels == [1, 0, 1, 0, 1]
 
 
-@pytest.mark.sheet("000", "1.4.1")
+@pytest.mark.sheet("DS-TMC4210", "1.4.1")
 @pytest.mark.parametrize(("stpdiv", "half", "lost"), [(15, 0, True), (0, 0, False), (15, STEP_HALF, False)])
 def test_full_step_rate_needs_short_pulses(stpdiv: int, half: int, lost: bool) -> None:
     """At fCLK / 32 steps a second a pulse of 256 clocks runs into the next: the driver misses it."""
@@ -118,8 +118,8 @@ def test_full_step_rate_needs_short_pulses(stpdiv: int, half: int, lost: bool) -
     assert (bench.place() - start) * 16 == output.steps_sent
 
 
-@pytest.mark.sheet("000", "5.3")
-@pytest.mark.sheet("000", "6.1")
+@pytest.mark.sheet("DS-TMC4210", "5.3")
+@pytest.mark.sheet("DS-TMC4210", "6.1")
 def test_the_step_pointer_counts_and_can_be_set() -> None:
     bench = stepping()
     bench.write(X_TARGET, 300)
@@ -132,9 +132,9 @@ def test_the_step_pointer_counts_and_can_be_set() -> None:
     assert bench.x == 290
 
 
-@pytest.mark.sheet("000", "6.2.1.1")
-@pytest.mark.sheet("000", "6.2.1.2")
-@pytest.mark.sheet("000", "5.3")
+@pytest.mark.sheet("DS-TMC4210", "6.2.1.1")
+@pytest.mark.sheet("DS-TMC4210", "6.2.1.2")
+@pytest.mark.sheet("DS-TMC4210", "5.3")
 def test_position_compare_sets_its_flag_when_the_position_is_met() -> None:
     bench = stepping()
     bench.write(POS_COMP, 150)
@@ -155,8 +155,8 @@ def test_position_compare_sets_its_flag_when_the_position_is_met() -> None:
     assert bench.read(POS_COMP_INT) == 0x101
 
 
-@pytest.mark.sheet("000", "6.2.1.2")
-@pytest.mark.sheet("000", "5.3")
+@pytest.mark.sheet("DS-TMC4210", "6.2.1.2")
+@pytest.mark.sheet("DS-TMC4210", "5.3")
 def test_position_compare_needs_its_mask_and_a_motor_that_exists() -> None:
     for interface, mask in ((EN_SD, 0), (EN_SD | 3 << 6, 0x100), (EN_SD | 1 << 6, 0x100)):
         bench = stepping(interface)
@@ -167,8 +167,8 @@ def test_position_compare_needs_its_mask_and_a_motor_that_exists() -> None:
         assert bench.read(POS_COMP_INT) == mask
 
 
-@pytest.mark.sheet("000", "6.1.2")
-@pytest.mark.sheet("000", "6.1.4")
+@pytest.mark.sheet("DS-TMC4210", "6.1.2")
+@pytest.mark.sheet("DS-TMC4210", "6.1.4")
 @pytest.mark.parametrize("mode", [VELOCITY, HOLD])
 def test_the_position_can_be_overwritten_at_rest_in_velocity_and_hold_mode(mode: int) -> None:
     bench = stepping()
@@ -178,7 +178,7 @@ def test_the_position_can_be_overwritten_at_rest_in_velocity_and_hold_mode(mode:
     assert (bench.x, bench.v) == (4711, 0)
 
 
-@pytest.mark.sheet("000", "5.3")
+@pytest.mark.sheet("DS-TMC4210", "5.3")
 def test_there_is_no_driver_chain_and_writing_the_ram_does_nothing() -> None:
     bench = stepping()
     state = bench.device.state()
@@ -190,7 +190,7 @@ def test_there_is_no_driver_chain_and_writing_the_ram_does_nothing() -> None:
     assert bench.status == 1
 
 
-@pytest.mark.sheet("000", "2.4")
+@pytest.mark.sheet("DS-TMC4210", "2.4")
 def test_signed_and_unsigned_parameters() -> None:
     bench = stepping()
     bench.write(MODE, VELOCITY | NO_STOPS)
@@ -203,9 +203,9 @@ def test_signed_and_unsigned_parameters() -> None:
     assert bench.read(0x02) == 0x7FF
 
 
-@pytest.mark.sheet("000", "6.1.12")
-@pytest.mark.sheet("000", "6.1.7")
-@pytest.mark.sheet("000", "5.3")
+@pytest.mark.sheet("DS-TMC4210", "6.1.12")
+@pytest.mark.sheet("DS-TMC4210", "6.1.7")
+@pytest.mark.sheet("DS-TMC4210", "5.3")
 def test_pulse_div_changed_outside_ramp_mode_may_emit_a_step() -> None:
     bench = stepping()
     bench.write(X_TARGET, 33)

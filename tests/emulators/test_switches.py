@@ -1,4 +1,4 @@
-"""Switches, stops, latch and interrupts: 001 sections 8.12, 8.13, 8.15, 8.16, 9.6 to 9.10; 000 1.5.4."""
+"""Switches, stops, latch and interrupts: DS-TMC428 sections 8.12, 8.13, 8.15, 8.16, 9.6 to 9.10; DS-TMC4210 1.5.4."""
 
 from __future__ import annotations
 
@@ -53,8 +53,8 @@ def run(bench: Bench, velocity: int, seconds: float = 0.8) -> None:
     bench.seconds(seconds)
 
 
-@pytest.mark.sheet("001", "8.12")
-@pytest.mark.sheet("001", "9.7")
+@pytest.mark.sheet("DS-TMC428", "8.12")
+@pytest.mark.sheet("DS-TMC428", "9.7")
 @pytest.mark.parametrize(("velocity", "stop_at"), [(-900, -10.0), (900, 50.0)])
 def test_an_active_switch_stops_motion_towards_it_at_once(velocity: int, stop_at: float) -> None:
     """Moving left the reference switch comes first: it is wired or with the left one (9.8)."""
@@ -66,7 +66,7 @@ def test_an_active_switch_stops_motion_towards_it_at_once(velocity: int, stop_at
     assert bench.v == -velocity
 
 
-@pytest.mark.sheet("001", "8.12")
+@pytest.mark.sheet("DS-TMC428", "8.12")
 @pytest.mark.parametrize(("flags", "velocity"), [(0x100, -900), (0x200, 900)])
 def test_a_disabled_stop_lets_the_motor_pass(flags: int, velocity: int) -> None:
     bench = rig(flags=flags)
@@ -77,7 +77,7 @@ def test_a_disabled_stop_lets_the_motor_pass(flags: int, velocity: int) -> None:
     assert bench.v == 0
 
 
-@pytest.mark.sheet("001", "8.12")
+@pytest.mark.sheet("DS-TMC428", "8.12")
 def test_soft_stop_keeps_to_the_linear_ramp_and_hard_stop_does_not() -> None:
     for flags, steps in ((0, 0), (SOFT_STOP, 900 * 900 * 256 // 200 // 2 // 2048)):
         bench = rig(flags=flags)
@@ -88,7 +88,7 @@ def test_soft_stop_keeps_to_the_linear_ramp_and_hard_stop_does_not() -> None:
         assert bench.read(INTERRUPT) & STOP
 
 
-@pytest.mark.sheet("001", "8.12")
+@pytest.mark.sheet("DS-TMC428", "8.12")
 def test_the_choice_of_reference_switch_does_not_touch_the_stop_function() -> None:
     for flags in (0, REF_RIGHT):
         bench = rig(flags=flags)
@@ -97,8 +97,8 @@ def test_the_choice_of_reference_switch_does_not_touch_the_stop_function() -> No
         assert bench.place() == pytest.approx(50, abs=0.1)
 
 
-@pytest.mark.sheet("001", "8.12")
-@pytest.mark.sheet("001", "6.4")
+@pytest.mark.sheet("DS-TMC428", "8.12")
+@pytest.mark.sheet("DS-TMC428", "6.4")
 def test_the_status_bit_is_the_chosen_reference_switch() -> None:
     bench = rig(flags=NO_STOPS)
     bench.switch(left=True)
@@ -114,7 +114,7 @@ def test_the_status_bit_is_the_chosen_reference_switch() -> None:
     assert bench.status & 2
 
 
-@pytest.mark.sheet("001", "9.7")
+@pytest.mark.sheet("DS-TMC428", "9.7")
 def test_a_stopped_motor_restarts_when_its_switch_is_released() -> None:
     bench = rig()
     bench.switch(right=True)
@@ -125,7 +125,7 @@ def test_a_stopped_motor_restarts_when_its_switch_is_released() -> None:
     assert bench.v == 600
 
 
-@pytest.mark.sheet("001", "9.7")
+@pytest.mark.sheet("DS-TMC428", "9.7")
 def test_without_continuous_update_multiplexed_switches_are_not_seen_at_rest() -> None:
     bench = rig(REFMUX | 0x702)
     bench.switch(left=True, right=True)
@@ -143,7 +143,7 @@ def test_without_continuous_update_multiplexed_switches_are_not_seen_at_rest() -
     assert (bench.read(SWITCHES), bench.v) == (0, 500)
 
 
-@pytest.mark.sheet("001", "9.7")
+@pytest.mark.sheet("DS-TMC428", "9.7")
 @pytest.mark.parametrize("refmux", [0, 1])
 @pytest.mark.parametrize("mot1r", [0, 1])
 @pytest.mark.parametrize("wiring", ["left-only", "two-one-null", "multiplexed"])
@@ -173,7 +173,7 @@ def test_association_of_reference_inputs(refmux: int, mot1r: int, wiring: str) -
             bench.seconds(0.05)
 
 
-@pytest.mark.sheet("001", "9.6")
+@pytest.mark.sheet("DS-TMC428", "9.6")
 def test_the_switch_register_shows_the_demultiplexed_switches() -> None:
     bench = rig()
     for bit, (axis, side) in enumerate((axis, side) for axis in range(3) for side in ("right", "left")):
@@ -183,7 +183,7 @@ def test_the_switch_register_shows_the_demultiplexed_switches() -> None:
         bench.switch(axis, **{side: False})
 
 
-@pytest.mark.sheet("001", "8.13")
+@pytest.mark.sheet("DS-TMC428", "8.13")
 def test_switch_edges_set_their_flags() -> None:
     bench = rig()
     for side, active, flag in (
@@ -200,8 +200,8 @@ def test_switch_edges_set_their_flags() -> None:
         assert bench.status & 0x80
 
 
-@pytest.mark.sheet("001", "8.13")
-@pytest.mark.sheet("001", "6.4")
+@pytest.mark.sheet("DS-TMC428", "8.13")
+@pytest.mark.sheet("DS-TMC428", "6.4")
 def test_flags_clear_by_one_stay_by_zero_and_fall_with_their_mask() -> None:
     bench = rig(flags=NO_STOPS)
     bench.switch(left=True)
@@ -223,7 +223,7 @@ def test_flags_clear_by_one_stay_by_zero_and_fall_with_their_mask() -> None:
     assert bench.read(INTERRUPT) == 0xFF00
 
 
-@pytest.mark.sheet("001", "8.13")
+@pytest.mark.sheet("DS-TMC428", "8.13")
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_a_flag_without_mask_is_never_set_and_any_motor_raises_int(axis: int) -> None:
     bench = rig(flags=NO_STOPS)
@@ -240,7 +240,7 @@ def test_a_flag_without_mask_is_never_set_and_any_motor_raises_int(axis: int) ->
     assert bench.status & 0x80
 
 
-@pytest.mark.sheet("001", "8.13")
+@pytest.mark.sheet("DS-TMC428", "8.13")
 def test_int_stop_means_a_stop_during_motion() -> None:
     bench = rig()
     bench.switch(right=True)
@@ -253,8 +253,8 @@ def test_int_stop_means_a_stop_during_motion() -> None:
     assert bench.read(INTERRUPT) & STOP
 
 
-@pytest.mark.sheet("001", "8.13")
-@pytest.mark.sheet("001", "8.15")
+@pytest.mark.sheet("DS-TMC428", "8.13")
+@pytest.mark.sheet("DS-TMC428", "8.15")
 def test_reference_switch_active_outside_and_missing_inside_the_tolerance() -> None:
     bench = rig(flags=NO_STOPS)
     bench.write(DX_REF, 100)
@@ -276,8 +276,8 @@ def test_reference_switch_active_outside_and_missing_inside_the_tolerance() -> N
     assert bench.read(INTERRUPT) & REF_MISS
 
 
-@pytest.mark.sheet("001", "8.15")
-@pytest.mark.sheet("001", "8.12")
+@pytest.mark.sheet("DS-TMC428", "8.15")
+@pytest.mark.sheet("DS-TMC428", "8.12")
 @pytest.mark.parametrize("tolerance", [1, 40, 300])
 def test_within_the_tolerance_switches_do_not_stop(tolerance: int) -> None:
     bench = rig()
@@ -288,7 +288,7 @@ def test_within_the_tolerance_switches_do_not_stop(tolerance: int) -> None:
     assert (bench.v, bench.x) == (0, -tolerance - 1)
 
 
-@pytest.mark.sheet("001", "8.15")
+@pytest.mark.sheet("DS-TMC428", "8.15")
 def test_no_tolerance_means_no_exception_even_at_zero() -> None:
     bench = rig()
     bench.switch(left=True)
@@ -297,8 +297,8 @@ def test_no_tolerance_means_no_exception_even_at_zero() -> None:
     assert bench.x == 0
 
 
-@pytest.mark.sheet("001", "8.16")
-@pytest.mark.sheet("001", "8.12")
+@pytest.mark.sheet("DS-TMC428", "8.16")
+@pytest.mark.sheet("DS-TMC428", "8.12")
 @pytest.mark.parametrize("flags", [0, REF_RIGHT])
 def test_the_latch_takes_the_position_of_the_next_switch_edge(flags: int) -> None:
     bench = rig(flags=NO_STOPS | flags)
@@ -312,7 +312,7 @@ def test_the_latch_takes_the_position_of_the_next_switch_edge(flags: int) -> Non
     assert bench.signed(X_LATCHED) == pytest.approx(edge, abs=3)
 
 
-@pytest.mark.sheet("001", "8.16")
+@pytest.mark.sheet("DS-TMC428", "8.16")
 def test_the_latch_waits_while_the_motor_stands_still() -> None:
     bench = rig(flags=NO_STOPS)
     bench.write(X_ACTUAL, 77)
@@ -324,16 +324,16 @@ def test_the_latch_waits_while_the_motor_stands_still() -> None:
     assert (bench.read(X_LATCHED), bench.read(MODE) >> 16) == (0, 1)
 
 
-@pytest.mark.sheet("001", "8.12")
+@pytest.mark.sheet("DS-TMC428", "8.12")
 def test_lp_cannot_be_written() -> None:
     bench = rig()
     bench.write(MODE, 1 << 16 | VELOCITY)
     assert bench.read(MODE) >> 16 == 0
 
 
-@pytest.mark.sheet("001", "9.9")
-@pytest.mark.sheet("001", "9.8")
-@pytest.mark.sheet("001", "8.15")
+@pytest.mark.sheet("DS-TMC428", "9.9")
+@pytest.mark.sheet("DS-TMC428", "9.8")
+@pytest.mark.sheet("DS-TMC428", "8.15")
 def test_reference_search_finds_both_edges_and_centres() -> None:
     """The sheet's procedure: latch one edge, pass through, latch the other, centre, call it zero."""
     bench = rig()
@@ -364,7 +364,7 @@ def test_reference_search_finds_both_edges_and_centres() -> None:
     assert bench.place() == pytest.approx(-15, abs=0.1)
 
 
-@pytest.mark.sheet("001", "9.10")
+@pytest.mark.sheet("DS-TMC428", "9.10")
 def test_three_motors_start_together_when_their_common_gate_opens() -> None:
     bench = rig()
     for axis in range(3):
@@ -381,7 +381,7 @@ def test_three_motors_start_together_when_their_common_gate_opens() -> None:
     assert len(set(positions)) == 1
 
 
-@pytest.mark.sheet("001", "8.12")
+@pytest.mark.sheet("DS-TMC428", "8.12")
 def test_hold_mode_obeys_stop_switches_too() -> None:
     bench = rig()
     bench.write(MODE, HOLD)
@@ -394,8 +394,8 @@ def test_hold_mode_obeys_stop_switches_too() -> None:
     assert bench.v == -1000
 
 
-@pytest.mark.sheet("000", "7.1")
-@pytest.mark.sheet("000", "1.5.4")
+@pytest.mark.sheet("DS-TMC4210", "7.1")
+@pytest.mark.sheet("DS-TMC4210", "1.5.4")
 @pytest.mark.parametrize("mot1r", [0, 1])
 def test_the_right_switch_of_the_tmc4210_has_to_be_initialised(mot1r: int) -> None:
     bench = Bench("tmc4210", stages=[SHORT])
@@ -407,9 +407,9 @@ def test_the_right_switch_of_the_tmc4210_has_to_be_initialised(mot1r: int) -> No
     assert (bench.place() > 60) == (not mot1r)
 
 
-@pytest.mark.sheet("000", "6.2.1")
-@pytest.mark.sheet("000", "1.5.4")
-@pytest.mark.sheet("000", "2.2")
+@pytest.mark.sheet("DS-TMC4210", "6.2.1")
+@pytest.mark.sheet("DS-TMC4210", "1.5.4")
+@pytest.mark.sheet("DS-TMC4210", "2.2")
 def test_inverted_switch_inputs_of_the_tmc4210() -> None:
     bench = Bench("tmc4210", stages=[SHORT])
     bench.write(GLOBAL, MOT1R)
@@ -430,7 +430,7 @@ def rig_4210(flags: int = 0) -> Bench:
     return bench
 
 
-@pytest.mark.sheet("000", "6.1.10")
+@pytest.mark.sheet("DS-TMC4210", "6.1.10")
 @pytest.mark.parametrize(
     ("flags", "velocity", "stops"), [(0, -900, True), (0, 900, True), (0x100, -900, False), (0x200, 900, False)]
 )
@@ -441,7 +441,7 @@ def test_stop_switches_of_the_tmc4210(flags: int, velocity: int, stops: bool) ->
     assert bool(bench.read(INTERRUPT) & STOP) == stops
 
 
-@pytest.mark.sheet("000", "6.1.10")
+@pytest.mark.sheet("DS-TMC4210", "6.1.10")
 def test_soft_stop_of_the_tmc4210() -> None:
     bench = rig_4210(SOFT_STOP)
     bench.write(0x06, 300)
@@ -450,10 +450,10 @@ def test_soft_stop_of_the_tmc4210() -> None:
     assert bench.place() > 50.5
 
 
-@pytest.mark.sheet("000", "6.1.13")
-@pytest.mark.sheet("000", "6.1.14")
-@pytest.mark.sheet("000", "7.2")
-@pytest.mark.sheet("000", "7.3")
+@pytest.mark.sheet("DS-TMC4210", "6.1.13")
+@pytest.mark.sheet("DS-TMC4210", "6.1.14")
+@pytest.mark.sheet("DS-TMC4210", "7.2")
+@pytest.mark.sheet("DS-TMC4210", "7.3")
 def test_homing_with_three_switches_on_the_tmc4210() -> None:
     """Stop at one edge of the reference switch, pass it within the tolerance, latch the other, centre."""
     bench = rig_4210()

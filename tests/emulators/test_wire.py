@@ -1,4 +1,4 @@
-"""Datagrams, address space and power-on: 001 chapters 6 and 7, 000 chapter 5."""
+"""Datagrams, address space and power-on: DS-TMC428 chapters 6 and 7, DS-TMC4210 chapter 5."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from tests.emulators.bench import GLOBAL, POWER_DOWN, Bench
 MODEL_NAMES = ("tmc428", "tmc4210")
 
 
-@pytest.mark.sheet("000", "5")
-@pytest.mark.sheet("001", "6.1")
-@pytest.mark.sheet("001", "7.2")
-@pytest.mark.sheet("000", "5.3")
+@pytest.mark.sheet("DS-TMC4210", "5")
+@pytest.mark.sheet("DS-TMC428", "6.1")
+@pytest.mark.sheet("DS-TMC428", "7.2")
+@pytest.mark.sheet("DS-TMC4210", "5.3")
 @pytest.mark.parametrize("model", MODEL_NAMES)
 def test_registers_are_zero_after_power_on_but_the_divider_and_fixed_bits(model: str) -> None:
     bench = Bench(model)
@@ -26,8 +26,8 @@ def test_registers_are_zero_after_power_on_but_the_divider_and_fixed_bits(model:
     assert bench.read(GLOBAL) >> 8 & 0xFF == 15
 
 
-@pytest.mark.sheet("001", "7.3")
-@pytest.mark.sheet("001", "11.1")
+@pytest.mark.sheet("DS-TMC428", "7.3")
+@pytest.mark.sheet("DS-TMC428", "11.1")
 def test_ram_is_noise_after_power_on_and_the_seed_decides_which() -> None:
     def ram(bench: Bench) -> list[int]:
         return [bench.read(address) for address in range(0x40, 0x80)]
@@ -40,8 +40,8 @@ def test_ram_is_noise_after_power_on_and_the_seed_decides_which() -> None:
     assert ram(bench) != first
 
 
-@pytest.mark.sheet("001", "6.2")
-@pytest.mark.sheet("001", "6.5")
+@pytest.mark.sheet("DS-TMC428", "6.2")
+@pytest.mark.sheet("DS-TMC428", "6.5")
 def test_datagram_examples() -> None:
     """The write to %001101 and its reply, the read, and the pair of RAM words.
 
@@ -58,7 +58,7 @@ def test_datagram_examples() -> None:
     assert bench.device.exchange(bytes([0xFF, 0, 0, 0])) == bytes([0b00010101, 0, 0b100011, 0b100001])
 
 
-@pytest.mark.sheet("000", "5.2.3")
+@pytest.mark.sheet("DS-TMC4210", "5.2.3")
 def test_datagram_examples_of_the_tmc4210() -> None:
     bench = Bench("tmc4210")
     bench.write(0b001101, 0x123)
@@ -67,8 +67,8 @@ def test_datagram_examples_of_the_tmc4210() -> None:
     assert bench.read(0b1111111) == 0b100011_00_100001
 
 
-@pytest.mark.sheet("000", "5.2.2")
-@pytest.mark.sheet("001", "6.4")
+@pytest.mark.sheet("DS-TMC4210", "5.2.2")
+@pytest.mark.sheet("DS-TMC428", "6.4")
 def test_reply_status_is_that_before_the_write() -> None:
     bench = Bench()
     bench.write(0x00, 5)
@@ -77,7 +77,7 @@ def test_reply_status_is_that_before_the_write() -> None:
     assert bench.status & 1 == 0
 
 
-@pytest.mark.sheet("001", "6.4")
+@pytest.mark.sheet("DS-TMC428", "6.4")
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_status_bits_of_each_motor(axis: int) -> None:
     bench = Bench(options={"wiring": "left-only"})
@@ -89,7 +89,7 @@ def test_status_bits_of_each_motor(axis: int) -> None:
     assert bench.status == 0b010101 ^ 1 << 2 * axis | 2 << 2 * axis
 
 
-@pytest.mark.sheet("000", "5.2.2.2")
+@pytest.mark.sheet("DS-TMC4210", "5.2.2.2")
 def test_status_bits_of_the_tmc4210() -> None:
     bench = Bench("tmc4210")
     seen = []
@@ -102,9 +102,9 @@ def test_status_bits_of_the_tmc4210() -> None:
     assert [*seen, bench.status] == [0x01, 0x03, 0x21, 0x01, 0x09]
 
 
-@pytest.mark.sheet("000", "6.2.1.5")
-@pytest.mark.sheet("000", "6.2.2")
-@pytest.mark.sheet("000", "5.2.2.2")
+@pytest.mark.sheet("DS-TMC4210", "6.2.1.5")
+@pytest.mark.sheet("DS-TMC4210", "6.2.2")
+@pytest.mark.sheet("DS-TMC4210", "5.2.2.2")
 def test_right_switch_leaves_the_status_once_mot1r_is_set() -> None:
     bench = Bench("tmc4210")
     bench.switch(right=True)
@@ -115,8 +115,8 @@ def test_right_switch_leaves_the_status_once_mot1r_is_set() -> None:
     assert (bench.status >> 5 & 1, bench.read(0x3E)) == (0, 1)
 
 
-@pytest.mark.sheet("000", "5.2.2.2")
-@pytest.mark.sheet("000", "1.5.3")
+@pytest.mark.sheet("DS-TMC4210", "5.2.2.2")
+@pytest.mark.sheet("DS-TMC4210", "1.5.3")
 def test_sdo_int_leaves_only_the_interrupt_on_the_output_pin() -> None:
     bench = Bench("tmc4210")
     bench.write(0x34, 2)
@@ -126,13 +126,13 @@ def test_sdo_int_leaves_only_the_interrupt_on_the_output_pin() -> None:
     assert bench.device.exchange(bytes([0x39 << 1 | 1, 0, 0, 0])) == b"\x00" * 4
 
 
-@pytest.mark.sheet("001", "6.4")
-@pytest.mark.sheet("001", "7.1")
-@pytest.mark.sheet("001", "8")
-@pytest.mark.sheet("001", "9")
-@pytest.mark.sheet("000", "5.2.2.1")
-@pytest.mark.sheet("000", "6.1")
-@pytest.mark.sheet("000", "6.2")
+@pytest.mark.sheet("DS-TMC428", "6.4")
+@pytest.mark.sheet("DS-TMC428", "7.1")
+@pytest.mark.sheet("DS-TMC428", "8")
+@pytest.mark.sheet("DS-TMC428", "9")
+@pytest.mark.sheet("DS-TMC4210", "5.2.2.1")
+@pytest.mark.sheet("DS-TMC4210", "6.1")
+@pytest.mark.sheet("DS-TMC4210", "6.2")
 @pytest.mark.parametrize("model", MODEL_NAMES)
 def test_unused_bits_read_zero_and_plain_registers_read_back(model: str) -> None:
     bench = Bench(model)
@@ -150,9 +150,9 @@ def test_unused_bits_read_zero_and_plain_registers_read_back(model: str) -> None
             assert bench.read(register.address) == word & register.write_mask | fixed, register.name
 
 
-@pytest.mark.sheet("001", "7.3")
-@pytest.mark.sheet("001", "8.17")
-@pytest.mark.sheet("001", "9.4")
+@pytest.mark.sheet("DS-TMC428", "7.3")
+@pytest.mark.sheet("DS-TMC428", "8.17")
+@pytest.mark.sheet("DS-TMC428", "9.4")
 @pytest.mark.parametrize("model", MODEL_NAMES)
 def test_unused_addresses_ignore_writes_and_read_zero(model: str) -> None:
     bench = Bench(model)
@@ -166,7 +166,7 @@ def test_unused_addresses_ignore_writes_and_read_zero(model: str) -> None:
     assert [bench.read(register.address) for register in table] == before
 
 
-@pytest.mark.sheet("001", "7.1")
+@pytest.mark.sheet("DS-TMC428", "7.1")
 @pytest.mark.parametrize("address", [0x07, 0x17, 0x27, 0x3E])
 def test_read_only_registers_ignore_writes(address: int) -> None:
     bench = Bench()
@@ -174,16 +174,16 @@ def test_read_only_registers_ignore_writes(address: int) -> None:
     assert bench.read(address) == 0
 
 
-@pytest.mark.sheet("000", "6.2.1.4")
-@pytest.mark.sheet("000", "5.3")
+@pytest.mark.sheet("DS-TMC4210", "6.2.1.4")
+@pytest.mark.sheet("DS-TMC4210", "5.3")
 def test_type_version_is_read_only() -> None:
     bench = Bench("tmc4210")
     bench.write(0x39, 0)
     assert bench.read(0x39) == 0x429101
 
 
-@pytest.mark.sheet("001", "9.5")
-@pytest.mark.sheet("000", "6.2.1.3")
+@pytest.mark.sheet("DS-TMC428", "9.5")
+@pytest.mark.sheet("DS-TMC4210", "6.2.1.3")
 @pytest.mark.parametrize("model", MODEL_NAMES)
 def test_power_down_stops_the_clocks_until_the_next_datagram(model: str) -> None:
     bench = Bench(model)
@@ -205,7 +205,7 @@ def test_power_down_stops_the_clocks_until_the_next_datagram(model: str) -> None
     assert bench.x > moving
 
 
-@pytest.mark.sheet("001", "9.5")
+@pytest.mark.sheet("DS-TMC428", "9.5")
 def test_a_switch_that_moved_in_power_down_is_seen_on_waking() -> None:
     bench = Bench(options={"wiring": "left-only"})
     bench.write(POWER_DOWN, 0)
@@ -214,7 +214,7 @@ def test_a_switch_that_moved_in_power_down_is_seen_on_waking() -> None:
     assert bench.read(0x3E) == 0b10
 
 
-@pytest.mark.sheet("001", "6.2")
+@pytest.mark.sheet("DS-TMC428", "6.2")
 @pytest.mark.parametrize("length", [0, 1, 3, 5, 8])
 def test_a_frame_is_32_bits(length: int) -> None:
     with pytest.raises(ValueError, match="4 bytes"):

@@ -14,8 +14,8 @@ def frame(bits: str) -> bytes:
     return int(bits, 2).to_bytes(4, "big")
 
 
-@pytest.mark.sheet("001", "6.5")
-@pytest.mark.sheet("000", "5.2.3")
+@pytest.mark.sheet("DS-TMC428", "6.5")
+@pytest.mark.sheet("DS-TMC4210", "5.2.3")
 def test_the_sample_datagrams() -> None:
     """Some samples are printed with 33 digits; 24 data bits are what the text says."""
     assert datagram32.write(0b001101, 0x000123) == frame("0" + "001101" + "0" + "000000000000000100100011")
@@ -25,14 +25,14 @@ def test_the_sample_datagrams() -> None:
     assert datagram32.read(0b1111111) == frame("11111111" + "0" * 24)
 
 
-@pytest.mark.sheet("001", "6.4")
+@pytest.mark.sheet("DS-TMC428", "6.4")
 def test_status_bits_of_the_tmc428() -> None:
     """The sample status %10010101: interrupt set, no switch, every motor at its target."""
     flags = datagram32.status_flags(0b10010101, datagram32.STATUS_TMC428)
     assert {name for name, on in flags.items() if on} == {"INT", "xEQt1", "xEQt2", "xEQt3"}
 
 
-@pytest.mark.sheet("000", "5.2.2.2")
+@pytest.mark.sheet("DS-TMC4210", "5.2.2.2")
 def test_status_bits_of_the_tmc4210() -> None:
     flags = datagram32.status_flags(0b10101011, datagram32.STATUS_TMC4210)
     assert {name for name, on in flags.items() if on} == {"INT", "R_R", "GP_IN", "R_L", "xEQt1"}

@@ -13,7 +13,7 @@ ADDRESSES = st.integers(0, 0x7F)
 WORDS = st.integers(0, 0xFFFF_FFFF)
 
 
-@pytest.mark.sheet("002", "5.1")
+@pytest.mark.sheet("DS-TMC4361", "5.1")
 def test_the_bytes_on_the_wire() -> None:
     assert datagram40.read(0x21) == bytes.fromhex("21 00 00 00 00")
     assert datagram40.write(0x24, 0xABCDEF) == bytes.fromhex("a4 00 ab cd ef"), "0x80 is added for a write"
@@ -50,7 +50,7 @@ def test_what_does_not_fit_is_refused(address: int, data: int) -> None:
         datagram40.write(address, data)
 
 
-@pytest.mark.sheet("002", "5.1")
+@pytest.mark.sheet("DS-TMC4361", "5.1")
 @given(st.lists(ADDRESSES, max_size=8))
 def test_a_chain_of_n_reads_costs_one_datagram_more(addresses: list[int]) -> None:
     frames = datagram40.read_chain(addresses)

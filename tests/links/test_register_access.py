@@ -94,7 +94,7 @@ def test_nothing_costs_nothing(far: Far) -> None:
     assert far.access.status([]) is None
 
 
-@pytest.mark.sheet("002", "5.1")
+@pytest.mark.sheet("DS-TMC4361", "5.1")
 def test_every_spi_reply_bears_the_status_and_no_reply_of_a_board_does() -> None:
     spi, board = Far("spi"), Far("board")
     replies = spi.say(spi.access.read_frames([0x0E, VERSION]))
@@ -104,7 +104,7 @@ def test_every_spi_reply_bears_the_status_and_no_reply_of_a_board_does() -> None
     assert board.access.status(board.say(board.access.read_frames([VERSION]))) is None
 
 
-@pytest.mark.sheet("002", "5.1")
+@pytest.mark.sheet("DS-TMC4361", "5.1")
 @given(st.lists(st.tuples(st.integers(0, 0x7F), WORDS), min_size=1, max_size=5), st.data())
 def test_a_write_that_comes_back_otherwise_is_told(writes: list[tuple[int, int]], data: st.DataObject) -> None:
     access = Spi40Access()

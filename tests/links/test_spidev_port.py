@@ -88,7 +88,7 @@ def test_a_module_has_no_such_link() -> None:
         spidev_factory("pd42-1241", {"kind": "spidev", "bus": 0, "device": 0}, VirtualClock())
 
 
-@pytest.mark.sheet("002", "5.2")
+@pytest.mark.sheet("DS-TMC4361", "5.2")
 async def test_the_bus_is_set_up_once_and_frames_go_one_by_one() -> None:
     spi = Spi()
     far = looped(spi)

@@ -32,8 +32,8 @@ REQUEST_EXAMPLES = [
 ]
 
 
-@pytest.mark.sheet("004", "3.1")
-@pytest.mark.sheet("004", "3.1.1")
+@pytest.mark.sheet("FM-PD42-1241", "3.1")
+@pytest.mark.sheet("FM-PD42-1241", "3.1.1")
 @pytest.mark.parametrize(("what", "request_", "wire"), REQUEST_EXAMPLES, ids=[row[0] for row in REQUEST_EXAMPLES])
 def test_requests_as_the_manuals_print_them(what: str, request_: Request, wire: str) -> None:
     assert request_.encode() == bytes.fromhex(wire), what
@@ -41,7 +41,7 @@ def test_requests_as_the_manuals_print_them(what: str, request_: Request, wire: 
     assert tmcl.sound(bytes.fromhex(wire))
 
 
-@pytest.mark.sheet("004", "3.2")
+@pytest.mark.sheet("FM-PD42-1241", "3.2")
 def test_a_reply_as_the_manuals_print_it() -> None:
     wire = bytes.fromhex("02 01 64 06 FF FF EC 78 CF")
     assert Reply.decode(wire) == Reply(2, 1, 100, Opcode.GAP, -5000)
@@ -49,7 +49,7 @@ def test_a_reply_as_the_manuals_print_it() -> None:
     assert tmcl.check_reply("line", Request(1, Opcode.GAP, 1).encode(), wire).value == -5000
 
 
-@pytest.mark.sheet("004", "3.2.1")
+@pytest.mark.sheet("FM-PD42-1241", "3.2.1")
 def test_every_status_has_its_text() -> None:
     assert {code: Reply(2, 1, code, 6).ok for code in STATUS_TEXTS} == {
         1: False, 2: False, 3: False, 4: False, 5: False, 6: False, 100: True, 101: True, 128: False,
@@ -57,7 +57,7 @@ def test_every_status_has_its_text() -> None:
     assert Reply(2, 1, 77, 6).status_text == "unknown status 77"
 
 
-@pytest.mark.sheet("004", "3.6.35")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.35")
 def test_the_position_reached_event_is_no_answer() -> None:
     event = bytes.fromhex("02 01 80 8A 00 00 00 01 0E")
     assert tmcl.is_event(event)
@@ -157,7 +157,7 @@ def test_a_frame_of_another_length_is_refused(length: int) -> None:
         Reply.decode(bytes(length))
 
 
-@pytest.mark.sheet("004", "3.4")
+@pytest.mark.sheet("FM-PD42-1241", "3.4")
 def test_every_command_stands_once_in_the_list() -> None:
     assert len(BY_OPCODE) == len(COMMANDS)
     manual = (
@@ -168,6 +168,6 @@ def test_every_command_stands_once_in_the_list() -> None:
     assert {opcode.value for opcode in Opcode} - {Opcode.BOOT} == set(BY_OPCODE)
 
 
-@pytest.mark.sheet("004", "7.1")
+@pytest.mark.sheet("FM-PD42-1241", "7.1")
 def test_sixteen_reference_modes() -> None:
     assert reference_modes() == (1, 2, 3, 4, 5, 6, 7, 8, 65, 66, 67, 68, 133, 134, 135, 136)

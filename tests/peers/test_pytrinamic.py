@@ -74,7 +74,7 @@ def test_what_this_firmware_has_not_is_told(connection: Any) -> None:
 # --- axis parameters ----------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("004", "3.6.6")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.6")
 @pytest.mark.parametrize("name", NUMBERS)
 def test_every_axis_parameter_can_be_read(shared_connection: Any, name: str) -> None:
     row = PD42.at(NUMBERS[name], Space.AXIS)
@@ -89,7 +89,7 @@ def shared_connection(shared_emulator: EmulatorProcess) -> Iterator[Any]:
         yield connection
 
 
-@pytest.mark.sheet("004", "3.6.5")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.5")
 def test_axis_parameters_hold_what_is_written(motor: Any) -> None:
     for number, value in (
         (AP.MaxVelocity, 60_000),
@@ -119,7 +119,7 @@ def test_features_read_and_write_by_name(motor: Any) -> None:
         assert str(feature)
 
 
-@pytest.mark.sheet("004", "3.2.1")
+@pytest.mark.sheet("FM-PD42-1241", "3.2.1")
 def test_what_cannot_be_is_refused_with_the_manuals_status(connection: Any) -> None:
     assert refused(lambda: connection.send(99, 0, 0, 0)) == TMCLStatus.INVALID_COMMAND
     assert refused(lambda: connection.get_axis_parameter(253, 0)) == TMCLStatus.WRONG_TYPE
@@ -145,7 +145,7 @@ def hurry(motor: Any) -> None:
     motor.drive_settings.max_current = 255
 
 
-@pytest.mark.sheet("004", "3.6.4")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.4")
 def test_it_moves_to_and_by_and_tells_when_it_is_there(motor: Any) -> None:
     hurry(motor)
     motor.move_to(30_000)
@@ -160,8 +160,8 @@ def test_it_moves_to_and_by_and_tells_when_it_is_there(motor: Any) -> None:
     assert after - before == pytest.approx(-50_000, abs=600), "a motor turned, not only a number"
 
 
-@pytest.mark.sheet("004", "3.6.1")
-@pytest.mark.sheet("004", "3.6.3")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.1")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.3")
 @pytest.mark.parametrize("velocity", [40_000, -40_000])
 def test_it_rotates_and_stops(motor: Any, velocity: int) -> None:
     hurry(motor)
@@ -175,7 +175,7 @@ def test_it_rotates_and_stops(motor: Any, velocity: int) -> None:
     assert motor.actual_position == here
 
 
-@pytest.mark.sheet("004", "3.6.2")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.2")
 def test_rotating_left_counts_down(connection: Any, motor: Any) -> None:
     hurry(motor)
     connection.send(TMCLCommand.ROL, 0, 0, 30_000)
@@ -183,7 +183,7 @@ def test_rotating_left_counts_down(connection: Any, motor: Any) -> None:
     motor.stop()
 
 
-@pytest.mark.sheet("004", "3.6.13")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.13")
 def test_it_finds_its_reference_switch(connection: Any, modules: EmulatorProcess, motor: Any) -> None:
     hurry(motor)
     patch(modules, 1, stage={"left_at_fullsteps": -150.0, "right_at_fullsteps": 4000.0, "position_fullsteps": 0.0})
@@ -210,7 +210,7 @@ def test_a_reference_search_can_be_ended(connection: Any, motor: Any) -> None:
     wait_for(lambda: motor.actual_velocity == 0)
 
 
-@pytest.mark.sheet("004", "3.6.35")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.35")
 def test_the_position_reached_event_comes_by_itself(connection: Any, motor: Any) -> None:
     hurry(motor)
     connection.send(TMCLCommand.TARGET_POSITION_REACHED, 1, 0, 1)
@@ -224,7 +224,7 @@ def test_the_position_reached_event_comes_by_itself(connection: Any, motor: Any)
 # --- everything else ----------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("004", "3.6.8")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.8")
 @pytest.mark.parametrize("name", GLOBALS)
 def test_every_global_parameter_can_be_read(shared_connection: Any, name: str) -> None:
     row = PD42.at(GLOBALS[name], Space.GLOBAL_0)
@@ -232,7 +232,7 @@ def test_every_global_parameter_can_be_read(shared_connection: Any, name: str) -
     assert row.minimum <= shared_connection.get_global_parameter(GLOBALS[name], 0, signed=True) <= row.maximum
 
 
-@pytest.mark.sheet("004", "3.6.7")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.7")
 def test_global_parameters_hold_what_is_written(module: Any) -> None:
     module.set_global_parameter(TMCM1241.GP0.AutoStartMode, 0, 1)
     assert module.get_global_parameter(TMCM1241.GP0.AutoStartMode, 0) == 1
@@ -242,8 +242,8 @@ def test_global_parameters_hold_what_is_written(module: Any) -> None:
     assert refused(lambda: module.get_global_parameter(200, 0)) == TMCLStatus.WRONG_TYPE
 
 
-@pytest.mark.sheet("004", "3.6.9")
-@pytest.mark.sheet("004", "3.6.10")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.9")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.10")
 def test_user_variables_are_kept_when_they_are_stored(module: Any, modules: EmulatorProcess) -> None:
     module.set_global_parameter(42, 2, -123_456)
     module.store_global_parameter(42, 2)
@@ -256,8 +256,8 @@ def test_user_variables_are_kept_when_they_are_stored(module: Any, modules: Emul
     assert module.get_global_parameter(43, 2) == 0
 
 
-@pytest.mark.sheet("004", "3.6.22")
-@pytest.mark.sheet("004", "3.6.23")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.22")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.23")
 def test_coordinates_can_be_stored_read_and_moved_to(connection: Any, motor: Any) -> None:
     hurry(motor)
     connection.send(TMCLCommand.SCO, 5, 0, 12_345)
@@ -268,7 +268,7 @@ def test_coordinates_can_be_stored_read_and_moved_to(connection: Any, motor: Any
     assert connection.send(TMCLCommand.GCO, 6, 0, 0).value == 12_345
 
 
-@pytest.mark.sheet("004", "3.6.11")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.11")
 def test_outputs_and_inputs(module: Any, modules: EmulatorProcess) -> None:
     module.set_digital_output(0)
     assert module.get_digital_output(0) == 1
@@ -280,7 +280,7 @@ def test_outputs_and_inputs(module: Any, modules: EmulatorProcess) -> None:
     assert module.get_analog_input(0) == 1234
 
 
-@pytest.mark.sheet("004", "3")
+@pytest.mark.sheet("FM-PD42-1241", "3")
 def test_two_modules_on_one_line(connection: Any) -> None:
     first, second = TMCM1241(connection, module_id=1), TMCM1241(connection, module_id=2)
     for each in (first, second):

@@ -12,8 +12,10 @@ from hypothesis import strategies as st
 from app.registers.catalog import MODELS
 from app.registers.model import Access, Field, Register, RegisterTable, Space
 
-SOURCE = re.compile(r"(000|001|002|004), |(TMC4361A|STEPPYR|TOM4361)\b|DS5(031|062|072|130|160), (p\. )?[0-9]")
-"""Begins with a data sheet and its section; what 002 does not tell, with one of the later public sources."""
+SOURCE = re.compile(
+    r"(DS-TMC(4210|428|4361)|FM-PD42-1241) |(TMC4361A|STEPPYR|TOM4361)\b|DS-TMC(5031|5062|5072|5130|5160) (p\. )?[0-9]"
+)
+"""Begins with a data sheet and its section; what DS-TMC4361 does not tell, with one of the later public sources."""
 
 EVERY_REGISTER = [
     pytest.param(model.table, register, id=f"{model.title}.{register.name}.{register.axis}")
@@ -93,8 +95,8 @@ def test_fields_answer_to_their_own_names_on_their_axis() -> None:
     assert table.find("x_target") is None, "which axis?"
 
 
-@pytest.mark.sheet("001", "7")
-@pytest.mark.sheet("001", "10")
+@pytest.mark.sheet("DS-TMC428", "7")
+@pytest.mark.sheet("DS-TMC428", "10")
 def test_address_partitions_of_the_tmc428() -> None:
     table = MODELS["tmc428"].table
     for register in table:
@@ -110,8 +112,8 @@ def test_address_partitions_of_the_tmc428() -> None:
     assert sum(register.group == "microstep table RAM" for register in table) == 32
 
 
-@pytest.mark.sheet("001", "6.1")
-@pytest.mark.sheet("001", "7.2")
+@pytest.mark.sheet("DS-TMC428", "6.1")
+@pytest.mark.sheet("DS-TMC428", "7.2")
 def test_only_clk2_div_resets_to_something() -> None:
     """Besides the mantissa's leading one, which no write can change (8.10)."""
     table = MODELS["tmc428"].table
@@ -122,7 +124,7 @@ def test_only_clk2_div_resets_to_something() -> None:
     assert table.get("stepper_motor_global_parameter_register").unpack(0xF00)["clk2_div"] == 15
 
 
-@pytest.mark.sheet("000", "5.3")
+@pytest.mark.sheet("DS-TMC4210", "5.3")
 def test_only_the_pulse_length_and_the_type_reset_to_something_on_the_tmc4210() -> None:
     table = MODELS["tmc4210"].table
     assert {register.name for register in table if register.reset} == {
@@ -133,7 +135,7 @@ def test_only_the_pulse_length_and_the_type_reset_to_something_on_the_tmc4210() 
     assert table.get("TYPE_VERSION_4210").reset == 0x429101
 
 
-@pytest.mark.sheet("001", "2.6")
+@pytest.mark.sheet("DS-TMC428", "2.6")
 def test_signed_registers_are_those_that_have_a_direction() -> None:
     signed = {register.name for register in MODELS["tmc428"].table if register.signed}
     assert signed == {"x_target", "x_actual", "v_target", "v_actual", "a_actual", "x_latched"}
@@ -164,10 +166,10 @@ def test_a_table_refuses_two_rows_on_one_address_or_of_one_name() -> None:
         RegisterTable("chip", (one, Register("ONE", 8, "h", address=2, source="s")))
 
 
-@pytest.mark.sheet("004", "4")
-@pytest.mark.sheet("004", "5.1")
-@pytest.mark.sheet("004", "5.2")
-@pytest.mark.sheet("004", "5.3")
+@pytest.mark.sheet("FM-PD42-1241", "4")
+@pytest.mark.sheet("FM-PD42-1241", "5.1")
+@pytest.mark.sheet("FM-PD42-1241", "5.2")
+@pytest.mark.sheet("FM-PD42-1241", "5.3")
 def test_the_parameters_of_the_pd42() -> None:
     """Numbers as PyTrinamic's TMCM1241.py lists them; bank 1 belongs to customers' own firmware."""
     table = MODELS["pd42-1241"].table
@@ -183,8 +185,8 @@ def test_the_parameters_of_the_pd42() -> None:
     assert [row.name for row in table if row.read_clears] == ["extended_error_flags"]
 
 
-@pytest.mark.sheet("004", "6.1")
-@pytest.mark.sheet("004", "7.4")
+@pytest.mark.sheet("FM-PD42-1241", "6.1")
+@pytest.mark.sheet("FM-PD42-1241", "7.4")
 def test_defaults_that_the_manual_tells() -> None:
     table = MODELS["pd42-1241"].table
     assert table.get("microstep_resolution", 0).reset == 8

@@ -1,4 +1,4 @@
-"""The TMC4361's register table against its data sheet (002), and against itself where that ends."""
+"""The TMC4361's register table against DS-TMC4361, and against itself where that ends."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from app.registers.tmc4361_bits import (
     spi_status,
 )
 
-# Register tables of 002: name, address, access, width (fraction bits behind a plus), sign.
+# Register tables of DS-TMC4361: name, address, access, width (fraction bits behind a plus), sign.
 SECTION_7 = [
     ("STATUS_FLAGS", 0x0F, "R"),
     ("EVENTS", 0x0E, "R"),
@@ -65,15 +65,15 @@ def test_one_axis_at_16_mhz_unless_told_otherwise() -> None:
     assert {register.axis for register in TMC4361} == {0}
 
 
-@pytest.mark.sheet("002", "5.1")
-@pytest.mark.sheet("002", "5.1.1")
-@pytest.mark.sheet("002", "17")
+@pytest.mark.sheet("DS-TMC4361", "5.1")
+@pytest.mark.sheet("DS-TMC4361", "5.1.1")
+@pytest.mark.sheet("DS-TMC4361", "17")
 def test_addresses_have_seven_bits_and_only_one_is_unused() -> None:
     used = {register.address for register in TMC4361}
     assert used == set(range(0x80)) - {0x64}
 
 
-@pytest.mark.sheet("002", "5.1.2")
+@pytest.mark.sheet("DS-TMC4361", "5.1.2")
 def test_every_register_begins_at_bit_0() -> None:
     for register in TMC4361:
         assert register.width <= 32
@@ -81,7 +81,7 @@ def test_every_register_begins_at_bit_0() -> None:
             assert min(part.lsb for part in register.fields) == 0
 
 
-@pytest.mark.sheet("002", "7")
+@pytest.mark.sheet("DS-TMC4361", "7")
 @pytest.mark.parametrize(("name", "address", "access"), SECTION_7)
 def test_registers_of_flags_and_events(name: str, address: int, access: str) -> None:
     register = TMC4361.get(name, 0)
@@ -89,8 +89,8 @@ def test_registers_of_flags_and_events(name: str, address: int, access: str) -> 
     assert register.read_clears == (name == "EVENTS")
 
 
-@pytest.mark.sheet("002", "8")
-@pytest.mark.sheet("002", "17.16")
+@pytest.mark.sheet("DS-TMC4361", "8")
+@pytest.mark.sheet("DS-TMC4361", "17.16")
 @pytest.mark.parametrize(("name", "address", "access", "width", "signed"), SECTION_8)
 def test_registers_of_the_ramp_generator(name: str, address: int, access: str, width: int, signed: bool) -> None:
     register = TMC4361.get(name, 0)
@@ -98,8 +98,8 @@ def test_registers_of_the_ramp_generator(name: str, address: int, access: str, w
     assert (register.width, register.signed) == (width, signed)
 
 
-@pytest.mark.sheet("002", "8")
-@pytest.mark.sheet("002", "8.2.3")
+@pytest.mark.sheet("DS-TMC4361", "8")
+@pytest.mark.sheet("DS-TMC4361", "8.2.3")
 def test_registers_whose_widths_the_sheet_and_later_sources_tell_differently() -> None:
     """VACTUAL is 24 bits in the table and 32 in the text; AACTUAL 24 bits, which later headers read as 32."""
     for name, address in (("VACTUAL", 0x22), ("AACTUAL", 0x23)):
@@ -115,7 +115,7 @@ def test_registers_whose_widths_the_sheet_and_later_sources_tell_differently() -
     assert sign.lsb == 31, "an open question: another header of the vendor has bit 28"
 
 
-@pytest.mark.sheet("002", "8.1")
+@pytest.mark.sheet("DS-TMC4361", "8.1")
 def test_two_times_of_sixteen_bits_share_a_word() -> None:
     register = TMC4361.get("STP_LENGTH_ADD___DIR_SETUP_TIME", 0)
     assert register.address == 0x10
@@ -126,8 +126,8 @@ def test_two_times_of_sixteen_bits_share_a_word() -> None:
     assert register.reset == 0, "an open question: an older table of the vendor's has 0x00040001"
 
 
-@pytest.mark.sheet("002", "8.1")
-@pytest.mark.sheet("002", "8.2.3")
+@pytest.mark.sheet("DS-TMC4361", "8.1")
+@pytest.mark.sheet("DS-TMC4361", "8.2.3")
 def test_bits_of_general_conf_that_the_ramp_generator_has() -> None:
     register = TMC4361.get("GENERAL_CONF", 0)
     assert [part.name for part in register.fields if 1 <= part.lsb <= 5] == [
@@ -139,7 +139,7 @@ def test_bits_of_general_conf_that_the_ramp_generator_has() -> None:
     ]
 
 
-@pytest.mark.sheet("002", "8.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2")
 def test_ramp_modes() -> None:
     register = TMC4361.get("RAMPMODE", 0)
     assert register.unpack(0b110) == {"RAMP_PROFILE": 2, "OPERATION_MODE": 1}
@@ -150,15 +150,15 @@ def test_ramp_modes() -> None:
         profile.encode(3)
 
 
-@pytest.mark.sheet("002", "1.4")
-@pytest.mark.sheet("002", "8.2.3")
+@pytest.mark.sheet("DS-TMC4361", "1.4")
+@pytest.mark.sheet("DS-TMC4361", "8.2.3")
 def test_the_clock_is_between_4_2_and_32_mhz() -> None:
     register = TMC4361.get("CLK_FREQ", 0)
     assert register.range == (4_194_304, 32_000_000)
     assert register.reset == 16_000_000
 
 
-@pytest.mark.sheet("002", "9")
+@pytest.mark.sheet("DS-TMC4361", "9")
 @pytest.mark.parametrize(("name", "address", "signed"), SECTION_9)
 def test_registers_of_reference_switches(name: str, address: int, signed: bool) -> None:
     register = TMC4361.get(name, 0)
@@ -166,29 +166,29 @@ def test_registers_of_reference_switches(name: str, address: int, signed: bool) 
     assert register.access is Access.RW
 
 
-@pytest.mark.sheet("002", "9")
+@pytest.mark.sheet("DS-TMC4361", "9")
 def test_an_open_question_x_latch_is_read_and_x_range_written() -> None:
-    """002 calls X_LATCH readable and writable; later sources have another register behind the write."""
+    """DS-TMC4361 calls X_LATCH readable and writable; later sources have another register behind the write."""
     assert TMC4361.at(0x36) is TMC4361.get("X_LATCH", 0)
     assert TMC4361.at(0x36, write=True) is TMC4361.get("X_RANGE", 0)
     assert [row.name for row in TMC4361.meanings(0x36)] == ["X_LATCH", "REV_CNT", "X_RANGE"]
 
 
-@pytest.mark.sheet("002", "9.1")
+@pytest.mark.sheet("DS-TMC4361", "9.1")
 def test_switches_of_reference_conf() -> None:
     word = TMC4361.get("REFERENCE_CONF", 0).unpack(0b10_1011)
     names = ("stop_left_en", "stop_right_en", "pol_stop_left", "pol_stop_right", "soft_stop_en")
     assert [word[name] for name in names] == [1, 1, 0, 1, 1]
 
 
-@pytest.mark.sheet("002", "1.3.4")
+@pytest.mark.sheet("DS-TMC4361", "1.3.4")
 def test_the_pwm_frequency_is_the_clock_over_pwm_freq() -> None:
     register = TMC4361.get("PWM_FREQ", 0)
     assert (register.address, register.unit) == (0x1F, "tCLK")
     assert 16e6 / (register.reset or 0) == 25e3
 
 
-@pytest.mark.sheet("002", "6")
+@pytest.mark.sheet("DS-TMC4361", "6")
 def test_the_filter_register() -> None:
     register = TMC4361.get("INPUT_FILT_CONF", 0)
     assert (register.address, register.access) == (0x03, Access.RW)
@@ -217,7 +217,7 @@ RESETS = {
 }
 
 
-@pytest.mark.sheet("002", "17")
+@pytest.mark.sheet("DS-TMC4361", "17")
 def test_registers_that_reset_to_something() -> None:
     found = {row.name: row.reset for row in TMC4361 if row.reset and not row.name.startswith("MSLUT[") and not row.when}
     assert found == RESETS
@@ -225,7 +225,7 @@ def test_registers_that_reset_to_something() -> None:
     assert (step["mstep_per_fs"], step["fs_per_rev"]) == (0, 200), "256 microsteps, 200 full steps"
 
 
-@pytest.mark.sheet("002", "17")
+@pytest.mark.sheet("DS-TMC4361", "17")
 def test_two_registers_at_one_address_are_told_apart_by_the_write_bit() -> None:
     pairs = {
         row.address: (row.name, other.name)
@@ -249,7 +249,7 @@ def test_two_registers_at_one_address_are_told_apart_by_the_write_bit() -> None:
     assert TMC4361.at(0x64) is TMC4361.at(0x64, write=True) is None
 
 
-@pytest.mark.sheet("002", "17")
+@pytest.mark.sheet("DS-TMC4361", "17")
 def test_words_with_a_second_name_say_when_it_holds() -> None:
     second = {row.name: row.address for row in TMC4361 if row.when}
     assert second == {
@@ -280,10 +280,10 @@ def test_what_the_emulator_does_not_act_on_says_why() -> None:
             assert not part.behaviour.endswith(".")
 
 
-@pytest.mark.sheet("002", "1.6")
-@pytest.mark.sheet("002", "7.2")
-@pytest.mark.sheet("002", "17.12")
-@pytest.mark.sheet("002", "17.13")
+@pytest.mark.sheet("DS-TMC4361", "1.6")
+@pytest.mark.sheet("DS-TMC4361", "7.2")
+@pytest.mark.sheet("DS-TMC4361", "17.12")
+@pytest.mark.sheet("DS-TMC4361", "17.13")
 @pytest.mark.parametrize("name", ["SPI_STATUS_SELECTION", "EVENT_CLEAR_CONF", "INTR_CONF", "EVENTS"])
 def test_registers_that_select_events_have_the_events_bits(name: str) -> None:
     register = TMC4361.get(name, 0)
@@ -293,7 +293,7 @@ def test_registers_that_select_events_have_the_events_bits(name: str) -> None:
         assert register.write_mask == 0xFFFFFFFF, "all events are selected by 0xFFFFFFFF"
 
 
-@pytest.mark.sheet("002", "7.2")
+@pytest.mark.sheet("DS-TMC4361", "7.2")
 def test_every_combination_of_a_state_has_its_event() -> None:
     """VEL_STATE has two bits and three events, 00, 01 and 10; RAMP_STATE too."""
     assert [EVENTS[bit][0] for bit in range(3, 9)] == [
@@ -306,15 +306,15 @@ def test_every_combination_of_a_state_has_its_event() -> None:
         assert (part.width, part.range) == (2, (0, 2))
 
 
-@pytest.mark.sheet("002", "7.1")
-@pytest.mark.sheet("002", "17.14")
+@pytest.mark.sheet("DS-TMC4361", "7.1")
+@pytest.mark.sheet("DS-TMC4361", "17.14")
 def test_status_bits_are_the_fields_of_their_register() -> None:
     status = TMC4361.get("STATUS_FLAGS", 0)
     assert {part.name: part.lsb for part in status.fields} == dict(STATUS_BITS)
     assert status.mask == 0xFFFFFFFF & ~(1 << 18)
 
 
-@pytest.mark.sheet("002", "7.2")
+@pytest.mark.sheet("DS-TMC4361", "7.2")
 def test_the_status_byte_after_a_reset() -> None:
     selection = TMC4361.get("SPI_STATUS_SELECTION", 0).reset or 0
     shown = [EVENTS[bit][0] for bit in selected_events(selection)]
@@ -331,7 +331,7 @@ def test_the_status_byte_after_a_reset() -> None:
     assert spi_status(1 << EVENT_BITS["RST_EV"], selection) == 0x80
 
 
-@pytest.mark.sheet("002", "7.2")
+@pytest.mark.sheet("DS-TMC4361", "7.2")
 @given(st.integers(0, 0xFFFF_FFFF), st.integers(0, 0xFFFF_FFFF))
 def test_the_first_eight_selected_events_make_the_status_byte(events: int, selection: int) -> None:
     """Against the sheet's words: sorted by bit position, and beyond eight the first eight, from index 0."""

@@ -22,7 +22,7 @@ LAYOUTS = [
         24 serial_enc_out_enable, 25 serial_enc_out_diff_disable, 26 automatic_direct_sdin_switch_off,
         27 circular_cnt_as_xlatch, 28 reverse_motor_dir, 29 intr_tr_pu_pd_en, 30 intr_as_wired_and,
         31 tr_as_wired_and""",
-        marks=pytest.mark.sheet("002", "17.1"),
+        marks=pytest.mark.sheet("DS-TMC4361", "17.1"),
     ),
     pytest.param(
         "REFERENCE_CONF",
@@ -32,7 +32,7 @@ LAYOUTS = [
         15 stop_right_is_home, 19:16 home_event, 20 start_home_tracking, 21 clr_pos_at_target, 22 circular_movement_en,
         24:23 pos_comp_output, 25 pos_comp_source, 26 stop_on_stall, 27 drv_after_stall, 29:28 modified_pos_compare,
         30 automatic_cover, 31 circular_enc_en""",
-        marks=pytest.mark.sheet("002", "17.2"),
+        marks=pytest.mark.sheet("DS-TMC4361", "17.2"),
     ),
     pytest.param(
         "START_CONF",
@@ -42,31 +42,31 @@ LAYOUTS = [
         17:16 shadow_option, 18 cyclic_shadow_regs, 23:20 shadow_miss_cnt, 24 xpipe_rewrite_reg[0],
         25 xpipe_rewrite_reg[1], 26 xpipe_rewrite_reg[2], 27 xpipe_rewrite_reg[3], 28 xpipe_rewrite_reg[4],
         29 xpipe_rewrite_reg[5], 30 xpipe_rewrite_reg[6], 31 xpipe_rewrite_reg[7]""",
-        marks=pytest.mark.sheet("002", "17.3"),
+        marks=pytest.mark.sheet("DS-TMC4361", "17.3"),
     ),
     pytest.param(
         "INPUT_FILT_CONF",
         """2:0 sr_enc_in, 6:4 filt_l_enc_in, 7 sd_filt0, 10:8 sr_ref, 14:12 filt_l_ref, 15 sd_filt1, 18:16 sr_s,
         22:20 filt_l_s, 23 sd_filt2, 26:24 sr_enc_out, 30:28 filt_l_enc_out, 31 sd_filt3""",
-        marks=pytest.mark.sheet("002", "17.4"),
+        marks=pytest.mark.sheet("DS-TMC4361", "17.4"),
     ),
     pytest.param(
         "SPI_OUT_CONF",
         """3:0 spi_output_format, 19:13 cover_data_length, 23:20 spi_out_low_time, 27:24 spi_out_high_time,
         31:28 spi_out_block_time""",
-        marks=pytest.mark.sheet("002", "17.5"),
+        marks=pytest.mark.sheet("DS-TMC4361", "17.5"),
     ),
     pytest.param(
         "CURRENT_CONF",
         """0 hold_current_scale_en, 1 drive_current_scale_en, 2 boost_current_on_acc_en, 3 boost_current_on_dec_en,
         4 boost_current_after_start_en, 5 sec_drive_current_scale_en, 6 freewheeling_en, 7 closed_loop_scale_en,
         8 pwm_scale_en, 31:16 pwm_ampl""",
-        marks=pytest.mark.sheet("002", "17.6"),
+        marks=pytest.mark.sheet("DS-TMC4361", "17.6"),
     ),
     pytest.param(
         "SCALE_VALUES",
         "7:0 boost_scale_val, 15:8 drv1_scale_val, 23:16 drv2_scale_val, 31:24 hold_scale_val",
-        marks=pytest.mark.sheet("002", "17.7"),
+        marks=pytest.mark.sheet("DS-TMC4361", "17.7"),
     ),
     pytest.param(
         "ENC_IN_CONF",
@@ -76,39 +76,43 @@ LAYOUTS = [
         16 calc_multi_turn_behav, 17 ssi_multi_cycle_data, 18 ssi_gray_code_en, 19 left_aligned_data,
         20 spi_data_on_cs, 21 spi_low_before_cs, 23:22 regulation_modus, 24 cl_calibration_en, 25 cl_emf_en,
         26 cl_clr_xact, 27 cl_vlimit_en, 28 cl_velocity_mode_en, 29 invert_enc_dir, 30 enc_out_gray""",
-        marks=pytest.mark.sheet("002", "17.8"),
+        marks=pytest.mark.sheet("DS-TMC4361", "17.8"),
     ),
     pytest.param(
         "ENC_IN_DATA",
         """4:0 single_turn_res, 9:5 multi_turn_res, 11:10 status_bit_cnt, 23:16 serial_addr_bits,
         31:24 serial_data_bits""",
-        marks=pytest.mark.sheet("002", "17.9"),
+        marks=pytest.mark.sheet("DS-TMC4361", "17.9"),
     ),
     pytest.param(
         "ENC_OUT_DATA",
         "4:0 single_turn_res_out, 9:5 multi_turn_res_out",
-        marks=pytest.mark.sheet("002", "17.10"),
+        marks=pytest.mark.sheet("DS-TMC4361", "17.10"),
     ),
     pytest.param(
         "STEP_CONF",
         "3:0 mstep_per_fs, 15:4 fs_per_rev, 17 OT, 18 OTPW, 21 OLA, 22 OLB",
-        marks=pytest.mark.sheet("002", "17.11"),
+        marks=pytest.mark.sheet("DS-TMC4361", "17.11"),
     ),
-    pytest.param("FREEZE", "23:0 DFREEZE, 31:24 IFREEZE", marks=pytest.mark.sheet("002", "17.17")),
-    pytest.param("RESET_CLK_GATING", "2:0 CLK_GATING_REG, 31:8 RESET_REG", marks=pytest.mark.sheet("002", "17.18")),
-    pytest.param("CL_ANGLES", "8:0 CL_BETA, 23:16 CL_GAMMA", marks=pytest.mark.sheet("002", "17.19")),
+    pytest.param("FREEZE", "23:0 DFREEZE, 31:24 IFREEZE", marks=pytest.mark.sheet("DS-TMC4361", "17.17")),
     pytest.param(
-        "PID_I_CLIP___PID_D_CLKDIV", "14:0 PID_I_CLIP, 23:16 PID_D_CLKDIV", marks=pytest.mark.sheet("002", "17.19")
+        "RESET_CLK_GATING", "2:0 CLK_GATING_REG, 31:8 RESET_REG", marks=pytest.mark.sheet("DS-TMC4361", "17.18")
+    ),
+    pytest.param("CL_ANGLES", "8:0 CL_BETA, 23:16 CL_GAMMA", marks=pytest.mark.sheet("DS-TMC4361", "17.19")),
+    pytest.param(
+        "PID_I_CLIP___PID_D_CLKDIV",
+        "14:0 PID_I_CLIP, 23:16 PID_D_CLKDIV",
+        marks=pytest.mark.sheet("DS-TMC4361", "17.19"),
     ),
     pytest.param(
         "ENC_VMEAN",
         "7:0 ENC_VMEAN_WAIT, 11:8 ENC_VMEAN_FILTER, 31:16 ENC_VMEAN_INT",
-        marks=pytest.mark.sheet("002", "17.20"),
+        marks=pytest.mark.sheet("DS-TMC4361", "17.20"),
     ),
     pytest.param(
         "MSLUTSEL",
         "1:0 W0, 3:2 W1, 5:4 W2, 7:6 W3, 15:8 X1, 23:16 X2, 31:24 X3",
-        marks=pytest.mark.sheet("002", "17.22"),
+        marks=pytest.mark.sheet("DS-TMC4361", "17.22"),
     ),
 ]
 
@@ -123,7 +127,7 @@ def test_bits_are_where_the_facts_have_them(name: str, layout: str) -> None:
     assert {part.name: (part.lsb, part.width) for part in TMC4361.get(name, 0).fields if not part.when} == wanted
 
 
-@pytest.mark.sheet("002", "17.21")
+@pytest.mark.sheet("DS-TMC4361", "17.21")
 def test_shadow_registers_hold_what_each_option_says() -> None:
     """Option 0 is one set over all registers; 1 two sets of an S-ramp; 2 and 3 two sets of a trapezoid."""
     trapezoid = ["VMAX", "AMAX", "DMAX", "ASTART", "DFINAL", "VBREAK"]

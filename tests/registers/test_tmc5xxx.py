@@ -151,7 +151,7 @@ def test_pins_are_read_where_outputs_are_written(model: str) -> None:
 
 @EVERY
 def test_what_clears_by_reading_clears_by_writing_1_on_the_tmc5160(model: str) -> None:
-    """003 reads RAMP_STAT of the older chips to clear it; the TMC5160's data sheet gives it to writing."""
+    """AN-001 reads RAMP_STAT of the older chips to clear it; the TMC5160's data sheet gives it to writing."""
     clearing = {row.name for row in TABLES[model] if row.read_clears}
     by_writing = {row.name for row in TABLES[model] if row.access is Access.R_W1C}
     status = {"GSTAT", "RAMP_STAT"} | ({"ENC_STATUS"} if model != "tmc5031" else set())
@@ -194,5 +194,5 @@ def test_every_axis_answers_to_its_own_names(model: str) -> None:
         assert (register.name, register.axis) == ("IHOLD_IRUN", axis)
         assert part is not None
         assert part.lsb == 8
-        assert re.match(r"DS5\d{3}, ", register.source)
+        assert re.match(r"DS-TMC5\d{3} ", register.source)
     assert table.find("irun") is None, "which axis?"

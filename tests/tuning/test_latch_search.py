@@ -30,7 +30,7 @@ async def search(b: Bench, procedures: Procedures, switch: Switch, **options: ob
     raise AssertionError("the search does not end")
 
 
-@pytest.mark.sheet("002", "9")
+@pytest.mark.sheet("DS-TMC4361", "9")
 @pytest.mark.parametrize("switch", PLACES)
 async def test_zero_is_in_the_middle_of_the_switch_and_the_motor_stands_there(switch: Switch) -> None:
     async with bench(stage=STAGE) as b:

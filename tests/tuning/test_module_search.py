@@ -36,7 +36,7 @@ async def _over(b: Bench, procedures: Procedures, within_s: float = 60.0) -> tup
     ("mode", "zero_at_fullsteps"),
     [(1, -100), (65, 100), (2, -100), (66, 100), (3, -100), (4, -100), (5, 35), (6, 35), (7, 35)],
 )
-@pytest.mark.sheet("004", "7.1")
+@pytest.mark.sheet("FM-PD42-1241", "7.1")
 async def test_every_mode_finds_its_switch(mode: int, zero_at_fullsteps: int) -> None:
     async with bench(stage=STAGE) as b:
         procedures = Procedures(b.clock)

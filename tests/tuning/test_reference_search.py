@@ -54,7 +54,7 @@ async def rig(model: str, start: float, **options: Any) -> AsyncIterator[Rig]:
 
 
 @BOTH
-@pytest.mark.sheet("001", "9.9")
+@pytest.mark.sheet("DS-TMC428", "9.9")
 @pytest.mark.parametrize("start", [-3.0, 100.0, 251.0, 300.0, 349.0, 351.0, 600.0, 701.0])
 async def test_the_reference_switch_is_found_from_everywhere(model: str, start: float) -> None:
     async with rig(model, start) as r:
@@ -124,7 +124,7 @@ async def test_settings_are_given_back() -> None:
         )
 
 
-@pytest.mark.sheet("001", "9.9")
+@pytest.mark.sheet("DS-TMC428", "9.9")
 async def test_without_a_right_switch_it_goes_left_as_in_the_sheet() -> None:
     async with rig("tmc428", 500.0, wiring="left-only") as r:
         await r.bench.device.write("refmux", value=0)

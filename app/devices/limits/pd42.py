@@ -1,5 +1,5 @@
-"""PD42-1241: what its parameters and commands mean (004). Addresses are numbers of axis parameters; commands count as
-the parameters that they write: MVP as 0, ROR, ROL and MST as 2, a reference search as a number of its own.
+"""PD42-1241: what its parameters and commands mean (FM-PD42-1241). Addresses are numbers of axis parameters; commands
+count as the parameters that they write: MVP as 0, ROR, ROL and MST as 2, a reference search as a number of its own.
 
 Currents are parts of a full scale that the manual does not state, so `current_full_scale_a` makes amperes of them. What
 cannot be told: what a stored program does (its commands are judged while they are downloaded from here), what follows

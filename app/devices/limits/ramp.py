@@ -1,7 +1,7 @@
-"""TMC428 and TMC4210: what their registers mean (001, 8; 000). The dividers are part of every speed.
+"""TMC428 and TMC4210: what their registers mean (DS-TMC428 8; DS-TMC4210). The dividers are part of every speed.
 
-Currents of a TMC428 are scales of what its power stages give (001, 8.8), so `current_full_scale_a` makes amperes of
-them; a TMC4210 has none. What cannot be told: what bits of the driver chain's RAM and cover datagrams do in a power
+Currents of a TMC428 are scales of what its power stages give (DS-TMC428 8.8), so `current_full_scale_a` makes amperes
+of them; a TMC4210 has none. What cannot be told: what bits of the driver chain's RAM and cover datagrams do in a power
 stage.
 """
 

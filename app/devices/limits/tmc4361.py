@@ -1,5 +1,5 @@
-"""TMC4361: what its registers mean (002, 8). It counts in pps of the clock that CLK_FREQ tells it of: with another
-clock everything is that much faster.
+"""TMC4361: what its registers mean (DS-TMC4361 8). It counts in pps of the clock that CLK_FREQ tells it of: with
+another clock everything is that much faster.
 
 Shadow registers and the pipeline of targets count as what START_CONF makes of them. Currents are scales of what the
 power stage gives (SCALE_VALUES, as far as CURRENT_CONF takes them), so `current_full_scale_a` makes amperes of them.
@@ -39,7 +39,8 @@ SHADOWS: dict[int, tuple[str | None, str | None, str | None, str | None]] = {
     11: (None, None, "DFINAL", "DFINAL"),
     13: (None, None, "VSTART", "VSTOP"),
 }
-"""Which register SH_REGn is the shadow of, by START_CONF.shadow_option; those of bows and modes apart (002, 10.4)."""
+"""Which register SH_REGn is the shadow of, by START_CONF.shadow_option; those of bows and modes apart (DS-TMC4361
+10.4)."""
 ASTART_BITS = (1 << 24) - 1
 """The highest bit of ASTART is a sign for something else."""
 SCALES = 256

@@ -1,4 +1,5 @@
-"""TMC5xxx: what their registers mean. Speeds and accelerations count in units of the clock (DS5160, 12.1), currents in
+"""TMC5xxx: what their registers mean. Speeds and accelerations count in units of the clock (DS-TMC5160 12.1), currents
+in
 scales of what the sense resistor makes of them (`calc.coil_current`).
 
 Most of these registers cannot be read: where one was set before this connection, a limit of its quantity lets no motion

@@ -1,4 +1,5 @@
-"""The module's own reference search (004, 7.1): started, looked at and ended. What it finds, the module knows."""
+"""The module's own reference search (FM-PD42-1241 7.1): started, looked at and ended. What it finds, the module
+knows."""
 
 from __future__ import annotations
 

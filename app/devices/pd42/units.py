@@ -1,7 +1,7 @@
 """Speeds and accelerations of the module in pps, whatever its unit mode (AP 255).
 
 In unit mode 1 the module counts in pps and pps^2, in unit mode 0 in those of its driver chip, a
-TMC5160 at `clock_hz` (004, 7.4; formulas of the TMC5160 data sheet, chapter 12.1).
+TMC5160 at `clock_hz` (FM-PD42-1241 7.4; formulas of the TMC5160 data sheet, chapter 12.1).
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 """EVENTS without losing one: peeked at, told as a timeline, and cleared only bit by bit after they were told.
 
-Reading EVENTS clears it, and an event that comes around that reading may be lost (002, 7.2). So every reading here is
-between two writes of EVENT_CLEAR_CONF, as Trinamic's firmware does it: with all its bits set a reading clears nothing,
-and with all but some it clears those. After each the register holds again what its user wants it to hold.
+Reading EVENTS clears it, and an event that comes around that reading may be lost (DS-TMC4361 7.2). So every reading
+here is between two writes of EVENT_CLEAR_CONF, as Trinamic's firmware does it: with all its bits set a reading clears
+nothing, and with all but some it clears those. After each the register holds again what its user wants it to hold.
 
 What holds the motor (a stop, a freeze, a stall) is never cleared by looking: an axis that is going to a target would
 set off again as soon as the switch is released. Neither is what the user keeps (EVENT_CLEAR_CONF) or what makes an

@@ -251,7 +251,7 @@ class Moves(Events):
         if before.stands:
             # At its target nothing moves, whatever VMAX is; the mode sets it off.
             return [_put(rows.XTARGET, before.position), speed, mode]
-        # 0 must not be written while positioning (002, 8.2.2); any other VMAX only changes the limit.
+        # 0 must not be written while positioning (DS-TMC4361 8.2.2); any other VMAX only changes the limit.
         return [speed, mode] if vmax else [mode, speed]
 
     # --- together -------------------------------------------------------------------------------
@@ -286,7 +286,7 @@ class Moves(Events):
             before.warnings.append(f"{' and '.join(gated)} waits for a start signal (START_CONF)")
 
     async def _release(self, words: Words, before: Before) -> None:
-        """Clear events of stops whose cause is gone: a direction stays closed until then (002, 9)."""
+        """Clear events of stops whose cause is gone: a direction stays closed until then (DS-TMC4361 9)."""
         gone = rows.event(
             *(name for name, flag in HOLDS.items() if self._events & rows.event(name) and not before.flags[flag])
         )

@@ -1,9 +1,10 @@
 """Stops, ahead of everything that waits for the link; and setting the position of an axis that stands.
 
-Writing VMAX 0 alone is not allowed while an S-ramp is positioning (002, 8.2.2, case 2). So "ramp" writes the least VMAX
-that is not 0, which the same section offers for a way out, then velocity mode, then VMAX 0. "immediate" does the same
-with velocity mode on hold ramps, in which VACTUAL is VMAX at once (002, 8.2). Should the link fail in between, the axis
-is left at a pulse in four minutes: the other order, mode first, would leave it turning at its speed limit for good.
+Writing VMAX 0 alone is not allowed while an S-ramp is positioning (DS-TMC4361 8.2.2, case 2). So "ramp" writes the
+least VMAX that is not 0, which the same section offers for a way out, then velocity mode, then VMAX 0. "immediate" does
+the same with velocity mode on hold ramps, in which VACTUAL is VMAX at once (DS-TMC4361 8.2). Should the link fail in
+between, the axis is left at a pulse in four minutes: the other order, mode first, would leave it turning at its speed
+limit for good.
 
 A START_CONF that makes VMAX or RAMPMODE wait for a start signal would make the stop wait too: its bits go first, and
 stay cleared.

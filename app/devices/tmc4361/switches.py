@@ -20,7 +20,7 @@ SWITCH_FLAGS = {
 
 def stopped_by(flags: Mapping[str, int], reference: Mapping[str, int], way: int) -> str:
     """What holds the motor from going `way` (+1, -1), by fields of STATUS and REFERENCE_CONF; "" where nothing does."""
-    swapped = -1 if reference["invert_stop_direction"] else 1  # of switches alone (002, 9)
+    swapped = -1 if reference["invert_stop_direction"] else 1  # of switches alone (DS-TMC4361 9)
     for name, (flag, switched_on, stops) in SWITCH_FLAGS.items():
         stops_at = stops if "virtual" in name else stops * swapped
         if flags[flag] and reference[switched_on] and stops_at * way > 0:
@@ -37,8 +37,8 @@ BY_ZONE = {2: True, 4: True, 6: True, 9: False, 11: False, 13: False}
 def home_level(reference_conf: int, error: bool, position: int, x_home: int, margin: int) -> bool | None:
     """Whether HOME_REF is high; None where the configuration, or the place, does not tell.
 
-    Within HOME_SAFETY_MARGIN of X_HOME the level is not judged (002, 9). Outside, a switch that tells the side has
-    the level of the side unless there is an error, and one with an active zone is active only where there is one.
+    Within HOME_SAFETY_MARGIN of X_HOME the level is not judged (DS-TMC4361 9). Outside, a switch that tells the side
+    has the level of the side unless there is an error, and one with an active zone is active only where there is one.
     """
     code = rows.HOME_EVENT.unpack(reference_conf)
     away = position - x_home

@@ -33,13 +33,13 @@ class Writes(Stops):
         positioning = bool(mode & rows.POSITIONING_BIT)
         notes = []
         if register is rows.VMAX and word == 0 and positioning and mode & 3 == rows.S_SHAPED and velocity:
-            notes.append("VMAX 0 alone must not be written while an S-ramp is positioning: stop it (002, 8.2.2)")
+            notes.append("VMAX 0 alone must not be written while an S-ramp is positioning: stop it (DS-TMC4361 8.2.2)")
         elif register is rows.XACTUAL and positioning and register.decode(word) != target:
             notes.append("while positioning the motor now drives to XTARGET")
         elif register is rows.RAMPMODE and word & rows.POSITIONING_BIT and not positioning and target != position:
             notes.append(f"the motor now drives to XTARGET, {target}")
         elif register in (rows.AMAX, rows.DMAX, *rows.BOWS) and positioning and velocity:
-            notes.append("changed while positioning: XTARGET may be overshot, and is come back to (002, 8.2.2)")
+            notes.append("changed while positioning: XTARGET may be overshot, and is come back to (DS-TMC4361 8.2.2)")
         return notes
 
     def _sent(self, register: Register, word: int) -> None:

@@ -1,7 +1,7 @@
 """GSTAT and RAMP_STAT as one word of events, and what of it a reading leaves behind.
 
-RAMP_STAT keeps its bits, GSTAT's stand 16 above. Which flags latch is INFERRED by the facts: those of the latches, of a
-stall's stop, of an arrival and of a second move; the two stop events stay as long as their cause.
+RAMP_STAT keeps its bits, GSTAT's stand 16 above. Which flags latch is inferred (NOTES-TMC5XXX 5): those of the latches,
+of a stall's stop, of an arrival and of a second move; the two stop events stay as long as their cause.
 """
 
 from __future__ import annotations

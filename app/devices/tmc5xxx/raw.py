@@ -26,7 +26,7 @@ DUAL = (
     "status_stop_l1",
     "status_stop_l2",
 )
-"""Bits of the SPI status byte, from the lowest (facts: tmc5xxx-ramp, 5)."""
+"""Bits of the SPI status byte, from the lowest (NOTES-TMC5XXX 5)."""
 
 
 class Raw(Samples, RawFrames):

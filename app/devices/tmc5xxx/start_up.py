@@ -1,6 +1,6 @@
 """Getting a TMC5xxx to run after power-on: everything that has to be set before the first target, in its order.
 
-Chopper and currents are those that the maker's host code begins with (facts: tmc5xxx-ramp, 9), which suit a small motor
+Chopper and currents are those that the maker's host code begins with (NOTES-TMC5XXX 9), which suit a small motor
 on an evaluation board: SpreadCycle with toff 3 (TMC5160) or 5, and a run current well below full scale.
 """
 
@@ -223,7 +223,7 @@ def encoder_constant(ratio: Fraction) -> tuple[bool, int]:
     """ENC_CONST for `ratio` microsteps a count, and whether it is decimal; the exact one of the two, or the nearer.
 
     The word is signed. Decimal negative: the integer part is one more below, and the fraction counts up from there
-    (facts: tmc5xxx-ramp, 8). Raises UsageError for a ratio that 16 bits before the point cannot hold.
+    (NOTES-TMC5XXX 8). Raises UsageError for a ratio that 16 bits before the point cannot hold.
     """
     if not 0 < abs(ratio) < 1 << 15:
         raise UsageError(f"an encoder of {float(ratio):g} microsteps a count: above 0 and below 32768 is possible")

@@ -197,7 +197,7 @@ class Drive:
             case "CHOPCONF":
                 mres = min(bits(value, 24, 4), 8)
                 s[k.MRES], s[k.INTPOL] = mres, bits(value, 28, 1)
-                # to the nearest step, half a step off 0 (DS5130A, 17.2); of two as near the upper, as dumps show
+                # to the nearest step, half a step off 0 (DS-TMC5130A 17.2); of two as near the upper, as dumps show
                 s[k.FIELD] = (int(s[k.FIELD]) >> mres << mres) + (1 << mres >> 1)
                 per_second = self.options.clock_hz / 2**24 / 2**k.VELOCITY_BITS
                 self._f[k.FS_A_V] = per_second * 2.0 ** int(s[k.MRES]) / 256

@@ -132,7 +132,7 @@ class DriveOptions(_Closed):
     full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30)] = Field(
         default=4.2,
         description="peak coil current at current scale 31 and GLOBALSCALER 0, i.e. TMCL AP 6 = 255: "
-        "the PD42-1241's 3 A RMS, 4.2 A peak (004, 1.2)",
+        "the PD42-1241's 3 A RMS, 4.2 A peak (FM-PD42-1241 1.2)",
     )
     regulator_s: Annotated[float, Field(strict=True, ge=2e-5, le=1e-3)] = Field(
         default=1e-4, description="time constant of the chopper, taken as a first-order lag (50 to 200 us)"

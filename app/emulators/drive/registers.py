@@ -54,7 +54,7 @@ WRITABLE: dict[str, Row] = {
     "DCCTRL": Row(24),
     "PWMCONF": Row(32, reset=0xC40C001E),
 }
-"""What holds what was written. The module's DS5160 p. 32-56; MSLUT's resets from the vendor's API."""
+"""What holds what was written. The module's DS-TMC5160 p. 32-56; MSLUT's resets from the vendor's API."""
 
 CLEARED_BY_ONES = {"GSTAT": 0x7, "RAMP_STAT": 0x10CC, "ENC_STATUS": 0x3}
 """Registers whose latching bits go when a 1 is written to them."""

@@ -1,4 +1,4 @@
-"""The program side of the module: memory, run state, accumulator, flags (004, 3.3, 3.5.5, 3.6.36).
+"""The program side of the module: memory, run state, accumulator, flags (FM-PD42-1241 3.3, 3.5.5, 3.6.36).
 
 A program is stored and its run state kept, but nothing executes it: after RUN the state says "runs" and the counter
 stays on the command that would come next. So nothing is ever shown as done that was not done. Open in all sources, and
@@ -14,7 +14,8 @@ from app.registers.tmcl import BY_MNEMONIC, Status
 
 STOPPED, RUNS, STEPS = 0, 1, 2
 INTERRUPTS = frozenset({0, 1, 2, 3, 15, 21, 27, 28, 39, 40, 41, 42})
-"""Timers, position reached, StallGuard, deviation, stop switches, inputs (sister module's table; 004's is lost)."""
+"""Timers, position reached, StallGuard, deviation, stop switches, inputs (sister module's table; FM-PD42-1241's is
+lost)."""
 ALL_INTERRUPTS = 255
 _ADD, _SUB, _MUL, _DIV, _MOD, _AND, _OR, _XOR, _NOT, _LOAD, _SWAP = range(11)
 _ALL_FLAGS = 0
@@ -27,7 +28,7 @@ def wrapped(value: int) -> int:
 
 
 def calculate(operation: int, left: int, right: int) -> int:
-    """`left` operation `right`, wrapped to 32 bits (004, 3.6.14).
+    """`left` operation `right`, wrapped to 32 bits (FM-PD42-1241 3.6.14).
 
     Open, and decided here: logic is bitwise, a remainder has the sign of the dividend, division by zero is refused.
     Raises Refused: status 3 for an unknown operation, 4 for a division by zero.
@@ -61,7 +62,7 @@ class Application:
         self.power_on(autostart=False)
 
     def power_on(self, autostart: bool) -> None:
-        """Everything as after switching on; `autostart` runs the program from its start (004, 8.7)."""
+        """Everything as after switching on; `autostart` runs the program from its start (FM-PD42-1241 8.7)."""
         self.status = RUNS if autostart else STOPPED
         self.counter = 0
         self.pointer = 0
@@ -137,7 +138,7 @@ class Application:
     # --- commands of programs that also work in direct mode ---------------------------------------
 
     def calc(self, operation: int, operand: int) -> None:
-        """CALC (004, 3.6.14)."""
+        """CALC (FM-PD42-1241 3.6.14)."""
         if operation == _NOT:
             self.accumulator = ~self.accumulator
         elif operation == _LOAD:
@@ -146,7 +147,7 @@ class Application:
             self.accumulator = calculate(operation, self.accumulator, operand)
 
     def calcx(self, operation: int) -> None:
-        """CALCX (004, 3.6.26). Its results go to the accumulator, so NOT is taken to leave X alone."""
+        """CALCX (FM-PD42-1241 3.6.26). Its results go to the accumulator, so NOT is taken to leave X alone."""
         if operation == _NOT:
             self.accumulator = ~self.x
         elif operation == _LOAD:
@@ -157,7 +158,7 @@ class Application:
             self.accumulator = calculate(operation, self.accumulator, self.x)
 
     def clear_errors(self, flag: int) -> None:
-        """CLE (004, 3.6.29)."""
+        """CLE (FM-PD42-1241 3.6.29)."""
         if flag not in BY_MNEMONIC["CLE"].types.values():
             raise wrong_type()
         if flag == _ALL_FLAGS:
@@ -166,7 +167,7 @@ class Application:
             self.error_flags.discard(flag)
 
     def switch_interrupt(self, number: int, on: bool) -> None:
-        """EI and DI (004, 3.6.30 and 3.6.31); 255 switches all of them."""
+        """EI and DI (FM-PD42-1241 3.6.30 and 3.6.31); 255 switches all of them."""
         if number not in INTERRUPTS and number != ALL_INTERRUPTS:
             raise wrong_type()
         if on:

@@ -1,4 +1,4 @@
-"""The axis as TMCL sees it: motion, axis parameters, and what the firmware does about events (004, 3.6, 4)."""
+"""The axis as TMCL sees it: motion, axis parameters, and what the firmware does about events (FM-PD42-1241 3.6, 4)."""
 
 from __future__ import annotations
 
@@ -72,7 +72,8 @@ class Axis:
     def rotate(self, velocity: int) -> None:
         """ROR, ROL, MST and parameter 2: `velocity` in the user's unit, positive counts up.
 
-        Raises Refused (status 4) beyond the range of parameter 2. In step/direction mode nothing happens (004, 6.4).
+        Raises Refused (status 4) beyond the range of parameter 2. In step/direction mode nothing happens
+        (FM-PD42-1241 6.4).
         """
         self.parameters.check(TARGET_SPEED, velocity)
         if not self._begin():

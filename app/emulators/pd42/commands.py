@@ -1,4 +1,4 @@
-"""Every command of direct mode: what it does, and the value of its answer (004, 3.6).
+"""Every command of direct mode: what it does, and the value of its answer (FM-PD42-1241 3.6).
 
 Open in all sources, and decided here:
 - a motor other than 0 and a bank that there is not are answered with status 4, an unknown parameter, port, coordinate
@@ -230,7 +230,7 @@ class Commands:
         return self._coordinates.get(number)
 
     def _aco(self, number: int, motor: int, value: int) -> int:
-        """004, 3.6.25: the accumulator, though one sentence there speaks of the actual position."""
+        """FM-PD42-1241 3.6.25: the accumulator, though one sentence there speaks of the actual position."""
         _only_motor(motor)
         self._coordinates.set(number, self._application.accumulator)
         return value

@@ -1,4 +1,4 @@
-"""The 21 coordinates that MVP COORD goes to (004, 3.6.22 to 3.6.25)."""
+"""The 21 coordinates that MVP COORD goes to (FM-PD42-1241 3.6.22 to 3.6.25)."""
 
 from __future__ import annotations
 

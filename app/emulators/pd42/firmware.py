@@ -1,4 +1,4 @@
-"""The module's firmware: frames in, answers out, and what it does by itself (004, 3).
+"""The module's firmware: frames in, answers out, and what it does by itself (FM-PD42-1241 3).
 
 Open in all sources, and decided here (what is about one command: see `commands`):
 - an answer bears the addresses that held when the command came, so a new address begins with the next command;

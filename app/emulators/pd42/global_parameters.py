@@ -1,4 +1,4 @@
-"""Global parameters of banks 0, 2 and 3 (004, 5)."""
+"""Global parameters of banks 0, 2 and 3 (FM-PD42-1241 5)."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ class GlobalParameters:
         self.power_on()
 
     def power_on(self) -> None:
-        """Everything as after switching on (004, 5.1, 5.3, 8.4)."""
+        """Everything as after switching on (FM-PD42-1241 5.1, 5.3, 8.4)."""
         known = {number: value for number, value in self.eeprom.globals.items() if _allowed(_BANK0.get(number), value)}
         self.configuration = {**_DEFAULTS, **self._delivered, **known}
         self.baud_in_force = baud_of(self.configuration[BAUD])
@@ -99,7 +99,7 @@ class GlobalParameters:
             raise invalid_value()
 
     def store(self, number: int, bank: int) -> None:
-        """STGP (004, 3.6.9). Bank 0 is stored as it is written, so there it only has to exist."""
+        """STGP (FM-PD42-1241 3.6.9). Bank 0 is stored as it is written, so there it only has to exist."""
         if bank == USER_VARIABLES:
             if number >= VARIABLES_STORED:
                 raise wrong_type()
@@ -111,7 +111,7 @@ class GlobalParameters:
             raise wrong_type()
 
     def restore(self, number: int, bank: int) -> None:
-        """RSGP (004, 3.6.10). What was never stored is 0."""
+        """RSGP (FM-PD42-1241 3.6.10). What was never stored is 0."""
         if bank == USER_VARIABLES:
             if number >= VARIABLES_STORED:
                 raise wrong_type()

@@ -1,4 +1,4 @@
-"""Axis parameters that the firmware keeps and turns into registers of the driver chip (004, 4).
+"""Axis parameters that the firmware keeps and turns into registers of the driver chip (FM-PD42-1241 4).
 
 What moves the motor or only tells (positions, flags, switches) is in `axis`.
 """
@@ -164,7 +164,9 @@ class Parameters:
         write("DMAX", chip[DECELERATION])
         write("D1", chip[18])
         write("VSTART", chip[19])
-        write("VSTOP", max(chip[20], 1))  # the chip never arrives with 0 (TMC5160 data sheet); 004, 1.3 allows it
+        write(
+            "VSTOP", max(chip[20], 1)
+        )  # the chip never arrives with 0 (TMC5160 data sheet); FM-PD42-1241 1.3 allows it
         write("TZEROWAIT", self.values[21])
         write("VDCMIN", chip[23])
 
@@ -216,7 +218,7 @@ class Parameters:
         self._drive.stall_stop_velocity = stall
 
     def apply_encoders(self) -> None:
-        """Counts scaled to microsteps (004, 6.2 and 6.3), and the deviations that stop the motor.
+        """Counts scaled to microsteps (FM-PD42-1241 6.2 and 6.3), and the deviations that stop the motor.
 
         Turning the shaft round (parameter 251) turns both encoders' count: else no deviation could be watched.
         """

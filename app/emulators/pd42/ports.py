@@ -1,4 +1,4 @@
-"""Inputs and outputs of the module (004, 3.6.12 and 3.6.13).
+"""Inputs and outputs of the module (FM-PD42-1241 3.6.12 and 3.6.13).
 
 Levels of open inputs and what the pull-ups do to them are in no source: here an input that nobody drives reads 1 with
 its pull-up and 0 without. IN0 follows the home switch, and reads 1 where that is active. IN3, the analog input taken

@@ -6,7 +6,7 @@ from app.registers.tmcl import Status
 
 
 class Refused(Exception):
-    """A command that is answered with an error status (004, 3.2.1) and has changed nothing."""
+    """A command that is answered with an error status (FM-PD42-1241 3.2.1) and has changed nothing."""
 
     def __init__(self, status: Status) -> None:
         super().__init__(status.name)

@@ -1,4 +1,4 @@
-"""Reference search (004, 7.1): a state machine on the events of the drive.
+"""Reference search (FM-PD42-1241 7.1): a state machine on the events of the drive.
 
 The drawings of the manual are lost; what its texts leave open is decided here.
 - A stop switch is searched fast, left slowly, and entered slowly again. Modes 1 and 2 take the place where it closes
@@ -23,8 +23,8 @@ from app.registers.tmcl import HOME_INVERTED, SWAPPED
 
 LEFT, RIGHT = -1, 1
 DIRECTION_7_AND_8 = (RIGHT, LEFT)
-"""Where modes 7 and 8 search. 004 says to the right for both, which cannot be; the sister's parameter table has this,
-the sister's chapter the opposite."""
+"""Where modes 7 and 8 search. FM-PD42-1241 says to the right for both, which cannot be; the sister's parameter table
+has this, the sister's chapter the opposite."""
 WATCHED = (
     EventKind.SWITCH_LEFT
     | EventKind.SWITCH_RIGHT

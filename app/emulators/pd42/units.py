@@ -1,4 +1,4 @@
-"""Units of the module's user and units of the driver chip, at its clock of 16 MHz (004, 7.4).
+"""Units of the module's user and units of the driver chip, at its clock of 16 MHz (FM-PD42-1241 7.4).
 
 Velocities: 1 ramp unit is fCLK / 2^24 = 0.95 pps. Accelerations: 1 unit is fCLK^2 / 2^41 = 116.4 pps^2. Thresholds of
 speed are kept as TSTEP, the clocks from one 1/256 microstep to the next. How the firmware rounds is open; here it

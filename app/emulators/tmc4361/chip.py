@@ -53,8 +53,8 @@ class EmulatedTmc4361(FarEnd):
         """What comes out while `sent` goes in, between NSCS low and NSCS high: any whole number of bytes.
 
         Fewer than 40 bits only fetch the beginning of the reply; of more the last 40 are the command, and those
-        before them leave after 40 clocks, to the next chip of a chain (002, 5.2). Raises what `exchange` does, but
-        for lengths.
+        before them leave after 40 clocks, to the next chip of a chain (DS-TMC4361 5.2). Raises what `exchange` does,
+        but for lengths.
         """
         self._faults.require_plugged(MODEL)
         with self._lock:

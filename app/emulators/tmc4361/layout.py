@@ -36,14 +36,14 @@ Cells = NDArray[np.int64]
 Floats = NDArray[np.float64]
 
 TICK_CLOCKS = 64
-"""Clocks from one tick to the next: the bow update of 002, 8.2."""
+"""Clocks from one tick to the next: the bow update of DS-TMC4361 8.2."""
 FEEDBACK_CLOCKS = 128
 """Clocks from one call of the feedback unit to the next: the rate of the PID."""
 ADDRESSES = 128
 NEVER = 1 << 62
 """A tick that does not come."""
 SLOW_SLOPE_S = 20.0
-"""A trapezoid that takes so long to brake from its highest velocity runs over its target (002, 8.2.2) [s]."""
+"""A trapezoid that takes so long to brake from its highest velocity runs over its target (DS-TMC4361 8.2.2) [s]."""
 
 # --- what the feedback unit tells the clockwork, in one word ---------------------------------------------------
 # `motor_and_encoder_tick` returns it. Bits that STATUS (0x0F) has stand where STATUS has them (13, 14, 15, 16, 17, 19,

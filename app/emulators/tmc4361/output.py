@@ -2,7 +2,7 @@
 
 A pulse takes STP_LENGTH_ADD + 1 clocks and as long a pause after it (half of that with toggle_step, where each edge is
 a step). Steps that come faster merge for the driver: XACTUAL counts them, the field does not turn. Steps in the
-DIR_SETUP_TIME after a change of direction are held back and follow as fast as pulses go (002, 8.1).
+DIR_SETUP_TIME after a change of direction are held back and follow as fast as pulses go (DS-TMC4361 8.1).
 """
 
 # numpy's stubs type a cell as Any; inside compiled code it is an int64 or a float64 and nothing else.

@@ -1,4 +1,4 @@
-"""Input pins: levels from the stage and from outside, through the filters of 002, 6, and what switches then do.
+"""Input pins: levels from the stage and from outside, through the filters of DS-TMC4361 6, and what switches then do.
 
 A switch of the stage makes its pin high where it is pressed. A filter samples every 2^SR clocks, counted from power-on,
 and needs FILT_L + 1 equal samples; what has passed counts from the next tick on.
@@ -139,7 +139,7 @@ def virtual_stops(r: Cells, s: Cells) -> int:
 def closed(r: Cells, s: Cells, pins: int, virtual: int) -> int:
     """Directions that no ramp may take: 1 negative, 2 positive.
 
-    A stop closes its direction while it is active, and afterwards until its event is cleared (002, 9.1).
+    A stop closes its direction while it is active, and afterwards until its event is cleared (DS-TMC4361 9.1).
     """
     events = s[EVENTS]
     for n in range(2):

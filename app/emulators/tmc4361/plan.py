@@ -3,12 +3,12 @@
 The data sheet gives shapes, limits and that positioning ends exactly on XTARGET, not the law by which the chip does
 it. Here a plan is worked out in doubles whenever registers, target or a stop ask for it, from the velocity and the
 acceleration that there are, and the clockwork looks up its place in the plan every 64 clocks: that is the bow update
-of 002, 8.2. So the end is exact by construction, however the registers are changed on the way.
+of DS-TMC4361 8.2. So the end is exact by construction, however the registers are changed on the way.
 
 The way to a target is: a velocity change to some peak, that velocity for a while, a stop. The peak is VMAX or, where
 the way is too short, what bisection finds. A velocity change lets a begun acceleration go to zero along its bow first
-where it leads the wrong way, so |VACTUAL| can exceed a VMAX that was lowered (002, 8.2.2). Through zero the slope runs
-on: VSTART, VSTOP, ASTART and DFINAL are for true starts and ends (8.2.1).
+where it leads the wrong way, so |VACTUAL| can exceed a VMAX that was lowered (DS-TMC4361 8.2.2). Through zero the
+slope runs on: VSTART, VSTOP, ASTART and DFINAL are for true starts and ends (8.2.1).
 
 In the frame of a direction speed is u, acceleration a > 0 speeds up: BOW1 raises it to AMAX, BOW2 takes it to 0, BOW3
 to -DMAX, BOW4 back to 0.
@@ -254,7 +254,8 @@ def change(s: Cells, f: Floats, shape: int, goal: float) -> None:
 def start(s: Cells, f: Floats, shape: int, goal: float, first: float) -> None:
     """From rest: VSTART, and in an S-shape the acceleration that the ramp begins with, `first`.
 
-    What does not fit `goal` is taken back: ASTART becomes altered (002, 8.2.2), a speed above it is not begun with.
+    What does not fit `goal` is taken back: ASTART becomes altered (DS-TMC4361 8.2.2), a speed above it is not begun
+    with.
     """
     d = 1.0 if goal > 0.0 else -1.0
     u = min(f[VSTART], abs(goal))
@@ -363,7 +364,7 @@ def to_position(s: Cells, f: Floats, shape: int, goal: float, from_rest: bool, f
     if e * (goal - reached) >= 0.0:
         low = high
     elif from_rest and e * (_attempt(s, f, shape, e * low, True, first, 0.0) - goal) > _NEAR:
-        f[PLAN_END] = f[END_T]  # VSTART leads past the target (002, 8.2.2): there, and back later
+        f[PLAN_END] = f[END_T]  # VSTART leads past the target (DS-TMC4361 8.2.2): there, and back later
         return f[END_P]
     else:
         for _ in range(_HALVINGS):
@@ -377,7 +378,7 @@ def to_position(s: Cells, f: Floats, shape: int, goal: float, from_rest: bool, f
         # the rest of the way at the peak; after a halving it is a rounding error
         wait = max(e * (goal - reached), 0.0) / low
         if shape == TRAPEZOID and not corrects and f[VSTOP] == 0.0 and f[DMAX] * SLOW_SLOPE_S <= low:
-            goal += e  # a target overrun (002, 8.2.2), by a step here, and a ramp back later
+            goal += e  # a target overrun (DS-TMC4361 8.2.2), by a step here, and a ramp back later
             wait += 1.0 / low
         _attempt(s, f, shape, e * low, from_rest, first, wait)
     f[PLAN_END] = f[END_T]
@@ -452,7 +453,8 @@ def to_standstill(s: Cells, f: Floats, shape: int) -> None:
 
 @compiled
 def straight_down(s: Cells, f: Floats, deceleration: float) -> None:
-    """Plan a linear slope to standstill; 0 is a hard stop. DSTOP's, VSTOP not considered (002, 9.1), or DFREEZE's."""
+    """Plan a linear slope to standstill; 0 is a hard stop. DSTOP's, VSTOP not considered (DS-TMC4361 9.1), or
+    DFREEZE's."""
     _begin(s, f)
     f[END_A] = 0.0
     d = 1.0 if f[V0] > 0.0 else -1.0

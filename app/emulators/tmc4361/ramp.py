@@ -180,7 +180,7 @@ def decide(r: Cells, s: Cells, f: Floats) -> None:
     if kind == TO_ZERO and shape == plan.TRAPEZOID and f[V] != 0.0:
         return
     if positioning and f[VMAX] == 0.0 and shape == plan.S_SHAPE and abs(f[V]) > _CRAWL_PPS:
-        return  # 002, 8.2.2: not to be done. Here it is not obeyed
+        return  # DS-TMC4361 8.2.2: not to be done. Here it is not obeyed
     if kind == MOVING and s[PLAN_TICK] == s[TICK]:  # several writes in one tick: all from the same start
         f[P0], f[V0], f[A0] = f[BEFORE_P], f[BEFORE_V], f[BEFORE_A]
     else:
@@ -206,7 +206,7 @@ def decide(r: Cells, s: Cells, f: Floats) -> None:
         f[VSTART] = f[ASTART] = 0.0
     first = f[ASTART]
     if f[VSTART] > 0.0 and not r[GENERAL_CONF] & 1:
-        first = math.inf  # AMAX (002, 8.2.1)
+        first = math.inf  # AMAX (DS-TMC4361 8.2.1)
     if (positioning and f[VMAX] == 0.0) or (not positioning and _closed_ahead(s, f)):
         if shape == plan.HOLD:
             plan.straight_down(s, f, 0.0)
@@ -221,7 +221,7 @@ def decide(r: Cells, s: Cells, f: Floats) -> None:
         f[GOAL] = f[END_P]
     f[VSTART], f[ASTART] = vstart, astart
     if slowing and shape == plan.TRAPEZOID and s[PIECES] > 0 and f[PLAN + P_A] * f[V0] > 0.0:
-        plan.to_standstill(s, f, shape)  # 002, 8.2.2: a slope down is finished before the next one goes up
+        plan.to_standstill(s, f, shape)  # DS-TMC4361 8.2.2: a slope down is finished before the next one goes up
         s[KIND] = TO_ZERO
     if s[KIND] == TO_ZERO:
         f[GOAL] = f[END_P]

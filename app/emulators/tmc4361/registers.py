@@ -1,7 +1,7 @@
 """The register file behind the datagrams: what a write changes and what a read gives.
 
-A write takes effect at once. A read is taken right after the datagram that asks for it (002, 5.1.1); that EVENTS is
-cleared in the same moment is a choice, as is that writing ones to EVENTS clears them (the later chip does).
+A write takes effect at once. A read is taken right after the datagram that asks for it (DS-TMC4361 5.1.1); that
+EVENTS is cleared in the same moment is a choice, as is that writing ones to EVENTS clears them (the later chip does).
 """
 
 from __future__ import annotations
@@ -135,7 +135,7 @@ class Chip:
 
     @property
     def spi_status(self) -> int:
-        """SPI_STATUS: the first eight events of SPI_STATUS_SELECTION, packed from bit 0 (002, 7.2)."""
+        """SPI_STATUS: the first eight events of SPI_STATUS_SELECTION, packed from bit 0 (DS-TMC4361 7.2)."""
         events = int(self.s[c.EVENTS])
         status = 0
         for place, event in enumerate(self._selected):

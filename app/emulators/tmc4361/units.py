@@ -1,7 +1,7 @@
-"""From register words to pulses and seconds of the second that the chip believes in: 002, 8.2.3.
+"""From register words to pulses and seconds of the second that the chip believes in: DS-TMC4361 8.2.3.
 
 Unsigned words of 22+2, 23+8 and 24+0 bits, or with `direct_acc_val_en` and `direct_bow_val_en` changes a clock. How
-many of their 24 bits may be used there the documents tell differently (65 535, 2^20); the 24 of 002 are taken.
+many of their 24 bits may be used there the documents tell differently (65 535, 2^20); the 24 of DS-TMC4361 are taken.
 """
 
 # numpy's stubs type a cell as Any; inside compiled code it is an int64 or a float64 and nothing else.

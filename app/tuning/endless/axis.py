@@ -99,7 +99,7 @@ class WatchedAxis(Mover):
     # --- the service ----------------------------------------------------------------------------
 
     async def serve(self) -> float:
-        """The regular service procedure (003, 2.1); when it is due again, in device time from now [s]."""
+        """The regular service procedure (AN-001 2.1); when it is due again, in device time from now [s]."""
         async with self.lock:
             if not self.connected:
                 return float("inf")  # when it is back, that wakes this

@@ -22,7 +22,7 @@ class Pieces:
 
 @dataclass(frozen=True, slots=True)
 class TurnState:
-    """The turn, where the axis is in it, and the two numbers of the application note (003, 3.2)."""
+    """The turn, where the axis is in it, and the two numbers of the application note (AN-001 3.2)."""
 
     turn: Turn
     turns: int

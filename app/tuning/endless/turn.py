@@ -36,9 +36,9 @@ class Turn:
         return replace(self, zero=zero)
 
     def displacement_const(self, counter_modulus: int) -> Fraction:
-        """DISPLACEMENT_CONST: what a wrap of the counter adds to the place within the turn (003, 3.2)."""
+        """DISPLACEMENT_CONST: what a wrap of the counter adds to the place within the turn (AN-001 3.2)."""
         return Fraction(counter_modulus) % self.microsteps_per_turn
 
     def offset(self, position: int, count: int, counter_modulus: int) -> Fraction:
-        """OFFSET: what, added to the counter as a positive number, gives the place within the turn (003, 3.2)."""
+        """OFFSET: what, added to the counter as a positive number, gives the place within the turn (AN-001 3.2)."""
         return Fraction(position - self.zero - count % counter_modulus) % self.microsteps_per_turn

@@ -53,8 +53,8 @@ OTHERS_SPACES = (Space.OUTPUT, Space.PULL_UP)
 """Outputs switch what hangs on them, which no profile of a motor knows."""
 
 RANKS: Mapping[str, str] = {
-    # RAM first: while it is noise, a datagram to the driver chain may never end (001, chapter 11). The mode before the
-    # dividers: a new pulse_div in another than RAMP_MODE may force a microstep (001, 8.14).
+    # RAM first: while it is noise, a datagram to the driver chain may never end (DS-TMC428 chapter 11). The mode
+    # before the dividers: a new pulse_div in another than RAMP_MODE may force a microstep (DS-TMC428 8.14).
     "tmc428": "driver chain RAM, microstep table RAM, global, driver chain, current, motion, switches",
     "tmc4210": "step/dir, global, motion, switches, position compare",
     # In which units accelerations count (GENERAL_CONF) and the clock before the ramp; what starts by a signal last.

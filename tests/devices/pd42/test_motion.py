@@ -29,8 +29,8 @@ async def _set(b: Bench, parameters: dict[str, int]) -> None:
 
 @pytest.mark.parametrize("ramp", list(RAMPS))
 @pytest.mark.parametrize("distance", [-120_000, 30_000, 500])
-@pytest.mark.sheet("004", "3.6.4")
-@pytest.mark.sheet("004", "7.5")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.4")
+@pytest.mark.sheet("FM-PD42-1241", "7.5")
 async def test_a_move_goes_as_foreseen(ramp: str, distance: int) -> None:
     async with bench() as b:
         await _set(b, RAMPS[ramp])
@@ -58,7 +58,7 @@ async def test_a_move_goes_as_foreseen(ramp: str, distance: int) -> None:
     ("unit", "target", "microsteps"),
     [("rev", 1, 51_200), ("deg", -90, -12_800), ("fullsteps", 3, 768), ("rad", np.pi, 25_600), ("microsteps", 7, 7)],
 )
-@pytest.mark.sheet("004", "6.1")
+@pytest.mark.sheet("FM-PD42-1241", "6.1")
 async def test_units_follow_the_module_s_own_resolution(unit: str, target: float, microsteps: int) -> None:
     async with bench() as b:
         assert (await b.device.move(0, target, unit=unit)).target_position == microsteps
@@ -95,8 +95,8 @@ async def test_a_move_while_it_turns_is_foreseen_from_there() -> None:
 
 
 @pytest.mark.parametrize(("velocity", "opcode"), [(20_000.0, Opcode.ROR), (-20_000.0, Opcode.ROL)])
-@pytest.mark.sheet("004", "3.6.1")
-@pytest.mark.sheet("004", "3.6.2")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.1")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.2")
 async def test_a_rotation_goes_right_or_left(velocity: float, opcode: Opcode) -> None:
     async with bench() as b:
         rotating = await b.device.rotate(0, velocity)
@@ -160,7 +160,7 @@ async def test_what_will_keep_the_motor_from_moving_is_told(parameters: dict[str
         assert any(says in warning for warning in (await b.device.move(0, 5000)).warnings)
 
 
-@pytest.mark.sheet("004", "3.6.3")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.3")
 async def test_a_stop_slows_down_and_is_foreseen() -> None:
     async with bench() as b:
         await b.device.rotate(0, 40_000)

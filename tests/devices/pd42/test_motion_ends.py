@@ -36,7 +36,7 @@ async def test_arrival_and_stop_are_told_once_each() -> None:
 
 
 @pytest.mark.parametrize(("side", "velocity"), [("left", -20_000.0), ("right", 20_000.0)])
-@pytest.mark.sheet("004", "3.6.1")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.1")
 async def test_a_stop_switch_is_named(side: str, velocity: float) -> None:
     async with bench() as b:
         await b.device.rotate(0, velocity)
@@ -46,7 +46,7 @@ async def test_a_stop_switch_is_named(side: str, velocity: float) -> None:
         assert b.device.prediction(0) is None
 
 
-@pytest.mark.sheet("004", "6.2")
+@pytest.mark.sheet("FM-PD42-1241", "6.2")
 async def test_a_blocked_shaft_ends_in_a_deviation() -> None:
     async with bench() as b:
         await b.device.write("ap212", 0, 1000)

@@ -37,7 +37,7 @@ async def test_every_kind_of_row_is_written_by_its_own_command() -> None:
             assert (sent.motor, sent.value) == (motor, 1)
 
 
-@pytest.mark.sheet("004", "4")
+@pytest.mark.sheet("FM-PD42-1241", "4")
 async def test_a_negative_value_comes_back_signed() -> None:
     async with bench() as b:
         written = await b.device.write("stallguard2_threshold", 0, -12)
@@ -66,7 +66,7 @@ async def test_what_is_outside_the_row_never_reaches_the_module() -> None:
         (Status.INVALID_COMMAND, WrongState, "does not know"),
     ],
 )
-@pytest.mark.sheet("004", "3.2.1")
+@pytest.mark.sheet("FM-PD42-1241", "3.2.1")
 async def test_a_status_becomes_an_error_that_names_the_way_out(
     status: Status, error: type[Exception], says: str
 ) -> None:
@@ -127,7 +127,7 @@ async def test_what_the_module_changes_by_itself_proves_nothing() -> None:
         assert "by itself" in written.note
 
 
-@pytest.mark.sheet("004", "7.2")
+@pytest.mark.sheet("FM-PD42-1241", "7.2")
 async def test_reading_all_clears_nothing() -> None:
     async with bench() as b:
         await b.device.write("ap212", 0, 500)
@@ -160,8 +160,8 @@ async def test_flags_that_a_read_clears_stay_visible_until_the_next_motion() -> 
         assert not (await b.device.axis_state(0)).flags["deviation_stop"]
 
 
-@pytest.mark.sheet("004", "3.6.9")
-@pytest.mark.sheet("004", "3.6.10")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.9")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.10")
 async def test_a_variable_goes_to_eeprom_and_back() -> None:
     async with bench() as b:
         await b.device.write("user_variable_7", value=123)
@@ -170,8 +170,8 @@ async def test_a_variable_goes_to_eeprom_and_back() -> None:
         assert (await b.device.restore("user_variable_7")).value == 123
 
 
-@pytest.mark.sheet("004", "3.6.22")
-@pytest.mark.sheet("004", "3.6.23")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.22")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.23")
 async def test_a_coordinate_goes_to_eeprom_and_back() -> None:
     async with bench() as b:
         await b.device.write("coordinate_3", value=-777)
@@ -192,7 +192,7 @@ async def test_what_cannot_be_stored_says_so(name: str, why: str) -> None:
         assert len(b.tap.frames) == frames
 
 
-@pytest.mark.sheet("004", "7.4")
+@pytest.mark.sheet("FM-PD42-1241", "7.4")
 async def test_in_unit_mode_0_speeds_are_those_of_the_driver_chip() -> None:
     async with bench() as b:
         await b.device.write("ap4", 0, 51_200)
@@ -242,7 +242,7 @@ async def test_a_silent_module_is_asked_three_times_and_told_of() -> None:
         assert len(b.tap.frames) - asked == 3
 
 
-@pytest.mark.sheet("004", "3.6.12")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.12")
 async def test_pull_ups_are_written_and_nobody_claims_to_have_read_them() -> None:
     async with bench() as b:
         assert (await b.device.read("in1")).value == 1  # open, and pulled up

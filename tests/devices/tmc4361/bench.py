@@ -22,7 +22,7 @@ from app.links.port import FramePort
 from app.links.registry import Link
 
 START = Start(vmax=50_000, amax=200_000, bow=2_000_000, counts_per_rev=40_000, closed=Closed())
-"""0.35 s to full speed, on 8750 microsteps (facts: ramps, 2)."""
+"""0.35 s to full speed, on 8750 microsteps (NOTES-TMC4361-RAMPS 2)."""
 
 
 class Overheard(EmulatorPort):

@@ -14,7 +14,7 @@ from tests.devices.tmc4361.bench import bench
 EVENTS, CLEAR_CONF = 0x0E, 0x0C
 
 
-@pytest.mark.sheet("002", "7.2")
+@pytest.mark.sheet("DS-TMC4361", "7.2")
 async def test_a_motion_is_told_event_by_event() -> None:
     async with bench() as b:
         await b.clock.advance(1)
@@ -37,7 +37,7 @@ async def test_an_event_that_comes_again_is_told_again() -> None:
         assert b.event_names().count("TARGET_REACHED") == 3
 
 
-@pytest.mark.sheet("002", "7.2")
+@pytest.mark.sheet("DS-TMC4361", "7.2")
 async def test_no_reading_of_events_clears_what_was_not_told() -> None:
     """However an event falls between two datagrams: every reading that clears is told what it may clear."""
     async with bench() as b:

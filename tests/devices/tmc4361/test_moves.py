@@ -14,7 +14,7 @@ from tests.devices.tmc4361.bench import bench
 MODES = {"hold": 4, "trapezoid": 5, "S-ramp": 6}
 
 
-@pytest.mark.sheet("002", "8.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2")
 @pytest.mark.parametrize("shape", MODES)
 async def test_a_move_ends_on_its_target_in_every_ramp_type(shape: str) -> None:
     async with bench() as b:
@@ -107,7 +107,7 @@ async def test_a_rotation_beyond_half_the_clock_names_the_limit() -> None:
             await b.device.rotate(0, 1e-4)
 
 
-@pytest.mark.sheet("002", "8.2.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2.2")
 async def test_a_stop_while_an_s_ramp_positions_goes_by_velocity_mode() -> None:
     async with bench() as b:
         await b.device.move(0, 51_200)
@@ -122,7 +122,7 @@ async def test_a_stop_while_an_s_ramp_positions_goes_by_velocity_mode() -> None:
         assert state.position < 51_200
 
 
-@pytest.mark.sheet("002", "8.2.1")
+@pytest.mark.sheet("DS-TMC4361", "8.2.1")
 async def test_a_stop_at_once_takes_no_ramp() -> None:
     async with bench() as b:
         await b.device.move(0, -51_200)
@@ -218,7 +218,7 @@ async def test_a_frozen_chip_says_what_helps() -> None:
 # --- switches -----------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("002", "9.1")
+@pytest.mark.sheet("DS-TMC4361", "9.1")
 async def test_a_switch_that_stops_the_motor_is_the_reason_and_says_where() -> None:
     async with bench() as b:
         await b.device.move(0, 51_200)
@@ -232,7 +232,7 @@ async def test_a_switch_that_stops_the_motor_is_the_reason_and_says_where() -> N
         assert b.device.prediction(0) is None
 
 
-@pytest.mark.sheet("002", "9.1")
+@pytest.mark.sheet("DS-TMC4361", "9.1")
 async def test_looking_never_lets_a_stopped_axis_set_off_again() -> None:
     async with bench() as b:
         await b.device.move(0, 51_200)
@@ -284,7 +284,7 @@ async def test_a_target_written_by_hand_is_foreseen() -> None:
         assert expected.position[-1] == pytest.approx(20_000)
 
 
-@pytest.mark.sheet("002", "8.2.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2.2")
 async def test_stopping_an_s_ramp_by_vmax_alone_is_noted() -> None:
     async with bench() as b:
         await b.device.move(0, 51_200)

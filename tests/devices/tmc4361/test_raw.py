@@ -12,7 +12,7 @@ def frame(text: str) -> bytes:
     return bytes.fromhex(text)
 
 
-@pytest.mark.sheet("002", "5.1")
+@pytest.mark.sheet("DS-TMC4361", "5.1")
 async def test_the_reply_belongs_to_the_datagram_before() -> None:
     """The data sheet's example, with VMAX in the place of VACTUAL, which is read only."""
     async with bench() as b:

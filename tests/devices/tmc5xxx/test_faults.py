@@ -43,7 +43,7 @@ async def test_a_write_without_an_answer_is_not_sent_again() -> None:
 
 
 async def test_what_comes_back_otherwise_did_not_arrive_for_sure() -> None:
-    """A write-only register shows itself in the reply to the next datagram (DS5031, page 17)."""
+    """A write-only register shows itself in the reply to the next datagram (DS-TMC5031 page 17)."""
     async with bench() as b:
         b.fault(errors=0.05)
         told: list[str] = []

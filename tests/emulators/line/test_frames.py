@@ -41,7 +41,7 @@ def test_a_part_of_a_frame_is_kept_until_the_gap() -> None:
     assert tmcl.Reply.decode(bench.ask(gap()[4:])).ok
 
 
-@pytest.mark.sheet("004", "3.1.1")
+@pytest.mark.sheet("FM-PD42-1241", "3.1.1")
 def test_a_wrong_checksum_is_answered_with_status_1() -> None:
     bench = LineBench()
     reply = tmcl.Reply.decode(bench.ask(gap()[:8] + b"\x00"))
@@ -76,7 +76,7 @@ def test_a_thousand_corrupt_inputs_neither_crash_nor_hang_nor_stay() -> None:
     assert time.monotonic() - started_s < 10
 
 
-@pytest.mark.sheet("004", "3")
+@pytest.mark.sheet("FM-PD42-1241", "3")
 def test_each_module_answers_for_its_address_alone() -> None:
     bench = LineBench((1, 2, 7))
     for value, address in ((10, 1), (20, 2), (70, 7)):

@@ -17,8 +17,8 @@ def _load(bench: Bench, value: int) -> None:
     bench.do(Opcode.CALC, LOAD, 0, value)
 
 
-@pytest.mark.sheet("004", "3.6.14")
-@pytest.mark.sheet("004", "3.5.5")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.14")
+@pytest.mark.sheet("FM-PD42-1241", "3.5.5")
 @pytest.mark.parametrize(
     ("operation", "operand", "result"),
     [(ADD, 5, 12), (SUB, 9, -2), (MUL, -5000, -35_000), (DIV, 2, 3), (MOD, 4, 3), (AND, 3, 3), (OR, 8, 15),
@@ -31,7 +31,7 @@ def test_calculating_with_the_accumulator(operation: int, operand: int, result: 
     assert bench.do(Opcode.GET_STATUS, ACCUMULATOR) == result
 
 
-@pytest.mark.sheet("004", "3.6.26")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.26")
 @pytest.mark.parametrize(
     ("operation", "accumulator", "x"),
     [(ADD, 10, 3), (SUB, 4, 3), (MUL, 21, 3), (DIV, 2, 3), (MOD, 1, 3), (AND, 3, 3), (OR, 7, 3), (XOR, 4, 3),
@@ -48,7 +48,7 @@ def test_calculating_with_x(operation: int, accumulator: int, x: int) -> None:
     assert bench.do(Opcode.GET_STATUS, X) == x
 
 
-@pytest.mark.sheet("004", "3.6.14")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.14")
 @pytest.mark.parametrize(
     ("start", "operation", "operand", "result"),
     [(2**31 - 1, ADD, 1, -(2**31)), (2**30, MUL, 4, 0), (-7, DIV, 2, -3), (-7, MOD, 2, -1), (7, MOD, -2, 1),
@@ -78,10 +78,10 @@ def test_operations_that_there_are_not() -> None:
     assert bench.ask(Opcode.CALCX, 11).status == Status.WRONG_TYPE
 
 
-@pytest.mark.sheet("004", "3.5.5")
-@pytest.mark.sheet("004", "3.6.6")
-@pytest.mark.sheet("004", "3.6.13")
-@pytest.mark.sheet("004", "3.6.23")
+@pytest.mark.sheet("FM-PD42-1241", "3.5.5")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.6")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.13")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.23")
 def test_reading_in_direct_mode_leaves_the_accumulator_alone() -> None:
     bench = Bench()
     _load(bench, 7)
@@ -92,7 +92,7 @@ def test_reading_in_direct_mode_leaves_the_accumulator_alone() -> None:
     assert bench.do(Opcode.GET_STATUS, ACCUMULATOR) == 7
 
 
-@pytest.mark.sheet("004", "3.6.27")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.27")
 def test_the_accumulator_to_an_axis_parameter() -> None:
     bench = Bench()
     _load(bench, 4000)
@@ -105,7 +105,7 @@ def test_the_accumulator_to_an_axis_parameter() -> None:
     assert bench.ask(Opcode.AAP, 4).status == Status.INVALID_VALUE
 
 
-@pytest.mark.sheet("004", "3.6.28")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.28")
 def test_the_accumulator_to_a_global_parameter() -> None:
     bench = Bench()
     _load(bench, 4000)
@@ -188,7 +188,7 @@ def test_memory_ends() -> None:
     assert bench.ask(Opcode.STOP).status == Status.INVALID_VALUE
 
 
-@pytest.mark.sheet("004", "5.1")
+@pytest.mark.sheet("FM-PD42-1241", "5.1")
 def test_protected_memory() -> None:
     # Open: how the module says no. Here "configuration EEPROM locked", and an unlocked program is gone.
     bench = Bench()

@@ -10,7 +10,7 @@ from tests.emulators.pd42.bench import FULLSTEP, Bench
 TURN = 200 * FULLSTEP
 
 
-@pytest.mark.sheet("004", "6.2")
+@pytest.mark.sheet("FM-PD42-1241", "6.2")
 @pytest.mark.parametrize("turns", [1, -2])
 def test_the_built_in_encoder_counts_microsteps(turns: int) -> None:
     bench = Bench()
@@ -22,7 +22,7 @@ def test_the_built_in_encoder_counts_microsteps(turns: int) -> None:
     assert bench.gap(209) % 50 == 0
 
 
-@pytest.mark.sheet("004", "6.2")
+@pytest.mark.sheet("FM-PD42-1241", "6.2")
 def test_its_counter_can_be_set() -> None:
     bench = Bench()
     for value in (2**31 - 1, -(2**31), 1000):
@@ -34,7 +34,7 @@ def test_its_counter_can_be_set() -> None:
     assert bench.gap(1) == TURN
 
 
-@pytest.mark.sheet("004", "6.2")
+@pytest.mark.sheet("FM-PD42-1241", "6.2")
 def test_the_absolute_value_is_the_place_in_the_turn() -> None:
     bench = Bench()
     at_first = bench.gap(215)
@@ -50,7 +50,7 @@ def test_the_absolute_value_is_the_place_in_the_turn() -> None:
     assert all(0 <= value <= 1023 for value in seen)
 
 
-@pytest.mark.sheet("004", "6.2")
+@pytest.mark.sheet("FM-PD42-1241", "6.2")
 def test_clear_on_null_happens_once() -> None:
     bench = Bench()
     bench.sap(210, 1)
@@ -63,7 +63,7 @@ def test_clear_on_null_happens_once() -> None:
     assert bench.gap(209) > TURN  # the next null means nothing
 
 
-@pytest.mark.sheet("004", "6.2")
+@pytest.mark.sheet("FM-PD42-1241", "6.2")
 @pytest.mark.parametrize("code", [4, 6])
 def test_both_encoders_follow_the_microstep_resolution(code: int) -> None:
     bench = Bench()
@@ -91,7 +91,7 @@ def test_changing_the_resolution_leaves_all_counters_as_they_are() -> None:
     assert [bench.gap(number) for number in (1, 209, 216)] == pytest.approx(before, abs=4)
 
 
-@pytest.mark.sheet("004", "6.3")
+@pytest.mark.sheet("FM-PD42-1241", "6.3")
 @pytest.mark.parametrize("lines", [250, 1000, 5000])
 def test_the_external_encoder_is_scaled_by_its_resolution(lines: int) -> None:
     bench = Bench({"encoders": {"external_lines": lines}})
@@ -104,7 +104,7 @@ def test_the_external_encoder_is_scaled_by_its_resolution(lines: int) -> None:
     assert bench.gap(216) == -5
 
 
-@pytest.mark.sheet("004", "6.3")
+@pytest.mark.sheet("FM-PD42-1241", "6.3")
 def test_without_a_resolution_a_count_is_a_microstep() -> None:
     bench = Bench({"encoders": {"external_lines": 1000}})
     bench.sap(217, 0)
@@ -117,8 +117,8 @@ def test_without_a_resolution_a_count_is_a_microstep() -> None:
 @pytest.mark.parametrize(
     ("limit", "position"),
     [
-        pytest.param(212, 209, marks=pytest.mark.sheet("004", "6.2")),
-        pytest.param(218, 216, marks=pytest.mark.sheet("004", "6.3")),
+        pytest.param(212, 209, marks=pytest.mark.sheet("FM-PD42-1241", "6.2")),
+        pytest.param(218, 216, marks=pytest.mark.sheet("FM-PD42-1241", "6.3")),
     ],
 )
 def test_too_large_a_deviation_stops_the_motor(limit: int, position: int) -> None:
@@ -144,7 +144,7 @@ def test_too_large_a_deviation_stops_the_motor(limit: int, position: int) -> Non
     assert bench.gap(207) == 0
 
 
-@pytest.mark.sheet("004", "6.2")
+@pytest.mark.sheet("FM-PD42-1241", "6.2")
 def test_a_deviation_that_stays_stops_every_motion() -> None:
     bench = Bench()
     bench.sap(209, 100_000)
@@ -161,7 +161,7 @@ def test_a_deviation_that_stays_stops_every_motion() -> None:
     assert bench.gap(3) == 10_000
 
 
-@pytest.mark.sheet("004", "6.2")
+@pytest.mark.sheet("FM-PD42-1241", "6.2")
 def test_a_motion_command_forgets_what_stopped_the_motor() -> None:
     for opcode in (Opcode.ROR, Opcode.MST, Opcode.MVP):
         bench = Bench()
@@ -173,7 +173,7 @@ def test_a_motion_command_forgets_what_stopped_the_motor() -> None:
         assert bench.gap(207) == 0
 
 
-@pytest.mark.sheet("004", "6.2")
+@pytest.mark.sheet("FM-PD42-1241", "6.2")
 def test_no_limit_no_stop() -> None:
     bench = Bench()
     bench.patch(encoder={"slip_fullsteps": 150.0})

@@ -12,7 +12,7 @@ from app.links.tmcl import Reply, Request, checksum, sound
 from app.registers.tmcl import BY_OPCODE, Opcode, Status
 from tests.emulators.pd42.bench import OK, Bench, frame
 
-pytestmark = pytest.mark.sheet("004", "3")
+pytestmark = pytest.mark.sheet("FM-PD42-1241", "3")
 
 ECHOED = "echoed"
 EXAMPLES = {
@@ -52,8 +52,8 @@ EXAMPLES = {
 """Of the facts' frame.md, section 4: request, and the answer where it is printed there."""
 
 
-@pytest.mark.sheet("004", "3.1")
-@pytest.mark.sheet("004", "3.2")
+@pytest.mark.sheet("FM-PD42-1241", "3.1")
+@pytest.mark.sheet("FM-PD42-1241", "3.2")
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_worked_examples(name: str) -> None:
     request, answer = (None if text is None else text for text in EXAMPLES[name])
@@ -73,7 +73,7 @@ def test_worked_examples(name: str) -> None:
         assert reply == frame(answer)
 
 
-@pytest.mark.sheet("004", "3.6.6")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.6")
 def test_a_negative_position_as_printed() -> None:
     bench = Bench()
     bench.sap(1, -5000)
@@ -95,7 +95,7 @@ def test_what_is_never_answered_as_printed(opcode: int) -> None:
         bench.module.exchange(frame(request))
 
 
-@pytest.mark.sheet("004", "3.1.1")
+@pytest.mark.sheet("FM-PD42-1241", "3.1.1")
 @pytest.mark.parametrize("place", range(9))
 def test_a_flipped_byte_is_noticed(place: int) -> None:
     bench = Bench()
@@ -117,7 +117,7 @@ def test_frames_of_other_modules_are_not_for_us() -> None:
         assert bench.module.receive(Request(address, Opcode.GAP, 1).encode()) is None
 
 
-@pytest.mark.sheet("004", "5.1")
+@pytest.mark.sheet("FM-PD42-1241", "5.1")
 def test_a_new_address_and_host_hold_from_the_next_command_on() -> None:
     # Open in all sources: which address the answer to the change itself bears. Here the one that was asked.
     bench = Bench()
@@ -136,7 +136,7 @@ def test_a_frame_has_nine_bytes() -> None:
             bench.module.receive(bytes(length))
 
 
-@pytest.mark.sheet("004", "3.2.1")
+@pytest.mark.sheet("FM-PD42-1241", "3.2.1")
 def test_every_documented_status_can_be_had() -> None:
     bench = Bench()
     seen = {
@@ -157,7 +157,7 @@ def test_every_documented_status_can_be_had() -> None:
     assert seen == {status for status in Status if status is not Status.EVENT}
 
 
-@pytest.mark.sheet("004", "3.4")
+@pytest.mark.sheet("FM-PD42-1241", "3.4")
 @pytest.mark.parametrize("opcode", range(256))
 def test_commands_that_there_are_not(opcode: int) -> None:
     bench = Bench()

@@ -26,7 +26,7 @@ def _mean(bench: Bench, number: int, over_s: float = 0.5) -> float:
     return sum(seen) / len(seen)
 
 
-@pytest.mark.sheet("004", "7.2")
+@pytest.mark.sheet("FM-PD42-1241", "7.2")
 def test_the_load_value_falls_with_the_load() -> None:
     bench = running()
     means = []
@@ -39,7 +39,7 @@ def test_the_load_value_falls_with_the_load() -> None:
     assert (means[0] - means[1]) / (means[1] - means[2]) == pytest.approx(1, rel=0.35)
 
 
-@pytest.mark.sheet("004", "7.2")
+@pytest.mark.sheet("FM-PD42-1241", "7.2")
 def test_the_threshold_moves_it() -> None:
     bench = running()
     bench.sap(174, -20)
@@ -50,7 +50,7 @@ def test_the_threshold_moves_it() -> None:
     assert _mean(bench, 206) > low + 100
 
 
-@pytest.mark.sheet("004", "7.2")
+@pytest.mark.sheet("FM-PD42-1241", "7.2")
 def test_the_filter_quietens_it() -> None:
     def spread(on: int) -> float:
         bench = running(ap173=on)
@@ -63,7 +63,7 @@ def test_the_filter_quietens_it() -> None:
     assert spread(1) < spread(0)
 
 
-@pytest.mark.sheet("004", "7.2")
+@pytest.mark.sheet("FM-PD42-1241", "7.2")
 def test_stop_on_stall() -> None:
     bench = running(ap181=40_000)
     assert bench.gap(3) == 51_200
@@ -80,7 +80,7 @@ def test_stop_on_stall() -> None:
     assert bench.gap(207) == 0
 
 
-@pytest.mark.sheet("004", "7.2")
+@pytest.mark.sheet("FM-PD42-1241", "7.2")
 @pytest.mark.parametrize(("threshold", "speed"), [(0, 51_200), (60_000, 51_200)])
 def test_a_stall_stops_nothing_below_the_threshold_or_without_one(threshold: int, speed: int) -> None:
     bench = running(speed, ap181=threshold)
@@ -92,7 +92,7 @@ def test_a_stall_stops_nothing_below_the_threshold_or_without_one(threshold: int
     assert bench.state.truth.lost_fullsteps > 0
 
 
-@pytest.mark.sheet("004", "7.2")
+@pytest.mark.sheet("FM-PD42-1241", "7.2")
 def test_a_stalled_positioning_move_does_not_arrive() -> None:
     bench = Bench()
     bench.sap(5, 200_000)
@@ -106,7 +106,7 @@ def test_a_stalled_positioning_move_does_not_arrive() -> None:
     assert (bench.gap(3), bench.gap(8), bench.events()) == (0, 0, [])
 
 
-@pytest.mark.sheet("004", "7.3")
+@pytest.mark.sheet("FM-PD42-1241", "7.3")
 def test_coolstep_lowers_the_current_without_load_and_raises_it_with() -> None:
     bench = running(ap6=200, ap172=4, ap170=2, ap169=2, ap171=1, ap174=0)
     bench.run(1.0)
@@ -127,7 +127,7 @@ def test_coolstep_lowers_the_current_without_load_and_raises_it_with() -> None:
     assert bench.gap(180) == 25
 
 
-@pytest.mark.sheet("004", "7.3")
+@pytest.mark.sheet("FM-PD42-1241", "7.3")
 @pytest.mark.parametrize(("number", "value"), [(182, 60_000), (22, 40_000)])
 def test_coolstep_works_only_between_its_speeds(number: int, value: int) -> None:
     bench = running(ap6=200, ap172=4, ap170=2, ap169=2, **{f"ap{number}": value})
@@ -183,7 +183,7 @@ def test_a_pulled_motor_plug_and_a_hot_driver_show() -> None:
     assert bench.state.truth.bridges == "open"
 
 
-@pytest.mark.sheet("004", "7.2")
+@pytest.mark.sheet("FM-PD42-1241", "7.2")
 @pytest.mark.parametrize("threshold", [6, 7, 8, 9])
 def test_a_clamped_shaft_stalls_at_the_makers_thresholds_and_a_free_one_does_not(threshold: int) -> None:
     bench = running(ap174=threshold)

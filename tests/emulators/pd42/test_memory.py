@@ -20,10 +20,10 @@ BANK3 = [row for row in PD42 if row.space is Space.GLOBAL_3]
 CHANGES_CONTACT = {66, 76, 255}
 
 
-@pytest.mark.sheet("004", "5.1")
-@pytest.mark.sheet("004", "3.6.7")
-@pytest.mark.sheet("004", "3.6.8")
-@pytest.mark.sheet("004", "3.5.2")
+@pytest.mark.sheet("FM-PD42-1241", "5.1")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.7")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.8")
+@pytest.mark.sheet("FM-PD42-1241", "3.5.2")
 @pytest.mark.parametrize("row", [row for row in BANK0 if row.access.writable], ids=lambda row: f"{row.address}")
 def test_bank_0_takes_its_range_and_no_more(row) -> None:  # type: ignore[no-untyped-def]
     bench = Bench()
@@ -45,7 +45,7 @@ def test_what_can_only_be_read(number: int) -> None:
     assert Bench().ask(Opcode.SGP, number, 0, 1).status == Status.WRONG_TYPE
 
 
-@pytest.mark.sheet("004", "5.2")
+@pytest.mark.sheet("FM-PD42-1241", "5.2")
 def test_bank_1_is_not_there() -> None:
     for opcode in (Opcode.SGP, Opcode.GGP, Opcode.AGP, Opcode.STGP, Opcode.RSGP):
         assert Bench().ask(opcode, 0, 1).status == Status.INVALID_VALUE
@@ -71,10 +71,10 @@ def test_bank_3_keeps_how_interrupts_are_set_up(row) -> None:  # type: ignore[no
     assert bench.ggp(row.address, 3) == 0
 
 
-@pytest.mark.sheet("004", "5.3")
-@pytest.mark.sheet("004", "3.5.2")
-@pytest.mark.sheet("004", "3.6.9")
-@pytest.mark.sheet("004", "3.6.10")
+@pytest.mark.sheet("FM-PD42-1241", "5.3")
+@pytest.mark.sheet("FM-PD42-1241", "3.5.2")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.9")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.10")
 def test_user_variables_are_stored_on_request_and_restored_at_power_on() -> None:
     bench = Bench()
     for number, value in ((0, 5), (55, -(2**31)), (56, 7), (255, 2**31 - 1)):
@@ -92,7 +92,7 @@ def test_user_variables_are_stored_on_request_and_restored_at_power_on() -> None
     assert [bench.ggp(number, 2) for number in (0, 1, 55, 56, 255)] == [5, 0, -(2**31), 0, 0]
 
 
-@pytest.mark.sheet("004", "5.3")
+@pytest.mark.sheet("FM-PD42-1241", "5.3")
 def test_user_variables_may_begin_at_zero_instead() -> None:
     bench = Bench()
     bench.sgp(7, 70, bank=2)
@@ -104,8 +104,8 @@ def test_user_variables_may_begin_at_zero_instead() -> None:
     assert bench.ggp(7, 2) == 70
 
 
-@pytest.mark.sheet("004", "5.1")
-@pytest.mark.sheet("004", "3.6.7")
+@pytest.mark.sheet("FM-PD42-1241", "5.1")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.7")
 def test_bank_0_is_stored_as_it_is_written() -> None:
     bench = Bench()
     bench.sgp(68, 1234)
@@ -117,7 +117,7 @@ def test_bank_0_is_stored_as_it_is_written() -> None:
     assert bench.ggp(68) == 1234
 
 
-@pytest.mark.sheet("004", "5.1")
+@pytest.mark.sheet("FM-PD42-1241", "5.1")
 def test_a_baud_rate_is_in_force_after_the_next_power_on() -> None:
     bench = Bench()
     assert bench.state.baud == 9600
@@ -132,8 +132,8 @@ def test_a_baud_rate_is_in_force_after_the_next_power_on() -> None:
 # --- coordinates ----------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("004", "3.6.22")
-@pytest.mark.sheet("004", "3.6.23")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.22")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.23")
 def test_coordinates() -> None:
     bench = Bench()
     for number in range(21):
@@ -145,8 +145,8 @@ def test_coordinates() -> None:
     assert bench.do(Opcode.GCO, 1) == 0
 
 
-@pytest.mark.sheet("004", "3.6.22")
-@pytest.mark.sheet("004", "3.6.23")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.22")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.23")
 def test_coordinates_copied_by_hand() -> None:
     bench = Bench()
     for number in range(4):
@@ -163,9 +163,9 @@ def test_coordinates_copied_by_hand() -> None:
     assert [bench.do(Opcode.GCO, number) for number in range(4)] == [0, 21, 22, 23]
 
 
-@pytest.mark.sheet("004", "3.6.22")
-@pytest.mark.sheet("004", "3.6.24")
-@pytest.mark.sheet("004", "3.6.25")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.22")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.24")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.25")
 @pytest.mark.parametrize("kept", [False, True])
 def test_coordinates_kept_by_themselves(kept: bool) -> None:
     bench = Bench()
@@ -182,7 +182,7 @@ def test_coordinates_kept_by_themselves(kept: bool) -> None:
     assert [bench.do(Opcode.GCO, number) for number in range(5)] == stored
 
 
-@pytest.mark.sheet("004", "3.6.24")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.24")
 def test_capturing_the_actual_position() -> None:
     bench = Bench()
     bench.move(7000)
@@ -191,9 +191,9 @@ def test_capturing_the_actual_position() -> None:
     assert bench.do(Opcode.GCO, 3) == 7000
 
 
-@pytest.mark.sheet("004", "3.6.25")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.25")
 def test_the_accumulator_as_a_coordinate() -> None:
-    # One sentence of 004 speaks of the actual position here; name and example mean the accumulator.
+    # One sentence of FM-PD42-1241 speaks of the actual position here; name and example mean the accumulator.
     bench = Bench()
     bench.do(Opcode.CALC, 9, 0, -77)
     bench.do(Opcode.ACO, 1)

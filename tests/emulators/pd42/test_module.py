@@ -160,7 +160,7 @@ def test_several_threads_may_ask() -> None:
 # --- what the module says, and does not -----------------------------------------------------------
 
 
-@pytest.mark.sheet("004", "5.1")
+@pytest.mark.sheet("FM-PD42-1241", "5.1")
 def test_suppressed_answers() -> None:
     bench = Bench()
     with pytest.raises(TimeoutError):
@@ -178,7 +178,7 @@ def test_suppressed_answers() -> None:
     assert bench.ggp(255) == 0  # not stored
 
 
-@pytest.mark.sheet("004", "5.1")
+@pytest.mark.sheet("FM-PD42-1241", "5.1")
 def test_the_second_address_is_obeyed_in_silence() -> None:
     bench = Bench()
     bench.sgp(87, 9)
@@ -190,7 +190,7 @@ def test_the_second_address_is_obeyed_in_silence() -> None:
     assert bench.gap(4) == 777
 
 
-@pytest.mark.sheet("004", "5.1")
+@pytest.mark.sheet("FM-PD42-1241", "5.1")
 def test_the_telegram_pause_is_for_the_line_to_make() -> None:
     bench = Bench()
     assert bench.module.reply_pause_s == 0
@@ -198,7 +198,7 @@ def test_the_telegram_pause_is_for_the_line_to_make() -> None:
     assert bench.module.reply_pause_s == 0.025
 
 
-@pytest.mark.sheet("004", "5.1")
+@pytest.mark.sheet("FM-PD42-1241", "5.1")
 def test_without_heartbeat_the_motor_stops() -> None:
     bench = Bench()
     bench.sgp(68, 500)
@@ -217,7 +217,7 @@ def test_without_heartbeat_the_motor_stops() -> None:
     assert bench.clock.now() > heard_s
 
 
-@pytest.mark.sheet("004", "5.1")
+@pytest.mark.sheet("FM-PD42-1241", "5.1")
 def test_what_does_and_does_not_count_as_heartbeat() -> None:
     bench = Bench()
     bench.sgp(68, 100)

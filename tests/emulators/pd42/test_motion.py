@@ -13,13 +13,13 @@ from tests.emulators.pd42.bench import Bench, frame
 EVENT = frame("02 01 80 8A 00 00 00 01 0E")
 
 
-@pytest.mark.sheet("004", "2.2")
-@pytest.mark.sheet("004", "3.5.1")
+@pytest.mark.sheet("FM-PD42-1241", "2.2")
+@pytest.mark.sheet("FM-PD42-1241", "3.5.1")
 @pytest.mark.parametrize(
     ("opcode", "sign"),
     [
-        pytest.param(Opcode.ROR, 1, marks=pytest.mark.sheet("004", "3.6.1")),
-        pytest.param(Opcode.ROL, -1, marks=pytest.mark.sheet("004", "3.6.2")),
+        pytest.param(Opcode.ROR, 1, marks=pytest.mark.sheet("FM-PD42-1241", "3.6.1")),
+        pytest.param(Opcode.ROL, -1, marks=pytest.mark.sheet("FM-PD42-1241", "3.6.2")),
     ],
 )
 def test_rotating_counts_the_way_its_name_says(opcode: int, sign: int) -> None:
@@ -42,10 +42,10 @@ def test_a_negative_speed_turns_the_other_way() -> None:
     assert bench.gap(1) < 0
 
 
-@pytest.mark.sheet("004", "3.5.1")
-@pytest.mark.sheet("004", "3.6.3")
+@pytest.mark.sheet("FM-PD42-1241", "3.5.1")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.3")
 def test_stop_is_soft_and_clears_the_target_speed() -> None:
-    # 004 speaks of parameter 0 here, the sister module's manual of 2: the position has nothing to do with it.
+    # FM-PD42-1241 speaks of parameter 0 here, the sister module's manual of 2: the position has nothing to do with it.
     bench = Bench()
     bench.do(Opcode.ROR, 0, 0, 51_200)
     bench.run(1.5)
@@ -63,8 +63,8 @@ def test_a_speed_out_of_range_is_refused(opcode: int, value: int) -> None:
     assert bench.gap(2) == 0
 
 
-@pytest.mark.sheet("004", "3.5.1")
-@pytest.mark.sheet("004", "3.6.4")
+@pytest.mark.sheet("FM-PD42-1241", "3.5.1")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.4")
 def test_to_a_position_and_on_from_there() -> None:
     bench = Bench()
     bench.move(90_000)
@@ -80,7 +80,7 @@ def test_to_a_position_and_on_from_there() -> None:
     assert bench.gap(1) == -1000
 
 
-@pytest.mark.sheet("004", "3.6.4")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.4")
 @pytest.mark.parametrize(("option", "target"), [(0, 51_200 + 1000), (1, 20_000)])
 def test_relative_moves_count_from_the_last_target_or_the_actual_position(option: int, target: int) -> None:
     bench = Bench()
@@ -92,7 +92,7 @@ def test_relative_moves_count_from_the_last_target_or_the_actual_position(option
     assert bench.gap(0) == (target if option == 0 else base + 1000)
 
 
-@pytest.mark.sheet("004", "3.6.4")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.4")
 @pytest.mark.parametrize(
     ("type_", "value", "status"),
     [(3, 0, Status.WRONG_TYPE), (2, 21, Status.INVALID_VALUE), (2, -1, Status.INVALID_VALUE)],
@@ -103,7 +103,7 @@ def test_moves_that_cannot_be(type_: int, value: int, status: Status) -> None:
     assert bench.gap(0) == 0
 
 
-@pytest.mark.sheet("004", "3.6.4")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.4")
 def test_a_relative_move_must_not_leave_the_range() -> None:
     bench = Bench()
     bench.sap(1, 2**31 - 100)
@@ -112,7 +112,7 @@ def test_a_relative_move_must_not_leave_the_range() -> None:
     assert bench.gap(0) == 2**31 - 1
 
 
-@pytest.mark.sheet("004", "3.6.4")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.4")
 def test_positioning_can_be_interrupted() -> None:
     for opcode, speed in ((Opcode.MST, 0), (Opcode.ROR, 5000), (Opcode.ROL, -5000)):
         bench = Bench()
@@ -133,7 +133,7 @@ def test_a_move_goes_on_at_the_positioning_speed_after_a_rotation() -> None:
     assert bench.gap(3) == 51_200
 
 
-@pytest.mark.sheet("004", "3.6.5")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.5")
 def test_target_parameters_move_the_motor_too() -> None:
     bench = Bench()
     bench.sap(0, 1000)
@@ -166,8 +166,8 @@ def _six_point_time_s(distance: float, v_start: float, a1: float, v1: float, a: 
     return sum(abs(after - before) / rate for before, after, rate in legs) + (distance - ramps) / v
 
 
-@pytest.mark.sheet("004", "1.3")
-@pytest.mark.sheet("004", "7.5")
+@pytest.mark.sheet("FM-PD42-1241", "1.3")
+@pytest.mark.sheet("FM-PD42-1241", "7.5")
 def test_a_six_point_move_takes_the_time_of_its_six_points() -> None:
     bench = Bench()
     for number, value in {
@@ -180,9 +180,9 @@ def test_a_six_point_move_takes_the_time_of_its_six_points() -> None:
     assert took_s == pytest.approx(wanted_s, rel=0.003)
 
 
-@pytest.mark.sheet("004", "7.5")
+@pytest.mark.sheet("FM-PD42-1241", "7.5")
 def test_without_v1_the_ramp_is_a_trapezoid_of_parameters_5_and_17() -> None:
-    # 004 lists parameter 15 here; the sister module's manual has 17, and only that makes a deceleration.
+    # FM-PD42-1241 lists parameter 15 here; the sister module's manual has 17, and only that makes a deceleration.
     bench = Bench()
     for number, value in {15: 1000, 16: 0, 5: 100_000, 4: 50_000, 17: 25_000, 18: 1000, 20: 100}.items():
         bench.sap(number, value)
@@ -192,7 +192,7 @@ def test_without_v1_the_ramp_is_a_trapezoid_of_parameters_5_and_17() -> None:
     assert took_s == pytest.approx(wanted_s, rel=0.005)
 
 
-@pytest.mark.sheet("004", "7.5")
+@pytest.mark.sheet("FM-PD42-1241", "7.5")
 def test_velocity_mode_knows_one_acceleration_alone() -> None:
     bench = Bench()
     for number, value in {15: 1000, 16: 20_000, 5: 100_000, 17: 1000, 18: 1000}.items():
@@ -203,7 +203,7 @@ def test_velocity_mode_knows_one_acceleration_alone() -> None:
     assert bench.stand() == pytest.approx(0.5, abs=0.02)
 
 
-@pytest.mark.sheet("004", "1.3")
+@pytest.mark.sheet("FM-PD42-1241", "1.3")
 def test_a_stop_speed_of_zero_arrives_all_the_same() -> None:
     bench = Bench()
     bench.sap(20, 0)
@@ -243,8 +243,8 @@ def test_speed_changes_on_the_fly() -> None:
 # --- units ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("004", "6.1")
-@pytest.mark.sheet("004", "7.4")
+@pytest.mark.sheet("FM-PD42-1241", "6.1")
+@pytest.mark.sheet("FM-PD42-1241", "7.4")
 def test_51200_pps_are_a_turn_a_second() -> None:
     bench = Bench()
     bench.do(Opcode.ROR, 0, 0, 51_200)
@@ -254,7 +254,7 @@ def test_51200_pps_are_a_turn_a_second() -> None:
     assert bench.state.truth.rotor_rad - before == pytest.approx(2 * math.pi, rel=0.002)
 
 
-@pytest.mark.sheet("004", "6.1")
+@pytest.mark.sheet("FM-PD42-1241", "6.1")
 @pytest.mark.parametrize("code", range(9))
 def test_microstep_resolution_says_how_far_a_microstep_is(code: int) -> None:
     bench = Bench()
@@ -266,7 +266,7 @@ def test_microstep_resolution_says_how_far_a_microstep_is(code: int) -> None:
     bench.move(steps)
     bench.arrive()
     bench.run(0.3)
-    # the driver's steps lie half a step from the wave's beginning (DS5160: 128, 384, 640, 896 are its full steps)
+    # the driver's steps lie half a step from the wave's beginning (DS-TMC5160: 128, 384, 640, 896 are its full steps)
     beside = 0 if code == 8 else 0.5 / (1 << code)
     truth = bench.state.truth
     assert truth.field_fullsteps == pytest.approx(200 + beside + 0.5 / 256)
@@ -274,7 +274,7 @@ def test_microstep_resolution_says_how_far_a_microstep_is(code: int) -> None:
     assert bench.gap(209) == pytest.approx(steps, abs=max(1, steps * 0.004))
 
 
-@pytest.mark.sheet("004", "7.4")
+@pytest.mark.sheet("FM-PD42-1241", "7.4")
 def test_in_unit_mode_0_numbers_are_the_ramp_generators_own() -> None:
     bench = Bench()
     bench.sap(4, 51_200)
@@ -294,7 +294,7 @@ def test_in_unit_mode_0_numbers_are_the_ramp_generators_own() -> None:
     assert bench.ask(Opcode.SAP, 4, 0, 2**23 - 511).status == Status.INVALID_VALUE
 
 
-@pytest.mark.sheet("004", "7.4")
+@pytest.mark.sheet("FM-PD42-1241", "7.4")
 def test_every_speed_comes_back_as_it_was_written() -> None:
     for pps in (0, 1, 2, 999, 51_199, 7_999_000, -1, -51_200):
         assert units.velocity_from_chip(units.velocity_to_chip(pps)) == pps
@@ -320,7 +320,7 @@ def test_measured_speed_is_that_of_the_steps() -> None:
 # --- position reached event -----------------------------------------------------------------------
 
 
-@pytest.mark.sheet("004", "3.6.35")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.35")
 def test_an_event_for_the_next_move_alone() -> None:
     bench = Bench()
     assert bench.do(Opcode.REQUEST_EVENT, 0, 0, 1) == 1
@@ -338,7 +338,7 @@ def test_an_event_for_the_next_move_alone() -> None:
     assert bench.events() == []
 
 
-@pytest.mark.sheet("004", "3.6.35")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.35")
 def test_an_event_for_every_move() -> None:
     bench = Bench()
     bench.do(Opcode.REQUEST_EVENT, 1, 0, 1)
@@ -352,7 +352,7 @@ def test_an_event_for_every_move() -> None:
     assert bench.events() == []
 
 
-@pytest.mark.sheet("004", "3.6.35")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.35")
 def test_a_move_that_never_arrives_is_never_told() -> None:
     bench = Bench()
     bench.do(Opcode.REQUEST_EVENT, 1, 0, 1)
@@ -368,7 +368,7 @@ def test_a_move_that_never_arrives_is_never_told() -> None:
     assert len(bench.events()) == 1
 
 
-@pytest.mark.sheet("004", "3.6.35")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.35")
 @pytest.mark.parametrize(
     ("type_", "value", "status"), [(2, 1, Status.WRONG_TYPE), (1, 2, Status.INVALID_VALUE), (0, -1, 4)]
 )

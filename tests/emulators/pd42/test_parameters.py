@@ -12,7 +12,7 @@ from app.registers.model import Register
 from app.registers.tmcl import Opcode, Status, reference_modes
 from tests.emulators.pd42.bench import Bench
 
-pytestmark = pytest.mark.sheet("004", "4")
+pytestmark = pytest.mark.sheet("FM-PD42-1241", "4")
 
 MOVING = {0, 2}
 WRITABLE = [row for row in ROWS.values() if row.access.writable]
@@ -29,10 +29,10 @@ def test_all_84_are_there() -> None:
     assert [number for number in range(256) if bench.ask(Opcode.GAP, number).status == 100] == sorted(ROWS)
 
 
-@pytest.mark.sheet("004", "3.6.5")
-@pytest.mark.sheet("004", "3.6.6")
-@pytest.mark.sheet("004", "2.3")
-@pytest.mark.sheet("004", "3.5.2")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.5")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.6")
+@pytest.mark.sheet("FM-PD42-1241", "2.3")
+@pytest.mark.sheet("FM-PD42-1241", "3.5.2")
 @pytest.mark.parametrize("row", WRITABLE, ids=_name)
 def test_limits(row: Register) -> None:
     # Open in all sources: whether the module clips or refuses. Here it refuses, and keeps what it had.
@@ -66,7 +66,7 @@ def test_power_on_brings_the_defaults(row: Register) -> None:
         assert bench.gap(row.address) == DEFAULTS[row.address]
 
 
-@pytest.mark.sheet("004", "3.6.5")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.5")
 def test_axis_parameters_are_lost_without_power() -> None:
     bench = Bench()
     bench.sap(4, 12_345)

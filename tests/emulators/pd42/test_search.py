@@ -10,7 +10,7 @@ from app.emulators.pd42 import search
 from app.registers.tmcl import Opcode, reference_modes
 from tests.emulators.pd42.bench import FULLSTEP, Bench
 
-pytestmark = pytest.mark.sheet("004", "7.1")
+pytestmark = pytest.mark.sheet("FM-PD42-1241", "7.1")
 
 LEFT_AT, RIGHT_AT, HOME_FROM, HOME_TO = -60.0, 80.0, -30.0, -14.0
 MIDDLE = (HOME_FROM + HOME_TO) / 2
@@ -104,7 +104,7 @@ def _zero_at(bench: Bench) -> float:
 STARTS = [0.0, LEFT_AT - 5, RIGHT_AT + 5]
 
 
-@pytest.mark.sheet("004", "7.1.1")
+@pytest.mark.sheet("FM-PD42-1241", "7.1.1")
 @pytest.mark.parametrize("start", STARTS)
 @pytest.mark.parametrize(("mode", "where"), [(1, LEFT_AT), (65, RIGHT_AT)])
 def test_mode_1_finds_one_stop_switch(mode: int, where: float, start: float) -> None:
@@ -116,7 +116,7 @@ def test_mode_1_finds_one_stop_switch(mode: int, where: float, start: float) -> 
     assert bench.gap(196) == 0
 
 
-@pytest.mark.sheet("004", "7.1.2")
+@pytest.mark.sheet("FM-PD42-1241", "7.1.2")
 @pytest.mark.parametrize("start", STARTS)
 @pytest.mark.parametrize(("mode", "where"), [(2, LEFT_AT), (66, RIGHT_AT)])
 def test_mode_2_measures_the_stage(mode: int, where: float, start: float) -> None:
@@ -126,17 +126,17 @@ def test_mode_2_measures_the_stage(mode: int, where: float, start: float) -> Non
         assert bench.gap(196) == pytest.approx((RIGHT_AT - LEFT_AT) * FULLSTEP, abs=2 * FULLSTEP)
 
 
-@pytest.mark.sheet("004", "7.1.3")
+@pytest.mark.sheet("FM-PD42-1241", "7.1.3")
 @pytest.mark.parametrize(("mode", "where"), [(3, LEFT_AT), (67, RIGHT_AT)])
 def test_mode_3_measures_to_the_middle(mode: int, where: float) -> None:
-    # 004 means the middle of the switch. One that has an end of the stage behind it has two places where it can be
-    # found: where it opens when left, and where it closes when entered.
+    # FM-PD42-1241 means the middle of the switch. One that has an end of the stage behind it has two places where it
+    # can be found: where it opens when left, and where it closes when entered.
     bench = searched(mode)
     assert _zero_at(bench) == pytest.approx(where, abs=WITHIN)
     assert bench.gap(196) == pytest.approx((RIGHT_AT - LEFT_AT) * FULLSTEP, abs=2 * FULLSTEP)
 
 
-@pytest.mark.sheet("004", "7.1.4")
+@pytest.mark.sheet("FM-PD42-1241", "7.1.4")
 @pytest.mark.parametrize(("mode", "where"), [(4, LEFT_AT), (68, RIGHT_AT)])
 def test_mode_4_finds_the_middle_of_one_switch(mode: int, where: float) -> None:
     bench = searched(mode)
@@ -147,10 +147,10 @@ def test_mode_4_finds_the_middle_of_one_switch(mode: int, where: float) -> None:
 @pytest.mark.parametrize(
     ("mode", "where"),
     [
-        pytest.param(1, LEFT_AT, marks=pytest.mark.sheet("004", "7.1.1")),
-        pytest.param(2, LEFT_AT, marks=pytest.mark.sheet("004", "7.1.2")),
-        pytest.param(3, LEFT_AT + STICKY / 2, marks=pytest.mark.sheet("004", "7.1.3")),
-        pytest.param(4, LEFT_AT + STICKY / 2, marks=pytest.mark.sheet("004", "7.1.4")),
+        pytest.param(1, LEFT_AT, marks=pytest.mark.sheet("FM-PD42-1241", "7.1.1")),
+        pytest.param(2, LEFT_AT, marks=pytest.mark.sheet("FM-PD42-1241", "7.1.2")),
+        pytest.param(3, LEFT_AT + STICKY / 2, marks=pytest.mark.sheet("FM-PD42-1241", "7.1.3")),
+        pytest.param(4, LEFT_AT + STICKY / 2, marks=pytest.mark.sheet("FM-PD42-1241", "7.1.4")),
     ],
 )
 def test_only_modes_3_and_4_take_the_middle_of_two_switching_points(mode: int, where: float) -> None:
@@ -167,8 +167,8 @@ def test_only_modes_3_and_4_take_the_middle_of_two_switching_points(mode: int, w
 @pytest.mark.parametrize(
     ("mode", "start", "first"),
     [
-        pytest.param(5, -50.0, -1, marks=pytest.mark.sheet("004", "7.1.5")),
-        pytest.param(6, 40.0, 1, marks=pytest.mark.sheet("004", "7.1.6")),
+        pytest.param(5, -50.0, -1, marks=pytest.mark.sheet("FM-PD42-1241", "7.1.5")),
+        pytest.param(6, 40.0, 1, marks=pytest.mark.sheet("FM-PD42-1241", "7.1.6")),
     ],
 )
 def test_modes_5_and_6_go_their_own_way_first_and_turn_at_the_stop_switch(mode: int, start: float, first: int) -> None:
@@ -188,8 +188,8 @@ HOME_STARTS = [0.0, -50.0, MIDDLE, LEFT_AT - 5, RIGHT_AT + 5]
 @pytest.mark.parametrize(
     "mode",
     [
-        pytest.param(5, marks=pytest.mark.sheet("004", "7.1.5")),
-        pytest.param(6, marks=pytest.mark.sheet("004", "7.1.6")),
+        pytest.param(5, marks=pytest.mark.sheet("FM-PD42-1241", "7.1.5")),
+        pytest.param(6, marks=pytest.mark.sheet("FM-PD42-1241", "7.1.6")),
     ],
 )
 def test_modes_5_and_6_find_the_middle_of_home_from_anywhere(mode: int, start: float) -> None:
@@ -202,12 +202,12 @@ def test_modes_5_and_6_find_the_middle_of_home_from_anywhere(mode: int, start: f
 @pytest.mark.parametrize(
     ("mode", "start", "first"),
     [
-        pytest.param(7, -60.0, 1, marks=pytest.mark.sheet("004", "7.1.7")),
-        pytest.param(8, 0.0, -1, marks=pytest.mark.sheet("004", "7.1.8")),
+        pytest.param(7, -60.0, 1, marks=pytest.mark.sheet("FM-PD42-1241", "7.1.7")),
+        pytest.param(8, 0.0, -1, marks=pytest.mark.sheet("FM-PD42-1241", "7.1.8")),
     ],
 )
 def test_modes_7_and_8_ignore_the_stop_switches(mode: int, start: float, first: int) -> None:
-    # 004 says "positive" for both. The constant says which way each of them goes here.
+    # FM-PD42-1241 says "positive" for both. The constant says which way each of them goes here.
     assert search.DIRECTION_7_AND_8[mode - 7] == first
     bench = stage(start)
     bench.patch(switches={"left": True, "right": True})
@@ -227,10 +227,10 @@ def test_modes_7_and_8_ignore_the_stop_switches(mode: int, start: float, first: 
 @pytest.mark.parametrize(
     ("mode", "start"),
     [
-        pytest.param(133, 0.0, marks=pytest.mark.sheet("004", "7.1.5")),
-        pytest.param(134, -50.0, marks=pytest.mark.sheet("004", "7.1.6")),
-        pytest.param(135, -50.0, marks=pytest.mark.sheet("004", "7.1.7")),
-        pytest.param(136, 0.0, marks=pytest.mark.sheet("004", "7.1.8")),
+        pytest.param(133, 0.0, marks=pytest.mark.sheet("FM-PD42-1241", "7.1.5")),
+        pytest.param(134, -50.0, marks=pytest.mark.sheet("FM-PD42-1241", "7.1.6")),
+        pytest.param(135, -50.0, marks=pytest.mark.sheet("FM-PD42-1241", "7.1.7")),
+        pytest.param(136, 0.0, marks=pytest.mark.sheet("FM-PD42-1241", "7.1.8")),
     ],
 )
 def test_128_inverts_the_home_switch(mode: int, start: float) -> None:
@@ -291,7 +291,7 @@ def test_encoders_are_zero_with_the_counter() -> None:
     assert bench.gap(207) == 0
 
 
-@pytest.mark.sheet("004", "3.6.11")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.11")
 def test_a_search_can_be_stopped() -> None:
     bench = stage(0.0)
     bench.sap(193, 5)

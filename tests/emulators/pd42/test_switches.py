@@ -97,9 +97,9 @@ def test_forced_switches_and_the_stage_itself() -> None:
 # --- ports ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("004", "3.6.12")
-@pytest.mark.sheet("004", "3.6.13")
-@pytest.mark.sheet("004", "3.5.4")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.12")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.13")
+@pytest.mark.sheet("FM-PD42-1241", "3.5.4")
 def test_outputs_are_set_and_read_back() -> None:
     bench = Bench()
     assert [bench.do(Opcode.GIO, port, 2) for port in (0, 1)] == [0, 0]
@@ -117,7 +117,7 @@ def test_outputs_are_set_and_read_back() -> None:
     assert bench.state.inputs.outputs == [0, 0]
 
 
-@pytest.mark.sheet("004", "3.6.12")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.12")
 def test_pull_ups_show_on_open_inputs() -> None:
     # Open: what an open input reads. Here 1 with its pull-up, which all have at first, and 0 without.
     bench = Bench()
@@ -132,7 +132,7 @@ def test_pull_ups_show_on_open_inputs() -> None:
     assert bench.ask(Opcode.SIO, 1, 0, 1).status == Status.WRONG_TYPE
 
 
-@pytest.mark.sheet("004", "3.6.13")
+@pytest.mark.sheet("FM-PD42-1241", "3.6.13")
 def test_inputs_one_by_one_and_all_at_once() -> None:
     bench = Bench()
     state = bench.patch(inputs={"in1": False, "in2": True, "analog": 3000}, switches={"home": True})
@@ -156,7 +156,7 @@ def test_supply_and_temperature_are_told() -> None:
 # --- step/direction -------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("004", "6.4")
+@pytest.mark.sheet("FM-PD42-1241", "6.4")
 def test_motion_commands_do_nothing_in_step_direction_mode() -> None:
     bench = Bench()
     bench.sap(254, 1)
@@ -171,7 +171,7 @@ def test_motion_commands_do_nothing_in_step_direction_mode() -> None:
     assert bench.do(Opcode.RFS, 2) == 0
 
 
-@pytest.mark.sheet("004", "6.4")
+@pytest.mark.sheet("FM-PD42-1241", "6.4")
 def test_pulses_move_the_motor_in_step_direction_mode() -> None:
     bench = Bench()
     bench.patch(step_dir={"pulses": 5000, "rate_hz": 10_000})
@@ -197,7 +197,7 @@ def test_pulses_move_the_motor_in_step_direction_mode() -> None:
     bench.arrive()
 
 
-@pytest.mark.sheet("004", "6.4")
+@pytest.mark.sheet("FM-PD42-1241", "6.4")
 def test_a_deviation_does_not_end_step_direction_mode() -> None:
     bench = Bench()
     bench.sap(254, 1)
@@ -211,7 +211,7 @@ def test_a_deviation_does_not_end_step_direction_mode() -> None:
     assert bench.gap(1) == 1000
 
 
-@pytest.mark.sheet("004", "6.4")
+@pytest.mark.sheet("FM-PD42-1241", "6.4")
 def test_a_running_motor_stops_when_the_mode_begins() -> None:
     bench = Bench()
     bench.do(Opcode.ROR, 0, 0, 10_000)

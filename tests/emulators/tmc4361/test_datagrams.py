@@ -11,9 +11,9 @@ from tests.emulators.tmc4361.rig import TRAPEZOID_POSITION, Ramp, Rig
 RST, TARGET_REACHED, VEL_REACHED = 1 << 31, 1 << 0, 1 << 2
 
 
-@pytest.mark.sheet("002", "5")
-@pytest.mark.sheet("002", "5.1")
-@pytest.mark.sheet("002", "5.1.1")
+@pytest.mark.sheet("DS-TMC4361", "5")
+@pytest.mark.sheet("DS-TMC4361", "5.1")
+@pytest.mark.sheet("DS-TMC4361", "5.1.1")
 def test_the_worked_exchange_is_answered_as_printed() -> None:
     """The data belong to the datagram before: a register after a read, what was written after a write.
 
@@ -27,7 +27,7 @@ def test_the_worked_exchange_is_answered_as_printed() -> None:
     assert replies[1:] == [0x01020304, 0x01020304, 0x00ABCDEF, 0x00123456]
 
 
-@pytest.mark.sheet("002", "5.1.1")
+@pytest.mark.sheet("DS-TMC4361", "5.1.1")
 def test_a_write_is_mirrored_as_it_came_even_where_bits_do_not_exist() -> None:
     rig = Rig()
     rig.write("RAMPMODE", 0xFFFFFFFE)
@@ -35,7 +35,7 @@ def test_a_write_is_mirrored_as_it_came_even_where_bits_do_not_exist() -> None:
     assert rig.read("RAMPMODE") == 6
 
 
-@pytest.mark.sheet("002", "5.1.1")
+@pytest.mark.sheet("DS-TMC4361", "5.1.1")
 def test_data_are_latched_right_after_the_datagram_that_asks() -> None:
     rig = Rig()
     rig.ramp(Ramp(), 0)
@@ -45,7 +45,7 @@ def test_data_are_latched_right_after_the_datagram_that_asks() -> None:
     assert rig.send(FETCH).data == 5000
 
 
-@pytest.mark.sheet("002", "5.2")
+@pytest.mark.sheet("DS-TMC4361", "5.2")
 @pytest.mark.parametrize("length", [1, 2, 4])
 def test_less_than_40_bits_are_no_command_and_show_the_status_first(length: int) -> None:
     rig = Rig()
@@ -55,7 +55,7 @@ def test_less_than_40_bits_are_no_command_and_show_the_status_first(length: int)
     assert rig.position == 77
 
 
-@pytest.mark.sheet("002", "5.2")
+@pytest.mark.sheet("DS-TMC4361", "5.2")
 def test_of_more_than_40_bits_the_last_count_and_the_first_leave_again() -> None:
     rig = Rig()
     rig.write("XACTUAL", 5)
@@ -98,7 +98,7 @@ def test_registers_hold_their_reset_values_after_power_on() -> None:
             assert rig.read(row.address) == row.reset, row.name
 
 
-@pytest.mark.sheet("002", "5.1.2")
+@pytest.mark.sheet("DS-TMC4361", "5.1.2")
 def test_what_is_written_to_a_plain_register_reads_back_through_its_mask() -> None:
     rig = Rig()
     active = {"RESET_CLK_GATING", "FREEZE"}
@@ -108,8 +108,8 @@ def test_what_is_written_to_a_plain_register_reads_back_through_its_mask() -> No
             assert rig.read(row.address) & row.write_mask == 0x00A5A5A5 & row.write_mask, row.name
 
 
-@pytest.mark.sheet("002", "17.12")
-@pytest.mark.sheet("002", "7.2")
+@pytest.mark.sheet("DS-TMC4361", "17.12")
+@pytest.mark.sheet("DS-TMC4361", "7.2")
 def test_the_status_byte_packs_the_selected_events_in_their_order() -> None:
     rig = Rig()
     assert rig.send(FETCH).status == 1 << 7  # RST_EV is the eighth of the default selection
@@ -119,7 +119,7 @@ def test_the_status_byte_packs_the_selected_events_in_their_order() -> None:
     assert rig.send(FETCH).status == 1 << 0
 
 
-@pytest.mark.sheet("002", "7.2")
+@pytest.mark.sheet("DS-TMC4361", "7.2")
 def test_of_more_than_eight_selected_events_the_first_eight_are_told() -> None:
     rig = Rig()
     rig.write("SPI_STATUS_SELECTION", RST | 0xFF)
@@ -128,9 +128,9 @@ def test_of_more_than_eight_selected_events_the_first_eight_are_told() -> None:
     assert rig.send(FETCH).status == 1 << 7
 
 
-@pytest.mark.sheet("002", "7")
-@pytest.mark.sheet("002", "17.13")
-@pytest.mark.sheet("002", "7.2")
+@pytest.mark.sheet("DS-TMC4361", "7")
+@pytest.mark.sheet("DS-TMC4361", "17.13")
+@pytest.mark.sheet("DS-TMC4361", "7.2")
 def test_reading_events_clears_them_but_for_those_that_are_kept() -> None:
     rig = Rig()
     rig.ramp(Ramp(), TRAPEZOID_POSITION)
@@ -155,7 +155,7 @@ def test_writing_ones_to_events_clears_those_as_the_later_chip_does() -> None:
     assert rig.read("EVENTS") & RST == 0
 
 
-@pytest.mark.sheet("002", "7.2")
+@pytest.mark.sheet("DS-TMC4361", "7.2")
 def test_an_event_is_an_edge_and_not_a_level() -> None:
     rig = Rig()
     rig.ramp(Ramp(), TRAPEZOID_POSITION)
@@ -172,10 +172,10 @@ def test_an_event_is_an_edge_and_not_a_level() -> None:
     assert "TARGET_REACHED" not in rig.events()
 
 
-@pytest.mark.sheet("002", "1.6")
-@pytest.mark.sheet("002", "7.1")
-@pytest.mark.sheet("002", "17.14")
-@pytest.mark.sheet("002", "7.2")
+@pytest.mark.sheet("DS-TMC4361", "1.6")
+@pytest.mark.sheet("DS-TMC4361", "7.1")
+@pytest.mark.sheet("DS-TMC4361", "17.14")
+@pytest.mark.sheet("DS-TMC4361", "7.2")
 def test_each_code_of_a_state_of_two_bits_has_an_event() -> None:
     rig = Rig()
     rig.ramp(Ramp(vmax=20_000.0), TRAPEZOID_POSITION)
@@ -194,7 +194,7 @@ def test_each_code_of_a_state_of_two_bits_has_an_event() -> None:
     assert {"VEL_STATE_10", "RAMP_STATE_01"} <= rig.events()
 
 
-@pytest.mark.sheet("002", "7.2")
+@pytest.mark.sheet("DS-TMC4361", "7.2")
 def test_intr_is_the_or_of_the_chosen_events_with_its_polarity() -> None:
     rig = Rig()
     rig.write("INTR_CONF", VEL_REACHED)
@@ -207,7 +207,7 @@ def test_intr_is_the_or_of_the_chosen_events_with_its_polarity() -> None:
     assert not rig.state().pins.intr
 
 
-@pytest.mark.sheet("002", "17.18")
+@pytest.mark.sheet("DS-TMC4361", "17.18")
 def test_a_soft_reset_brings_registers_back_and_tells_so() -> None:
     rig = Rig()
     rig.ramp(Ramp(), 1)

@@ -20,8 +20,8 @@ from tests.emulators.tmc4361.rig import (
 BASE = Ramp(vmax=20_000.0)
 
 
-@pytest.mark.sheet("002", "1.4")
-@pytest.mark.sheet("002", "8.1")
+@pytest.mark.sheet("DS-TMC4361", "1.4")
+@pytest.mark.sheet("DS-TMC4361", "8.1")
 @pytest.mark.parametrize(
     ("add", "toggle", "fastest"), [(0, False, 8e6), (3, False, 2e6), (6, False, 16e6 / 14), (3, True, 4e6)]
 )
@@ -40,7 +40,7 @@ def test_pulses_merge_where_they_are_too_long_for_the_rate(add: int, toggle: boo
         assert output.steps_sent + output.steps_merged == pytest.approx(rig.position, abs=1)
 
 
-@pytest.mark.sheet("002", "8.1")
+@pytest.mark.sheet("DS-TMC4361", "8.1")
 def test_no_step_leaves_in_the_setup_time_of_the_direction() -> None:
     rig = Rig()
     rig.write("STP_LENGTH_ADD___DIR_SETUP_TIME", 16_000 << 16)  # 1 ms
@@ -57,7 +57,7 @@ def test_no_step_leaves_in_the_setup_time_of_the_direction() -> None:
     assert output.microsteps_256 == -1000
 
 
-@pytest.mark.sheet("002", "8.1")
+@pytest.mark.sheet("DS-TMC4361", "8.1")
 def test_polarities_of_the_step_and_direction_outputs() -> None:
     rig = Rig()
     assert not rig.state().pins.step
@@ -67,7 +67,7 @@ def test_polarities_of_the_step_and_direction_outputs() -> None:
     assert rig.state().pins.direction
 
 
-@pytest.mark.sheet("002", "8.1")
+@pytest.mark.sheet("DS-TMC4361", "8.1")
 def test_with_toggle_step_an_odd_number_of_steps_leaves_the_level_changed() -> None:
     rig = Rig()
     rig.write("GENERAL_CONF", 0x6020 | 1 << 4)
@@ -80,7 +80,7 @@ def test_with_toggle_step_an_odd_number_of_steps_leaves_the_level_changed() -> N
     assert not rig.state().pins.step
 
 
-@pytest.mark.sheet("002", "17.11")
+@pytest.mark.sheet("DS-TMC4361", "17.11")
 @pytest.mark.parametrize(("resolution", "microsteps"), [(0, 1), (4, 16), (8, 256)])
 def test_a_step_is_what_mstep_per_fs_says(resolution: int, microsteps: int) -> None:
     rig = Rig()
@@ -95,10 +95,10 @@ def test_a_step_is_what_mstep_per_fs_says(resolution: int, microsteps: int) -> N
 # --- filters ---------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("002", "6")
-@pytest.mark.sheet("002", "6.1.1")
-@pytest.mark.sheet("002", "17.4")
-@pytest.mark.sheet("002", "6.1")
+@pytest.mark.sheet("DS-TMC4361", "6")
+@pytest.mark.sheet("DS-TMC4361", "6.1.1")
+@pytest.mark.sheet("DS-TMC4361", "17.4")
+@pytest.mark.sheet("DS-TMC4361", "6.1")
 @pytest.mark.parametrize(("rate", "length", "delay_clocks"), [(0, 0, 0), (7, 7, 7 * 128), (7, 0, 0), (3, 7, 7 * 8)])
 def test_a_switch_passes_its_filter_before_it_stops(rate: int, length: int, delay_clocks: int) -> None:
     rig = Rig()
@@ -114,7 +114,7 @@ def test_a_switch_passes_its_filter_before_it_stops(rate: int, length: int, dela
     assert rig.signed("VACTUAL") == 0
 
 
-@pytest.mark.sheet("002", "6.1.2")
+@pytest.mark.sheet("DS-TMC4361", "6.1.2")
 def test_a_glitch_shorter_than_the_filter_is_not_seen() -> None:
     rig = Rig()
     rig.write("INPUT_FILT_CONF", 7 << 8 | 7 << 12)  # 56 to 64 us
@@ -132,9 +132,9 @@ def test_a_glitch_shorter_than_the_filter_is_not_seen() -> None:
 # --- freeze ----------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("002", "12")
-@pytest.mark.sheet("002", "12.1")
-@pytest.mark.sheet("002", "1.3.7")
+@pytest.mark.sheet("DS-TMC4361", "12")
+@pytest.mark.sheet("DS-TMC4361", "12.1")
+@pytest.mark.sheet("DS-TMC4361", "1.3.7")
 @pytest.mark.parametrize(("dfreeze", "seconds"), [(0, 0.0), (537, 0.02)])
 def test_nfreeze_stops_and_only_a_reset_ends_it(dfreeze: int, seconds: float) -> None:
     rig = Rig()
@@ -167,7 +167,7 @@ def test_nfreeze_needs_three_clocks() -> None:
     assert "FROZEN" not in rig.events()
 
 
-@pytest.mark.sheet("002", "17.17")
+@pytest.mark.sheet("DS-TMC4361", "17.17")
 def test_freeze_is_written_once_and_at_rest() -> None:
     rig = Rig()
     rig.ramp(BASE, HOLD_VELOCITY)
@@ -183,8 +183,8 @@ def test_freeze_is_written_once_and_at_rest() -> None:
 # --- clocks, stall, cover --------------------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("002", "16.1")
-@pytest.mark.sheet("002", "17.18")
+@pytest.mark.sheet("DS-TMC4361", "16.1")
+@pytest.mark.sheet("DS-TMC4361", "17.18")
 def test_clocks_are_gated_on_request_and_a_datagram_wakes_them() -> None:
     rig = Rig()
     rig.write("GENERAL_CONF", 0x6020 | 1 << 17)
@@ -205,7 +205,7 @@ def test_clocks_are_gated_on_request_and_a_datagram_wakes_them() -> None:
     assert rig.position == 100
 
 
-@pytest.mark.sheet("002", "16.1")
+@pytest.mark.sheet("DS-TMC4361", "16.1")
 def test_start_wakes_gated_clocks() -> None:
     rig = Rig()
     rig.write("GENERAL_CONF", 0x6020 | 1 << 17)
@@ -260,7 +260,7 @@ def test_below_vstall_limit_a_stall_stops_nothing() -> None:
     assert rig.signed("VACTUAL") == 50_000
 
 
-@pytest.mark.sheet("002", "11.4")
+@pytest.mark.sheet("DS-TMC4361", "11.4")
 def test_cover_datagrams_reach_the_driver_and_its_answer_comes_back() -> None:
     rig = Rig()
     rig.write("SPI_OUT_CONF", 8 << 20 | 8 << 24 | 10)  # 16 clocks a bit, TMC26x
@@ -277,7 +277,7 @@ def test_cover_datagrams_reach_the_driver_and_its_answer_comes_back() -> None:
     assert rig.read("COVER_DRV_LOW") >> 10 == 300
 
 
-@pytest.mark.sheet("002", "7.2")
+@pytest.mark.sheet("DS-TMC4361", "7.2")
 def test_motor_events_are_those_of_the_selected_driver_flags() -> None:
     rig = Rig()
     rig.write("STEP_CONF", 0x0C80 | 1 << (16 + 5))  # OLA alone

@@ -63,7 +63,7 @@ def curve(rig: Rig, seconds: float, looks: int) -> list[tuple[float, int, int, i
 # --- against the planner -----------------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("002", "8.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2")
 @pytest.mark.parametrize("seed", range(12))
 def test_an_s_ramp_from_rest_to_rest_is_the_planner_s_within_a_tick(seed: int) -> None:
     source = random.Random(seed)
@@ -139,7 +139,8 @@ def test_a_target_changed_on_the_fly_is_reached_as_soon_as_planned(seed: int) ->
 
 
 def slope_by_ticks(vmax: float, amax: float, bow_up: float, bow_down: float) -> tuple[float, float]:
-    """(seconds, pulses) of an S-slope from rest to `vmax`, worked out tick by tick with the bow update of 002, 8.2."""
+    """(seconds, pulses) of an S-slope from rest to `vmax`, worked out tick by tick with the bow update of DS-TMC4361
+    8.2."""
     v = a = x = t = 0.0
     falling = False
     while v < vmax and t < 100:
@@ -153,7 +154,7 @@ def slope_by_ticks(vmax: float, amax: float, bow_up: float, bow_down: float) -> 
     return t, x
 
 
-@pytest.mark.sheet("002", "8.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2")
 @pytest.mark.parametrize(
     ("bow", "seconds", "pulses"), [(2e6, 0.35, 8750.0), (4e5, 0.7071, 17678.0), (8e5, 0.5, 12500.0)]
 )
@@ -172,7 +173,7 @@ def test_slopes_are_those_of_a_plain_tick_law(bow: float, seconds: float, pulses
     assert rig.signed("VACTUAL") == 50_000
 
 
-@pytest.mark.sheet("002", "8.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2")
 def test_the_bow_changes_the_acceleration_every_64_clocks() -> None:
     rig = Rig()
     rig.ramp(BASE, S_VELOCITY)
@@ -185,7 +186,7 @@ def test_the_bow_changes_the_acceleration_every_64_clocks() -> None:
     assert all(seen.count(step) == 4 for step in steps[1:-1])
 
 
-@pytest.mark.sheet("002", "8.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2")
 def test_a_trapezoid_with_a_break_has_the_four_slopes_of_the_worked_example() -> None:
     ramp = Ramp(
         vmax=50_000, vstart=1000, vbreak=10_000, vstop=2000, astart=50_000, amax=200_000, dmax=250_000, dfinal=60_000
@@ -207,7 +208,7 @@ def test_a_trapezoid_with_a_break_has_the_four_slopes_of_the_worked_example() ->
     assert rig.now_s == pytest.approx(0.18 + 0.20 + 0.16 + 0.1333, abs=0.01)
 
 
-@pytest.mark.sheet("002", "8.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2")
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_hold_ramp_jumps_to_vmax_and_at_the_target_to_zero(sign: int) -> None:
     rig = Rig()
@@ -220,11 +221,11 @@ def test_a_hold_ramp_jumps_to_vmax_and_at_the_target_to_zero(sign: int) -> None:
     assert (rig.signed("VACTUAL"), rig.position) == (0, sign * 5000)
 
 
-@pytest.mark.sheet("002", "1.5")
-@pytest.mark.sheet("002", "1.5.1")
-@pytest.mark.sheet("002", "8")
-@pytest.mark.sheet("002", "17.16")
-@pytest.mark.sheet("002", "8.2")
+@pytest.mark.sheet("DS-TMC4361", "1.5")
+@pytest.mark.sheet("DS-TMC4361", "1.5.1")
+@pytest.mark.sheet("DS-TMC4361", "8")
+@pytest.mark.sheet("DS-TMC4361", "17.16")
+@pytest.mark.sheet("DS-TMC4361", "8.2")
 def test_in_velocity_mode_the_sign_of_vmax_counts_and_in_positioning_it_does_not() -> None:
     rig = Rig()
     rig.ramp(replace(BASE, vmax=-20_000.0), HOLD_VELOCITY)
@@ -240,7 +241,7 @@ def test_in_velocity_mode_the_sign_of_vmax_counts_and_in_positioning_it_does_not
 # --- VSTART, VSTOP ------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("002", "8.2.1")
+@pytest.mark.sheet("DS-TMC4361", "8.2.1")
 def test_with_vstart_an_s_ramp_begins_with_amax_and_without_b1() -> None:
     rig = Rig()
     rig.ramp(replace(BASE, vstart=1000.0, astart=5000.0), S_VELOCITY)
@@ -248,7 +249,7 @@ def test_with_vstart_an_s_ramp_begins_with_amax_and_without_b1() -> None:
     assert (ramp.velocity_pps, ramp.acceleration_pps2) == (1000.0, 200_000.0)
 
 
-@pytest.mark.sheet("002", "8.2.1")
+@pytest.mark.sheet("DS-TMC4361", "8.2.1")
 def test_astart_is_used_without_vstart_and_by_choice_with_it() -> None:
     rig = Rig()
     rig.ramp(replace(BASE, astart=5000.0), S_VELOCITY)
@@ -260,7 +261,7 @@ def test_astart_is_used_without_vstart_and_by_choice_with_it() -> None:
     assert (ramp.velocity_pps, ramp.acceleration_pps2) == (1000.0, 5000.0)
 
 
-@pytest.mark.sheet("002", "8.2.1")
+@pytest.mark.sheet("DS-TMC4361", "8.2.1")
 @pytest.mark.parametrize("mode", [TRAPEZOID_VELOCITY, S_VELOCITY])
 def test_vstop_ends_a_ramp_to_zero_and_no_other(mode: int) -> None:
     rig = Rig()
@@ -283,7 +284,7 @@ def test_vstop_ends_a_ramp_to_zero_and_no_other(mode: int) -> None:
     assert 5000 <= slowest < 5200
 
 
-@pytest.mark.sheet("002", "8.2.1")
+@pytest.mark.sheet("DS-TMC4361", "8.2.1")
 @pytest.mark.parametrize("mode", [TRAPEZOID_VELOCITY, S_VELOCITY])
 def test_a_reversal_passes_zero_without_vstart_and_vstop(mode: int) -> None:
     rig = Rig()
@@ -298,7 +299,7 @@ def test_a_reversal_passes_zero_without_vstart_and_vstop(mode: int) -> None:
     assert max(abs(b - a) for a, b in itertools.pairwise(speeds)) < 300  # no jump anywhere
 
 
-@pytest.mark.sheet("002", "8.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2")
 def test_dfinal_ends_an_s_ramp_in_velocity_mode_and_is_ignored_in_positioning() -> None:
     rig = Rig()
     ramp = replace(BASE, dfinal=100_000.0)
@@ -322,7 +323,7 @@ def test_dfinal_ends_an_s_ramp_in_velocity_mode_and_is_ignored_in_positioning() 
 # --- limitations ---------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("002", "8.2.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2.2")
 def test_a_changed_ramp_parameter_may_overshoot_and_is_corrected() -> None:
     rig = Rig()
     rig.ramp(replace(BASE, bow1=1e7, bow2=1e7, bow3=1e7, bow4=1e7), S_POSITION)
@@ -338,7 +339,7 @@ def test_a_changed_ramp_parameter_may_overshoot_and_is_corrected() -> None:
     assert rig.position == 20_000
 
 
-@pytest.mark.sheet("002", "8.2.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2.2")
 def test_vmax_zero_alone_does_not_stop_an_s_ramp_that_positions() -> None:
     """The sheet forbids it and does not say what happens: here it is not obeyed. Both ways that it names work."""
     rig = Rig()
@@ -367,7 +368,7 @@ def test_vmax_zero_alone_does_not_stop_an_s_ramp_that_positions() -> None:
     assert rig.position == stood < 100_000
 
 
-@pytest.mark.sheet("002", "8.2.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2.2")
 def test_a_trapezoid_that_slows_down_finishes_that_before_it_speeds_up_again() -> None:
     rig = Rig()
     rig.ramp(BASE, TRAPEZOID_POSITION)
@@ -385,7 +386,7 @@ def test_a_trapezoid_that_slows_down_finishes_that_before_it_speeds_up_again() -
     assert rig.position == 60_000
 
 
-@pytest.mark.sheet("002", "8.2.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2.2")
 def test_setting_vmax_below_the_speed_first_avoids_that() -> None:
     rig = Rig()
     rig.ramp(BASE, TRAPEZOID_VELOCITY)
@@ -405,7 +406,7 @@ def test_setting_vmax_below_the_speed_first_avoids_that() -> None:
     assert lowest >= now - 2000
 
 
-@pytest.mark.sheet("002", "8.2.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2.2")
 @pytest.mark.parametrize(("dmax", "overruns"), [(50.0, True), (2500.0, False)])
 def test_a_very_slow_trapezoid_overruns_the_target_and_comes_back(dmax: float, overruns: bool) -> None:
     """How far the sheet does not say: a step here."""
@@ -421,7 +422,7 @@ def test_a_very_slow_trapezoid_overruns_the_target_and_comes_back(dmax: float, o
     assert highest == (12_001 if overruns else 12_000)
 
 
-@pytest.mark.sheet("002", "8.2.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2.2")
 def test_the_speed_may_exceed_a_vmax_that_was_lowered_while_a_bow_is_finished() -> None:
     rig = Rig()
     rig.ramp(BASE, S_POSITION)
@@ -438,7 +439,7 @@ def test_the_speed_may_exceed_a_vmax_that_was_lowered_while_a_bow_is_finished() 
     assert rig.signed("VACTUAL") == speed
 
 
-@pytest.mark.sheet("002", "8.2.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2.2")
 def test_an_astart_that_does_not_fit_vmax_is_altered() -> None:
     rig = Rig()
     rig.ramp(replace(BASE, vmax=1000.0, astart=200_000.0), S_VELOCITY)
@@ -450,7 +451,7 @@ def test_an_astart_that_does_not_fit_vmax_is_altered() -> None:
     assert fastest == 1000
 
 
-@pytest.mark.sheet("002", "8.2.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2.2")
 def test_a_vstart_too_high_for_the_way_overshoots_and_comes_back_without_it() -> None:
     rig = Rig()
     rig.ramp(replace(BASE, vstart=20_000.0), S_POSITION)
@@ -466,7 +467,7 @@ def test_a_vstart_too_high_for_the_way_overshoots_and_comes_back_without_it() ->
 # --- units ---------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("002", "8.2.3")
+@pytest.mark.sheet("DS-TMC4361", "8.2.3")
 def test_direct_values_are_changes_a_clock() -> None:
     rig = Rig()
     rig.write("GENERAL_CONF", 0x6020 | 2 | 4)
@@ -485,7 +486,7 @@ def test_direct_values_are_changes_a_clock() -> None:
     assert rig.signed("AACTUAL") == pytest.approx(10e6, rel=1e-3)  # 10 Mpps^2
 
 
-@pytest.mark.sheet("002", "8.2.3")
+@pytest.mark.sheet("DS-TMC4361", "8.2.3")
 def test_velocities_are_of_the_clock_that_clk_freq_tells() -> None:
     rig = Rig()
     rig.write("CLK_FREQ", 8_000_000)  # the oscillator has 16 MHz
@@ -495,7 +496,7 @@ def test_velocities_are_of_the_clock_that_clk_freq_tells() -> None:
     assert rig.position == pytest.approx(10_000, abs=1)
 
 
-@pytest.mark.sheet("002", "8.2.3")
+@pytest.mark.sheet("DS-TMC4361", "8.2.3")
 def test_vactual_and_aactual_have_no_decimals() -> None:
     rig = Rig()
     rig.ramp(replace(BASE, vmax=-1000.75), HOLD_VELOCITY)

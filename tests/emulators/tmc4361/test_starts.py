@@ -21,8 +21,8 @@ def pulse(rig: Rig) -> None:
     rig.wait(1e-4)
 
 
-@pytest.mark.sheet("002", "10.1")
-@pytest.mark.sheet("002", "17.3")
+@pytest.mark.sheet("DS-TMC4361", "10.1")
+@pytest.mark.sheet("DS-TMC4361", "17.3")
 def test_a_gated_target_waits_for_the_start() -> None:
     rig = Rig()
     rig.ramp(BASE, TRAPEZOID_POSITION)
@@ -37,7 +37,7 @@ def test_a_gated_target_waits_for_the_start() -> None:
     assert rig.state().ramp.starts == 1
 
 
-@pytest.mark.sheet("002", "10.1")
+@pytest.mark.sheet("DS-TMC4361", "10.1")
 @pytest.mark.parametrize(("bit", "register"), [(VMAX_WAITS, "VMAX"), (RAMPMODE_WAITS, "RAMPMODE")])
 def test_other_registers_can_wait_too(bit: int, register: str) -> None:
     rig = Rig()
@@ -60,8 +60,8 @@ def test_what_no_longer_waits_counts_at_once() -> None:
     assert rig.position == 1000
 
 
-@pytest.mark.sheet("002", "10.1")
-@pytest.mark.sheet("002", "17.15")
+@pytest.mark.sheet("DS-TMC4361", "10.1")
+@pytest.mark.sheet("DS-TMC4361", "17.15")
 @pytest.mark.parametrize(("conf", "delayed"), [(0, True), (AT_ONCE, False)])
 def test_start_delay_counts_from_the_trigger_unless_the_pin_starts_at_once(conf: int, delayed: bool) -> None:
     rig = Rig()
@@ -76,8 +76,8 @@ def test_start_delay_counts_from_the_trigger_unless_the_pin_starts_at_once(conf:
     assert rig.signed("VACTUAL") == 20_000
 
 
-@pytest.mark.sheet("002", "6.1")
-@pytest.mark.sheet("002", "10.1")
+@pytest.mark.sheet("DS-TMC4361", "6.1")
+@pytest.mark.sheet("DS-TMC4361", "10.1")
 def test_the_start_pin_has_a_polarity_and_a_filter() -> None:
     rig = Rig()
     rig.write("INPUT_FILT_CONF", 7 << 16 | 7 << 20)  # 64 us at least
@@ -93,7 +93,7 @@ def test_the_start_pin_has_a_polarity_and_a_filter() -> None:
     assert rig.state().ramp.starts == 1
 
 
-@pytest.mark.sheet("002", "10.1")
+@pytest.mark.sheet("DS-TMC4361", "10.1")
 def test_events_start_and_the_pin_shows_it() -> None:
     rig = Rig()
     rig.ramp(BASE, TRAPEZOID_POSITION)
@@ -112,7 +112,7 @@ def test_events_start_and_the_pin_shows_it() -> None:
     assert rig.position == -500
 
 
-@pytest.mark.sheet("002", "10.1")
+@pytest.mark.sheet("DS-TMC4361", "10.1")
 def test_busy_chips_hold_the_start_back() -> None:
     rig = Rig()
     rig.ramp(BASE, TRAPEZOID_POSITION)
@@ -132,7 +132,7 @@ def test_busy_chips_hold_the_start_back() -> None:
 # --- pipeline --------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("002", "10.2")
+@pytest.mark.sheet("DS-TMC4361", "10.2")
 def test_the_pipeline_feeds_targets_one_a_start() -> None:
     rig = Rig()
     rig.ramp(replace(BASE, amax=1e6, dmax=1e6), TRAPEZOID_POSITION)
@@ -147,7 +147,7 @@ def test_the_pipeline_feeds_targets_one_a_start() -> None:
     assert rig.signed("X_PIPE0") == 80  # the last stage keeps what it has
 
 
-@pytest.mark.sheet("002", "10.2")
+@pytest.mark.sheet("DS-TMC4361", "10.2")
 def test_a_ring_rewrites_the_old_target() -> None:
     rig = Rig()
     rig.ramp(replace(BASE, amax=1e6, dmax=1e6), TRAPEZOID_POSITION)
@@ -164,7 +164,7 @@ def test_a_ring_rewrites_the_old_target() -> None:
     assert seen == [20, 30, 10, 20, 30, 10]
 
 
-@pytest.mark.sheet("002", "10.2")
+@pytest.mark.sheet("DS-TMC4361", "10.2")
 def test_enabled_targets_share_the_stages() -> None:
     rig = Rig()
     for n in range(8):
@@ -187,7 +187,7 @@ _SETS = {
 }
 
 
-@pytest.mark.sheet("002", "17.21")
+@pytest.mark.sheet("DS-TMC4361", "17.21")
 @pytest.mark.parametrize("cyclic", [False, True])
 @pytest.mark.parametrize("option", _SETS)
 def test_shadow_registers_replace_those_of_the_ramp(option: int, cyclic: bool) -> None:
@@ -223,7 +223,7 @@ def test_shadow_miss_cnt_skips_starts() -> None:
 # --- step input ------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("002", "17.1")
+@pytest.mark.sheet("DS-TMC4361", "17.1")
 @pytest.mark.parametrize(("mode", "factor"), [(1, 1), (2, 1), (3, 2)])
 @pytest.mark.parametrize("ratio", [1.0, 2.5, -0.25])
 def test_external_steps_are_geared(mode: int, factor: int, ratio: float) -> None:

@@ -30,7 +30,7 @@ def high_active(conf: int = 0) -> int:
 # --- STOPL, STOPR ------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("002", "9.1")
+@pytest.mark.sheet("DS-TMC4361", "9.1")
 @pytest.mark.parametrize(("sign", "pin", "flag"), [(-1, "left", 7), (1, "right", 8)])
 def test_a_stop_switch_stops_its_direction_at_once(sign: int, pin: str, flag: int) -> None:
     rig = Rig()
@@ -48,7 +48,7 @@ def test_a_stop_switch_stops_its_direction_at_once(sign: int, pin: str, flag: in
     assert rig.position == stood
 
 
-@pytest.mark.sheet("002", "9.1")
+@pytest.mark.sheet("DS-TMC4361", "9.1")
 def test_the_other_direction_stays_open() -> None:
     rig = Rig()
     rig.write("REFERENCE_CONF", high_active())
@@ -61,7 +61,7 @@ def test_the_other_direction_stays_open() -> None:
     assert rig.signed("VACTUAL") == 0
 
 
-@pytest.mark.sheet("002", "9.1")
+@pytest.mark.sheet("DS-TMC4361", "9.1")
 def test_a_soft_stop_is_a_straight_slope_of_dstop_without_vstop() -> None:
     rig = Rig()
     rig.write("REFERENCE_CONF", high_active(SOFT))
@@ -88,7 +88,7 @@ def test_a_soft_stop_without_dstop_is_a_hard_one() -> None:
     assert rig.signed("VACTUAL") == 0
 
 
-@pytest.mark.sheet("002", "9.1")
+@pytest.mark.sheet("DS-TMC4361", "9.1")
 def test_a_closed_direction_opens_when_event_and_switch_are_gone() -> None:
     rig = Rig()
     rig.write("REFERENCE_CONF", high_active())
@@ -113,7 +113,7 @@ def test_a_closed_direction_opens_when_event_and_switch_are_gone() -> None:
     assert rig.signed("VACTUAL") == 20_000
 
 
-@pytest.mark.sheet("002", "9.1")
+@pytest.mark.sheet("DS-TMC4361", "9.1")
 def test_disabling_the_switch_opens_the_direction_too() -> None:
     rig = Rig()
     rig.write("REFERENCE_CONF", high_active())
@@ -127,7 +127,7 @@ def test_disabling_the_switch_opens_the_direction_too() -> None:
     assert rig.signed("VACTUAL") == 20_000
 
 
-@pytest.mark.sheet("002", "17.2")
+@pytest.mark.sheet("DS-TMC4361", "17.2")
 def test_polarity_and_inverted_directions() -> None:
     rig = Rig()
     rig.write("REFERENCE_CONF", STOP_L | INVERT)  # low active, and nothing presses it
@@ -152,8 +152,8 @@ def test_the_stage_presses_its_switches() -> None:
 # --- virtual stops -------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("002", "9.2")
-@pytest.mark.sheet("002", "9")
+@pytest.mark.sheet("DS-TMC4361", "9.2")
+@pytest.mark.sheet("DS-TMC4361", "9")
 @pytest.mark.parametrize("sign", [-1, 1])
 def test_a_virtual_stop_acts_where_xactual_meets_it(sign: int) -> None:
     rig = Rig()
@@ -177,7 +177,7 @@ def test_a_virtual_stop_acts_where_xactual_meets_it(sign: int) -> None:
     assert rig.position == sign * 50_000
 
 
-@pytest.mark.sheet("002", "9.2")
+@pytest.mark.sheet("DS-TMC4361", "9.2")
 def test_a_linear_virtual_stop_slopes_down_with_dstop_and_knows_no_inversion() -> None:
     rig = Rig()
     rig.write("VIRT_STOP_RIGHT", 10_000)
@@ -190,7 +190,7 @@ def test_a_linear_virtual_stop_slopes_down_with_dstop_and_knows_no_inversion() -
 # --- latches -------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("002", "17.2")
+@pytest.mark.sheet("DS-TMC4361", "17.2")
 @pytest.mark.parametrize(("bit", "pin", "edge"), [(10, "left", 0), (11, "left", 1), (12, "right", 0), (13, "right", 1)])
 def test_x_latch_takes_xactual_at_the_chosen_edge(bit: int, pin: str, edge: int) -> None:
     rig = Rig()
@@ -230,20 +230,20 @@ def sweep(home_event: int, sign: int) -> int:
     return rig.signed("X_HOME")
 
 
-@pytest.mark.sheet("002", "9.3")
+@pytest.mark.sheet("DS-TMC4361", "9.3")
 @pytest.mark.parametrize("sign", [-1, 1])
 @pytest.mark.parametrize(("home_event", "place"), [(2, 4000), (4, 6000), (6, 5000), (3, 4000), (12, 6000)])
 def test_x_home_is_found_where_home_event_says(home_event: int, place: int, sign: int) -> None:
     assert sweep(home_event, sign) == pytest.approx(place, abs=20)
 
 
-@pytest.mark.sheet("002", "9.3")
+@pytest.mark.sheet("DS-TMC4361", "9.3")
 def test_low_zones_are_found_as_high_ones() -> None:
     assert sweep(13, 1) == pytest.approx(6000, abs=20)  # the level falls there: a low zone begins
     assert sweep(11, 1) == pytest.approx(4000, abs=20)
 
 
-@pytest.mark.sheet("002", "9.3")
+@pytest.mark.sheet("DS-TMC4361", "9.3")
 def test_home_event_0_waits_for_the_next_n_event() -> None:
     rig = Rig()
     rig.write("X_HOME", 123_456)
@@ -256,7 +256,7 @@ def test_home_event_0_waits_for_the_next_n_event() -> None:
     assert rig.signed("X_HOME") == pytest.approx(37.3 * 256, abs=400)
 
 
-@pytest.mark.sheet("002", "9.3")
+@pytest.mark.sheet("DS-TMC4361", "9.3")
 @pytest.mark.parametrize(("bit", "pin", "sign"), [(14, "left", -1), (15, "right", 1)])
 def test_a_stop_switch_can_be_home(bit: int, pin: str, sign: int) -> None:
     rig = Rig()
@@ -269,8 +269,8 @@ def test_a_stop_switch_can_be_home(bit: int, pin: str, sign: int) -> None:
     assert not rig.read("REFERENCE_CONF") & TRACK_HOME
 
 
-@pytest.mark.sheet("002", "9.3")
-@pytest.mark.sheet("002", "9")
+@pytest.mark.sheet("DS-TMC4361", "9.3")
+@pytest.mark.sheet("DS-TMC4361", "9")
 def test_home_error_is_not_judged_within_the_margin() -> None:
     rig = Rig()
     rig.patch(switches={"home": True})
@@ -300,7 +300,7 @@ def test_home_error_as_a_copy_of_the_pin() -> None:
 # --- compare, cycles, circles ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("002", "9.5")
+@pytest.mark.sheet("DS-TMC4361", "9.5")
 def test_pos_comp_tells_when_it_is_passed_however_fast() -> None:
     rig = Rig()
     rig.write("POS_COMP", 123_457)
@@ -313,7 +313,7 @@ def test_pos_comp_tells_when_it_is_passed_however_fast() -> None:
     assert rig.position > 123_457
 
 
-@pytest.mark.sheet("002", "9.5")
+@pytest.mark.sheet("DS-TMC4361", "9.5")
 def test_other_positions_can_be_compared() -> None:
     rig = Rig()
     rig.write("POS_COMP", 111)
@@ -329,7 +329,7 @@ def test_other_positions_can_be_compared() -> None:
     assert rig.flag(1)
 
 
-@pytest.mark.sheet("002", "9.5")
+@pytest.mark.sheet("DS-TMC4361", "9.5")
 def test_the_target_reached_pin_shows_the_chosen_flag() -> None:
     rig = Rig()
     rig.write("XTARGET", 5)
@@ -340,8 +340,8 @@ def test_the_target_reached_pin_shows_the_chosen_flag() -> None:
     assert not rig.state().pins.target_reached
 
 
-@pytest.mark.sheet("002", "9.4")
-@pytest.mark.sheet("002", "9")
+@pytest.mark.sheet("DS-TMC4361", "9.4")
+@pytest.mark.sheet("DS-TMC4361", "9")
 def test_clr_pos_at_target_makes_endless_cycles() -> None:
     rig = Rig()
     rig.write("REFERENCE_CONF", CLEAR_AT_TARGET)
@@ -362,7 +362,7 @@ def circle(half: int, decimals: int = 0) -> Rig:
     return rig
 
 
-@pytest.mark.sheet("002", "17.2")
+@pytest.mark.sheet("DS-TMC4361", "17.2")
 def test_circular_motion_wraps_and_counts_turns() -> None:
     rig = circle(1000)
     rig.ramp(BASE, HOLD_VELOCITY)

@@ -73,7 +73,7 @@ def test_it_makes_no_difference_in_how_many_slices_time_passes(
         assert everything(whole) == everything(sliced)
 
 
-@pytest.mark.sheet("002", "8.2")
+@pytest.mark.sheet("DS-TMC4361", "8.2")
 @pytest.mark.parametrize("seed", range(25))
 def test_moves_changed_on_the_fly_end_on_their_target(seed: int) -> None:
     found = ending(random.Random(seed))

@@ -259,7 +259,7 @@ def test_a_tmc5031_always_has_256_microsteps() -> None:
 
 @pytest.mark.parametrize(("model", "axis"), PLACES)
 def test_the_microstep_counter_and_the_table_behind_it(model: Tmc5xxxModel, axis: int) -> None:
-    """facts, tmc-microstep-table: the default table begins at 0 with 247 a quarter further."""
+    """NOTES-MSLUT: the default table begins at 0 with 247 a quarter further."""
     bench = moving(model, axis)
     assert bench.read("MSCNT", axis) == 0
     assert bench.field("MSCURACT", "CUR_B", axis) == 0

@@ -158,7 +158,7 @@ def test_latch_now_of_a_tmc5072() -> None:
         (False, 51_200 * 65_536 // 40_000, 1.28),
         (False, -(51_200 * 65_536 // 40_000), -1.28),
         (True, 1 << 16 | 2800, 1.28),
-        # facts, section 8: the integer part 2^16 - (F + 1), the fraction 10,000 - dec
+        # NOTES-TMC5XXX 8: the integer part 2^16 - (F + 1), the fraction 10,000 - dec
         (True, (2**16 - 2) << 16 | (10_000 - 2800), -1.28),
     ],
 )

@@ -1,6 +1,6 @@
 """RAMP_STAT, GSTAT and ENC_STATUS: cleared by reading in the TMC5031 to TMC5130, by writing ones in the TMC5160.
 
-Which bits of RAMP_STAT latch is INFERRED (facts, section 5): latches, StallGuard2's stop, position reached and second
+Which bits of RAMP_STAT latch is inferred (NOTES-TMC5XXX 5): latches, StallGuard2's stop, position reached and second
 move; stops by switches are told while they hold.
 """
 

@@ -41,7 +41,7 @@ RAMPS = st.fixed_dictionaries(
 
 
 def sixpoint(ramp: dict[str, int], clock_hz: float) -> SixPoint:
-    """The registers in microsteps and seconds: v = V fCLK / 2^24, a = A fCLK^2 / 2^41 (facts, section 2)."""
+    """The registers in microsteps and seconds: v = V fCLK / 2^24, a = A fCLK^2 / 2^41 (NOTES-TMC5XXX 2)."""
     v, a = clock_hz / 2**24, clock_hz**2 / 2**41
     return SixPoint(
         v_max=ramp["VMAX"] * v,
@@ -170,9 +170,9 @@ def test_two_motors_go_their_own_ways(model: Tmc5xxxModel) -> None:
 
 
 @pytest.mark.parametrize(("model", "axis"), PLACES)
-@pytest.mark.sheet("003", "2")
+@pytest.mark.sheet("AN-001", "2")
 def test_the_shorter_way_round_is_taken_past_the_end_of_the_range(model: Tmc5xxxModel, axis: int) -> None:
-    """003, 2: the direction of a move is the sign of the 32-bit difference."""
+    """AN-001 2: the direction of a move is the sign of the 32-bit difference."""
     bench = moving(model, axis)
     bench.put(axis, RAMPMODE=HOLD)
     bench.put(axis, XACTUAL=2**31 - 1000, XTARGET=-(2**31) + 1000)

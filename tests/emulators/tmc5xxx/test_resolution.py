@@ -1,8 +1,8 @@
 """Microstep resolution: where in the wave of 1024 entries a motor stands at each setting of MRES.
 
-DS5130A 1.14, 17.2: a step is 2^MRES entries wide and the first one lies half a step from 0, so that full steps are at
-128, 384, 640 and 896 with both coils alike; another resolution takes the nearest of its own steps. Dumps of real parts
-show the same. The oracle counts the allowed places, and works currents out from the sine.
+DS-TMC5130A 1.14, 17.2: a step is 2^MRES entries wide and the first one lies half a step from 0, so that full steps are
+at 128, 384, 640 and 896 with both coils alike; another resolution takes the nearest of its own steps. Dumps of real
+parts show the same. The oracle counts the allowed places, and works currents out from the sine.
 """
 
 from __future__ import annotations

@@ -1,6 +1,6 @@
 """SW_MODE in full, on every axis: stops hard and soft, polarity, swapping, latches at either edge.
 
-That a polarity bit of 1 means low active is INFERRED (facts, section 5).
+That a polarity bit of 1 means low active is inferred (NOTES-TMC5XXX 5).
 """
 
 from __future__ import annotations

@@ -98,7 +98,7 @@ def test_the_counter_of_writes_goes_round(model: Tmc5xxxModel) -> None:
 @pytest.mark.parametrize("model", [*WITH_NODES, "tmc5062"])
 @pytest.mark.parametrize(("code", "bits"), [(0, 8), (1, 8), (2, 24), (3, 24), (4, 40), (5, 40), (14, 120), (15, 120)])
 def test_how_long_an_answer_waits(model: Tmc5xxxModel, code: int, bits: int) -> None:
-    """SENDDELAY 11:8, and 7:4 in a TMC5062: odd multiples of 8 bit times (facts, section 7)."""
+    """SENDDELAY 11:8, and 7:4 in a TMC5062: odd multiples of 8 bit times (NOTES-TMC5XXX 7)."""
     bench = Bench(model)
     assert bench.chip.reply_delay_bits == 8
     bench.chip.write(0x03, code << (4 if model == "tmc5062" else 8))

@@ -118,9 +118,9 @@ def test_it_makes_no_difference_how_often_somebody_looks(model: Tmc5xxxModel) ->
 
 
 @pytest.mark.parametrize("model", [*DUAL, *SINGLE])
-@pytest.mark.sheet("003", "2")
+@pytest.mark.sheet("AN-001", "2")
 def test_a_rigid_motor_turns_for_a_year_and_the_counter_wraps(model: Tmc5xxxModel) -> None:
-    """003, 2: at 1 turn a second and 51,200 microsteps a turn the 32-bit range is passed every 23.3 hours."""
+    """AN-001 2: at 1 turn a second and 51,200 microsteps a turn the 32-bit range is passed every 23.3 hours."""
     bench = moving(model)
     bench.put(VMAX=2**24 // 16, RAMPMODE=FORWARD)  # exactly 1,000,000 microsteps a second at 16 MHz
     bench.wait(60)

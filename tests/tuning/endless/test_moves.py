@@ -18,7 +18,7 @@ def commands(told: list[DeviceEvent]) -> int:
     return sum(isinstance(event, MotionCommanded) for event in told)
 
 
-@pytest.mark.sheet("003", "2.1")
+@pytest.mark.sheet("AN-001", "2.1")
 @pytest.mark.parametrize("model", FAMILIES)
 @pytest.mark.parametrize("way", [1, -1])
 async def test_a_move_goes_on_over_the_counter_s_end(model: str, way: int) -> None:
@@ -33,8 +33,8 @@ async def test_a_move_goes_on_over_the_counter_s_end(model: str, way: int) -> No
         assert (await b.arrived(30)).actual == start
 
 
-@pytest.mark.sheet("003", "2.1")
-@pytest.mark.sheet("003", "2.2")
+@pytest.mark.sheet("AN-001", "2.1")
+@pytest.mark.sheet("AN-001", "2.2")
 @pytest.mark.parametrize("model", FAST)
 async def test_a_move_of_many_pieces_ends_at_its_target(model: str) -> None:
     """Nobody looks but the service, and the counter wraps on the way."""

@@ -20,7 +20,7 @@ async def geared(b: Bench) -> None:
     await b.service.set_gear(b.device, 0, (51_200, 3, 7))
 
 
-@pytest.mark.sheet("003", "3.2")
+@pytest.mark.sheet("AN-001", "3.2")
 @pytest.mark.parametrize("model", ["tmc428", "tmc5160"])
 async def test_the_angle_is_exact_after_many_wraps_and_a_move_to_an_angle_is_too(model: str) -> None:
     async with bench(model) as b:
@@ -155,7 +155,7 @@ async def test_the_history_keeps_what_changed_and_its_angles() -> None:
         assert len(recent.time_s) < 6
 
 
-@pytest.mark.sheet("003", "2.1")
+@pytest.mark.sheet("AN-001", "2.1")
 @pytest.mark.parametrize(
     ("model", "register"), [("tmc4210", "POS_COMP_4210"), ("tmc4361", "POS_COMP"), ("tmc5160", "X_COMPARE")]
 )
@@ -213,7 +213,7 @@ async def test_a_chip_without_a_compare_register_says_so() -> None:
             await b.service.set_compare(b.device, 0, 5)
 
 
-@pytest.mark.sheet("003", "2.1")
+@pytest.mark.sheet("AN-001", "2.1")
 @pytest.mark.parametrize("way", [1, -1])
 async def test_a_latched_position_is_extended(way: int) -> None:
     """Also where the counter wrapped between the snapshot and the look."""

@@ -22,7 +22,7 @@ def look(count: int, at_s: float, *, reset: bool | None = False) -> CounterLook:
     return CounterLook(count, at_s, reset)
 
 
-@pytest.mark.sheet("003", "2.1")
+@pytest.mark.sheet("AN-001", "2.1")
 @given(counters, st.data())
 def test_random_walks_over_many_wraps_are_exact_or_told(counter: Counter, data: st.DataObject) -> None:
     """Own looks and others', some heard of late or out of order, some too late: never wrong while trusted."""

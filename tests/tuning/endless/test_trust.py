@@ -28,7 +28,7 @@ async def test_an_axis_that_turns_is_followed_without_anybody_asking(model: str)
         assert state.actual == count + b.whole  # the counter wrapped once
 
 
-@pytest.mark.sheet("003", "2.1")
+@pytest.mark.sheet("AN-001", "2.1")
 @pytest.mark.parametrize("model", FAMILIES)
 async def test_the_service_looks_as_often_as_the_greatest_speed_needs(model: str) -> None:
     async with bench(model) as b:

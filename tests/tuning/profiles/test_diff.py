@@ -24,7 +24,7 @@ DIVIDERS = {"name": "pulse_div_ramp_div_usrs", "axis": 0}
 @pytest.mark.parametrize(
     ("model", "left", "right", "shown"),
     [
-        # The same V_MAX behind another divider is another speed: 001, 8.14.
+        # The same V_MAX behind another divider is another speed: DS-TMC428 8.14.
         (
             "tmc428",
             [{"name": "v_max", "axis": 0, "value": 1000}, {**DIVIDERS, "fields": {"pulse_div": 3, "ramp_div": 4}}],

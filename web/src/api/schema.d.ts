@@ -2680,7 +2680,7 @@ export interface components {
             busy: boolean;
             /**
              * Endless
-             * @description no NxM bit in the RAM: the datagram never ends (001, 11)
+             * @description no NxM bit in the RAM: the datagram never ends (DS-TMC428 11)
              */
             endless: boolean;
             /**
@@ -3902,14 +3902,14 @@ export interface components {
             time_scale?: number;
             /**
              * Wiring
-             * @description TMC428: how the switches reach REF1..REF3 (001, Figures 9-3 to 9-5); the reference switch is wired or with the left one (9.8). The chip interprets its pins by refmux and mot1r whatever the wiring.
+             * @description TMC428: how the switches reach REF1..REF3 (DS-TMC428 Figures 9-3 to 9-5); the reference switch is wired or with the left one (9.8). The chip interprets its pins by refmux and mot1r whatever the wiring.
              * @default multiplexed
              * @enum {string}
              */
             wiring?: "left-only" | "two-one-null" | "multiplexed";
             /**
              * V Actual Writable
-             * @description where a write to V_ACTUAL counts: in HOLD_MODE only, as 001, 8.6 says, so that a stop in VELOCITY_MODE brakes; or in VELOCITY_MODE too, where 0 then stops dead, as Trinamic's own software expects
+             * @description where a write to V_ACTUAL counts: in HOLD_MODE only, as DS-TMC428 8.6 says, so that a stop in VELOCITY_MODE brakes; or in VELOCITY_MODE too, where 0 then stops dead, as Trinamic's own software expects
              * @default hold-mode
              * @enum {string}
              */
@@ -6032,7 +6032,7 @@ export interface components {
         };
         /**
          * Moves
-         * @description Moves of several axes that start together (001, 9.10): all targets in successive datagrams.
+         * @description Moves of several axes that start together (DS-TMC428 9.10): all targets in successive datagrams.
          */
         Moves: {
             /** Moves */
@@ -8556,7 +8556,7 @@ export interface components {
         };
         /**
          * RotaryOut
-         * @description The turn, and what the application note (003, 3.2) calls its two numbers.
+         * @description The turn, and what the application note (AN-001 3.2) calls its two numbers.
          */
         RotaryOut: {
             /**

@@ -107,7 +107,7 @@ def true_place(fb: Floats) -> float:
 
 @compiled
 def compensation(fb: Floats, n: Cells, position: int) -> int:
-    """What ENC_COMP adds at an encoder position: a triangle with one period a revolution (facts, section 4)."""
+    """What ENC_COMP adds at an encoder position: a triangle with one period a revolution (NOTES-TMC4361-ENCODER 4)."""
     word = n[ENC_COMP]
     if word == 0 or fb[TURN] <= 0.0:
         return 0

@@ -29,7 +29,7 @@ def encoder_scale(resolution_word: int, microsteps_a_turn: int, decimal: bool) -
 
     The written constant itself where bit 31 (manual_enc_const) is set, 0 where no resolution was written. The quotient
     is rounded to its last bit or decimal, and cut to 15 bits before the point.
-    Source: facts tmc4361-encoder-closed-loop, section 2.
+    Source: NOTES-TMC4361-ENCODER 2.
     """
     one = DECIMAL if decimal else BINARY
     resolution = resolution_word & (_MANUAL - 1)

@@ -1,4 +1,4 @@
-"""PID and closed loop again, plain and slow, from the facts (tmc4361-encoder-closed-loop, sections 5 and 6).
+"""PID and closed loop again, plain and slow, from NOTES-TMC4361-ENCODER 5 and 6.
 
 Written from the formulas, in Python numbers; every call is one tick of 128 clocks.
 """

@@ -137,7 +137,7 @@ class Bench:
         self.ticks(2)
 
     def calibrate(self, conf: int = 0, align: bool = True) -> None:
-        """The vendor's procedure, facts tmc4361-encoder-closed-loop section 6, then closed loop with `conf`.
+        """The vendor's procedure, NOTES-TMC4361-ENCODER 6, then closed loop with `conf`.
 
         `align`: ENC_POS is set to XACTUAL first, so that closing the loop moves nothing.
         """

@@ -70,7 +70,7 @@ def closed(conf: int = 0, registers: Mapping[int, int] | None = None, **options:
 # --- the law ---------------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("002", "17.19")
+@pytest.mark.sheet("DS-TMC4361", "17.19")
 @settings(max_examples=300, deadline=None)
 @given(
     beta=st.integers(1, 511),
@@ -125,7 +125,7 @@ def test_inside_cl_tolerance_the_gain_is_one_the_working_reading_of_a_comparison
 # --- a motor under load ------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("002", "14.4")
+@pytest.mark.sheet("DS-TMC4361", "14.4")
 @pytest.mark.parametrize("load_nm", [0.4, -0.4])
 def test_a_load_that_costs_steps_in_open_loop_costs_none_in_closed_loop(load_nm: float) -> None:
     lost = {}
@@ -153,7 +153,7 @@ def test_a_load_that_costs_steps_in_open_loop_costs_none_in_closed_loop(load_nm:
     assert abs(lost[False]) >= 4
 
 
-@pytest.mark.sheet("002", "14.4")
+@pytest.mark.sheet("DS-TMC4361", "14.4")
 @pytest.mark.parametrize(("beta", "gamma"), [(255, 0), (200, 0), (255, 100)])
 def test_the_load_angle_never_exceeds_beta_and_gamma(beta: int, gamma: int) -> None:
     registers = {CL_ANGLES: beta | gamma << 16, CL_VMIN_EMF: 20_000, CL_VADD_EMF: 50_000}
@@ -225,7 +225,7 @@ def test_a_table_turned_around_and_an_encoder_turned_around_regulate_too() -> No
 # --- calibration -----------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("002", "14.4")
+@pytest.mark.sheet("DS-TMC4361", "14.4")
 @pytest.mark.parametrize("zero_fullsteps", [0.0, 1.7, -37.3, 90.25])
 @pytest.mark.parametrize("start", [0.0, 13.9])
 def test_calibration_finds_how_the_encoder_sits_on_the_shaft(zero_fullsteps: float, start: float) -> None:
@@ -302,7 +302,7 @@ LOW, HIGH, START = 60, 240, 30
 CL_SCALE = {CURRENT_CONF: 1 << 7, SCALE_VALUES: LOW | HIGH << 8 | START << 16}
 
 
-@pytest.mark.sheet("002", "11.6")
+@pytest.mark.sheet("DS-TMC4361", "11.6")
 @pytest.mark.parametrize("deviation", [0, 29, 30, 31, 100, 142, 254, 255, 5000, -100, -255])
 def test_the_current_grows_with_the_deviation(deviation: int) -> None:
     bench = loose(LOOP | CL_SCALE | {ENC_IN_CONF: CLOSED_LOOP})

@@ -1,4 +1,4 @@
-"""Sequencer, current scale and PWM against their facts (tmc4361-io section 9, tmc-microstep-table)."""
+"""Sequencer, current scale and PWM against NOTES-TMC4361-IO 9 and NOTES-MSLUT."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ def both(word: int | None) -> tuple[int, int]:
     return signed(word, 9), signed(word >> 16, 9)
 
 
-@pytest.mark.sheet("002", "11.1")
+@pytest.mark.sheet("DS-TMC4361", "11.1")
 @pytest.mark.parametrize(
     ("mscnt", "a", "b"),
     [(0, 0, 247), (8, 12, 247), (30, 45, 243), (68, 100, 225), (584, -107, -224), (648, -184, -166)],
@@ -68,7 +68,7 @@ def test_currents_are_those_of_the_wave_as_dumps_of_real_chips_show_them(mscnt: 
     assert both(bench.unit.read(CURRENTS)) == (a, b)
 
 
-@pytest.mark.sheet("002", "17.22")
+@pytest.mark.sheet("DS-TMC4361", "17.22")
 def test_another_wave_takes_over_at_once() -> None:
     bench = at(68)
     for word in range(8):
@@ -78,7 +78,7 @@ def test_another_wave_takes_over_at_once() -> None:
     assert both(bench.unit.read(CURRENTS)) == (68, 255 - 68)
 
 
-@pytest.mark.sheet("002", "17.11")
+@pytest.mark.sheet("DS-TMC4361", "17.11")
 def test_a_coarser_microstep_moves_the_sequencer_further() -> None:
     """The clockwork hands over 1/256 full steps, so MSTEP_PER_FS is in them; a turn stays a turn of ENC_CONST."""
     bench = Bench({STEP_CONF: 4 | 200 << 4})
@@ -95,7 +95,7 @@ def test_reverse_motor_dir_turns_the_table_around() -> None:
     assert bench.rotor == pytest.approx(-300, abs=6)
 
 
-@pytest.mark.sheet("002", "11.6")
+@pytest.mark.sheet("DS-TMC4361", "11.6")
 @pytest.mark.parametrize("scale", [0, 31, 100, 255])
 def test_the_scale_multiplies_by_its_value_plus_one(scale: int) -> None:
     bench = at(68)
@@ -106,7 +106,7 @@ def test_the_scale_multiplies_by_its_value_plus_one(scale: int) -> None:
     assert both(bench.unit.read(CURRENTS)) == (100, 225)
 
 
-@pytest.mark.sheet("002", "17.22")
+@pytest.mark.sheet("DS-TMC4361", "17.22")
 def test_the_dac_offset_only_shifts_what_an_spi_dac_gets() -> None:
     bench = at(68)
     bench.write({0x7E: 0x00F70000 | (-20 & 0xFF) << 24, SPI_OUT_CONF: 0xA})
@@ -133,7 +133,7 @@ def scale_while(bench: Bench, ramp_state: int, velocity: float = 1000.0) -> int:
     return int(bench.unit.read(SCALE_PARAM) or 0)
 
 
-@pytest.mark.sheet("002", "11.6")
+@pytest.mark.sheet("DS-TMC4361", "11.6")
 @pytest.mark.parametrize(
     ("conf", "constant", "rising", "falling", "fast"),
     [
@@ -154,7 +154,7 @@ def test_the_scale_goes_with_what_the_ramp_does(conf: int, constant: int, rising
     assert scale_while(bench, 4, -5001.0) == fast
 
 
-@pytest.mark.sheet("002", "17.6")
+@pytest.mark.sheet("DS-TMC4361", "17.6")
 def test_after_a_start_the_boost_lasts_for_its_time() -> None:
     bench = Bench({CURRENT_CONF: DRIVE | BOOST_START, SCALE_VALUES: VALUES, BOOST_TIME: 12_800})
     bench.ticks(10)
@@ -162,7 +162,7 @@ def test_after_a_start_the_boost_lasts_for_its_time() -> None:
     assert scales == [50] * 100 + [100] * 20
 
 
-@pytest.mark.sheet("002", "17.15")
+@pytest.mark.sheet("DS-TMC4361", "17.15")
 def test_the_hold_current_comes_after_the_standby_delay_step_by_step() -> None:
     bench = Bench(
         {
@@ -182,7 +182,7 @@ def test_the_hold_current_comes_after_the_standby_delay_step_by_step() -> None:
     assert scales == [min(25 + tick, 100) for tick in range(1, 81)]
 
 
-@pytest.mark.sheet("002", "17.15")
+@pytest.mark.sheet("DS-TMC4361", "17.15")
 def test_going_down_to_the_drive_current_takes_its_own_delay() -> None:
     bench = Bench({CURRENT_CONF: DRIVE | DRIVE2, SCALE_VALUES: VALUES, VDRV_SCALE_LIMIT: 10, DRV_SCALE_DELAY: 512})
     assert scale_while(bench, 4) == 255 - 0  # at first everything flows
@@ -193,7 +193,7 @@ def test_going_down_to_the_drive_current_takes_its_own_delay() -> None:
     assert scales == [150, 150, 150, 149, 149, 149, 149, 148]
 
 
-@pytest.mark.sheet("002", "17.6")
+@pytest.mark.sheet("DS-TMC4361", "17.6")
 def test_freewheeling_lets_the_shaft_go() -> None:
     bench = Bench(
         {CURRENT_CONF: HOLD | FREEWHEEL, STDBY_DELAY: 1600, FREEWHEEL_DELAY: 16_000},
@@ -221,7 +221,7 @@ def test_ticks_may_be_passed_over_only_when_every_delay_is_over() -> None:
     assert bench.unit.truth.bridges == "open"
 
 
-@pytest.mark.sheet("002", "12.1")
+@pytest.mark.sheet("DS-TMC4361", "12.1")
 @pytest.mark.parametrize(("ifreeze", "scale"), [(0, 100), (30, 30)])
 def test_frozen_the_scale_is_ifreeze_or_what_it_was(ifreeze: int, scale: int) -> None:
     bench = Bench({CURRENT_CONF: DRIVE | HOLD, SCALE_VALUES: VALUES, FREEZE: ifreeze << 24})
@@ -229,7 +229,7 @@ def test_frozen_the_scale_is_ifreeze_or_what_it_was(ifreeze: int, scale: int) ->
     assert [scale_while(bench, 8) for _ in range(5)] == [scale] * 5
 
 
-@pytest.mark.sheet("002", "17.20")
+@pytest.mark.sheet("DS-TMC4361", "17.20")
 def test_above_fs_vel_the_wave_becomes_full_steps() -> None:
     bench = Bench({GENERAL_CONF: RESET_CONF | FS_EN, FS_VEL: 100_000})
     assert not bench.run(0.01, 99_000) & FB_FS_ACTIVE
@@ -240,7 +240,7 @@ def test_above_fs_vel_the_wave_becomes_full_steps() -> None:
     assert seen == {(175, 174), (174, -176), (-176, -175), (-175, 175)}
 
 
-@pytest.mark.sheet("002", "1.3.4")
+@pytest.mark.sheet("DS-TMC4361", "1.3.4")
 @pytest.mark.parametrize(("word", "frequency_hz"), [(0x280, 25_000.0), (800, 20_000.0)])
 def test_the_pwm_frequency_is_the_clocks_over_pwm_freq(word: int, frequency_hz: float) -> None:
     bench = Bench({GENERAL_CONF: RESET_CONF | PWM_OUT, PWM_FREQ: word})
@@ -251,7 +251,7 @@ def test_the_pwm_frequency_is_the_clocks_over_pwm_freq(word: int, frequency_hz: 
     assert bench.unit.describe().pwm is None
 
 
-@pytest.mark.sheet("002", "13.1")
+@pytest.mark.sheet("DS-TMC4361", "13.1")
 @pytest.mark.parametrize(
     ("velocity", "amplitude"), [(0.0, 8192 / 2**17), (25_000.0, (8192 / 2**17 + 0.5) / 2), (50_000.0, 0.5), (9e4, 0.5)]
 )

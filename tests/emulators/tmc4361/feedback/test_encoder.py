@@ -1,4 +1,4 @@
-"""The encoder unit against its facts (tmc4361-encoder-closed-loop), with a shaft that stays where it is put."""
+"""The encoder unit against NOTES-TMC4361-ENCODER, with a shaft that stays where it is put."""
 
 from __future__ import annotations
 
@@ -70,7 +70,7 @@ INVERT = 1 << 29
 # --- ENC_CONST (section 2) -----------------------------------------------------------------------
 
 
-@pytest.mark.sheet("002", "14.2")
+@pytest.mark.sheet("DS-TMC4361", "14.2")
 @pytest.mark.parametrize(
     ("counts", "binary", "decimal"),
     [
@@ -116,7 +116,7 @@ def test_without_a_resolution_enc_pos_stays() -> None:
 # --- incremental ---------------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("002", "14.2")
+@pytest.mark.sheet("DS-TMC4361", "14.2")
 @given(place=st.integers(-40_000_000, 40_000_000))
 def test_each_transition_adds_the_constant(place: int) -> None:
     bench = loose({ENC_IN_RES: 4000, ENC_IN_CONF: DECIMAL}, encoder={"lines": 1000, **AT_ZERO})
@@ -125,7 +125,7 @@ def test_each_transition_adds_the_constant(place: int) -> None:
     assert bench.read(ENC_POS) == place * 128 // 10
 
 
-@pytest.mark.sheet("002", "17.8")
+@pytest.mark.sheet("DS-TMC4361", "17.8")
 @pytest.mark.parametrize("mounted_reversed", [False, True])
 def test_inverting_the_direction_turns_a_reversed_encoder_around(mounted_reversed: bool) -> None:
     bench = loose({ENC_IN_CONF: INVERT * mounted_reversed}, encoder={"reversed": mounted_reversed})
@@ -152,7 +152,7 @@ def test_another_resolution_leaves_enc_pos_where_it_is() -> None:
     assert bench.read(ENC_POS) == pytest.approx(6400 + 3200, abs=2)
 
 
-@pytest.mark.sheet("002", "6.1")
+@pytest.mark.sheet("DS-TMC4361", "6.1")
 def test_pulses_too_short_for_the_input_filter_are_not_counted() -> None:
     # SR 2, FILT_L 7: a level has to last 32 clocks, so 16 transitions in 256 clocks are the most
     slow, fast = loose({INPUT_FILT_CONF: 2 | 7 << 4}), loose({INPUT_FILT_CONF: 2 | 7 << 4})
@@ -183,7 +183,7 @@ def beside_zero(conf: int, registers: dict[int, int] | None = None) -> Bench:
     return bench
 
 
-@pytest.mark.sheet("002", "14.2")
+@pytest.mark.sheet("DS-TMC4361", "14.2")
 def test_an_n_event_latches_and_clears_enc_pos_each_time() -> None:
     bench = beside_zero(POL_N | 1 << 5 | IGNORE_AB | EACH | CLEAR | LATCH | LATCH_X_TOO)
     bench.change(rotor_fullsteps=50.0)
@@ -201,7 +201,7 @@ def test_an_n_event_latches_and_clears_enc_pos_each_time() -> None:
     assert bench.read(ENC_LATCH) == pytest.approx(4321 + TURN, abs=2)
 
 
-@pytest.mark.sheet("002", "17.8")
+@pytest.mark.sheet("DS-TMC4361", "17.8")
 def test_once_means_once() -> None:
     bench = beside_zero(POL_N | 1 << 5 | IGNORE_AB | ONCE | CLEAR | LATCH)
     for place in (50.0, 250.0):
@@ -218,7 +218,7 @@ def test_an_active_n_channel_is_no_event_until_it_is_armed() -> None:
     assert bench.read(ENC_POS) == pytest.approx(12_800, abs=2)
 
 
-@pytest.mark.sheet("002", "17.8")
+@pytest.mark.sheet("DS-TMC4361", "17.8")
 @pytest.mark.parametrize(
     ("sensitivity", "forward", "backward"),
     [(1, 0, 3), (2, 4, -1)],
@@ -235,7 +235,7 @@ def test_the_edge_that_counts_can_be_chosen(sensitivity: int, forward: int, back
         assert bench.read(ENC_LATCH) == pytest.approx(place * 1.28, abs=1.3)
 
 
-@pytest.mark.sheet("002", "17.8")
+@pytest.mark.sheet("DS-TMC4361", "17.8")
 @pytest.mark.parametrize("count", [0, 1, 2, 3])
 def test_polarities_of_a_and_b_choose_one_count_of_the_n_pulse(count: int) -> None:
     a, b = count in (1, 2), count >= 2  # A rises first
@@ -268,7 +268,7 @@ def test_enc_pos_dev_is_enc_pos_minus_xactual_a_choice_as_no_source_tells_the_si
     assert bench.read(ENC_POS_DEV) > 0
 
 
-@pytest.mark.sheet("002", "17.19")
+@pytest.mark.sheet("DS-TMC4361", "17.19")
 def test_enc_fail_means_beyond_the_tolerance_either_way() -> None:
     bench = loose({ENC_POS_DEV_TOL: 100}, encoder=AT_ZERO)
     for x, fails in ((100, False), (101, True), (-100, False), (-101, True)):
@@ -277,7 +277,7 @@ def test_enc_fail_means_beyond_the_tolerance_either_way() -> None:
         assert bool(bench.word & FB_ENC_FAIL) is fails
 
 
-@pytest.mark.sheet("002", "17.8")
+@pytest.mark.sheet("DS-TMC4361", "17.8")
 def test_cl_clr_xact_makes_xactual_follow_the_encoder() -> None:
     bench = loose({ENC_POS_DEV_TOL: 100, ENC_IN_CONF: 1 << 26}, encoder=AT_ZERO)
     bench.turn_by_hand(90)
@@ -300,7 +300,7 @@ def test_enc_pos_can_be_circular() -> None:
 @pytest.mark.parametrize(
     ("registers", "period"),
     [
-        ({X_RANGE: 300, 0x7C: 0x8000_0000}, 601),  # facts tmc4361-io, section 6
+        ({X_RANGE: 300, 0x7C: 0x8000_0000}, 601),  # NOTES-TMC4361-IO 6
         ({X_RANGE: 300, ENC_IN_CONF: 1 << 15}, TURN),
     ],
 )
@@ -325,7 +325,7 @@ def test_a_deviation_is_right_at_once_when_a_position_is_written() -> None:
 # --- misalignment (section 4) ------------------------------------------------------------------------
 
 
-@pytest.mark.sheet("002", "14.5")
+@pytest.mark.sheet("DS-TMC4361", "14.5")
 def test_the_compensating_triangle_leaves_a_seventh_of_an_eccentricity() -> None:
     eccentricity_deg = 0.7
     amplitude = eccentricity_deg / 360 * TURN  # 99.6 microsteps
@@ -350,7 +350,7 @@ def test_the_compensating_triangle_leaves_a_seventh_of_an_eccentricity() -> None
     assert errors["helped"] / amplitude == pytest.approx(0.14, abs=0.015)
 
 
-@pytest.mark.sheet("002", "14.5")
+@pytest.mark.sheet("DS-TMC4361", "14.5")
 def test_the_triangle_is_lowest_at_xoffset_and_yoffset_is_signed() -> None:
     bench = loose({ENC_COMP: 0x4000 | (-100 & 0xFF) << 16 | 200 << 24}, encoder={**AT_ZERO, "lines": 1 << 20})
     offsets = []
@@ -399,7 +399,7 @@ class PlainSpeed:
             self.mean += math.floor((self.v * 65536 - self.mean) / 2**self.exponent)
 
 
-@pytest.mark.sheet("002", "14.2")
+@pytest.mark.sheet("DS-TMC4361", "14.2")
 @pytest.mark.parametrize(("interval", "wait", "exponent"), [(500, 100, 7), (256, 33, 2), (4000, 255, 5)])
 def test_velocities_are_those_of_a_slow_reference(interval: int, wait: int, exponent: int) -> None:
     bench = loose({ENC_VMEAN: wait | exponent << 8 | interval << 16}, encoder={**AT_ZERO, "lines": 2500})
@@ -427,7 +427,7 @@ def test_v_enc_is_the_shafts_velocity_and_its_mean_follows_with_the_time_constan
     assert reached == pytest.approx(2**7 * 100 / 16e6, rel=0.1)  # 0.8 ms
 
 
-@pytest.mark.sheet("002", "17.19")
+@pytest.mark.sheet("DS-TMC4361", "17.19")
 def test_an_encoder_without_counts_stands() -> None:
     bench = loose({ENC_VEL_ZERO: 16_000, ENC_VMEAN: 100 | 2 << 8 | 500 << 16})
     for tick in range(500):
@@ -473,7 +473,7 @@ def put(bench: Bench, microsteps: float) -> int:
     return bench.run(2e-3)
 
 
-@pytest.mark.sheet("002", "14.3")
+@pytest.mark.sheet("DS-TMC4361", "14.3")
 @pytest.mark.parametrize("gray", [False, True])
 @pytest.mark.parametrize("mode", [SSI, SPI])
 def test_an_absolute_encoder_tells_its_place_in_the_turn(mode: int, gray: bool) -> None:
@@ -492,7 +492,7 @@ def test_it_knows_its_place_after_power_on() -> None:
     assert bench.read(ENC_POS) == pytest.approx(123_456, abs=7)
 
 
-@pytest.mark.sheet("002", "14.3")
+@pytest.mark.sheet("DS-TMC4361", "14.3")
 def test_turns_may_be_signed() -> None:
     unsigned, with_sign = absolute(MULTI), absolute(MULTI | MULTI_SIGNED)
     put(unsigned, -10_000)
@@ -501,7 +501,7 @@ def test_turns_may_be_signed() -> None:
     assert unsigned.read(ENC_POS) == pytest.approx(4096 * TURN - 10_000, abs=7)
 
 
-@pytest.mark.sheet("002", "14.3")
+@pytest.mark.sheet("DS-TMC4361", "14.3")
 def test_turns_are_counted_from_single_turn_data_while_steps_stay_below_half_a_turn() -> None:
     bench = absolute(CALC_MULTI)
     put(bench, 0)
@@ -537,7 +537,7 @@ def test_a_wrong_width_reads_nonsense_as_it_would_on_a_bench() -> None:
     assert abs(bench.read(ENC_POS) - 10_000) > 1000
 
 
-@pytest.mark.sheet("002", "17.9")
+@pytest.mark.sheet("DS-TMC4361", "17.9")
 def test_status_bits_of_the_encoder_come_through() -> None:
     bench = absolute(MULTI | LEFT, status_bits=2)
     bench.write({ENC_IN_DATA: 12 | 11 << 5 | 2 << 10})
@@ -547,7 +547,7 @@ def test_status_bits_of_the_encoder_come_through() -> None:
     assert bench.read(ENC_POS) == pytest.approx(10_000, abs=7)
 
 
-@pytest.mark.sheet("002", "14.3")
+@pytest.mark.sheet("DS-TMC4361", "14.3")
 def test_a_jump_beyond_the_variation_limit_is_refused() -> None:
     # 64/256 of an eighth of 8192 counts: 256 counts, 1600 microsteps
     bench = absolute(LIMIT, registers={ENC_VMEAN: 64})
@@ -560,7 +560,7 @@ def test_a_jump_beyond_the_variation_limit_is_refused() -> None:
     assert bench.word & FB_MULTI_FAIL
 
 
-@pytest.mark.sheet("002", "14.3")
+@pytest.mark.sheet("DS-TMC4361", "14.3")
 def test_asking_twice_finds_a_bit_that_was_lost_on_the_way() -> None:
     once, twice = absolute(MULTI), absolute(MULTI | MULTI_CYCLE)
     for bench, fooled in ((once, True), (twice, False)):
@@ -576,7 +576,7 @@ def test_asking_twice_finds_a_bit_that_was_lost_on_the_way() -> None:
     assert abs(bench.read(ENC_POS) - 5000) > 1000  # nobody noticed
 
 
-@pytest.mark.sheet("002", "17.21")
+@pytest.mark.sheet("DS-TMC4361", "17.21")
 def test_registers_of_an_spi_encoder_are_exchanged() -> None:
     bench = absolute(mode=SPI)
     bench.write({0x68: 0x23, 0x69: 0xCAFE})

@@ -34,7 +34,7 @@ from tests.emulators.tmc4361.feedback.rig import (
 )
 
 
-@pytest.mark.sheet("002", "17.19")
+@pytest.mark.sheet("DS-TMC4361", "17.19")
 @settings(max_examples=60, deadline=None)
 @given(
     p=st.integers(0, 1 << 16),
@@ -111,7 +111,7 @@ def settled(**patch: float) -> Bench:
     return bench
 
 
-@pytest.mark.sheet("002", "14.4")
+@pytest.mark.sheet("DS-TMC4361", "14.4")
 @pytest.mark.parametrize("modus", [PID_ALONE, PID_OVER_RAMP])
 @pytest.mark.parametrize("load_nm", [0.15, -0.15])
 def test_pid_takes_away_the_deviation_that_a_load_makes(modus: int, load_nm: float) -> None:
@@ -128,7 +128,7 @@ def test_pid_takes_away_the_deviation_that_a_load_makes(modus: int, load_nm: flo
     assert bench.x == 0  # only the step output moved
 
 
-@pytest.mark.sheet("002", "14.4")
+@pytest.mark.sheet("DS-TMC4361", "14.4")
 def test_over_the_ramp_pid_keeps_the_deviation_small_during_a_move() -> None:
     errors = {}
     for modus in (0, PID_OVER_RAMP):

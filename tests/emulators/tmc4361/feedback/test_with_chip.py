@@ -52,7 +52,7 @@ def calibrated(**registers: int) -> Rig:
     return rig
 
 
-@pytest.mark.sheet("002", "14.4")
+@pytest.mark.sheet("DS-TMC4361", "14.4")
 def test_the_vendors_calibration_closes_the_loop_and_a_load_costs_no_step() -> None:
     rig = calibrated()
     assert rig.signed("ENC_POS") == pytest.approx(rig.signed("XACTUAL"), abs=15)
@@ -102,7 +102,7 @@ def test_pid_over_the_ramp_sends_more_steps_than_the_ramp() -> None:
     assert rig.read("MSCNT") == pytest.approx(-before, abs=30)
 
 
-@pytest.mark.sheet("002", "17.8")
+@pytest.mark.sheet("DS-TMC4361", "17.8")
 def test_an_n_event_latches_both_positions_and_becomes_events() -> None:
     conf = LATCH_RESET | 1 << 3 | 1 << 4 | 1 << 5 | 1 << 9 | 1 << 11  # once, high active, its edge, without A and B
     rig = Rig(Tmc4361Options(encoder=ShaftEncoder(zero_fullsteps=50.0)))
@@ -174,7 +174,7 @@ def test_it_makes_no_difference_how_often_somebody_looks() -> None:
     assert words[:2] == words[2:]
 
 
-@pytest.mark.sheet("002", "14.3")
+@pytest.mark.sheet("DS-TMC4361", "14.3")
 def test_nor_does_it_with_a_serial_encoder() -> None:
     words = []
     for looks in (1, 97):

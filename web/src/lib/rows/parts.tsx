@@ -164,3 +164,12 @@ function nameOf(field: FieldRow | null, value: number): string {
 export function sentence(text: string): string {
   return text === "" ? "" : `${text.charAt(0).toUpperCase()}${text.slice(1)}.`;
 }
+
+/** A data sheet's key (docs/sources.md) as it is called, and what the maker has published as code. */
+export function sourceText(source: string): string {
+  return source
+    .replace(/\bDS-(\w+)/g, "$1 data sheet")
+    .replace(/\bFM-\S+/g, "TMCL manual")
+    .replace(/\bAPI\b/g, "the maker’s TMC-API")
+    .replace(/\bPY\b/g, "PyTrinamic");
+}

@@ -37,7 +37,7 @@ function formOf(exact: Fraction, counts: number, parts: number): Form {
 
 /**
  * ENC_CONST for so many counts and microsteps a turn, both whole and above 0; null where the constant is beyond its 15
- * bits, or so small that it is 0. Source: facts on the encoder unit, section 2; 002 names the register only.
+ * bits, or so small that it is 0. Source: facts on the encoder unit, section 2; DS-TMC4361 names the register only.
  */
 export function encConst(counts: number, microstepsPerTurn: number): EncConst | null {
   if (!(Number.isInteger(counts) && Number.isInteger(microstepsPerTurn) && counts > 0 && microstepsPerTurn > 0))

@@ -227,7 +227,7 @@ function FilterDesigner({ device, axis, filters }: Props) {
             </div>
             {shown === "sheet" && sheet && (
               <Text size="xs" c="dimmed">
-                Figure {sheet.figure} of 002 is about SR = {sheet.sample_rate}, FILT_L = {sheet.length}.{" "}
+                Figure {sheet.figure} of DS-TMC4361 is about SR = {sheet.sample_rate}, FILT_L = {sheet.length}.{" "}
                 {(sheet.sample_rate !== setting.sampleRate || sheet.length !== setting.length) && (
                   <Button
                     size="compact-xs"

@@ -23,7 +23,7 @@ interface Props {
 }
 
 /**
- * The pin, the samples taken of it, and what the chip works with, over time as in figures 6.1 to 6.3 of 002. The pin's
+ * The pin, the samples taken of it, and what the chip works with, over time as in figures 6.1 to 6.3 of DS-TMC4361. The pin's
  * line is drawn by hand: a stroke sets levels, the keys do the same cell by cell.
  */
 export function Waveforms({ pin, input, result, stale, clockHz, onInput }: Props) {

@@ -14,7 +14,7 @@ import {
   wavePath,
 } from "./waves";
 
-/** The rule of 002, 6.1.2 once more: a level counts after `length` + 1 equal samples. */
+/** The rule of DS-TMC4361 6.1.2 once more: a level counts after `length` + 1 equal samples. */
 function filtered(input: number[], sampleRate: number, length: number): Pick<Filtered, "input" | "output" | "bounds"> {
   const period = 2 ** sampleRate;
   let level = input[0] ?? 0;

@@ -1,7 +1,7 @@
 import { Text } from "@mantine/core";
 import { fixed } from "../../lib/format";
 import { enumName, type RegisterRow, toSigned } from "../../lib/rows/bits";
-import { sentence } from "../../lib/rows/parts";
+import { sentence, sourceText } from "../../lib/rows/parts";
 import common from "../../lib/rows/rows.module.css";
 import css from "./parameters.module.css";
 import { type Context, meaningOf, rangeOf, unitText } from "./quantities";
@@ -87,7 +87,7 @@ export function ParameterHelp({ row, context, heading = false }: Props) {
         <dt>Memory</dt>
         <dd>{MEMORY[row.stored]}</dd>
         <dt>Source</dt>
-        <dd>{row.source.replace(/\b004\b/g, "TMCL manual")}</dd>
+        <dd>{sourceText(row.source)}</dd>
       </dl>
     </div>
   );

@@ -3,7 +3,7 @@ import { fixed, hex } from "../../lib/format";
 import type { RowActions } from "../../lib/rows/actions";
 import { accessText, enumName, type RegisterRow, toSigned, unpackField, writable } from "../../lib/rows/bits";
 import { rangeText } from "../../lib/rows/input";
-import { AccessMark, RegisterName, sentence } from "../../lib/rows/parts";
+import { AccessMark, RegisterName, sentence, sourceText } from "../../lib/rows/parts";
 import common from "../../lib/rows/rows.module.css";
 import { keyOf } from "../../lib/rows/staging";
 import { useSelection } from "../../live/selection";
@@ -141,15 +141,4 @@ function stageReset(row: RegisterRow, raw: number | null, actions: RowActions): 
     // Flags that are cleared by writing 1 have no value to go back to.
     if (field.access === "RW" || field.access === "RW*") actions.stage(row, field, unpackField(reset, field), raw);
   }
-}
-
-/** The house's numbers and letters for the data sheets, and for what the maker has published as code. */
-function sourceText(source: string): string {
-  return source
-    .replace(/\b001\b/g, "TMC428 data sheet")
-    .replace(/\b000\b/g, "TMC4210 data sheet")
-    .replace(/\b002\b/g, "TMC4361 data sheet")
-    .replace(/\bDS(5\d{3})\b/g, "TMC$1 data sheet")
-    .replace(/\bAPI\b/g, "the maker’s TMC-API")
-    .replace(/\bPY\b/g, "PyTrinamic");
 }

@@ -26,7 +26,7 @@ export interface PiecesView {
 /**
  * The pieces of a move from `start` to `target`, seen from `actual`. Each is `length` microsteps but the first: what
  * the way is more than whole pieces goes first, since the chip is always given the next whole piece while one is left
- * (003, 2.1 step 3).
+ * (AN-001 2.1 step 3).
  */
 export function viewOf(
   start: bigint,

@@ -32,7 +32,7 @@ export const SendSection = memo(function SendSection({ chip, options, vmax, dist
   );
 });
 
-/** What a write would set going, or mean otherwise than it says (002, 8.2.2). */
+/** What a write would set going, or mean otherwise than it says (DS-TMC4361 8.2.2). */
 function notesOn(chip: ChipRamp | null, changed: readonly Difference[]): string[] {
   if (chip === null) return [];
   const get = (name: string) => chip.get(name) ?? 0;

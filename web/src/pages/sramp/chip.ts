@@ -69,7 +69,7 @@ export function compared(registers: Answer["registers"], options: Options, chip:
   ];
 }
 
-/** What 1 in a register stands for (002, 8.2.3), to read a design out of the chip. */
+/** What 1 in a register stands for (DS-TMC4361 8.2.3), to read a design out of the chip. */
 function unitsOf(options: Options, clockHz: number): { velocity: number; acceleration: number; bow: number } {
   return {
     velocity: 1 / 256,

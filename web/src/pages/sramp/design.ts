@@ -97,7 +97,7 @@ export function lockOf(design: Design): Lock {
   return bow1 === bow2 ? "equal" : "mirrored";
 }
 
-/** The bow with which a slope just touches AMAX and B12 takes no time: the fastest slopes of 002, 8.2. */
+/** The bow with which a slope just touches AMAX and B12 takes no time: the fastest slopes of DS-TMC4361 8.2. */
 export function touchingBow(design: Pick<Design, "vmax" | "amax">): number {
   return rounded(design.amax ** 2 / design.vmax);
 }
@@ -187,7 +187,7 @@ export const PRESETS: readonly Preset[] = [
 const ACCELERATION_MOST = 2 ** 22 - 0.25;
 const BOW_MOST = 2 ** 24 - 1;
 
-/** The options with direct units where the registers could not hold the design without (002, 8.2.3). */
+/** The options with direct units where the registers could not hold the design without (DS-TMC4361 8.2.3). */
 export function withRoom(options: Options, design: Design): Options {
   const { amax, dmax, astart, dfinal } = design;
   return {

@@ -21,7 +21,7 @@ const LAYOUT: Layout<Parameter> = {
   meanings: MEANING,
 };
 
-/** Which parameters are on the plots: those of the ramp, but DFINAL where it is ignored (positioning, 002, 8.2.1). */
+/** Which parameters are on the plots: those of the ramp, but DFINAL where it is ignored (positioning, DS-TMC4361 8.2.1). */
 export function shownHandles(parameters: readonly Parameter[], options: Options): Parameter[] {
   return parameters.filter((parameter) => parameter !== "dfinal" || options.mode === "velocity");
 }

@@ -2,7 +2,7 @@ import type { Answer } from "../../lib/ramp/answer";
 import { COOL, COOL_SOFT, type Hues, PLAIN, type Stretch, stretchesIn, WARM, WARM_SOFT } from "../../lib/ramp/phases";
 import type { Shape } from "./design";
 
-/** The phases of a slope up, a cruise and a slope down, in their order (002, 8.2 and 8.1.2). */
+/** The phases of a slope up, a cruise and a slope down, in their order (DS-TMC4361 8.2 and 8.1.2). */
 export const PHASES: Record<Shape, readonly string[]> = {
   s: ["B1", "B12", "B2", "B23", "B3", "B34", "B4"],
   trapezoid: ["A1L", "A1", "A2", "A3", "A3L"],

@@ -2,7 +2,7 @@ import type { CurrentScale } from "./load";
 
 /**
  * What CoolStep and StallGuard2 hang on, from axis parameters. Speeds are in pps where the module's unit mode (AP 255)
- * is pps. Document 004, 7.3 and chapter 4 in outline; the formula of the upper threshold is TMCM-1290's table.
+ * is pps. Document FM-PD42-1241 7.3 and chapter 4 in outline; the formula of the upper threshold is TMCM-1290's table.
  */
 export interface Tuning {
   /** AP 172, 0..15: 0 switches CoolStep off */
@@ -40,7 +40,7 @@ export function hysteresisFor(load: number, hysteresisStart: number): number {
   return field(load / STEP - hysteresisStart - 1);
 }
 
-/** Full scale of the module's current [A rms]: 3 A (004, 1). */
+/** Full scale of the module's current [A rms]: 3 A (FM-PD42-1241 1). */
 export const MODULE_MAX_A = 3;
 
 export interface CurrentSetting {

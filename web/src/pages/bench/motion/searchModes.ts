@@ -1,4 +1,4 @@
-/** Reference search of a PD42-1241 (document 004, 7.1): its modes as words, for AP 193. */
+/** Reference search of a PD42-1241 (document FM-PD42-1241 7.1): its modes as words, for AP 193. */
 export const MIRRORED = 64;
 export const HOME_INVERTED = 128;
 

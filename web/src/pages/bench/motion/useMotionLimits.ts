@@ -14,7 +14,7 @@ interface TopRegister {
 }
 
 /**
- * The register of the highest velocity by family. A TMC4361's counts 1/256 pps whatever else is set (002, 8), a
+ * The register of the highest velocity by family. A TMC4361's counts 1/256 pps whatever else is set (DS-TMC4361 8), a
  * TMC5xxx's fCLK / 2^24 (TMC5160A data sheet, 12.1).
  */
 const TOP: Record<Family, TopRegister> = {
