@@ -25,6 +25,7 @@ from starlette.responses import HTMLResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 from app.api.identity import ANYBODY, OWN, Identity, identify
+from app.api.log_ins import LogIns
 from app.api.problems import Kind, problem_answer
 from app.api.sessions import SESSION_S, Sessions, cookie_name
 from app.api.tokens import Tokens
@@ -97,11 +98,14 @@ class Access:
     session counts all the same where it is said.
     """
 
-    def __init__(self, app: ASGIApp, token: str | None, tokens: Tokens, sessions: Sessions, clock: Clock) -> None:
+    def __init__(
+        self, app: ASGIApp, token: str | None, tokens: Tokens, sessions: Sessions, log_ins: LogIns, clock: Clock
+    ) -> None:
         self._app = app
         self._own_hash = None if token is None else hash_of(token)
         self._tokens = tokens
         self._sessions = sessions
+        self._log_ins = log_ins
         self._guesses = Guesses(clock)
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -136,10 +140,12 @@ class Access:
             try:
                 refusal = await self._visitor(Request(scope, receive))
             except _Wrong as wrong:
+                self._log_ins.refused(scope, "log in")
                 refusal = self._told_off(scope, address) or wrong.page
         if self._own_hash is None or refusal is not None:
             return refusal
         if bearer:
+            self._log_ins.refused(scope, "use token")
             refusal = self._told_off(scope, address)
         if refusal is None:
             detail = "the token is wrong, or revoked" if bearer else "there is no token, and no session of a browser"
@@ -186,6 +192,8 @@ class Access:
         return _page(WHERE, 401)
 
     def _welcome(self, request: Request, path: str, identity: Identity) -> Response:
+        identify(request.scope, identity)
+        self._log_ins.done(request.scope)
         response = RedirectResponse("/" + path.lstrip("/\\"), 303, headers={"cache-control": "no-store"})
         response.set_cookie(
             cookie_name(request.scope),

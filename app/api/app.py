@@ -14,6 +14,7 @@ from app.api.auditing import Auditing
 from app.api.bench import Bench
 from app.api.guard import Guard, is_loopback
 from app.api.lease_gate import Free, LeaseGate
+from app.api.log_ins import LogIns
 from app.api.roles import Policy, RoleGate
 from app.api.routes import (
     access,
@@ -113,7 +114,14 @@ def make_app(bench: Bench, lifespan: Lifespan, urgent: Callable[[], AbstractCont
     # Behind the token: a stranger holds nothing back.
     app.add_middleware(StopsFirst, urgent=urgent)
     app.state.token = token_of(bench.settings)
-    app.add_middleware(Access, token=app.state.token, tokens=bench.tokens, sessions=bench.sessions, clock=bench.clock)
+    app.add_middleware(
+        Access,
+        token=app.state.token,
+        tokens=bench.tokens,
+        sessions=bench.sessions,
+        log_ins=LogIns(bench.audit, bench.clock),
+        clock=bench.clock,
+    )
     # Added last, so it looks first: a foreign page may not even guess.
     app.add_middleware(
         Guard,

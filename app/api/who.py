@@ -8,6 +8,7 @@ who may come in at all is the business of `access`. A named token is a proof, an
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from urllib.parse import unquote
 
 from starlette.types import ASGIApp, Receive, Scope, Send
@@ -36,16 +37,24 @@ def actor_of(scope: Scope, name_of: Callable[[str], str | None]) -> Actor:
             name = plain_name(unquote(value.decode("latin-1")))
         elif key == b"user-agent":
             agent = value.decode("latin-1")
-    address = (scope.get("client") or ("",))[0]
-    kind: ActorKind = "browser" if agent.startswith("Mozilla/") else "client"
+    stranger = _stranger(scope, agent)
     known = name_of(session) if session else None
     token = identity_of(scope).name
-    return Actor(token or known or name or _guessed(agent, kind, address), kind, session or None, address, token)
+    return replace(stranger, name=token or known or name or stranger.name, session=session or None, token=token)
 
 
-def _guessed(agent: str, kind: ActorKind, address: str) -> str:
+def stranger_of(scope: Scope) -> Actor:
+    """Who sent that request, where nothing counts of what it says of itself but its program."""
+    return _stranger(
+        scope, next((value for key, value in scope["headers"] if key == b"user-agent"), b"").decode("latin-1")
+    )
+
+
+def _stranger(scope: Scope, agent: str) -> Actor:
+    kind: ActorKind = "browser" if agent.startswith("Mozilla/") else "client"
     program = "browser" if kind == "browser" else plain_name(agent.partition(" ")[0].partition("/")[0]) or "somebody"
-    return f"{program}@{address}" if address else program
+    address = (scope.get("client") or ("",))[0]
+    return Actor(f"{program}@{address}" if address else program, kind, None, address)
 
 
 class Who:

@@ -12,6 +12,7 @@ from fastapi import FastAPI
 
 from app.api.access import ADDRESSES_MAX, GUESSES, WINDOW_S, Guesses
 from app.api.guard import is_loopback
+from app.api.log_ins import REFUSED_MAX, REFUSED_S
 from app.clock import VirtualClock
 from app.main import create_app
 from app.serving import _address, _without_token
@@ -253,3 +254,20 @@ async def test_nobody_listens_in_without_it(door: Door) -> None:
     await door.app(scope, receive, send)  # type: ignore[arg-type]  # a plain dict is a scope
     assert [message["type"] for message in sent] == ["websocket.http.response.start", "websocket.http.response.body"]
     assert sent[0]["status"] == 401
+
+
+async def test_wrong_tokens_fill_no_audit_log(door: Door, clock: VirtualClock) -> None:
+    for number in range(REFUSED_MAX):
+        async with door.visitor(f"10.0.1.{number}") as thief:
+            for _ in range(GUESSES):
+                await thief.post("/login", data={"token": "wrong"})
+            await thief.get("/api/v1/devices", headers={"authorization": "Bearer wrong"})
+    await clock.advance(REFUSED_S)
+    async with door.visitor(authorization="Bearer wrong") as thief:
+        await thief.get("/api/v1/devices")
+    async with door.visitor(authorization=f"Bearer {TOKEN}") as owner:
+        audit = (await owner.get("/api/v1/audit")).json()["entries"]
+    assert [(each["action"], each["detail"]) for each in audit if each["action"] != "start"] == [
+        ("use token", "100 wrong tokens before it are not entered"),
+        *[("log in", "")] * REFUSED_MAX,
+    ]

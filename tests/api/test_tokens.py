@@ -149,6 +149,26 @@ async def test_a_browser_logs_in_with_a_named_token_and_out_again(networked: Fas
         assert (await thief.get(f"{BASE}/access")).status_code == 401, "it ended on the server, too"
 
 
+async def test_logging_in_and_out_is_in_the_audit_log(networked: FastAPI) -> None:
+    token = await bench_of(networked).tokens.add("anna", "drive")
+    agent = {"user-agent": "Mozilla/5.0", "stepscope-name": "bob", **HTML}
+    async with visitor(networked, **agent) as browser:
+        await browser.post("/login", data={"token": "wrong"})
+        await browser.post("/login", data={"token": token})
+        await browser.post(f"{BASE}/access/log-out")
+        await browser.get("/", params={"token": TOKEN})
+        audit = (await browser.get(f"{BASE}/audit")).json()["entries"]
+    done, stranger = "done", "refused: the token is wrong, or revoked"
+    assert [(each["action"], each["who"], each["address"], each["outcome"]) for each in reversed(audit)][-4:] == [
+        ("log in", "browser@10.0.0.9", "10.0.0.9", stranger),
+        ("log in", "anna", "10.0.0.9", done),
+        ("log out", "anna", "10.0.0.9", done),
+        ("log in", "bob", "10.0.0.9", done),
+    ]
+    assert audit[0]["detail"] == "with the server's own token"
+    assert not {token, TOKEN, "wrong"} & set(json.dumps(audit).replace('"', " ").split())
+
+
 async def test_revoking_ends_sessions(networked: FastAPI) -> None:
     token = await bench_of(networked).tokens.add("anna", "drive")
     async with visitor(networked) as browser, visitor(networked, TOKEN) as owner:
