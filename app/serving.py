@@ -19,7 +19,16 @@ from fastapi import FastAPI
 from app.api.access import is_stop
 from app.api.app import build_routes
 from app.certificate import require_certificate
-from app.connections import Door, Limits, Listener, descriptor_limit, limited_http, raise_descriptor_limit
+from app.connections import (
+    MESSAGE_BYTES_MAX,
+    Door,
+    Limits,
+    Listener,
+    descriptor_limit,
+    limited_http,
+    limited_websocket,
+    raise_descriptor_limit,
+)
 from app.listening import listen, url_of
 from app.main import bench_of, create_app, stop_motors
 from app.settings import Settings
@@ -96,7 +105,8 @@ class BenchServer(uvicorn.Server):
 
     def __init__(self, app: FastAPI, settings: Settings, on_ready: Callable[[], None]) -> None:
         self.door = Door(Limits.of_descriptors(descriptor_limit()))
-        options = {**_options(settings), "http": limited_http(self.door, is_stop)}
+        protocols = {"http": limited_http(self.door, is_stop), "ws": limited_websocket(self.door)}
+        options = {**_options(settings), **protocols}
         super().__init__(uvicorn.Config(app, **options))  # type: ignore[arg-type]  # a table of options
         self._bench = bench_of(app)
         self._bench.vitals.door = self.door
@@ -147,6 +157,7 @@ def _options(settings: Settings) -> dict[str, object]:
         "http": "httptools",
         "loop": "asyncio",  # others accept by themselves: `Listener` would not be asked
         "ws": "websockets-sansio",
+        "ws_max_size": MESSAGE_BYTES_MAX,
         "ws_per_message_deflate": False,  # float64 noise hardly shrinks, and compressing costs more than the wire
         "log_level": "warning" if settings.log_level == "info" else settings.log_level,
         "access_log": settings.log_level == "debug",

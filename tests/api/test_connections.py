@@ -10,12 +10,14 @@ from pathlib import Path
 
 import pytest
 from websockets.asyncio.client import connect
+from websockets.exceptions import ConnectionClosed
 
-from app.connections import DESCRIPTORS_KEPT, HEAD_BYTES_MAX, STOPS_KEPT, Door, Limits
+from app.connections import DESCRIPTORS_KEPT, HEAD_BYTES_MAX, MESSAGE_BYTES_MAX, STOPS_KEPT, Door, Limits
 from tests.api.live import live_server
 
 TOTAL, OF_ADDRESS = 12, 9
 HALF = b"GET /api/v1/devices HTTP/1.1\r\nHost: 127.0.0.1\r\n"
+CONDITIONS = "/api/v1/conditions"
 Streams = tuple[asyncio.StreamReader, asyncio.StreamWriter]
 PATIENCE_S = 20.0
 
@@ -187,6 +189,52 @@ async def _send_in_pieces(writer: asyncio.StreamWriter, size: int) -> None:
     for _ in range(0, size, 10_000):
         writer.write(b"x" * 10_000)
         await writer.drain()
+
+
+async def test_what_a_websocket_says_waits_for_its_turn_and_nobody_else_does(
+    visitors: Visitors, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.connections.PIECE_EVERY_S", 3600.0)
+    async with connect(visitors.url.replace("http", "ws") + CONDITIONS) as socket:
+        answered = await socket.ping()
+        for _ in range(OF_ADDRESS - 2):
+            assert await visitors.ask("POST", "stop") == 200
+            await socket.recv()  # what it is told does not wait
+        assert not answered.done()
+        socket.transport.abort()  # else it waits for the answer to its goodbye
+
+
+async def test_a_long_message_is_read_to_its_end_and_a_longer_one_ends_the_websocket(visitors: Visitors) -> None:
+    async with asyncio.timeout(PATIENCE_S), connect(visitors.url.replace("http", "ws") + CONDITIONS) as socket:
+        await socket.send(["x" * 10_000] * 6)
+        await (await socket.ping())
+        await socket.send("x" * (MESSAGE_BYTES_MAX + 1))
+        with contextlib.suppress(ConnectionClosed):
+            while True:
+                await socket.recv()
+        assert socket.close_code == 1009
+
+
+async def test_who_takes_no_answers_is_not_read_any_further_and_ended(
+    visitors: Visitors, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("app.connections.PIECE_EVERY_S", 0.0)
+    monkeypatch.setattr("app.connections.UNTAKEN_S", 0.1)
+    head = (
+        f"GET {CONDITIONS} HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+        "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n"
+    )
+    reader, writer = await visitors.come(head.encode())
+    await reader.readuntil(b"\r\n\r\n")
+    writer.transport.pause_reading()  # type: ignore[attr-defined]  # of asyncio's own transports
+    pings = (b"\x89\xfd\0\0\0\0" + b"x" * 125) * 100
+    rounds = 0
+    with contextlib.suppress(ConnectionError):
+        while rounds < 10_000:
+            writer.write(pings)
+            await writer.drain()
+            rounds += 1
+    assert rounds < 10_000
 
 
 async def test_each_address_has_its_turn(monkeypatch: pytest.MonkeyPatch) -> None:

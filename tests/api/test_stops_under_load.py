@@ -22,8 +22,28 @@ def bench() -> Iterator[tuple[ServerProcess, httpx.Client]]:
 
 @pytest.mark.parametrize(
     ("load", "count"),
-    [("half-open", 1100), ("header", 1), ("bodies", 4), ("readers", 20), ("talker", 1), ("", 0)],
-    ids=["half-open sockets", "a header", "bodies", "readers", "a talking peer", "a full disk"],
+    [
+        ("half-open", 1100),
+        ("header", 1),
+        ("bodies", 4),
+        ("messages", 8),
+        ("parts", 8),
+        ("pings", 8),
+        ("readers", 20),
+        ("talker", 1),
+        ("", 0),
+    ],
+    ids=[
+        "half-open sockets",
+        "a header",
+        "bodies",
+        "messages",
+        "parts",
+        "pings",
+        "readers",
+        "a talking peer",
+        "a full disk",
+    ],
 )
 def test_a_stop_comes_through(bench: tuple[ServerProcess, httpx.Client], load: str, count: int) -> None:
     process, api = bench

@@ -9,6 +9,7 @@ import sys
 import threading
 import time
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import httpx
@@ -90,6 +91,42 @@ def _together(count: int, work: Callable[[], None]) -> None:
         thread.join()
 
 
+TELEMETRY = "/api/v1/devices/bench/telemetry?channels=position.0"
+FRAMES = {
+    "messages": b"\x81\x81\0\0\0\0x",
+    "long messages": b"\x81\xfe\xff\xff\0\0\0\0" + b"x" * 65_535,
+    "parts": b"\x01\x81\0\0\0\0x" + b"\x00\x81\0\0\0\0x" * 4000 + b"\x80\x80\0\0\0\0",
+    "pings": b"\x89\x80\0\0\0\0",
+}
+"""What is said over a WebSocket, masked by nothing: texts of 1 byte, long ones, one in thousands of parts, pings."""
+
+
+def talkative(url: str, count: int, kind: str) -> None:
+    """WebSockets of conditions and telemetry whose clients say that without end, and take what they get."""
+    frames = FRAMES[kind] * max(1, PIECE_BYTES // len(FRAMES[kind]))
+    numbers = iter(range(count))
+
+    def flood() -> None:
+        path = ("/api/v1/conditions", TELEMETRY)[next(numbers) % 2]
+        head = (
+            f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1\r\nConnection: Upgrade\r\nUpgrade: websocket\r\n"
+            "Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n\r\n"
+        )
+        while True:
+            with contextlib.suppress(OSError), socket.create_connection(address(url), timeout=5) as connection:
+                connection.sendall(head.encode())
+                if not connection.recv(PIECE_BYTES).startswith(b"HTTP/1.1 101 "):
+                    raise RuntimeError(f"no WebSocket at {path}")
+                connection.settimeout(None)  # with a time limit Python waits, whatever the flags say
+                while True:
+                    connection.sendall(frames)
+                    with contextlib.suppress(BlockingIOError):
+                        while connection.recv(PIECE_BYTES, socket.MSG_DONTWAIT):
+                            pass
+
+    _together(count, flood)
+
+
 def readers(url: str, count: int) -> None:
     """Telemetry sockets that take what they get."""
 
@@ -124,6 +161,7 @@ LOADS: dict[str, Callable[[str, int], None]] = {
     "half-open": half_open,
     "header": header,
     "bodies": bodies,
+    **{kind: partial(talkative, kind=kind) for kind in FRAMES},
     "readers": readers,
     "talker": talk,
 }
