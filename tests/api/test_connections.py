@@ -196,7 +196,7 @@ async def test_what_a_websocket_says_waits_for_its_turn_and_nobody_else_does(
 ) -> None:
     monkeypatch.setattr("app.connections.PIECE_EVERY_S", 3600.0)
     async with connect(visitors.url.replace("http", "ws") + CONDITIONS) as socket:
-        answered = await socket.ping()
+        answered = asyncio.ensure_future(await socket.ping())
         for _ in range(OF_ADDRESS - 2):
             assert await visitors.ask("POST", "stop") == 200
             await socket.recv()  # what it is told does not wait
