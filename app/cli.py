@@ -11,10 +11,10 @@ from typing import Annotated
 
 import typer
 
-from app import __version__
-from app.commands import COMMANDS, GROUPS, WITHOUT_ARGUMENTS
-from app.links.errors import BenchError
-from app.settings import LogLevel, OnVanish, Settings
+from . import __version__
+from .commands import COMMANDS, GROUPS, WITHOUT_ARGUMENTS
+from .links.errors import BenchError
+from .settings import LogLevel, OnVanish, Settings
 
 # The server's own imports (FastAPI, numpy, numba) cost half a second: each command brings only what it needs.
 
@@ -99,7 +99,7 @@ def serve(
     }
     with _told():
         settings = Settings(**{name: value for name, value in said.items() if value is not None})  # type: ignore[arg-type]  # checked by pydantic
-        from app import serving
+        from . import serving
 
         if reload:
             serving.serve_with_reload(settings, os.environ)
@@ -155,7 +155,7 @@ def emulate(
     of_line: dict[str, object] = {"control": control, "shared_bus": shared_bus or None}
     of_uart: dict[str, object] = {"echo": echo or None, "node": node}
     with _told():
-        from app import emulating
+        from . import emulating
 
         is_uart = emulating.shows_uart(model, asked=uart or pty is not None)
         is_board, is_line = model == emulating.BOARD, model in emulating.LINES or is_uart
@@ -210,7 +210,7 @@ def fault(
     URL may also be an emulated device of a running dashboard: http://127.0.0.1:8000/api/v1/devices/NAME/emulator
     """
     with _told():
-        from app import fault as faults
+        from . import fault as faults
 
         path, state = faults.change(url, name, value, address=address, line=line)
         typer.echo(json.dumps(state, indent=1) if as_json else f"{path} = {value}")
@@ -219,7 +219,7 @@ def fault(
 @cli.command()
 def openapi() -> None:
     """Print the OpenAPI schema of the REST API."""
-    from app.main import create_app
+    from .main import create_app
 
     typer.echo(json.dumps(create_app(Settings()).openapi(), indent=1, ensure_ascii=False))
 

@@ -9,12 +9,12 @@ from __future__ import annotations
 import logging
 from dataclasses import dataclass
 
-from app.calc.units import acceleration_from_hz_s, velocity_from_rate
-from app.devices.config import AxisSettings, DeviceConfig
-from app.devices.device import Device
-from app.devices.manager import DeviceManager
-from app.devices.start_up import AxisStart, start_up
-from app.links.errors import BenchError
+from .calc.units import acceleration_from_hz_s, velocity_from_rate
+from .devices.config import AxisSettings, DeviceConfig
+from .devices.device import Device
+from .devices.manager import DeviceManager
+from .devices.start_up import AxisStart, start_up
+from .links.errors import BenchError
 
 log = logging.getLogger("stepscope.demo")
 

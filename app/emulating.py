@@ -14,26 +14,26 @@ from pathlib import Path
 from types import FrameType
 from typing import TYPE_CHECKING, cast
 
-from app.clock import Clock, WallClock
-from app.emulators.line.ends import End
-from app.emulators.line.framing import TMCL, Fixed, Framing
-from app.emulators.line.line import Line
-from app.emulators.line.module import LineModule
-from app.emulators.line.raw import RawChip
-from app.emulators.line.server import LineServer
-from app.emulators.line.tcp import TcpEnd
-from app.emulators.line.uart import uart_line
-from app.emulators.pd42.module import EmulatedModule
-from app.emulators.pd42.options import Pd42Options
-from app.emulators.server import Served, frame_bytes_of, serve_tcp
-from app.links.datagram_uart import MODELS as UART_MODELS
-from app.links.datagram_uart import NODE_MODELS
-from app.listening import CannotListen, host_and_port, listen, url_of, why
+from .clock import Clock, WallClock
+from .emulators.line.ends import End
+from .emulators.line.framing import TMCL, Fixed, Framing
+from .emulators.line.line import Line
+from .emulators.line.module import LineModule
+from .emulators.line.raw import RawChip
+from .emulators.line.server import LineServer
+from .emulators.line.tcp import TcpEnd
+from .emulators.line.uart import uart_line
+from .emulators.pd42.module import EmulatedModule
+from .emulators.pd42.options import Pd42Options
+from .emulators.server import Served, frame_bytes_of, serve_tcp
+from .links.datagram_uart import MODELS as UART_MODELS
+from .links.datagram_uart import NODE_MODELS
+from .listening import CannotListen, host_and_port, listen, url_of, why
 
 if TYPE_CHECKING:
     from fastapi import FastAPI
 
-    from app.emulators.tmc5xxx import Tmc5xxxModel
+    from .emulators.tmc5xxx import Tmc5xxxModel
 
 MODULE, BOARD = "pd42-1241", "landungsbruecke"
 LINES = (MODULE, BOARD)
@@ -71,7 +71,7 @@ def emulate(
         raise ValueError("--baud is for a line: use it with --pty")
     where = None if tcp is None else host_and_port("--tcp", tcp)
     with _killed_by_signals():
-        from app.emulators.build import build_emulator, options_of
+        from .emulators.build import build_emulator, options_of
 
         chip = build_emulator(model, WallClock(), options_of(model).model_validate(options))
         assert not isinstance(chip, EmulatedModule)  # those hang on lines
@@ -184,7 +184,7 @@ def _modules(clock: Clock, options: LineOptions) -> _Far:
     modules = {address: _module(address, clock, options) for address in options.addresses}
 
     def make_control(server: LineServer) -> FastAPI:
-        from app.api.line_control import Controlled, make_control_app
+        from .api.line_control import Controlled, make_control_app
 
         return make_control_app(Controlled(server, modules))
 
@@ -199,12 +199,12 @@ def _module(address: int, clock: Clock, options: LineOptions) -> EmulatedModule:
 
 
 def _board(clock: Clock, options: LineOptions) -> _Far:
-    from app.emulators.board.build import build_board
+    from .emulators.board.build import build_board
 
     board = build_board(options.chip, clock, {**_of_chip(options), "seed": options.seed})
 
     def make_control(server: LineServer) -> FastAPI:
-        from app.api.board_control import make_board_control_app
+        from .api.board_control import make_board_control_app
 
         return make_board_control_app(server, board)
 
@@ -213,7 +213,7 @@ def _board(clock: Clock, options: LineOptions) -> _Far:
 
 
 def _chips(clock: Clock, options: LineOptions) -> _Far:
-    from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxOptions
+    from .emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxOptions
 
     chips = {}
     for node in options.addresses:
@@ -225,7 +225,7 @@ def _chips(clock: Clock, options: LineOptions) -> _Far:
         chip.catch_up(0.0)  # compiles: whoever is told that we are there gets answers at once
 
     def make_control(server: LineServer) -> FastAPI:
-        from app.api.chip_control import make_chip_control_app
+        from .api.chip_control import make_chip_control_app
 
         return make_chip_control_app(server, chips)
 
@@ -253,7 +253,7 @@ def _ends(options: LineOptions) -> list[End]:
     if options.tcp is not None:
         ends.append(TcpEnd(listen(*host_and_port("--tcp", options.tcp))))
     if options.pty is not None:
-        from app.emulators.line.pty import PtyEnd  # not every system has such terminals
+        from .emulators.line.pty import PtyEnd  # not every system has such terminals
 
         ends.append(PtyEnd(options.pty))
     return ends
@@ -291,7 +291,7 @@ def _controlling(app: FastAPI, listener: socket.socket) -> Iterator[None]:
     """The control port, in a thread of its own, as long as the block runs. The line's server has to run meanwhile."""
     import uvicorn  # a quarter of a second that most lines need not wait for
 
-    from app.connections import Door, Limits, Listener, descriptor_limit, limited_http
+    from .connections import Door, Limits, Listener, descriptor_limit, limited_http
 
     door = Door(Limits.of_descriptors(descriptor_limit()))
     web = uvicorn.Server(

@@ -14,9 +14,9 @@ from urllib.parse import urlsplit
 
 from pydantic import BaseModel
 
-from app.emulators.line.faults import LinePatch
-from app.emulators.pd42.options import Pd42Patch
-from app.links.errors import LinkDown, LinkError, LinkTimeout, UnknownThing, UsageError
+from .emulators.line.faults import LinePatch
+from .emulators.pd42.options import Pd42Patch
+from .links.errors import LinkDown, LinkError, LinkTimeout, UnknownThing, UsageError
 
 TIMEOUT_S = 10.0
 WORDS: dict[str, object] = {"on": True, "true": True, "yes": True, "off": False, "false": False, "no": False}
@@ -55,19 +55,19 @@ def _path_at(target: str, name: str) -> str:
 def _patch_of(model: str) -> type[BaseModel]:
     # Each brings what it needs to be computed; only one is wanted.
     if model == "landungsbruecke":
-        from app.emulators.board.options import BoardPatch
+        from .emulators.board.options import BoardPatch
 
         return BoardPatch
     if model == "tmc4361":
-        from app.emulators.tmc4361.options import Tmc4361Patch
+        from .emulators.tmc4361.options import Tmc4361Patch
 
         return Tmc4361Patch
     if model in ("tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160"):
-        from app.emulators.tmc5xxx.options import Tmc5xxxPatch
+        from .emulators.tmc5xxx.options import Tmc5xxxPatch
 
         return Tmc5xxxPatch
     if model in ("tmc428", "tmc4210"):
-        from app.emulators.options import EmulatorPatch
+        from .emulators.options import EmulatorPatch
 
         return EmulatorPatch
     return Pd42Patch

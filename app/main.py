@@ -13,34 +13,34 @@ from pathlib import Path
 from fastapi import FastAPI
 from pydantic import ValidationError
 
-from app import __version__, demo
-from app.api.app import make_app
-from app.api.audit_ear import Ear, lease_words
-from app.api.bench import Bench
-from app.api.lease import Lease
-from app.api.lease_watch import LeaseWatch
-from app.api.pages import Pages
-from app.api.problems import findings
-from app.api.recording_desk import RecordingDesk
-from app.api.routes.ports import serial_ports
-from app.api.schemas import Port
-from app.api.sessions import Sessions
-from app.api.tokens import Tokens
-from app.api.vitals import Vitals
-from app.calc import sramp
-from app.calc.ramp import RampParameters, exact_ramp
-from app.clock import BackgroundClock, Clock, WallClock
-from app.conditions.service import ConditionService
-from app.devices.actor import STEPSCOPE
-from app.devices.config import AxisSettings
-from app.devices.device import Device
-from app.devices.found_moving import FoundMoving
-from app.devices.manager import DeviceChange, DeviceManager
-from app.emulators.build import build_emulator, options_of, warm_up
-from app.links.emulator import EmulatorPort
-from app.links.errors import BenchError, UsageError
-from app.links.port import FramePort
-from app.links.registry import (
+from . import __version__, demo
+from .api.app import make_app
+from .api.audit_ear import Ear, lease_words
+from .api.bench import Bench
+from .api.lease import Lease
+from .api.lease_watch import LeaseWatch
+from .api.pages import Pages
+from .api.problems import findings
+from .api.recording_desk import RecordingDesk
+from .api.routes.ports import serial_ports
+from .api.schemas import Port
+from .api.sessions import Sessions
+from .api.tokens import Tokens
+from .api.vitals import Vitals
+from .calc import sramp
+from .calc.ramp import RampParameters, exact_ramp
+from .clock import BackgroundClock, Clock, WallClock
+from .conditions.service import ConditionService
+from .devices.actor import STEPSCOPE
+from .devices.config import AxisSettings
+from .devices.device import Device
+from .devices.found_moving import FoundMoving
+from .devices.manager import DeviceChange, DeviceManager
+from .emulators.build import build_emulator, options_of, warm_up
+from .links.emulator import EmulatorPort
+from .links.errors import BenchError, UsageError
+from .links.port import FramePort
+from .links.registry import (
     TMCL_MODELS,
     Link,
     PortFactory,
@@ -51,23 +51,23 @@ from app.links.registry import (
     tcp_factory,
     uart_factory,
 )
-from app.links.serial_address import allow_ports
-from app.settings import Settings
-from app.store.audit import AuditLog
-from app.store.connections import ConnectionStore
-from app.store.database import Database
-from app.store.positions import PositionStore
-from app.store.profiles import ProfileStore
-from app.store.recordings.library import Library
-from app.store.saver import Saver
-from app.store.tokens import NamedToken, TokenStore
-from app.telemetry.hub import TelemetryHub
-from app.tuning.at_rest import after_vanishing, anything_moves, stop_moving
-from app.tuning.endless import EndlessService
-from app.tuning.procedures import Procedures
-from app.tuning.profiles.service import ProfileService
-from app.tuning.start_up import Wish, start_up
-from app.twin.service import Twin
+from .links.serial_address import allow_ports
+from .settings import Settings
+from .store.audit import AuditLog
+from .store.connections import ConnectionStore
+from .store.database import Database
+from .store.positions import PositionStore
+from .store.profiles import ProfileStore
+from .store.recordings.library import Library
+from .store.saver import Saver
+from .store.tokens import NamedToken, TokenStore
+from .telemetry.hub import TelemetryHub
+from .tuning.at_rest import after_vanishing, anything_moves, stop_moving
+from .tuning.endless import EndlessService
+from .tuning.procedures import Procedures
+from .tuning.profiles.service import ProfileService
+from .tuning.start_up import Wish, start_up
+from .twin.service import Twin
 
 log = logging.getLogger("stepscope")
 

@@ -10,16 +10,17 @@ import re
 import signal
 import socket
 from collections.abc import Callable, MutableMapping
+from pathlib import Path
 from types import FrameType
 from urllib.parse import urlencode
 
 import uvicorn
 from fastapi import FastAPI
 
-from app.api.access import is_stop
-from app.api.app import build_routes
-from app.certificate import require_certificate
-from app.connections import (
+from .api.access import is_stop
+from .api.app import build_routes
+from .certificate import require_certificate
+from .connections import (
     MESSAGE_BYTES_MAX,
     Door,
     Limits,
@@ -29,10 +30,10 @@ from app.connections import (
     limited_websocket,
     raise_descriptor_limit,
 )
-from app.listening import listen, url_of
-from app.main import bench_of, create_app, stop_motors
-from app.settings import Settings
-from app.store.files import make_private, one_server
+from .listening import listen, url_of
+from .main import bench_of, create_app, stop_motors
+from .settings import Settings
+from .store.files import make_private, one_server
 
 log = logging.getLogger("stepscope")
 
@@ -147,7 +148,8 @@ def serve_with_reload(settings: Settings, environment: MutableMapping[str, str])
     environment["STEPSCOPE_ALLOWED_HOSTS"] = ",".join({*settings.allowed_hosts, "localhost", "127.0.0.1", "::1"})
     environment["STEPSCOPE_ALLOWED_PORTS"] = ",".join(settings.allowed_ports)
     listen(settings.host, settings.port).close()
-    uvicorn.run("app.main:create_app", factory=True, reload=True, reload_dirs=["app"], **_options(settings))  # type: ignore[arg-type]
+    sources = [str(Path(__file__).parent)]
+    uvicorn.run(f"{__package__}.main:create_app", factory=True, reload=True, reload_dirs=sources, **_options(settings))  # type: ignore[arg-type]
 
 
 def _options(settings: Settings) -> dict[str, object]:

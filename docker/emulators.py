@@ -29,7 +29,15 @@ def main() -> int:
         signal.signal(number, lambda signum, _: asked_to_end.append(signum))
     running = {
         device["name"]: subprocess.Popen(
-            [sys.executable, "-m", "app.cli", "emulate", device["model"], "--tcp", f"{given.host}:{device['port']}"]
+            [
+                sys.executable,
+                "-m",
+                "stepscope.cli",
+                "emulate",
+                device["model"],
+                "--tcp",
+                f"{given.host}:{device['port']}",
+            ]
         )
         for device in json.loads(given.bench.read_text())
     }

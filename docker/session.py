@@ -18,8 +18,7 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import numpy as np
-
-from app.client import Bench, ClientError, MoveEnded, NoServer, Samples
+from stepscope import Bench, ClientError, MoveEnded, NoServer, Samples
 
 BENCH = Path(__file__).with_name("bench.json")
 AXIS = 0

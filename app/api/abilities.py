@@ -6,9 +6,9 @@ from typing import Annotated, Protocol, runtime_checkable
 
 from fastapi import Depends
 
-from app.api.deps import CurrentDevice
-from app.devices.results import EventPage, RegisterReading, TmclExchange
-from app.links.errors import WrongState
+from ..devices.results import EventPage, RegisterReading, TmclExchange
+from ..links.errors import WrongState
+from .deps import CurrentDevice
 
 
 @runtime_checkable

@@ -24,14 +24,14 @@ from starlette.requests import Request
 from starlette.responses import HTMLResponse, RedirectResponse, Response
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from app.api.identity import ANYBODY, OWN, Identity, identify
-from app.api.log_ins import LogIns
-from app.api.problems import Kind, problem_answer
-from app.api.sessions import SESSION_S, Sessions, cookie_name
-from app.api.tokens import Tokens
-from app.api.ui import HEADERS
-from app.clock import Clock
-from app.store.tokens import hash_of
+from ..clock import Clock
+from ..store.tokens import hash_of
+from .identity import ANYBODY, OWN, Identity, identify
+from .log_ins import LogIns
+from .problems import Kind, problem_answer
+from .sessions import SESSION_S, Sessions, cookie_name
+from .tokens import Tokens
+from .ui import HEADERS
 
 UNKNOWN = Kind(
     401, "/problems/token-required", "This server asks for a token", "send it as Authorization: Bearer TOKEN"

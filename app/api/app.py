@@ -7,16 +7,17 @@ from contextlib import AbstractAsyncContextManager, AbstractContextManager
 
 from fastapi import FastAPI
 
-from app import __version__
-from app.api import openapi, problems
-from app.api.access import Access, new_token
-from app.api.auditing import Auditing
-from app.api.bench import Bench
-from app.api.guard import Guard, is_loopback
-from app.api.lease_gate import Free, LeaseGate
-from app.api.log_ins import LogIns
-from app.api.roles import Policy, RoleGate
-from app.api.routes import (
+from .. import __version__
+from ..settings import Settings
+from . import openapi, problems
+from .access import Access, new_token
+from .auditing import Auditing
+from .bench import Bench
+from .guard import Guard, is_loopback
+from .lease_gate import Free, LeaseGate
+from .log_ins import LogIns
+from .roles import Policy, RoleGate
+from .routes import (
     access,
     audit,
     axes,
@@ -43,11 +44,10 @@ from app.api.routes import (
     tmcl,
     twin,
 )
-from app.api.stops_first import StopsFirst
-from app.api.twin_proxy import TwinProxy
-from app.api.ui import WebUi
-from app.api.who import Who
-from app.settings import Settings
+from .stops_first import StopsFirst
+from .twin_proxy import TwinProxy
+from .ui import WebUi
+from .who import Who
 
 BASE = "/api/v1"
 # In the order in which addresses are matched, one after the other, which is most of what a request costs: a register

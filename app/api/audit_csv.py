@@ -7,8 +7,8 @@ import io
 from collections.abc import AsyncIterator, Sequence
 from datetime import UTC, datetime
 
-from app.store.audit import AuditLog
-from app.store.audit_entries import Entry, Wanted
+from ..store.audit import AuditLog
+from ..store.audit_entries import Entry, Wanted
 
 COLUMNS = (
     *("id", "time", "who", "kind", "address", "device", "axis"),

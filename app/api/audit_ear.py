@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from app.api.lease import LeaseEvent
-from app.devices.actor import STEPSCOPE, Actor, actor
-from app.devices.changes import RegisterChanged
-from app.devices.device import Device, DeviceEvent, LimitReached
-from app.store.audit import AuditLog
+from ..devices.actor import STEPSCOPE, Actor, actor
+from ..devices.changes import RegisterChanged
+from ..devices.device import Device, DeviceEvent, LimitReached
+from ..store.audit import AuditLog
+from .lease import LeaseEvent
 
 
 class Ear:

@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 from typing import Any
 from urllib.parse import parse_qsl
 
-from app.store.tables import Value
+from ..store.tables import Value
 
 Json = Mapping[str, Any]
 SILENT = frozenset(

@@ -13,7 +13,12 @@ from typing import Any
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.api.audit_words import (
+from ..devices.changes import DONE
+from ..devices.config import DeviceConfig
+from ..devices.manager import DeviceManager
+from ..links.errors import UnknownThing
+from ..store.audit import AuditLog, Request, request_under_way
+from .audit_words import (
     BY_EVENTS,
     PARTLY,
     WHOLE,
@@ -25,12 +30,7 @@ from app.api.audit_words import (
     taken_apart,
     value_of,
 )
-from app.api.guard import SAFE_METHODS
-from app.devices.changes import DONE
-from app.devices.config import DeviceConfig
-from app.devices.manager import DeviceManager
-from app.links.errors import UnknownThing
-from app.store.audit import AuditLog, Request, request_under_way
+from .guard import SAFE_METHODS
 
 KEPT_BYTES = 64 * 1024
 """Bodies and answers longer than this are not looked into: none whose words matter is."""

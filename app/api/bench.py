@@ -5,29 +5,29 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from app.api.lease import Lease
-from app.api.lease_gate import CallsUnderWay
-from app.api.pages import Pages
-from app.api.probing import Probing
-from app.api.recording_desk import RecordingDesk
-from app.api.schemas import Port
-from app.api.sessions import Sessions
-from app.api.tokens import Tokens
-from app.api.vitals import Vitals
-from app.clock import BackgroundClock, Clock
-from app.conditions.service import ConditionService
-from app.devices.manager import DeviceManager
-from app.settings import Settings
-from app.store.audit import AuditLog
-from app.store.database import Database
-from app.store.profiles import ProfileStore
-from app.store.saver import Saver
-from app.telemetry.hub import TelemetryHub
-from app.tuning.endless import EndlessService
-from app.tuning.procedures import Procedures
-from app.tuning.profile_scripts.service import Scripts
-from app.tuning.profiles.service import ProfileService
-from app.twin.service import Twin
+from ..clock import BackgroundClock, Clock
+from ..conditions.service import ConditionService
+from ..devices.manager import DeviceManager
+from ..settings import Settings
+from ..store.audit import AuditLog
+from ..store.database import Database
+from ..store.profiles import ProfileStore
+from ..store.saver import Saver
+from ..telemetry.hub import TelemetryHub
+from ..tuning.endless import EndlessService
+from ..tuning.procedures import Procedures
+from ..tuning.profile_scripts.service import Scripts
+from ..tuning.profiles.service import ProfileService
+from ..twin.service import Twin
+from .lease import Lease
+from .lease_gate import CallsUnderWay
+from .pages import Pages
+from .probing import Probing
+from .recording_desk import RecordingDesk
+from .schemas import Port
+from .sessions import Sessions
+from .tokens import Tokens
+from .vitals import Vitals
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,12 +6,12 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, FastAPI, Request
 
-from app.api.line_control import Served, control_app
-from app.api.problems import problems as responses
-from app.emulators.board.board import EmulatedBoard
-from app.emulators.board.options import BoardPatch, BoardState
-from app.emulators.line.server import LineServer
-from app.links.errors import OutOfRange, WrongState
+from ..emulators.board.board import EmulatedBoard
+from ..emulators.board.options import BoardPatch, BoardState
+from ..emulators.line.server import LineServer
+from ..links.errors import OutOfRange, WrongState
+from .line_control import Served, control_app
+from .problems import problems as responses
 
 
 class ControlledBoard(Served):

@@ -5,8 +5,12 @@ Ramps and units have modules of their own.
 
 from __future__ import annotations
 
-from app.api.convert import built_chain, calculating
-from app.api.schemas_calc import (
+from ..calc import microstep_table as tables
+from ..calc import pmul_pdiv as pairs
+from ..calc import pmul_pdiv_inverse
+from ..calc.driver_chain import chain_frequencies
+from .convert import built_chain, calculating
+from .schemas_calc import (
     ChainRequest,
     MicrostepDesign,
     MicrostepMetrics,
@@ -18,12 +22,8 @@ from app.api.schemas_calc import (
     RampInverseResult,
     SequencerRow,
 )
-from app.api.schemas_tables import ChainBit, ChainDesign
-from app.api.unit_calculators import ACCELERATION_UNITS, VELOCITY_UNITS, mechanics_of, unit_of
-from app.calc import microstep_table as tables
-from app.calc import pmul_pdiv as pairs
-from app.calc import pmul_pdiv_inverse
-from app.calc.driver_chain import chain_frequencies
+from .schemas_tables import ChainBit, ChainDesign
+from .unit_calculators import ACCELERATION_UNITS, VELOCITY_UNITS, mechanics_of, unit_of
 
 
 def pmul_pdiv(body: PmulPdiv) -> PmulPdivResult:

@@ -7,9 +7,9 @@ from typing import Annotated
 
 from fastapi import APIRouter, Depends, FastAPI, Path, Request
 
-from app.api.line_control import REFUSED, Several, control_app
-from app.emulators.line.server import LineServer
-from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxPatch, Tmc5xxxState
+from ..emulators.line.server import LineServer
+from ..emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxPatch, Tmc5xxxState
+from .line_control import REFUSED, Several, control_app
 
 
 class ControlledChips(Several[EmulatedTmc5xxx]):

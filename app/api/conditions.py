@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from app.api.schemas import Condition as ConditionOut
-from app.api.schemas import Evidence, GroundTruth, Remedy
-from app.conditions.judge import Condition
-from app.conditions.service import Standing
-from app.devices import signs
-from app.devices.device import Device
+from ..conditions.judge import Condition
+from ..conditions.service import Standing
+from ..devices import signs
+from ..devices.device import Device
+from .schemas import Condition as ConditionOut
+from .schemas import Evidence, GroundTruth, Remedy
 
 
 def condition_out(device: Device, condition: Condition) -> ConditionOut:

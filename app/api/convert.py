@@ -9,9 +9,27 @@ from typing import get_args
 
 from pydantic import TypeAdapter, ValidationError
 
-from app.api.conditions import standing_out
-from app.api.problems import findings, problem_of
-from app.api.schemas import (
+from ..calc.driver_chain import Chain, build_chain, decode_chain
+from ..calc.ram_words import unpack_words
+from ..conditions.service import ConditionService, Standing
+from ..devices import prediction, results
+from ..devices.config import AxisSettings, slug, unique_slug
+from ..devices.device import Axis, Device
+from ..devices.results import StopOutcome
+from ..emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxPatch
+from ..emulators.tmc5xxx.options import AxisChange
+from ..emulators.tmc4361 import EmulatedTmc4361
+from ..emulators.tmc4361.options import Tmc4361Patch
+from ..links import datagram40
+from ..links.emulator import EmulatorPort
+from ..links.errors import UsageError, WrongState
+from ..links.registry import Link
+from ..registers.catalog import MODELS
+from ..tuning import closed_loop_state
+from ..tuning.closed_loop_state import Load
+from .conditions import standing_out
+from .problems import findings, problem_of
+from .schemas import (
     AxisConfig,
     AxisInfo,
     AxisLimits,
@@ -21,10 +39,10 @@ from app.api.schemas import (
     RegisterWritten,
     Tmc5xxxName,
 )
-from app.api.schemas_axes import AxisStateOut, MotionEnd, Prediction, StopResult, Switches
-from app.api.schemas_calc import Phase
-from app.api.schemas_closed_loop import Recording, ResponseState, Score
-from app.api.schemas_devices import (
+from .schemas_axes import AxisStateOut, MotionEnd, Prediction, StopResult, Switches
+from .schemas_calc import Phase
+from .schemas_closed_loop import Recording, ResponseState, Score
+from .schemas_devices import (
     AnyLink,
     Chip40Create,
     Chip40EmulatorLink,
@@ -39,25 +57,7 @@ from app.api.schemas_devices import (
     SixPointEmulatorLink,
     SixPointLink,
 )
-from app.api.schemas_tables import ChainBit, ChainTable, DriverSpecIn
-from app.calc.driver_chain import Chain, build_chain, decode_chain
-from app.calc.ram_words import unpack_words
-from app.conditions.service import ConditionService, Standing
-from app.devices import prediction, results
-from app.devices.config import AxisSettings, slug, unique_slug
-from app.devices.device import Axis, Device
-from app.devices.results import StopOutcome
-from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxPatch
-from app.emulators.tmc5xxx.options import AxisChange
-from app.emulators.tmc4361 import EmulatedTmc4361
-from app.emulators.tmc4361.options import Tmc4361Patch
-from app.links import datagram40
-from app.links.emulator import EmulatorPort
-from app.links.errors import UsageError, WrongState
-from app.links.registry import Link
-from app.registers.catalog import MODELS
-from app.tuning import closed_loop_state
-from app.tuning.closed_loop_state import Load
+from .schemas_tables import ChainBit, ChainTable, DriverSpecIn
 
 
 @contextmanager

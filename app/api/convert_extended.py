@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from app.api.schemas_extended import (
+from ..tuning.endless.state import ExtendedState, HistoryState, Latched, TurnState
+from .schemas_extended import (
     CompareOut,
     ExtendedHistory,
     ExtendedPosition,
@@ -11,7 +12,6 @@ from app.api.schemas_extended import (
     Pieces,
     RotaryOut,
 )
-from app.tuning.endless.state import ExtendedState, HistoryState, Latched, TurnState
 
 
 def extended_out(state: ExtendedState, device_time_s: float) -> ExtendedPosition:

@@ -7,8 +7,8 @@ from typing import Annotated, cast
 from fastapi import Depends, Path, Query
 from starlette.requests import HTTPConnection
 
-from app.api.bench import Bench
-from app.devices.device import Axis, Device
+from ..devices.device import Axis, Device
+from .bench import Bench
 
 # All of these are coroutines, although none waits: FastAPI would send plain functions to a thread.
 

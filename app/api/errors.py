@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from app.calc.mslut import Refusal
-from app.links.errors import UsageError, WrongState
-from app.store.tokens import Role
+from ..calc.mslut import Refusal
+from ..links.errors import UsageError, WrongState
+from ..store.tokens import Role
 
 
 class UnencodableWave(UsageError):

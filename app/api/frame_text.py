@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from app.devices.pd42.frames import spelled
-from app.links import datagram32, datagram40, datagram_uart, tmcl
-from app.links.errors import BadReply
-from app.registers.catalog import MODELS
-from app.registers.landungsbruecke import BoardOpcode
-from app.registers.model import Register, RegisterTable
-from app.registers.tmcl import Opcode, Status
+from ..devices.pd42.frames import spelled
+from ..links import datagram32, datagram40, datagram_uart, tmcl
+from ..links.errors import BadReply
+from ..registers.catalog import MODELS
+from ..registers.landungsbruecke import BoardOpcode
+from ..registers.model import Register, RegisterTable
+from ..registers.tmcl import Opcode, Status
 
 
 def frame_text(model: str, tx: bytes, rx: bytes | None) -> str:

@@ -19,8 +19,8 @@ from functools import lru_cache
 from starlette.exceptions import HTTPException
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.api.errors import ForeignPage
-from app.api.problems import FOREIGN, TOO_LARGE, problem_answer
+from .errors import ForeignPage
+from .problems import FOREIGN, TOO_LARGE, problem_answer
 
 SAFE_METHODS = frozenset({"GET", "HEAD", "OPTIONS"})
 

@@ -8,9 +8,13 @@ from prometheus_client import CollectorRegistry, generate_latest
 from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, InfoMetricFamily, Metric
 from prometheus_client.registry import Collector
 
-from app import __version__
-from app.api.bench import Bench
-from app.api.schemas_health import (
+from .. import __version__
+from ..connections import descriptor_limit
+from ..devices.device import Device
+from ..links.emulator import EmulatorPort
+from ..links.queue import Priority
+from .bench import Bench
+from .schemas_health import (
     DeviceHealth,
     EmulatorHealth,
     HealthDetails,
@@ -22,11 +26,7 @@ from app.api.schemas_health import (
     StorageHealth,
     WireHealth,
 )
-from app.api.vitals import descriptors_used, resident_bytes
-from app.connections import descriptor_limit
-from app.devices.device import Device
-from app.links.emulator import EmulatorPort
-from app.links.queue import Priority
+from .vitals import descriptors_used, resident_bytes
 
 
 async def health_of(bench: Bench) -> HealthDetails:

@@ -7,8 +7,8 @@ from typing import cast
 
 from starlette.types import Scope
 
-from app.api.errors import RoleTooLow
-from app.store.tokens import Role, at_least
+from ..store.tokens import Role, at_least
+from .errors import RoleTooLow
 
 _KEY = "stepscope.identity"
 

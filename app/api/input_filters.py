@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from app.api.convert import calculating
-from app.api.schemas_filter import (
+from ..calc.input_filter import EXAMPLES, Bounds, bounds, filtered, groups, levels_of
+from ..registers.model import Field, Register
+from ..registers.tmc4361 import TMC4361
+from .convert import calculating
+from .schemas_filter import (
     FilterBounds,
     FilterExample,
     FilterGroup,
@@ -11,9 +14,6 @@ from app.api.schemas_filter import (
     InputFilterResult,
     InputFilters,
 )
-from app.calc.input_filter import EXAMPLES, Bounds, bounds, filtered, groups, levels_of
-from app.registers.model import Field, Register
-from app.registers.tmc4361 import TMC4361
 
 REGISTER = "INPUT_FILT_CONF"
 

@@ -17,10 +17,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
-from app.api.errors import BenchNotTaken, BenchTaken
-from app.clock import Clock
-from app.links.errors import UnknownThing, WrongState
-from app.settings import OnVanish
+from ..clock import Clock
+from ..links.errors import UnknownThing, WrongState
+from ..settings import OnVanish
+from .errors import BenchNotTaken, BenchTaken
 
 ASK_STAYS_S = 15.0
 """How long a question to the holder stands that is not repeated [s]."""

@@ -14,10 +14,10 @@ from urllib.parse import parse_qsl
 from starlette.routing import Match
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from app.api.lease import Lease
-from app.api.problems import error_answer
-from app.devices.actor import actor
-from app.links.errors import WrongState
+from ..devices.actor import actor
+from ..links.errors import WrongState
+from .lease import Lease
+from .problems import error_answer
 
 AXIS = "/devices/{device}/axes/{axis}"
 STOPS = frozenset(

@@ -8,14 +8,14 @@ from collections.abc import Awaitable, Callable, Coroutine, Sequence
 from contextvars import copy_context
 from typing import Any
 
-from app.api.lease import Lease, LeaseEvent
-from app.api.lease_gate import CallsUnderWay
-from app.clock import Clock
-from app.devices.actor import STEPSCOPE, actor
-from app.devices.device import Device
-from app.devices.own_tasks import OwnTasks
-from app.links.errors import BenchError
-from app.settings import OnVanish
+from ..clock import Clock
+from ..devices.actor import STEPSCOPE, actor
+from ..devices.device import Device
+from ..devices.own_tasks import OwnTasks
+from ..links.errors import BenchError
+from ..settings import OnVanish
+from .lease import Lease, LeaseEvent
+from .lease_gate import CallsUnderWay
 
 log = logging.getLogger("stepscope.lease")
 

@@ -11,16 +11,16 @@ from typing import Annotated, Generic, TypeVar
 
 from fastapi import APIRouter, Depends, FastAPI, Path, Request
 
-from app import __version__
-from app.api import openapi, problems
-from app.api.guard import Guard
-from app.api.problems import problems as responses
-from app.emulators.line.faults import LinePatch, LineState
-from app.emulators.line.server import LineServer
-from app.emulators.pd42.module import EmulatedModule
-from app.emulators.pd42.options import Pd42Patch
-from app.emulators.pd42.state import Pd42State
-from app.links.errors import OutOfRange, UnknownThing, WrongState
+from .. import __version__
+from ..emulators.line.faults import LinePatch, LineState
+from ..emulators.line.server import LineServer
+from ..emulators.pd42.module import EmulatedModule
+from ..emulators.pd42.options import Pd42Patch
+from ..emulators.pd42.state import Pd42State
+from ..links.errors import OutOfRange, UnknownThing, WrongState
+from . import openapi, problems
+from .guard import Guard
+from .problems import problems as responses
 
 BODY_LIMIT_BYTES = 64 * 1024
 Far = TypeVar("Far")

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Literal, cast
 
-from app.api.frame_text import frame_text
-from app.api.schemas_links import FrameEntry, FrameLog, LinkCounts, LinkIncident, LinkInfo
-from app.devices.device import Device
-from app.links.incidents import Incidents
-from app.links.port import FramePort
-from app.links.queue import Priority
-from app.links.wire_budget import WireBudget
+from ..devices.device import Device
+from ..links.incidents import Incidents
+from ..links.port import FramePort
+from ..links.queue import Priority
+from ..links.wire_budget import WireBudget
+from .frame_text import frame_text
+from .schemas_links import FrameEntry, FrameLog, LinkCounts, LinkIncident, LinkInfo
 
 
 def frame_log(device: Device, after: int, limit: int) -> FrameLog:

@@ -7,10 +7,10 @@ from typing import Literal
 
 from starlette.types import Scope
 
-from app.api.identity import OWN, identity_of
-from app.api.who import actor_of, stranger_of
-from app.clock import Clock
-from app.store.audit import AuditLog
+from ..clock import Clock
+from ..store.audit import AuditLog
+from .identity import OWN, identity_of
+from .who import actor_of, stranger_of
 
 REFUSED_MAX, REFUSED_S = 10, 3600.0
 """So many wrong tokens are entered in so long [s], whoever said them: guesses push nothing out of the log."""

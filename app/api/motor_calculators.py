@@ -4,8 +4,14 @@ from __future__ import annotations
 
 import math
 
-from app.api.convert import calculating
-from app.api.schemas_sixpoint import (
+from ..calc import tmc5xxx_times as times
+from ..calc.chopper import Winding
+from ..calc.chopper_hints import hints
+from ..calc.chopper_notes import Wishes
+from ..calc.coil_current import CurrentStage, Setting, error, nearest_hold, warnings
+from ..links.errors import UsageError
+from .convert import calculating
+from .schemas_sixpoint import (
     Chopper,
     ChopperFigure,
     ChopperResult,
@@ -16,12 +22,6 @@ from app.api.schemas_sixpoint import (
     FieldSetting,
     HoldDelay,
 )
-from app.calc import tmc5xxx_times as times
-from app.calc.chopper import Winding
-from app.calc.chopper_hints import hints
-from app.calc.chopper_notes import Wishes
-from app.calc.coil_current import CurrentStage, Setting, error, nearest_hold, warnings
-from app.links.errors import UsageError
 
 NEAREST = 8
 """How many ways to set a current are answered."""

@@ -4,9 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from app.api.convert import calculating
-from app.api.errors import UnencodableWave
-from app.api.schemas_mslut import (
+from ..calc import mslut
+from ..calc.mslut import MslutRegisters, NotEncodable, Wave
+from ..calc.mslut_metrics import mslut_metrics
+from ..calc.mslut_nearest import Norm, nearest
+from ..calc.mslut_waves import Formula, Grid, Term, WantedWave, exponent_of_thousandths, wanted_wave
+from ..devices.results import HeldMslut
+from ..links.errors import UsageError
+from ..registers.catalog import MODELS
+from ..registers.model import Register, RegisterTable
+from .convert import calculating
+from .errors import UnencodableWave
+from .schemas_mslut import (
     MslutDesign,
     MslutFigures,
     MslutHeld,
@@ -19,15 +28,6 @@ from app.api.schemas_mslut import (
     MslutWords,
     MslutWrite,
 )
-from app.calc import mslut
-from app.calc.mslut import MslutRegisters, NotEncodable, Wave
-from app.calc.mslut_metrics import mslut_metrics
-from app.calc.mslut_nearest import Norm, nearest
-from app.calc.mslut_waves import Formula, Grid, Term, WantedWave, exponent_of_thousandths, wanted_wave
-from app.devices.results import HeldMslut
-from app.links.errors import UsageError
-from app.registers.catalog import MODELS
-from app.registers.model import Register, RegisterTable
 
 REFUSALS_TOLD = 40
 """A wave that is far from encodable is refused at most of its entries; the first ones are enough to see where."""

@@ -10,14 +10,14 @@ from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
 from fastapi.routing import APIRoute
 
-from app import __version__
-from app.api.errors import BenchNotTaken, BenchTaken, RoleTooLow
-from app.api.lease_gate import Free
-from app.api.problems import FOREIGN, INVALID, TOO_LARGE, UNDECODABLE, Kind, kind_of, problems
-from app.api.roles import Policy
-from app.api.schemas import AxisProblem, Problem
-from app.api.schemas_conditions import ConditionsMessage
-from app.api.schemas_telemetry import TelemetryMessage
+from .. import __version__
+from .errors import BenchNotTaken, BenchTaken, RoleTooLow
+from .lease_gate import Free
+from .problems import FOREIGN, INVALID, TOO_LARGE, UNDECODABLE, Kind, kind_of, problems
+from .roles import Policy
+from .schemas import AxisProblem, Problem
+from .schemas_conditions import ConditionsMessage
+from .schemas_telemetry import TelemetryMessage
 
 REF = "#/components/schemas/{model}"
 

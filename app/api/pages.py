@@ -10,9 +10,9 @@ from collections import Counter
 from collections.abc import Awaitable, Callable, Iterator
 from contextlib import contextmanager
 
-from app.api.lease import Lease
-from app.clock import Clock
-from app.devices.own_tasks import OwnTasks
+from ..clock import Clock
+from ..devices.own_tasks import OwnTasks
+from .lease import Lease
 
 RETURN_S = 2.0
 """How long after a session's last socket ended it may be back without a loss: a page loaded anew, a short break of the

@@ -7,14 +7,14 @@ import logging
 from collections.abc import Callable, Coroutine, Sequence
 from typing import Any, cast
 
-from app.api.schemas import ModelName
-from app.api.schemas_links import ProbeFound, ProbeState
-from app.links import landungsbruecke
-from app.links.datagram_uart import NODE_MAX
-from app.links.discovery import FoundModule, ProbeProgress, probe, probe_chips
-from app.links.errors import BenchError, OutOfRange, WrongState
-from app.links.serial_address import port_url
-from app.registers import pd42
+from ..links import landungsbruecke
+from ..links.datagram_uart import NODE_MAX
+from ..links.discovery import FoundModule, ProbeProgress, probe, probe_chips
+from ..links.errors import BenchError, OutOfRange, WrongState
+from ..links.serial_address import port_url
+from ..registers import pd42
+from .schemas import ModelName
+from .schemas_links import ProbeFound, ProbeState
 
 log = logging.getLogger("stepscope.api")
 

@@ -18,11 +18,8 @@ from fastapi.responses import JSONResponse
 from pydantic import ValidationError
 from starlette.exceptions import HTTPException
 
-from app.api.conditions import condition_out, remedy_out
-from app.api.errors import BenchNotTaken, BenchTaken, ForeignPage, RoleTooLow, UnencodableWave
-from app.api.schemas import AxisProblem, Condition, Problem, Remedy
-from app.devices.signs import start_up
-from app.links.errors import (
+from ..devices.signs import start_up
+from ..links.errors import (
     BadReply,
     BenchError,
     CannotMove,
@@ -40,9 +37,12 @@ from app.links.errors import (
     WriteRefused,
     WrongState,
 )
-from app.tuning.profile_scripts.errors import ScriptFailed
-from app.tuning.profiles.errors import ProfileLeft, ProfileMisfit, ProfileTakenBack, UnreadableProfile
-from app.twin.process import TwinFailed
+from ..tuning.profile_scripts.errors import ScriptFailed
+from ..tuning.profiles.errors import ProfileLeft, ProfileMisfit, ProfileTakenBack, UnreadableProfile
+from ..twin.process import TwinFailed
+from .conditions import condition_out, remedy_out
+from .errors import BenchNotTaken, BenchTaken, ForeignPage, RoleTooLow, UnencodableWave
+from .schemas import AxisProblem, Condition, Problem, Remedy
 
 MEDIA_TYPE = "application/problem+json"
 

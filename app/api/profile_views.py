@@ -5,7 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict
 
-from app.api.schemas_profiles import (
+from ..registers.catalog import MODELS
+from ..store.profiles import SavedProfile
+from ..tuning.profiles.diff import Diff
+from ..tuning.profiles.document import parse
+from ..tuning.profiles.errors import Change
+from ..tuning.profiles.journal import Unfinished
+from ..tuning.profiles.service import Outcome
+from ..tuning.profiles.writing import Progress
+from .schemas_profiles import (
     ApplyProgress,
     HalfApplied,
     ProfileApplied,
@@ -15,14 +23,6 @@ from app.api.schemas_profiles import (
     TakenBack,
     UnfinishedProfile,
 )
-from app.registers.catalog import MODELS
-from app.store.profiles import SavedProfile
-from app.tuning.profiles.diff import Diff
-from app.tuning.profiles.document import parse
-from app.tuning.profiles.errors import Change
-from app.tuning.profiles.journal import Unfinished
-from app.tuning.profiles.service import Outcome
-from app.tuning.profiles.writing import Progress
 
 
 def dry_run(diff: Diff) -> ProfileApplied:

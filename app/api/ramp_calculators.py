@@ -4,19 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from app.api.convert import calculating
-from app.api.ramp_parameters import check_names, number_of, whole_of
-from app.api.ramp_torque import torque_of
-from app.api.schemas_calc import Phase, Ramp, RampResult
-from app.api.schemas_sramp import RampFinding, RampRegister, RampTorque
-from app.api.sixpoint_calculator import ramp_findings, ramp_registers, sixpoint_wish
-from app.api.sramp_calculator import s_ramp
-from app.calc.motor_torque import StepperMotor
-from app.calc.ramp import RampParameters, exact_ramp
-from app.calc.ramp_curve import RampCurve
-from app.calc.ramp_trapezoid import trapezoid_ramp
-from app.calc.sixpoint import MotionPlan, position_plan, velocity_plan
-from app.links.errors import UsageError
+from ..calc.motor_torque import StepperMotor
+from ..calc.ramp import RampParameters, exact_ramp
+from ..calc.ramp_curve import RampCurve
+from ..calc.ramp_trapezoid import trapezoid_ramp
+from ..calc.sixpoint import MotionPlan, position_plan, velocity_plan
+from ..links.errors import UsageError
+from .convert import calculating
+from .ramp_parameters import check_names, number_of, whole_of
+from .ramp_torque import torque_of
+from .schemas_calc import Phase, Ramp, RampResult
+from .schemas_sramp import RampFinding, RampRegister, RampTorque
+from .sixpoint_calculator import ramp_findings, ramp_registers, sixpoint_wish
+from .sramp_calculator import s_ramp
 
 WHOLE = ("v_min", "v_max", "a_max", "ramp_div", "pulse_div", "pmul", "pdiv", "v_target", "v_actual")
 NEEDED = ("v_max", "a_max", "ramp_div", "pulse_div")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from app.links.errors import UsageError
+from ..links.errors import UsageError
 
 
 def check_names(

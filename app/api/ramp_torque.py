@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.api.schemas_sramp import RampTorque
-from app.calc.motor_torque import StepperMotor
-from app.calc.ramp_curve import RampCurve
+from ..calc.motor_torque import StepperMotor
+from ..calc.ramp_curve import RampCurve
+from .schemas_sramp import RampTorque
 
 _CURVE_POINTS = 120
 _MOST_OVERLOAD = 1e6

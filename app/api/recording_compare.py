@@ -7,17 +7,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.api import schemas_recordings as out
-from app.api.recording_views import figures_of, nothing_as_null, rows_between, zero_of
-from app.calc.alignment import REACH, at_times, difference_of, usual_interval_s
-from app.calc.decimation import extremes
-from app.calc.spectrum import SAMPLES_MAX, Detrend, Window, spectrum
-from app.calc.stretches import Stretches, size_for
-from app.links.errors import OutOfRange, UnknownThing, UsageError, WrongState
-from app.store.recordings.file import FloatArray, Rows
-from app.store.recordings.library import Library
-from app.store.recordings.marks import Mark
-from app.store.recordings.opened import Opened
+from ..calc.alignment import REACH, at_times, difference_of, usual_interval_s
+from ..calc.decimation import extremes
+from ..calc.spectrum import SAMPLES_MAX, Detrend, Window, spectrum
+from ..calc.stretches import Stretches, size_for
+from ..links.errors import OutOfRange, UnknownThing, UsageError, WrongState
+from ..store.recordings.file import FloatArray, Rows
+from ..store.recordings.library import Library
+from ..store.recordings.marks import Mark
+from ..store.recordings.opened import Opened
+from . import schemas_recordings as out
+from .recording_views import figures_of, nothing_as_null, rows_between, zero_of
 
 ROWS_MAX = 4_000_000
 """Of all compared recordings together: their rows are read whole, which takes 300 MB at eight channels each."""

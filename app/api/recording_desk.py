@@ -10,18 +10,18 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from app.clock import Clock
-from app.devices.device import Device
-from app.links.errors import BenchError, UsageError, WrongState
-from app.links.port import FramePort
-from app.links.registry import Link, PortFactory
-from app.store.recordings.head import Column, Head
-from app.store.recordings.library import NAME_MAX, Label, Library
-from app.store.recordings.sink import FileSink, megabytes
-from app.telemetry.hub import TelemetryHub
-from app.telemetry.recorder import Recorder, State, Trigger
-from app.tuning.profiles.capture import capture
-from app.tuning.replay import Plan, Progress, Replay, plan_of
+from ..clock import Clock
+from ..devices.device import Device
+from ..links.errors import BenchError, UsageError, WrongState
+from ..links.port import FramePort
+from ..links.registry import Link, PortFactory
+from ..store.recordings.head import Column, Head
+from ..store.recordings.library import NAME_MAX, Label, Library
+from ..store.recordings.sink import FileSink, megabytes
+from ..telemetry.hub import TelemetryHub
+from ..telemetry.recorder import Recorder, State, Trigger
+from ..tuning.profiles.capture import capture
+from ..tuning.replay import Plan, Progress, Replay, plan_of
 
 log = logging.getLogger("stepscope.recordings")
 

@@ -11,9 +11,17 @@ import pyarrow.csv
 import pyarrow.parquet
 from numpy.typing import NDArray
 
-from app.api.recording_desk import Course
-from app.api.schemas import ChannelInfo
-from app.api.schemas_recordings import (
+from ..calc.figures import figures
+from ..links.errors import UnknownThing
+from ..store.recordings.file import TIME, Rows
+from ..store.recordings.head import Head
+from ..store.recordings.library import Entry
+from ..store.recordings.marks import Mark
+from ..store.recordings.opened import Opened
+from ..telemetry.frames import encode_body, encode_header
+from .recording_desk import Course
+from .schemas import ChannelInfo
+from .schemas_recordings import (
     Curve,
     FiguresOut,
     MarkOut,
@@ -21,14 +29,6 @@ from app.api.schemas_recordings import (
     RecordingInfo,
     RecordingPlot,
 )
-from app.calc.figures import figures
-from app.links.errors import UnknownThing
-from app.store.recordings.file import TIME, Rows
-from app.store.recordings.head import Head
-from app.store.recordings.library import Entry
-from app.store.recordings.marks import Mark
-from app.store.recordings.opened import Opened
-from app.telemetry.frames import encode_body, encode_header
 
 
 def info(entry: Entry, course: Course | None) -> RecordingInfo:

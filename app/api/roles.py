@@ -11,11 +11,11 @@ import re
 
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from app.api.identity import identity_of
-from app.api.lease_gate import CHANGING_METHODS, STOPS, template
-from app.api.problems import error_answer
-from app.links.errors import WrongState
-from app.store.tokens import Role
+from ..links.errors import WrongState
+from ..store.tokens import Role
+from .identity import identity_of
+from .lease_gate import CHANGING_METHODS, STOPS, template
+from .problems import error_answer
 
 LOOKS = STOPS | {
     ("POST", "/access/log-out"),

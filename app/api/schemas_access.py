@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field, StringConstraints
 
-from app.api.schemas import Answer, Body
-from app.store.tokens import Role
+from ..store.tokens import Role
+from .schemas import Answer, Body
 
 
 class AccessInfo(Answer):

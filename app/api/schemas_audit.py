@@ -7,7 +7,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from app.api.schemas import Answer
+from .schemas import Answer
 
 Outcome = Literal["done", "not proven", "refused"]
 

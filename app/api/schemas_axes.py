@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from app.api.schemas import Answer, AxisIndex, Body, Flag, Int, Number, Problem, Standing
-from app.api.schemas_calc import Phase
+from .schemas import Answer, AxisIndex, Body, Flag, Int, Number, Problem, Standing
+from .schemas_calc import Phase
 
 PositionUnit = Literal["microsteps", "fullsteps", "rev", "deg", "rad", "mm"]
 VelocityUnit = Literal["pps", "chip", "fullsteps_per_s", "rps", "rpm", "rad_per_s", "mm_per_s"]

@@ -6,11 +6,11 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Discriminator, Field, Tag
 
-from app.api.schemas import Answer, Body, ChipName, Flag, ModelName, Number
-from app.api.schemas_mslut import MslutDesign
-from app.api.schemas_sixpoint import RegisterNumbers, SixPointUnits
-from app.api.schemas_sramp import RampFinding, RampLimit, RampMotor, RampRegister, RampRival, RampTorque
-from app.api.schemas_tables import DriverChain, TableValue
+from .schemas import Answer, Body, ChipName, Flag, ModelName, Number
+from .schemas_mslut import MslutDesign
+from .schemas_sixpoint import RegisterNumbers, SixPointUnits
+from .schemas_sramp import RampFinding, RampLimit, RampMotor, RampRegister, RampRival, RampTorque
+from .schemas_tables import DriverChain, TableValue
 
 Divider = Annotated[int, Field(strict=True, ge=0, le=13)]
 ChipValue = Annotated[int, Field(strict=True, ge=0, le=2047)]

@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import Field
 
-from app.api.schemas import Answer, Space
+from .schemas import Answer, Space
 
 
 class FieldRow(Answer):

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from app.api.schemas import Answer, Body, Flag
+from .schemas import Answer, Body, Flag
 
 ProcedureState = Literal["idle", "running", "done", "failed", "aborted"]
 Regulation = Literal["off", "closed_loop", "pid_around_zero", "pid_around_velocity"]

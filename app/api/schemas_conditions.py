@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, RootModel
 
-from app.api.schemas import Answer, Body, Standing
+from .schemas import Answer, Body, Standing
 
 SUBPROTOCOL = "stepscope.conditions.v1"
 

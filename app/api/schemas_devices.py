@@ -6,13 +6,13 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, Discriminator, Field, RootModel, StringConstraints, Tag, model_validator
 
-from app.api.schemas import AxisConfig, Body, Chip40Name, ChipName, Flag, ModelName, ModuleName, Name, Tmc5xxxName
-from app.api.schemas_calc import ClockHz
-from app.api.schemas_links import Address, Baud
-from app.emulators.options import EmulatorOptions
-from app.emulators.pd42.options import Pd42Options
-from app.emulators.tmc5xxx.options import Tmc5xxxOptions
-from app.emulators.tmc4361.options import Tmc4361Options
+from ..emulators.options import EmulatorOptions
+from ..emulators.pd42.options import Pd42Options
+from ..emulators.tmc5xxx.options import Tmc5xxxOptions
+from ..emulators.tmc4361.options import Tmc4361Options
+from .schemas import AxisConfig, Body, Chip40Name, ChipName, Flag, ModelName, ModuleName, Name, Tmc5xxxName
+from .schemas_calc import ClockHz
+from .schemas_links import Address, Baud
 
 HOST = (
     r"^[A-Za-z0-9_]([A-Za-z0-9_-]{0,62})(\.[A-Za-z0-9_-]{1,63})*\.?$|^[0-9A-Fa-f:.]*:[0-9A-Fa-f:.]*(%[A-Za-z0-9_-]+)?$"

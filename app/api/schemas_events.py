@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pydantic import Field
 
-from app.api.schemas import Answer
+from .schemas import Answer
 
 
 class AxisEvent(Answer):

@@ -9,8 +9,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, StringConstraints, model_validator
 
-from app.api.schemas import Answer, Body, Number
-from app.calc.extended_position import LIMIT
+from ..calc.extended_position import LIMIT
+from .schemas import Answer, Body, Number
 
 Position64 = Annotated[
     Annotated[int, Field(strict=True, ge=-LIMIT, lt=LIMIT)]

@@ -6,9 +6,9 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, ConfigDict, Field, StringConstraints
 
-from app.api.schemas import Answer, Body, Number
-from app.api.who import NAME_MAX, plain_name
-from app.settings import VANISH_AFTER_S, OnVanish
+from ..settings import VANISH_AFTER_S, OnVanish
+from .schemas import Answer, Body, Number
+from .who import NAME_MAX, plain_name
 
 
 def _shown(name: str) -> str:

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, StringConstraints
 
-from app.api.schemas import Answer, Body, ModelName
+from .schemas import Answer, Body, ModelName
 
 
 class FrameEntry(Answer):

@@ -6,10 +6,10 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from app.api.schemas import Answer, Body, Flag, Int, Number
-from app.calc.mslut import ENTRIES, MIRROR_DEFAULT, Reason
-from app.calc.mslut_nearest import Norm
-from app.calc.mslut_waves import Grid
+from ..calc.mslut import ENTRIES, MIRROR_DEFAULT, Reason
+from ..calc.mslut_nearest import Norm
+from ..calc.mslut_waves import Grid
+from .schemas import Answer, Body, Flag, Int, Number
 
 MslutChip = Literal["tmc4361", "tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160"]
 """Chips whose table is an MSLUT."""

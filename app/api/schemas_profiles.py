@@ -6,9 +6,9 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field, JsonValue, StringConstraints, model_validator
 
-from app.api.schemas import Answer, Body, ModelName
-from app.tuning.profiles.diff import Diff, Difference
-from app.tuning.profiles.document import NAME_MAX, NOTE_MAX, ProfileDocument
+from ..tuning.profiles.diff import Diff, Difference
+from ..tuning.profiles.document import NAME_MAX, NOTE_MAX, ProfileDocument
+from .schemas import Answer, Body, ModelName
 
 ProfileName = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=NAME_MAX, strip_whitespace=True)]
 ProfileNote = Annotated[str, StringConstraints(strict=True, max_length=NOTE_MAX)]

@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field, StringConstraints
 
-from app.api.schemas import Answer, AxisIndex, Body, ChannelInfo, Flag, Number
-from app.telemetry.recorder import State
+from ..telemetry.recorder import State
+from .schemas import Answer, AxisIndex, Body, ChannelInfo, Flag, Number
 
 ChannelName = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=80)]
 Text = Annotated[str, StringConstraints(strict=True, max_length=100, strip_whitespace=True)]

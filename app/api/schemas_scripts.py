@@ -6,8 +6,8 @@ from typing import Literal
 
 from pydantic import ConfigDict, Field, JsonValue
 
-from app.api.schemas import Answer, Body
-from app.api.schemas_profiles import ProfileIn
+from .schemas import Answer, Body
+from .schemas_profiles import ProfileIn
 
 ScriptLanguage = Literal["python", "tmcl", "c", "curl"]
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from app.api.schemas import Answer, Body, Flag, Tmc5xxxName
+from .schemas import Answer, Body, Flag, Tmc5xxxName
 
 Amperes = Annotated[float, Field(strict=True, ge=1e-3, le=100, allow_inf_nan=False)]
 Ohms = Annotated[float, Field(strict=True, ge=1e-3, le=1e6, allow_inf_nan=False)]

@@ -6,8 +6,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from app.api.schemas import Answer, Body
-from app.calc.motor_torque import StepperMotor
+from ..calc.motor_torque import StepperMotor
+from .schemas import Answer, Body
 
 Positive = Annotated[float, Field(strict=True, gt=0, le=1e9, allow_inf_nan=False)]
 NotNegative = Annotated[float, Field(strict=True, ge=0, le=1e9, allow_inf_nan=False)]

@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field
 
-from app.api.schemas import Answer, AxisIndex, Body, Flag
-from app.tuning.profiles.diff import Difference
+from ..tuning.profiles.diff import Difference
+from .schemas import Answer, AxisIndex, Body, Flag
 
 Speed = Annotated[float, Field(strict=True, gt=0, le=8e6, allow_inf_nan=False)]
 Acceleration = Annotated[float, Field(strict=True, gt=0, le=1e7, allow_inf_nan=False)]

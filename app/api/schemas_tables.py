@@ -6,9 +6,9 @@ from typing import Annotated
 
 from pydantic import Discriminator, Field, StringConstraints, Tag
 
-from app.api.schemas import Answer, Body, Flag, Int
-from app.api.schemas_mslut import MslutHeld, MslutWrite
-from app.calc.mslut import ENTRIES as MSLUT_ENTRIES
+from ..calc.mslut import ENTRIES as MSLUT_ENTRIES
+from .schemas import Answer, Body, Flag, Int
+from .schemas_mslut import MslutHeld, MslutWrite
 
 TableValue = Annotated[int, Field(strict=True, ge=0, le=63)]
 

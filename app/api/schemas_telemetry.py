@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, RootModel
 
-from app.api.schemas import Answer, Problem
-from app.api.schemas_axes import StopReason
+from .schemas import Answer, Problem
+from .schemas_axes import StopReason
 
 SUBPROTOCOL = "stepscope.telemetry.v1"
 

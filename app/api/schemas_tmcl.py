@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Discriminator, Field, StringConstraints, Tag
 
-from app.api.schemas import Answer, Body
+from .schemas import Answer, Body
 
 Byte = Annotated[int, Field(strict=True, ge=0, le=255)]
 Word = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=24)]

@@ -6,9 +6,9 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Field, StringConstraints
 
-from app.api.schemas import Answer, AxisIndex, Body, Problem
-from app.twin.service import State
-from app.twin.shape import FieldSource, LoadSource
+from ..twin.service import State
+from ..twin.shape import FieldSource, LoadSource
+from .schemas import Answer, AxisIndex, Body, Problem
 
 DeviceName = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=200)]
 RecordingName = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=60)]

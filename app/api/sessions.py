@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from starlette.types import Scope
 
-from app.clock import Clock
+from ..clock import Clock
 
 SESSIONS_MAX = 1000
 """The oldest session ends where there are more."""

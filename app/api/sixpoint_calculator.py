@@ -6,16 +6,16 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from app.api.ramp_parameters import check_names, number_of
-from app.api.schemas_calc import Ramp, Units
-from app.api.schemas_sixpoint import HeldRegister, SixPointUnits
-from app.api.schemas_sramp import RampFinding, RampRegister
-from app.calc import sixpoint_registers
-from app.calc.sixpoint import SixPoint
-from app.calc.tmc5xxx_registers import MODELS, Format, formats
-from app.calc.tmc5xxx_times import tstep
-from app.calc.tmc5xxx_units import CLOCK_HZ
-from app.links.errors import UsageError
+from ..calc import sixpoint_registers
+from ..calc.sixpoint import SixPoint
+from ..calc.tmc5xxx_registers import MODELS, Format, formats
+from ..calc.tmc5xxx_times import tstep
+from ..calc.tmc5xxx_units import CLOCK_HZ
+from ..links.errors import UsageError
+from .ramp_parameters import check_names, number_of
+from .schemas_calc import Ramp, Units
+from .schemas_sixpoint import HeldRegister, SixPointUnits
+from .schemas_sramp import RampFinding, RampRegister
 
 __all__ = ["MODELS", "ramp_findings", "ramp_registers", "sixpoint_units", "sixpoint_wish"]
 

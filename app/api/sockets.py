@@ -9,7 +9,7 @@ from typing import Any, cast
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
-from app.api.identity import Identity, identity_of
+from .identity import Identity, identity_of
 
 ENDED = 4401
 """Close code: who opened this socket has logged out, or the token was revoked."""

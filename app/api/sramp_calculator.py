@@ -6,22 +6,22 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
-from app.api.ramp_parameters import number_of
-from app.api.ramp_torque import torque_of
-from app.api.schemas_calc import Phase, Ramp, RampResult
-from app.api.schemas_sramp import RampFinding, RampLimit, RampRegister, RampRival, RampTorque
-from app.calc.motor_torque import FastMove, StepperMotor, fastest_move, fastest_trapezoid
-from app.calc.ramp_trapezoid import trapezoid_ramp
-from app.calc.sramp import RampWarning, SRamp, SRampPlan, position_plan, velocity_plan
-from app.calc.sramp_trapezoid import (
+from ..calc.motor_torque import FastMove, StepperMotor, fastest_move, fastest_trapezoid
+from ..calc.ramp_trapezoid import trapezoid_ramp
+from ..calc.sramp import RampWarning, SRamp, SRampPlan, position_plan, velocity_plan
+from ..calc.sramp_trapezoid import (
     Trapezoid,
     hold_position_plan,
     hold_velocity_plan,
     trapezoid_position_plan,
     trapezoid_velocity_plan,
 )
-from app.calc.tmc4361_formats import CLOCK_HZ_DEFAULT, Units
-from app.links.errors import UsageError
+from ..calc.tmc4361_formats import CLOCK_HZ_DEFAULT, Units
+from ..links.errors import UsageError
+from .ramp_parameters import number_of
+from .ramp_torque import torque_of
+from .schemas_calc import Phase, Ramp, RampResult
+from .schemas_sramp import RampFinding, RampLimit, RampRegister, RampRival, RampTorque
 
 VALUES = tuple(field.name for field in fields(SRamp) if field.name != "use_astart_and_vstart")
 """The parameters that are registers, by their names in lower case; VBREAK besides, of trapezoids."""

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import asdict
 
-from app.api.schemas import RegisterBatchResult, RegisterWritten
-from app.api.schemas_start_up import AxisStartUp, DeviceStartUp, StartChoice, StartFigures, StartUpReport, StartWrite
-from app.devices.device import Device
-from app.devices.starting import Figures
-from app.registers.model import to_raw
-from app.tuning.start_up import Motor, StartUp, Wish
+from ..devices.device import Device
+from ..devices.starting import Figures
+from ..registers.model import to_raw
+from ..tuning.start_up import Motor, StartUp, Wish
+from .schemas import RegisterBatchResult, RegisterWritten
+from .schemas_start_up import AxisStartUp, DeviceStartUp, StartChoice, StartFigures, StartUpReport, StartWrite
 
 
 def wish_of(body: DeviceStartUp) -> Wish:

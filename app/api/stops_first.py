@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager
 
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from app.api.access import is_stop
+from .access import is_stop
 
 
 class StopsFirst:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from app.api.schemas_tmcl import TmclFields, TmclLine
-from app.links.tmcl import as_value
-from app.links.tmcl_text import Command, opcode_of, parse_line, type_of
-from app.registers.tmcl import BY_OPCODE
+from ..links.tmcl import as_value
+from ..links.tmcl_text import Command, opcode_of, parse_line, type_of
+from ..registers.tmcl import BY_OPCODE
+from .schemas_tmcl import TmclFields, TmclLine
 
 
 def command_of(body: TmclFields | TmclLine) -> Command:

@@ -6,10 +6,10 @@ import asyncio
 import logging
 from collections.abc import Callable, Sequence
 
-from app.clock import WallClock
-from app.devices.own_tasks import OwnTasks
-from app.links.errors import StoreUnavailable
-from app.store.tokens import NamedToken, Role, TokenStore, hash_of
+from ..clock import WallClock
+from ..devices.own_tasks import OwnTasks
+from ..links.errors import StoreUnavailable
+from ..store.tokens import NamedToken, Role, TokenStore, hash_of
 
 log = logging.getLogger("stepscope.tokens")
 

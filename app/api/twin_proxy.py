@@ -25,10 +25,10 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import WebSocketException
 from websockets.typing import Subprotocol
 
-from app.api.problems import error_answer
-from app.links.errors import BenchError, WrongState
-from app.twin.process import Address
-from app.twin.service import Twin
+from ..links.errors import BenchError, WrongState
+from ..twin.process import Address
+from ..twin.service import Twin
+from .problems import error_answer
 
 VIEW = "/twin/view"
 """Where the picture is; with a slash behind it its page, whose socket has the same address without."""

@@ -6,14 +6,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TypeVar
 
-from app.api.convert import calculating
-from app.api.schemas_calc import Mechanics, ModuleUnits, Quantity, RampUnits, Units, UnitsResult
-from app.api.sixpoint_calculator import MODELS as SIXPOINT
-from app.api.sixpoint_calculator import sixpoint_units
-from app.calc import mechanics, tmc5xxx_units, tmc4361_formats
-from app.calc import units as chip_units
-from app.calc.tmc5xxx_times import tstep
-from app.links.errors import UsageError
+from ..calc import mechanics, tmc5xxx_units, tmc4361_formats
+from ..calc import units as chip_units
+from ..calc.tmc5xxx_times import tstep
+from ..links.errors import UsageError
+from .convert import calculating
+from .schemas_calc import Mechanics, ModuleUnits, Quantity, RampUnits, Units, UnitsResult
+from .sixpoint_calculator import MODELS as SIXPOINT
+from .sixpoint_calculator import sixpoint_units
 
 VELOCITY_UNITS = {
     "pps": "pps",

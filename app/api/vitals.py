@@ -11,10 +11,10 @@ from collections import deque
 from dataclasses import dataclass
 from pathlib import Path
 
-from app.api.sockets import Sockets
-from app.clock import Clock, WallClock
-from app.connections import Door
-from app.devices.own_tasks import OwnTasks
+from ..clock import Clock, WallClock
+from ..connections import Door
+from ..devices.own_tasks import OwnTasks
+from .sockets import Sockets
 
 BEAT_S = 0.1
 """How often the event loop's lateness is measured [s]."""

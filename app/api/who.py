@@ -13,8 +13,8 @@ from urllib.parse import unquote
 
 from starlette.types import ASGIApp, Receive, Scope, Send
 
-from app.api.identity import identity_of
-from app.devices.actor import Actor, ActorKind, actor
+from ..devices.actor import Actor, ActorKind, actor
+from .identity import identity_of
 
 SESSION_HEADER = "Stepscope-Session"
 NAME_HEADER = "Stepscope-Name"

@@ -9,10 +9,10 @@ from __future__ import annotations
 
 import math
 
-from app.calc.chopper import BLANK_CLOCKS, Winding
-from app.calc.chopper_notes import OWN, SHEETS, Figure, Hints, Setting, Sheet, Wishes, picked
-from app.calc.chopper_stealth import stealthchop
-from app.calc.tmc5xxx_times import TABLE_MICROSTEPS, TSTEP_MAX, tstep
+from .chopper import BLANK_CLOCKS, Winding
+from .chopper_notes import OWN, SHEETS, Figure, Hints, Setting, Sheet, Wishes, picked
+from .chopper_stealth import stealthchop
+from .tmc5xxx_times import TABLE_MICROSTEPS, TSTEP_MAX, tstep
 
 BLANK_GOAL_S = 2e-6
 """Blank times of 1 to 2 us are where to begin (AN-SPREADCYCLE)."""

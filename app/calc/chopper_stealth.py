@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import math
 
-from app.calc.chopper import AMPLITUDE_MAX, PWM_DIVIDERS, Winding
-from app.calc.chopper_notes import Figure, Hints, Setting, Sheet, Wishes, picked
+from .chopper import AMPLITUDE_MAX, PWM_DIVIDERS, Winding
+from .chopper_notes import Figure, Hints, Setting, Sheet, Wishes, picked
 
 PWM_GOAL_HZ = 35e3
 """The middle, by ratio, of the 20 to 50 kHz that suit most motors (DS-TMC5160 7.2)."""

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from app.calc.driver_chain_decode import DecodedChain, Finding, chain_ram_from_datagrams, decode_chain
-from app.calc.driver_chain_frequencies import ChainFrequencies, chain_frequencies
-from app.calc.driver_chain_model import DRIVERS_MAX, NEXT_MOTOR, STATUS_BITS, ChainBit, DriverSpec
-from app.calc.driver_chain_signals import KNOWN_DRIVERS, Signal, is_unused, signal_code, signal_name
-from app.calc.ram_words import AREA_CHAIN, CELLS, pack_cells, write_datagrams
+from .driver_chain_decode import DecodedChain, Finding, chain_ram_from_datagrams, decode_chain
+from .driver_chain_frequencies import ChainFrequencies, chain_frequencies
+from .driver_chain_model import DRIVERS_MAX, NEXT_MOTOR, STATUS_BITS, ChainBit, DriverSpec
+from .driver_chain_signals import KNOWN_DRIVERS, Signal, is_unused, signal_code, signal_name
+from .ram_words import AREA_CHAIN, CELLS, pack_cells, write_datagrams
 
 __all__ = [
     "KNOWN_DRIVERS",

@@ -6,9 +6,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
-from app.calc.driver_chain_model import DRIVERS_MAX, NEXT_MOTOR, STATUS_BITS, ChainBit, DriverSpec
-from app.calc.driver_chain_signals import CODE_MAX, CUSTOM, KNOWN_DRIVERS, is_unused, signal_name
-from app.calc.ram_words import AREA_CHAIN, CELLS, WORDS, unpack_words, whole_number, words_written
+from .driver_chain_model import DRIVERS_MAX, NEXT_MOTOR, STATUS_BITS, ChainBit, DriverSpec
+from .driver_chain_signals import CODE_MAX, CUSTOM, KNOWN_DRIVERS, is_unused, signal_name
+from .ram_words import AREA_CHAIN, CELLS, WORDS, unpack_words, whole_number, words_written
 
 LSMD_MAX = 3
 

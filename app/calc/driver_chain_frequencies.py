@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from app.calc.ram_words import whole_number
+from .ram_words import whole_number
 
 CLK2_DIV_LOWEST = 7
 """The chip's internal work allows no faster clock; smaller values only make it asymmetric (DS-TMC428 9.7)."""

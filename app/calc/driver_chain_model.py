@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from app.calc.driver_chain_signals import CUSTOM, KNOWN_DRIVERS, signal_code
-from app.calc.ram_words import CELLS
+from .driver_chain_signals import CUSTOM, KNOWN_DRIVERS, signal_code
+from .ram_words import CELLS
 
 NEXT_MOTOR = 0x20
 """NxM, bit 5 of a RAM cell."""

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from enum import IntEnum
 from types import MappingProxyType
 
-from app.calc.ram_words import whole_number
+from .ram_words import whole_number
 
 CODE_MAX = 0x1F
 CUSTOM = "custom"

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from app.calc.microstep_sequencer import WAVE_POSITIONS, step_through
-from app.calc.ram_words import whole_number
+from .microstep_sequencer import WAVE_POSITIONS, step_through
+from .ram_words import whole_number
 
 DAC_BITS = 6
 HARMONICS = 15

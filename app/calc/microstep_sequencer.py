@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from app.calc.microstep_words import checked_values
-from app.calc.ram_words import CELL_MAX, whole_number
+from .microstep_words import checked_values
+from .ram_words import CELL_MAX, whole_number
 
 WAVE_POSITIONS = 256
 """Positions of the full-wave counter in one electrical period (four full steps)."""

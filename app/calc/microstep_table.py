@@ -12,17 +12,17 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from app.calc.microstep_metrics import AngleStep, TableMetrics, metrics
-from app.calc.microstep_sequencer import SequencerStep, step_through
-from app.calc.microstep_shapes import SIGMA_RANGE_OF_THE_SHEET, f_sigma, quarter_positions
-from app.calc.microstep_words import (
+from .microstep_metrics import AngleStep, TableMetrics, metrics
+from .microstep_sequencer import SequencerStep, step_through
+from .microstep_shapes import SIGMA_RANGE_OF_THE_SHEET, f_sigma, quarter_positions
+from .microstep_words import (
     checked_values,
     table_datagrams,
     table_ram_words,
     values_from_datagrams,
     values_from_ram_words,
 )
-from app.calc.ram_words import CELL_MAX
+from .ram_words import CELL_MAX
 
 __all__ = [
     "METHODS",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from app.calc.ram_words import (
+from .ram_words import (
     AREA_TABLE,
     CELL_MAX,
     CELLS,

@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from app.calc.ram_words import whole_number
+from .ram_words import whole_number
 
 ENTRIES = 256
 POSITIONS = 1024

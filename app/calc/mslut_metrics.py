@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from app.calc.mslut import ENTRIES, POSITIONS, Wave
+from .mslut import ENTRIES, POSITIONS, Wave
 
 MICROSTEP_DEG = 360.0 / POSITIONS
 ANGLE_ORDERS = (4, 8, 12, 16)

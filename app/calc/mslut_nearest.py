@@ -12,7 +12,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from app.calc.mslut import (
+from .mslut import (
     CURRENT_MAX,
     CURRENT_MIN,
     ENTRIES,
@@ -23,7 +23,7 @@ from app.calc.mslut import (
     VALUE_MAX,
     Wave,
 )
-from app.calc.ram_words import whole_number
+from .ram_words import whole_number
 
 Norm = Literal["least_squares", "minimax"]
 NORMS: tuple[Norm, ...] = get_args(Norm)

@@ -23,8 +23,8 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from app.calc.microstep_shapes import f_sigma
-from app.calc.mslut import ENTRIES, MIRROR_DEFAULT, POSITIONS, Refusal, Wave
+from .microstep_shapes import f_sigma
+from .mslut import ENTRIES, MIRROR_DEFAULT, POSITIONS, Refusal, Wave
 
 Grid = Literal["complement", "opposite", "whole_step"]
 GRIDS: tuple[Grid, ...] = get_args(Grid)

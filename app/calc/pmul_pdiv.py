@@ -16,8 +16,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from app.calc.pmul_pdiv_inverse import RegisterSuggestion, inverse
-from app.calc.pmul_pdiv_table import (
+from .pmul_pdiv_inverse import RegisterSuggestion, inverse
+from .pmul_pdiv_table import (
     MAX_PDIV,
     REDUCTIONS,
     V_MAX_OF_HALF_LIMIT,
@@ -27,8 +27,8 @@ from app.calc.pmul_pdiv_table import (
     default_reduction,
     design_many,
 )
-from app.calc.ramp import DISTANCE_LIMIT, RampParameters, ramp_ending
-from app.calc.units import steps_during_acceleration
+from .ramp import DISTANCE_LIMIT, RampParameters, ramp_ending
+from .units import steps_during_acceleration
 
 __all__ = [
     "REDUCTIONS",

@@ -10,10 +10,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from app.calc.mechanics import ACCELERATION_UNITS, RATE_UNITS, Mechanics
-from app.calc.number_text import plain
-from app.calc.pmul_pdiv_table import default_reduction, design_many
-from app.calc.units import MAX_ACCELERATION, MAX_DIVIDER, MAX_USRS, MAX_VELOCITY
+from .mechanics import ACCELERATION_UNITS, RATE_UNITS, Mechanics
+from .number_text import plain
+from .pmul_pdiv_table import default_reduction, design_many
+from .units import MAX_ACCELERATION, MAX_DIVIDER, MAX_USRS, MAX_VELOCITY
 
 FloatArray = NDArray[np.float64]
 

@@ -11,10 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from app.calc import ramp_kernel as kernel
-from app.calc.ramp_curve import Phase, RampCurve, check_samples
-from app.calc.ramp_trapezoid import trapezoid_ramp
-from app.calc.units import acceleration_hz_s, pulse_rate_hz
+from . import ramp_kernel as kernel
+from .ramp_curve import Phase, RampCurve, check_samples
+from .ramp_trapezoid import trapezoid_ramp
+from .units import acceleration_hz_s, pulse_rate_hz
 
 __all__ = [
     "Phase",

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from app.calc.ramp_curve import Phase, RampCurve, check_samples
+from .ramp_curve import Phase, RampCurve, check_samples
 
 
 def trapezoid_ramp(

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
 
-from app.calc.extended_position import Counter
+from .extended_position import Counter
 
 Way = Literal["shortest", "positive", "negative"]
 TURN_MAX = 1 << 40

@@ -16,9 +16,9 @@ import math
 from dataclasses import dataclass, fields
 from itertools import accumulate, pairwise
 
-from app.calc.number_text import plain
-from app.calc.ramp_curve import RampCurve
-from app.calc.sixpoint_plan import MotionPlan, Piece
+from .number_text import plain
+from .ramp_curve import RampCurve
+from .sixpoint_plan import MotionPlan, Piece
 
 __all__ = ["MotionPlan", "SixPoint", "position_plan", "sixpoint_ramp", "velocity_plan"]
 

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from app.calc.ramp_curve import FloatArray, Phase, RampCurve, check_samples
+from .ramp_curve import FloatArray, Phase, RampCurve, check_samples
 
 
 @dataclass(frozen=True)

@@ -9,10 +9,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Literal, NamedTuple
 
-from app.calc.number_text import plain
-from app.calc.sixpoint import SixPoint
-from app.calc.tmc5xxx_times import WAIT_CLOCKS, WAIT_MAX
-from app.calc.tmc5xxx_units import (
+from .number_text import plain
+from .sixpoint import SixPoint
+from .tmc5xxx_times import WAIT_CLOCKS, WAIT_MAX
+from .tmc5xxx_units import (
     ACCELERATION_MAX,
     CLOCK_HZ,
     KNEE_MAX,

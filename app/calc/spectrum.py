@@ -8,7 +8,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from app.calc.alignment import REACH, usual_interval_s
+from .alignment import REACH, usual_interval_s
 
 FloatArray = NDArray[np.float64]
 Window = Literal["hann", "flattop", "blackman", "none"]

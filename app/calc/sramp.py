@@ -25,11 +25,11 @@ import math
 
 import numpy as np
 
-from app.calc import sramp_kernel as kernel
-from app.calc.ramp_curve import FloatArray
-from app.calc.sramp_parameters import SRamp, default_bow
-from app.calc.sramp_plan import JerkPiece, LimitUse, RampWarning, SRampCurve, SRampMotion, SRampPlan
-from app.calc.sramp_warnings import position_warnings, velocity_warnings
+from . import sramp_kernel as kernel
+from .ramp_curve import FloatArray
+from .sramp_parameters import SRamp, default_bow
+from .sramp_plan import JerkPiece, LimitUse, RampWarning, SRampCurve, SRampMotion, SRampPlan
+from .sramp_warnings import position_warnings, velocity_warnings
 
 __all__ = [
     "JerkPiece",

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from app.calc import sramp_kernel as kernel
-from app.calc.ramp_curve import FloatArray
-from app.calc.sramp import POSITION_LIMIT
+from . import sramp_kernel as kernel
+from .ramp_curve import FloatArray
+from .sramp import POSITION_LIMIT
 
 PHASES = kernel.PHASES
 """Order of the last axis of `SRampPlans.phase_s`."""

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from app.calc.ramp_curve import FloatArray
+from .ramp_curve import FloatArray
 
 
 @dataclass(frozen=True)

@@ -14,8 +14,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from app.calc.number_text import plain
-from app.calc.ramp_curve import FloatArray, Phase, RampCurve, check_samples
+from .number_text import plain
+from .ramp_curve import FloatArray, Phase, RampCurve, check_samples
 
 # Relative to the size of the motion: a turning point that is beyond the target by less than this is on it.
 _ON_TARGET = 1e-9

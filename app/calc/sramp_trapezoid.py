@@ -20,9 +20,9 @@ from dataclasses import dataclass, fields
 from itertools import accumulate, pairwise
 from typing import NamedTuple
 
-from app.calc.sramp import check_distance, check_state
-from app.calc.sramp_plan import JerkPiece, LimitUse, RampWarning, SRampPlan, overshoot_of
-from app.calc.sramp_warnings import warning
+from .sramp import check_distance, check_state
+from .sramp_plan import JerkPiece, LimitUse, RampWarning, SRampPlan, overshoot_of
+from .sramp_warnings import warning
 
 # Relative: a way that is shorter than the braking distance by less than this was meant to be just as long.
 _ALMOST = 1e-12

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from app.calc.sramp_parameters import SRamp
-from app.calc.sramp_plan import JerkPiece, RampWarning, overshoot_of
+from .sramp_parameters import SRamp
+from .sramp_plan import JerkPiece, RampWarning, overshoot_of
 
 # Relative: what differs by less is the same.
 _SAME = 1e-9

@@ -27,7 +27,7 @@ from fractions import Fraction
 from types import MappingProxyType
 from typing import Final
 
-from app.calc.number_text import plain
+from .number_text import plain
 
 CLOCK_HZ_DEFAULT: Final = 16e6
 CLOCK_HZ_MIN: Final = 4_194_304.0

@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from app.calc import sixpoint_registers as ramp
-from app.calc import tmc5xxx_times as times
-from app.calc.number_text import plain
-from app.calc.sixpoint_registers import Kind
-from app.calc.tmc5xxx_units import CLOCK_HZ, VELOCITY_MAX, clock_of, velocity_unit_pps
+from . import sixpoint_registers as ramp
+from . import tmc5xxx_times as times
+from .number_text import plain
+from .sixpoint_registers import Kind
+from .tmc5xxx_units import CLOCK_HZ, VELOCITY_MAX, clock_of, velocity_unit_pps
 
 ONE_AXIS = ("tmc5130", "tmc5160")
 TWO_AXES = ("tmc5031", "tmc5062", "tmc5072")

@@ -14,8 +14,8 @@ from typing import overload
 
 import numpy as np
 
-from app.calc.number_text import plain
-from app.calc.tmc5xxx_units import (
+from .number_text import plain
+from .tmc5xxx_units import (
     CLOCK_HZ,
     VELOCITY_MAX,
     IntArray,
@@ -23,7 +23,7 @@ from app.calc.tmc5xxx_units import (
     nearest,
     velocity_unit_pps,
 )
-from app.calc.units import Numbers
+from .units import Numbers
 
 TSTEP_MAX = (1 << 20) - 1
 """What TSTEP reads at standstill [clocks]."""

@@ -15,7 +15,7 @@ from typing import overload
 import numpy as np
 from numpy.typing import NDArray
 
-from app.calc.units import FloatArray, Numbers
+from .units import FloatArray, Numbers
 
 IntArray = NDArray[np.int64]
 

@@ -14,7 +14,7 @@ from typing import Any, TypeAlias, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from app.calc.number_text import plain
+from .number_text import plain
 
 FloatArray: TypeAlias = NDArray[np.float64]
 Numbers: TypeAlias = float | list[float] | list[int] | NDArray[Any]

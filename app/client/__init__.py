@@ -1,6 +1,6 @@
 """The same bench from a script: typed calls of the REST API, for plain code (`Bench`) and for asyncio (`AsyncBench`).
 
-    from app.client import Bench
+    from stepscope import Bench
 
     with Bench("http://127.0.0.1:8000") as bench:
         bench.write("bench", "V_MAX", 1200, axis=0)
@@ -18,12 +18,12 @@ Others see who has the bench, and cannot change anything meanwhile, inside of
 may have moved a motor.
 """
 
-from app.client.asynchronous import AsyncBench
-from app.client.audit import AuditEntry
-from app.client.blocking import Bench
-from app.client.errors import BenchNotTaken, BenchTaken, ClientError, MoveEnded, NoAnswer, NoServer, Refused
-from app.client.profiles import SavedProfile
-from app.client.records import (
+from .asynchronous import AsyncBench
+from .audit import AuditEntry
+from .blocking import Bench
+from .errors import BenchNotTaken, BenchTaken, ClientError, MoveEnded, NoAnswer, NoServer, Refused
+from .profiles import SavedProfile
+from .records import (
     AxisState,
     Condition,
     Device,
@@ -35,7 +35,7 @@ from app.client.records import (
     Standing,
     Written,
 )
-from app.client.scripts import Script
+from .scripts import Script
 
 __all__ = [
     "AsyncBench",

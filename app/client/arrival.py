@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from app.client.errors import MoveEnded
-from app.client.records import AxisState, MoveStarted
+from .errors import MoveEnded
+from .records import AxisState, MoveStarted
 
 LOOK_EVERY_S = 0.05
 """A look costs the device a few registers; the page's own is no faster [s]."""

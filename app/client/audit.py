@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from app.client.calls import BASE, Call
-from app.client.records import record
+from .calls import BASE, Call
+from .records import record
 
 
 @dataclass(frozen=True, slots=True)

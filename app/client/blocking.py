@@ -15,12 +15,12 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 from websockets.typing import Subprotocol
 
-from app.client import audit, calls, profiles, scripts
-from app.client.arrival import LOOK_EVERY_S, Arrival
-from app.client.audit import AuditEntry
-from app.client.calls import Call
-from app.client.errors import ClientError, NoServer
-from app.client.http import (
+from . import audit, calls, profiles, scripts
+from .arrival import LOOK_EVERY_S, Arrival
+from .audit import AuditEntry
+from .calls import Call
+from .errors import ClientError, NoServer
+from .http import (
     TIMEOUT_S,
     answer_of,
     content_of,
@@ -32,9 +32,9 @@ from app.client.http import (
     token_of,
     told,
 )
-from app.client.lease import Lease, OnVanish
-from app.client.profiles import SavedProfile
-from app.client.records import (
+from .lease import Lease, OnVanish
+from .profiles import SavedProfile
+from .records import (
     AxisState,
     Device,
     Json,
@@ -46,8 +46,8 @@ from app.client.records import (
     Standing,
     Written,
 )
-from app.client.scripts import Script
-from app.client.stream import SUBPROTOCOL, Collector, samples_of
+from .scripts import Script
+from .stream import SUBPROTOCOL, Collector, samples_of
 
 T = TypeVar("T")
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Generic, TypeVar
 from urllib.parse import quote
 
-from app.client.records import (
+from .records import (
     AxisState,
     Condition,
     Device,

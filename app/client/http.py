@@ -8,10 +8,10 @@ from urllib.parse import urlsplit, urlunsplit
 
 import httpx
 
-from app import __version__
-from app.client.calls import Call
-from app.client.errors import ClientError, NoAnswer, NoServer, refusal
-from app.client.lease import session_headers
+from .. import __version__
+from .calls import Call
+from .errors import ClientError, NoAnswer, NoServer, refusal
+from .lease import session_headers
 
 T = TypeVar("T")
 URL = "http://127.0.0.1:8000"

@@ -17,9 +17,9 @@ from types import TracebackType
 from typing import Any, Literal, Self
 from urllib.parse import quote
 
-from app.client import calls
-from app.client.calls import Call
-from app.client.errors import BenchTaken, ClientError, Refused
+from . import calls
+from .calls import Call
+from .errors import BenchTaken, ClientError, Refused
 
 SESSION_HEADER, NAME_HEADER = "Stepscope-Session", "Stepscope-Name"
 SESSION_VARIABLE = "STEPSCOPE_SESSION"

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Any
 from urllib.parse import quote
 
-from app.client.calls import BASE, Call
-from app.client.records import Json, record
+from .calls import BASE, Call
+from .records import Json, record
 
 APPLY_TIMEOUT_S = 300.0
 """Hundreds of parameters over a slow wire, each written and read back, and then perhaps written back [s]."""

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.client.calls import BASE, Call
-from app.client.records import Json, record
+from .calls import BASE, Call
+from .records import Json, record
 
 SCRIPT_TIMEOUT_S = 300.0
 """A script is run on an emulator before it is answered, and others may stand in line for that [s]."""

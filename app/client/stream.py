@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from app.client.errors import ClientError, Refused
-from app.client.records import Samples
-from app.telemetry.frames import Frame, decode
+from ..telemetry.frames import Frame, decode
+from .errors import ClientError, Refused
+from .records import Samples
 
 SUBPROTOCOL = "stepscope.telemetry.v1"
 

@@ -13,16 +13,16 @@ from collections.abc import Callable, Sequence
 
 import typer
 
-from app.commands.audit import audit
-from app.commands.calls import api, calc
-from app.commands.devices import conditions, devices, read, write
-from app.commands.lease import lease
-from app.commands.measuring import compare, record, recordings, replay, watch
-from app.commands.motion import axis, move, rotate, stop
-from app.commands.profile_scripts import script
-from app.commands.profiles import profile
-from app.commands.start_up import start_up
-from app.commands.tokens import tokens
+from .audit import audit
+from .calls import api, calc
+from .devices import conditions, devices, read, write
+from .lease import lease
+from .measuring import compare, record, recordings, replay, watch
+from .motion import axis, move, rotate, stop
+from .profile_scripts import script
+from .profiles import profile
+from .start_up import start_up
+from .tokens import tokens
 
 COMMANDS: Sequence[Callable[..., None]] = (
     devices,

@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.commands.shared import AsJson, Token, Url, connected, print_json, print_table
+from .shared import AsJson, Token, Url, connected, print_json, print_table
 
 if TYPE_CHECKING:
-    from app.client import AuditEntry
+    from ..client import AuditEntry
 
 PAGE = 1000
 """Entries of one question."""
@@ -60,7 +60,7 @@ def audit(
     if as_json:
         print_json([asdict(entry) for entry in found])
     elif as_csv:
-        from app.client import AuditEntry
+        from ..client import AuditEntry
 
         writer = csv.writer(sys.stdout)
         writer.writerow([column.name for column in fields(AuditEntry)])

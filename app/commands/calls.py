@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from app.commands.shared import Token, Url, connected, json_object, print_json
+from .shared import Token, Url, connected, json_object, print_json
 
 
 def calc(

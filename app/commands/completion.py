@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 if TYPE_CHECKING:
-    from app.client import Bench
+    from ..client import Bench
 
 WITHIN_S = 0.5
 
@@ -53,7 +53,7 @@ def complete_profile(ctx: typer.Context, incomplete: str) -> list[str]:
 
 
 def _found(ctx: typer.Context, incomplete: str, ask: Callable[[Bench], Iterable[str]]) -> Iterator[str]:
-    from app.client import Bench, ClientError
+    from ..client import Bench, ClientError
 
     # Anything else that goes wrong would be a traceback in the middle of somebody's command line.
     with (

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from app.commands.completion import complete_assignment, complete_register
-from app.commands.shared import AnyAxis, AsJson, DeviceName, Token, Url, connected, print_json, print_table
+from .completion import complete_assignment, complete_register
+from .shared import AnyAxis, AsJson, DeviceName, Token, Url, connected, print_json, print_table
 
 
 def devices(url: Url = None, token: Token = None, as_json: AsJson = False) -> None:

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from app.commands.shared import AsJson, Token, Url, connected, print_json, print_table
-from app.settings import OnVanish
+from ..settings import OnVanish
+from .shared import AsJson, Token, Url, connected, print_json, print_table
 
 if TYPE_CHECKING:
-    from app.client import LeaseState
+    from ..client import LeaseState
 
 lease = typer.Typer(
     name="lease", invoke_without_command=True, help="Show who has the bench, or have it for a program's time."
@@ -56,7 +56,7 @@ def run(
     Every stepscope command and Python client in it uses that lease. Ends as the program does, with 6 when somebody
     else has the bench. Motors are left as the program left them.
     """
-    from app.client.lease import SESSION_HEADER, SESSION_VARIABLE
+    from ..client.lease import SESSION_HEADER, SESSION_VARIABLE
 
     with connected(url, token) as bench:
         with bench.lease(name or _who(), wait_s=wait_s, on_vanish=on_vanish) as held:

@@ -13,7 +13,7 @@ from typing import Annotated, Any
 
 import typer
 
-from app.commands.shared import AsJson, Channels, DeviceName, Token, Url, connected, print_json, print_table, progress
+from .shared import AsJson, Channels, DeviceName, Token, Url, connected, print_json, print_table, progress
 
 RecordingName = Annotated[str, typer.Argument(metavar="RECORDING", help="Its id, as `stepscope recordings` lists it.")]
 LOOK_EVERY_S = 0.2

@@ -7,9 +7,9 @@ from typing import Annotated
 
 import typer
 
-from app.calc.number_text import plain
-from app.commands.completion import complete_device
-from app.commands.shared import (
+from ..calc.number_text import plain
+from .completion import complete_device
+from .shared import (
     AsJson,
     AxisNumber,
     DeviceName,

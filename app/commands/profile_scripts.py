@@ -8,8 +8,8 @@ from typing import Annotated, Literal
 
 import typer
 
-from app.commands.profiles import Which, document_of
-from app.commands.shared import AsJson, Token, Url, connected, print_json
+from .profiles import Which, document_of
+from .shared import AsJson, Token, Url, connected, print_json
 
 HOW = {
     "run": "run as a program against a server",

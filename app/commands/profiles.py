@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.commands.completion import complete_profile
-from app.commands.shared import AsJson, DeviceName, Token, Url, connected, print_json, print_table, progress
+from .completion import complete_profile
+from .shared import AsJson, DeviceName, Token, Url, connected, print_json, print_table, progress
 
 if TYPE_CHECKING:
-    from app.client import Bench, SavedProfile
+    from ..client import Bench, SavedProfile
 
 LOOK_EVERY_S = 0.2
 """How often the bar asks how far it is [s]."""
@@ -55,7 +55,7 @@ def capture(
     as_json: AsJson = False,
 ) -> None:
     """Read a device's whole configuration, as a document: one register a line, or with --json every key in full."""
-    from app.tuning.profiles.document import parse, text_of
+    from ..tuning.profiles.document import parse, text_of
 
     with connected(url, token) as bench:
         document = dict(bench.profile(device))
@@ -95,7 +95,7 @@ def import_(
 @profile.command(no_args_is_help=True)
 def export(number: Number, out: Out = None, url: Url = None, token: Token = None, as_json: AsJson = False) -> None:
     """Write a kept profile to a file, one register a line, or with --json every key in full."""
-    from app.tuning.profiles.document import parse, text_of
+    from ..tuning.profiles.document import parse, text_of
 
     with connected(url, token) as bench:
         document = bench.saved_profile(number)
@@ -304,7 +304,7 @@ def _side(value: object, physical: str | None) -> str:
 
 def _with_a_bar(bench: Bench, device: str, document: Mapping[str, Any], *, limits: bool) -> Mapping[str, Any]:
     """Apply it; another thread asks meanwhile how far it is. What a failed way back has left is told line by line."""
-    from app.client import ClientError, Refused
+    from ..client import ClientError, Refused
 
     over = threading.Event()
     with progress() as bar:

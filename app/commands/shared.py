@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from app.calc.number_text import plain
-from app.commands.completion import complete_channel, complete_device
+from ..calc.number_text import plain
+from .completion import complete_channel, complete_device
 
 if TYPE_CHECKING:
     from rich.progress import Progress
 
-    from app.client import AxisState, Bench
+    from ..client import AxisState, Bench
 
 # The client (httpx, numpy) is brought in by those commands that run, not by `--help`.
 
@@ -38,7 +38,7 @@ AnyAxis = Annotated[int | None, typer.Option(help="Which axis. [default: the dev
 @contextlib.contextmanager
 def connected(url: str | None, token: str | None) -> Iterator[Bench]:
     """The server's client; what goes wrong is told on a line, and by the exit code."""
-    from app.client import Bench, ClientError
+    from ..client import Bench, ClientError
 
     try:
         with Bench(url, token=token) as bench:

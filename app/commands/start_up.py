@@ -7,8 +7,8 @@ from typing import Annotated, Any
 
 import typer
 
-from app.calc.number_text import plain
-from app.commands.shared import AsJson, DeviceName, Token, Url, connected, json_object, print_json, print_table
+from ..calc.number_text import plain
+from .shared import AsJson, DeviceName, Token, Url, connected, json_object, print_json, print_table
 
 
 def start_up(

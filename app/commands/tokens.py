@@ -11,10 +11,10 @@ from typing import Annotated
 
 import typer
 
-from app.commands.shared import AsJson, print_json, print_table
-from app.links.errors import BenchError
-from app.settings import Settings
-from app.store.tokens import Role, TokenStore
+from ..links.errors import BenchError
+from ..settings import Settings
+from ..store.tokens import Role, TokenStore
+from .shared import AsJson, print_json, print_table
 
 tokens = typer.Typer(name="tokens", no_args_is_help=True, help="Who may come in, and what each may do.")
 

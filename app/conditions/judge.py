@@ -6,9 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from app.calc.encoder_resolution import SLOPE_MIN, EncoderLine
-from app.devices.results import AxisState, DeviceState, MotionEnd, StopReason
-from app.devices.signs import NO_SIGNS, Evidence, Remedy, Sign, Signs, start_up
+from ..calc.encoder_resolution import SLOPE_MIN, EncoderLine
+from ..devices.results import AxisState, DeviceState, MotionEnd, StopReason
+from ..devices.signs import NO_SIGNS, Evidence, Remedy, Sign, Signs, start_up
 
 Kind = Literal[
     "not_connected",

@@ -8,19 +8,19 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
-from app.calc.encoder_resolution import SLACK_MICROSTEPS, Place
-from app.clock import Clock
-from app.conditions.encoder_trace import EncoderTrace
-from app.conditions.judge import Condition, Seen, Thresholds, WrongResolution, judge
-from app.conditions.truth import Truth, truth_of
-from app.devices.changes import RegisterChanged
-from app.devices.counter import CounterWritten, PositionSeen
-from app.devices.device import Device, DeviceEvent, LimitReached, MotionCommanded, StateChanged
-from app.devices.own_tasks import OwnTasks
-from app.devices.results import AxisState, MotionEnd
-from app.devices.signs import EncoderSeen, Evidence, Sign, Signs
-from app.links.errors import BenchError
-from app.links.queue import Priority, SampleDropped
+from ..calc.encoder_resolution import SLACK_MICROSTEPS, Place
+from ..clock import Clock
+from ..devices.changes import RegisterChanged
+from ..devices.counter import CounterWritten, PositionSeen
+from ..devices.device import Device, DeviceEvent, LimitReached, MotionCommanded, StateChanged
+from ..devices.own_tasks import OwnTasks
+from ..devices.results import AxisState, MotionEnd
+from ..devices.signs import EncoderSeen, Evidence, Sign, Signs
+from ..links.errors import BenchError
+from ..links.queue import Priority, SampleDropped
+from .encoder_trace import EncoderTrace
+from .judge import Condition, Seen, Thresholds, WrongResolution, judge
+from .truth import Truth, truth_of
 
 log = logging.getLogger("stepscope.conditions")
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol, cast
 
-from app.devices.device import Device
-from app.emulators.truth import GroundTruth
-from app.links.emulator import EmulatorPort
+from ..devices.device import Device
+from ..emulators.truth import GroundTruth
+from ..links.emulator import EmulatorPort
 
 
 class Emulated(Protocol):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.registers.model import Field, Register, RegisterTable
+from ..registers.model import Field, Register, RegisterTable
 
 POSITIONING_MODES = (0, 1)
 """RAMP_MODE and SOFT_MODE: the chip drives to x_target by itself."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from app.calc.mechanics import POSITION_UNITS, RATE_UNITS, Mechanics
-from app.calc.number_text import plain
-from app.calc.units import MAX_VELOCITY, pulse_rate_hz
-from app.links.errors import OutOfRange, UsageError
+from ..calc.mechanics import POSITION_UNITS, RATE_UNITS, Mechanics
+from ..calc.number_text import plain
+from ..calc.units import MAX_VELOCITY, pulse_rate_hz
+from ..links.errors import OutOfRange, UsageError
 
 CHIP = "chip"
 SPELLINGS = {"fullsteps_per_s": "fullsteps/s", "rad_per_s": "rad/s", "deg_per_s": "deg/s", "mm_per_s": "mm/s"}

@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from app.devices.actor import Actor, actor
-from app.links.errors import BadReply, BenchError, LinkTimeout, WriteRefused
-from app.registers.model import Register
+from ..links.errors import BadReply, BenchError, LinkTimeout, WriteRefused
+from ..registers.model import Register
+from .actor import Actor, actor
 
 DONE = "done"
 BY_HAND = "not proven: a raw frame is not read back"

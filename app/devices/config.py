@@ -9,11 +9,11 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
-from app.calc.mechanics import Mechanics
-from app.devices.limits.axis_limits import AxisLimits
-from app.links.errors import OutOfRange, UnknownThing, UsageError
-from app.links.registry import Link
-from app.registers.catalog import MODELS
+from ..calc.mechanics import Mechanics
+from ..links.errors import OutOfRange, UnknownThing, UsageError
+from ..links.registry import Link
+from ..registers.catalog import MODELS
+from .limits.axis_limits import AxisLimits
 
 AXIS_NAME_MAX = 60
 

@@ -13,15 +13,20 @@ from contextvars import ContextVar
 from dataclasses import dataclass, field
 from typing import ClassVar, cast
 
-from app.calc.mslut import MslutRegisters
-from app.clock import Clock
-from app.devices.changes import RegisterChanged
-from app.devices.config import AxisSettings, DeviceConfig
-from app.devices.counter import CounterLook, CounterWritten, PositionSeen
-from app.devices.holding_back import OnlyReading
-from app.devices.limits.limiter import Limiter
-from app.devices.prediction import Prediction
-from app.devices.results import (
+from ..calc.mslut import MslutRegisters
+from ..clock import Clock
+from ..links.errors import BenchError, DownloadMode, LinkError, OtherModel, UnknownThing, UsageError, WrongState
+from ..links.port import FramePort, SamplingPort
+from ..links.queue import FrameHold, LinkQueue, Priority
+from ..links.registry import Link
+from ..registers.catalog import MODELS, Model
+from .changes import RegisterChanged
+from .config import AxisSettings, DeviceConfig
+from .counter import CounterLook, CounterWritten, PositionSeen
+from .holding_back import OnlyReading
+from .limits.limiter import Limiter
+from .prediction import Prediction
+from .results import (
     AxisMove,
     AxisState,
     BatchResult,
@@ -39,13 +44,8 @@ from app.devices.results import (
     StopOutcome,
     WriteItem,
 )
-from app.devices.sample_plan import Channel, SamplePlan, Taken
-from app.devices.signs import EncoderSeen, Remedy, Signs
-from app.links.errors import BenchError, DownloadMode, LinkError, OtherModel, UnknownThing, UsageError, WrongState
-from app.links.port import FramePort, SamplingPort
-from app.links.queue import FrameHold, LinkQueue, Priority
-from app.links.registry import Link
-from app.registers.catalog import MODELS, Model
+from .sample_plan import Channel, SamplePlan, Taken
+from .signs import EncoderSeen, Remedy, Signs
 
 RATE_MAX_EMULATED_HZ = 1000.0
 RATE_MAX_WIRE_HZ = 500.0

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from app.clock import Clock
-from app.devices import start_up as ramp_start
-from app.devices.config import DeviceConfig
-from app.devices.device import Device
-from app.devices.limits.apply import apply_limits
-from app.devices.pd42 import start_up as pd42_start
-from app.devices.pd42.driver import Pd42
-from app.devices.starting import StartPlanner
-from app.devices.tmc5xxx import start_up as tmc5xxx_start
-from app.devices.tmc5xxx.driver import Tmc5xxx
-from app.devices.tmc428 import Tmc428
-from app.devices.tmc4210 import Tmc4210
-from app.devices.tmc4361 import start_up as tmc4361_start
-from app.devices.tmc4361.driver import Tmc4361
-from app.links.port import FramePort
-from app.registers.tmc5xxx import TABLES as TMC5XXX
+from ..clock import Clock
+from ..links.port import FramePort
+from ..registers.tmc5xxx import TABLES as TMC5XXX
+from . import start_up as ramp_start
+from .config import DeviceConfig
+from .device import Device
+from .limits.apply import apply_limits
+from .pd42 import start_up as pd42_start
+from .pd42.driver import Pd42
+from .starting import StartPlanner
+from .tmc5xxx import start_up as tmc5xxx_start
+from .tmc5xxx.driver import Tmc5xxx
+from .tmc428 import Tmc428
+from .tmc4210 import Tmc4210
+from .tmc4361 import start_up as tmc4361_start
+from .tmc4361.driver import Tmc4361
 
 DRIVERS: dict[str, Callable[[str, DeviceConfig, FramePort, Clock], Device]] = {
     "tmc428": Tmc428,

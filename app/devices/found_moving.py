@@ -11,9 +11,9 @@ import logging
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from app.clock import Clock
-from app.devices.device import Device, DeviceEvent, MotionCommanded, StateChanged
-from app.links.errors import BenchError
+from ..clock import Clock
+from ..links.errors import BenchError
+from .device import Device, DeviceEvent, MotionCommanded, StateChanged
 
 log = logging.getLogger("stepscope.devices")
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from app.links.errors import OtherModel, WrongState
-from app.links.queue import Priority
+from ..links.errors import OtherModel, WrongState
+from ..links.queue import Priority
 
 
 class OnlyReading:

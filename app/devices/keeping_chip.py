@@ -8,19 +8,19 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import replace
 
-from app.clock import Clock
-from app.devices.changes import DONE, register_changed
-from app.devices.config import DeviceConfig
-from app.devices.own_tasks import OwnTasks
-from app.devices.register_chip import RegisterChip, reading, written
-from app.devices.results import RegisterReading, RegisterWritten
-from app.devices.words import Held, Words
-from app.links import landungsbruecke
-from app.links.errors import BadReply, WrongState
-from app.links.port import FramePort
-from app.links.register_access import access_of
-from app.links.wire_budget import WireBudget
-from app.registers.model import Register
+from ..clock import Clock
+from ..links import landungsbruecke
+from ..links.errors import BadReply, WrongState
+from ..links.port import FramePort
+from ..links.register_access import access_of
+from ..links.wire_budget import WireBudget
+from ..registers.model import Register
+from .changes import DONE, register_changed
+from .config import DeviceConfig
+from .own_tasks import OwnTasks
+from .register_chip import RegisterChip, reading, written
+from .results import RegisterReading, RegisterWritten
+from .words import Held, Words
 
 NOTHING = (0, 0xFFFF_FFFF)
 """What a bus reads on which nobody drives the line."""

@@ -5,11 +5,11 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Awaitable, Callable
 
-from app.devices.device import Device
-from app.devices.motion_watch import POLL_S
-from app.devices.own_tasks import OwnTasks
-from app.links.errors import BadReply, BenchError
-from app.links.queue import SampleDropped
+from ..links.errors import BadReply, BenchError
+from ..links.queue import SampleDropped
+from .device import Device
+from .motion_watch import POLL_S
+from .own_tasks import OwnTasks
 
 IDLE_LOOKS = 10
 """How many looks are left out while nothing moves."""

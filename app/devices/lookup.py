@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from app.links.errors import OutOfRange, UnknownThing, UsageError, WrongState
-from app.registers.model import Access, Bits, Field, Register, RegisterTable
+from ..links.errors import OutOfRange, UnknownThing, UsageError, WrongState
+from ..registers.model import Access, Bits, Field, Register, RegisterTable
 
 Found = tuple[Register, Field | None]
 Changes = Sequence[tuple[Field, int]]

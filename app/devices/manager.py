@@ -13,17 +13,17 @@ import time
 from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, replace
 
-from app.clock import Clock
-from app.devices.config import AxisSettings, DeviceConfig, unique_slug
-from app.devices.device import Device
-from app.devices.families import make_device
-from app.devices.limits.apply import apply_limits, learn, require_clock
-from app.devices.results import StopMode, StopOutcome
-from app.devices.stopping import Stopping
-from app.devices.watch import ANSWER_WITHIN_S, Watch
-from app.links.errors import BenchError, DownloadMode, LinkTimeout, UnknownThing
-from app.links.registry import Link, PortFactory, open_port
-from app.registers.catalog import MODELS
+from ..clock import Clock
+from ..links.errors import BenchError, DownloadMode, LinkTimeout, UnknownThing
+from ..links.registry import Link, PortFactory, open_port
+from ..registers.catalog import MODELS
+from .config import AxisSettings, DeviceConfig, unique_slug
+from .device import Device
+from .families import make_device
+from .limits.apply import apply_limits, learn, require_clock
+from .results import StopMode, StopOutcome
+from .stopping import Stopping
+from .watch import ANSWER_WITHIN_S, Watch
 
 LET_GO_S = 1.0
 """How long letting go of a device may take to stop its motors [s]."""

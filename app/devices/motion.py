@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from app.calc.ramp import RampParameters
-from app.devices.axis_rows import HOLD_MODE, VELOCITY_MODE, AxisRows
-from app.devices.words import Words
-from app.links.errors import CannotMove, OutOfRange
-from app.registers.model import Register, to_signed
+from ..calc.ramp import RampParameters
+from ..links.errors import CannotMove, OutOfRange
+from ..registers.model import Register, to_signed
+from .axis_rows import HOLD_MODE, VELOCITY_MODE, AxisRows
+from .words import Words
 
 MODE_NAMES = ("ramp", "soft", "velocity", "hold")
 """The calculators' names of the ramp modes, by number."""

@@ -14,7 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
-from app.devices.results import MotionEnd, StopReason
+from .results import MotionEnd, StopReason
 
 Kind = Literal["position", "velocity", "search", "unknown"]
 """What drives a motion: a target, a speed, the module's reference search, or nobody here knows."""

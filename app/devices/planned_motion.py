@@ -7,8 +7,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from app.calc.ramp_curve import RampCurve
-from app.devices.prediction import FloatArray, Prediction, wrapped
+from ..calc.ramp_curve import RampCurve
+from .prediction import FloatArray, Prediction, wrapped
 
 POSITION_BITS = 32
 

@@ -16,7 +16,7 @@ from typing import Generic, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from app.calc.ramp_curve import RampCurve
+from ..calc.ramp_curve import RampCurve
 
 FloatArray = NDArray[np.float64]
 

@@ -4,26 +4,26 @@ from __future__ import annotations
 
 from abc import abstractmethod
 
-from app.calc.mechanics import Mechanics
-from app.calc.units import acceleration_hz_s, pulse_rate_hz
-from app.clock import Clock
-from app.devices import ramp_signs
-from app.devices.axis_rows import HOLD_MODE, POSITIONING_MODES, AxisRows
-from app.devices.changes import BY_HAND, register_changed
-from app.devices.config import DeviceConfig
-from app.devices.motion import Setting, distance
-from app.devices.prediction import Prediction
-from app.devices.register_chip import RegisterChip
-from app.devices.results import AxisState, RawExchange, Switches
-from app.devices.signs import Signs
-from app.devices.ticked_prediction import TickedBook
-from app.devices.words import Words
-from app.links.access32 import SPI32
-from app.links.datagram32 import FRAME_BYTES, Request, status_flags
-from app.links.errors import OutOfRange
-from app.links.port import FramePort
-from app.links.queue import Priority
-from app.registers.model import Access, Register
+from ..calc.mechanics import Mechanics
+from ..calc.units import acceleration_hz_s, pulse_rate_hz
+from ..clock import Clock
+from ..links.access32 import SPI32
+from ..links.datagram32 import FRAME_BYTES, Request, status_flags
+from ..links.errors import OutOfRange
+from ..links.port import FramePort
+from ..links.queue import Priority
+from ..registers.model import Access, Register
+from . import ramp_signs
+from .axis_rows import HOLD_MODE, POSITIONING_MODES, AxisRows
+from .changes import BY_HAND, register_changed
+from .config import DeviceConfig
+from .motion import Setting, distance
+from .prediction import Prediction
+from .register_chip import RegisterChip
+from .results import AxisState, RawExchange, Switches
+from .signs import Signs
+from .ticked_prediction import TickedBook
+from .words import Words
 
 
 class RampChip(RegisterChip):

@@ -9,17 +9,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from app.clock import Clock
-from app.devices.config import DeviceConfig
-from app.devices.counter import CounterLook
-from app.devices.ramp_stops import RampStops
-from app.devices.results import AxisState
-from app.devices.signs import Signs
-from app.devices.ticked_prediction import POSITION_BITS
-from app.devices.words import Words
-from app.links.port import FramePort
-from app.links.queue import Priority
-from app.registers.model import Register
+from ..clock import Clock
+from ..links.port import FramePort
+from ..links.queue import Priority
+from ..registers.model import Register
+from .config import DeviceConfig
+from .counter import CounterLook
+from .ramp_stops import RampStops
+from .results import AxisState
+from .signs import Signs
+from .ticked_prediction import POSITION_BITS
+from .words import Words
 
 CLOCKS_PER_STEP = 32
 """The pulse generator makes a step in 32 clocks at the most: pulse_div 0, v_max 2047 of 2048 (DS-TMC428 8.14)."""

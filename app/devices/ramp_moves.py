@@ -5,19 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from app.calc.number_text import plain
-from app.calc.units import pulse_rate_hz
-from app.devices.axis_rows import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOCITY_MODE, AxisRows
-from app.devices.axis_units import one_chip_unit, to_chip_velocity, to_position
-from app.devices.device import MotionStarted
-from app.devices.motion import Setting, checked_target, distance
-from app.devices.ramp_chip import RampChip
-from app.devices.results import AxisMove, MoveStarted, Rotating
-from app.devices.ticked_prediction import Origin, TickedPrediction
-from app.devices.words import Words
-from app.links.errors import UsageError, WriteRefused
-from app.links.queue import Priority
-from app.registers.model import to_raw
+from ..calc.number_text import plain
+from ..calc.units import pulse_rate_hz
+from ..links.errors import UsageError, WriteRefused
+from ..links.queue import Priority
+from ..registers.model import to_raw
+from .axis_rows import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOCITY_MODE, AxisRows
+from .axis_units import one_chip_unit, to_chip_velocity, to_position
+from .device import MotionStarted
+from .motion import Setting, checked_target, distance
+from .ramp_chip import RampChip
+from .results import AxisMove, MoveStarted, Rotating
+from .ticked_prediction import Origin, TickedPrediction
+from .words import Words
 
 
 @dataclass(slots=True)

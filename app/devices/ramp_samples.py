@@ -7,14 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from app.calc.units import acceleration_hz_s, pulse_rate_hz
-from app.devices.prediction import wrapped
-from app.devices.ramp_counter import RampCounter
-from app.devices.sample_plan import Channel, DatagramPlan, Decoder, FloatArray, SamplePlan
-from app.devices.ticked_prediction import POSITION_BITS, TickedBook
-from app.links.access32 import READ_FRAMES
-from app.links.errors import UnknownThing, UsageError
-from app.registers.model import Register
+from ..calc.units import acceleration_hz_s, pulse_rate_hz
+from ..links.access32 import READ_FRAMES
+from ..links.errors import UnknownThing, UsageError
+from ..registers.model import Register
+from .prediction import wrapped
+from .ramp_counter import RampCounter
+from .sample_plan import Channel, DatagramPlan, Decoder, FloatArray, SamplePlan
+from .ticked_prediction import POSITION_BITS, TickedBook
 
 IntArray = NDArray[np.int64]
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from app.devices.axis_rows import AxisRows
-from app.devices.motion import Setting
-from app.devices.results import AxisState
-from app.devices.signs import Evidence, Sign, Signs, zero
+from .axis_rows import AxisRows
+from .motion import Setting
+from .results import AxisState
+from .signs import Evidence, Sign, Signs, zero
 
 V_MAX, A_MAX = 1000, 500
 """What a remedy writes where one of them is 0: half of the greatest speed, and a ramp of some tenths of a second."""

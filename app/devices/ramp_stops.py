@@ -5,13 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
-from app.devices.axis_rows import HOLD_MODE, VELOCITY_MODE
-from app.devices.motion import POSITION_MAX, POSITION_MIN
-from app.devices.ramp_writes import RampWrites
-from app.devices.results import StopMode, StopOutcome
-from app.devices.words import Words
-from app.links.errors import BenchError, LinkDown, LinkTimeout, OutOfRange, WriteRefused, WrongState
-from app.links.queue import Priority
+from ..links.errors import BenchError, LinkDown, LinkTimeout, OutOfRange, WriteRefused, WrongState
+from ..links.queue import Priority
+from .axis_rows import HOLD_MODE, VELOCITY_MODE
+from .motion import POSITION_MAX, POSITION_MIN
+from .ramp_writes import RampWrites
+from .results import StopMode, StopOutcome
+from .words import Words
 
 
 class RampStops(RampWrites):

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from app.devices.axis_rows import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOCITY_MODE
-from app.devices.device import MotionStarted
-from app.devices.motion import Setting, distance
-from app.devices.ramp_moves import RampMoves
-from app.devices.ticked_prediction import Origin
-from app.devices.words import Words
-from app.links.errors import BenchError, WriteRefused
-from app.links.queue import Priority
-from app.registers.model import Register
+from ..links.errors import BenchError, WriteRefused
+from ..links.queue import Priority
+from ..registers.model import Register
+from .axis_rows import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOCITY_MODE
+from .device import MotionStarted
+from .motion import Setting, distance
+from .ramp_moves import RampMoves
+from .ticked_prediction import Origin
+from .words import Words
 
 
 class RampWrites(RampMoves):

@@ -7,15 +7,15 @@ over a UART one datagram with an answer of its own.
 
 from __future__ import annotations
 
-from app.devices.changes import BY_HAND, register_changed
-from app.devices.keeping_chip import KeepingChip
-from app.devices.results import RawExchange
-from app.links import datagram40, tmcl
-from app.links.datagram_uart import UartForm
-from app.links.errors import OutOfRange, UsageError
-from app.links.register_access import UartAccess
-from app.registers.landungsbruecke import BoardOpcode
-from app.registers.model import Register
+from ..links import datagram40, tmcl
+from ..links.datagram_uart import UartForm
+from ..links.errors import OutOfRange, UsageError
+from ..links.register_access import UartAccess
+from ..registers.landungsbruecke import BoardOpcode
+from ..registers.model import Register
+from .changes import BY_HAND, register_changed
+from .keeping_chip import KeepingChip
+from .results import RawExchange
 
 
 class RawFrames(KeepingChip):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import contextlib
 
-from app.devices.tmc5xxx import identity as tmc5xxx
-from app.devices.tmc4361 import identity as tmc4361
-from app.links.errors import BadReply
-from app.links.queue import LinkQueue
-from app.links.register_access import RegisterAccess
+from ..links.errors import BadReply
+from ..links.queue import LinkQueue
+from ..links.register_access import RegisterAccess
+from .tmc5xxx import identity as tmc5xxx
+from .tmc4361 import identity as tmc4361
 
 FAMILIES = (tmc4361.found_by, tmc5xxx.found_by)
 

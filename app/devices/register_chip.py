@@ -10,18 +10,18 @@ from collections.abc import Callable, Collection, Iterable, Sequence
 from functools import reduce
 from operator import or_
 
-from app.clock import Clock
-from app.devices.changes import outcome_of, outcome_of_failure, register_changed
-from app.devices.config import DeviceConfig
-from app.devices.device import Device
-from app.devices.lookup import Changes, Lookup, checked_fields, modify, word_of_value
-from app.devices.results import BatchResult, RegisterReading, RegisterWritten, WriteItem
-from app.devices.words import Words, Write, read_once_more
-from app.links.errors import BadReply, BenchError, UsageError, WriteRefused, WrongState
-from app.links.port import FramePort
-from app.links.queue import Priority, Turn
-from app.links.register_access import RegisterAccess
-from app.registers.model import Access, Field, Register
+from ..clock import Clock
+from ..links.errors import BadReply, BenchError, UsageError, WriteRefused, WrongState
+from ..links.port import FramePort
+from ..links.queue import Priority, Turn
+from ..links.register_access import RegisterAccess
+from ..registers.model import Access, Field, Register
+from .changes import outcome_of, outcome_of_failure, register_changed
+from .config import DeviceConfig
+from .device import Device
+from .lookup import Changes, Lookup, checked_fields, modify, word_of_value
+from .results import BatchResult, RegisterReading, RegisterWritten, WriteItem
+from .words import Words, Write, read_once_more
 
 
 class RegisterChip(Device):

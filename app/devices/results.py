@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Literal
 
-from app.calc.mslut import MslutRegisters
-from app.links.errors import BenchError
+from ..calc.mslut import MslutRegisters
+from ..links.errors import BenchError
 
 StopMode = Literal["ramp", "immediate"]
 StopReason = Literal[

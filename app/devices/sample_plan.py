@@ -10,7 +10,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from app.registers.tmcl import Status
+from ..registers.tmcl import Status
 
 FloatArray = NDArray[np.float64]
 Decoder = Callable[[FloatArray, NDArray[np.int64], NDArray[np.int64]], FloatArray]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.calc.sixpoint import MotionPlan, SixPoint, position_plan, velocity_plan
+from ..calc.sixpoint import MotionPlan, SixPoint, position_plan, velocity_plan
 
 
 def move_plan(ramp: SixPoint | None, distance: int, speed_pps: float) -> MotionPlan | None:

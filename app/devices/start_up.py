@@ -6,14 +6,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from app.calc.driver_chain import build_chain
-from app.calc.mechanics import Mechanics
-from app.calc.microstep_table import design_table
-from app.calc.pmul_pdiv import design, inverse
-from app.devices.device import Device
-from app.devices.results import WriteItem
-from app.devices.starting import StartPlan, Wanted
-from app.links.errors import UsageError
+from ..calc.driver_chain import build_chain
+from ..calc.mechanics import Mechanics
+from ..calc.microstep_table import design_table
+from ..calc.pmul_pdiv import design, inverse
+from ..links.errors import UsageError
+from .device import Device
+from .results import WriteItem
+from .starting import StartPlan, Wanted
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,10 +9,10 @@ import math
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from app.devices.config import AxisSettings
-from app.devices.device import Device
-from app.devices.results import WriteItem
-from app.links.errors import OutOfRange, UsageError
+from ..links.errors import OutOfRange, UsageError
+from .config import AxisSettings
+from .device import Device
+from .results import WriteItem
 
 TURNS_PER_S, TURNS_PER_S2 = 1.0, 4.0
 """Speed and acceleration where nobody says any: any stepper motor does that."""

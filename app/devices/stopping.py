@@ -7,9 +7,9 @@ import logging
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from app.devices.device import Device
-from app.devices.results import StopMode, StopOutcome
-from app.links.errors import BenchError, LinkTimeout, WrongState
+from ..links.errors import BenchError, LinkTimeout, WrongState
+from .device import Device
+from .results import StopMode, StopOutcome
 
 log = logging.getLogger("stepscope.devices")
 

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.calc.ramp import RampParameters, RampStart, exact_ramp
-from app.calc.ramp_curve import RampCurve
-from app.devices.prediction import FloatArray, Prediction, PredictionBook
-from app.devices.tick_phase import TickPhase
+from ..calc.ramp import RampParameters, RampStart, exact_ramp
+from ..calc.ramp_curve import RampCurve
+from .prediction import FloatArray, Prediction, PredictionBook
+from .tick_phase import TickPhase
 
 POSITION_BITS = 24
 ENDLESS_S = 20.0

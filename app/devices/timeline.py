@@ -6,7 +6,7 @@ import time
 from collections import deque
 from collections.abc import Callable
 
-from app.devices.results import ChipEvents, EventPage
+from .results import ChipEvents, EventPage
 
 KEPT = 2000
 

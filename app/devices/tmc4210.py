@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from app.clock import Clock
-from app.devices.axis_rows import AxisRows
-from app.devices.config import DeviceConfig
-from app.devices.ramp_samples import Frames, IntArray, RampSamples
-from app.devices.sample_plan import Decoder, FloatArray
-from app.devices.words import Words, read_once_more
-from app.links.datagram32 import STATUS_TMC4210
-from app.links.errors import WrongState
-from app.links.port import FramePort
-from app.registers.tmc4210 import TYPE_VERSION
+from ..clock import Clock
+from ..links.datagram32 import STATUS_TMC4210
+from ..links.errors import WrongState
+from ..links.port import FramePort
+from ..registers.tmc4210 import TYPE_VERSION
+from .axis_rows import AxisRows
+from .config import DeviceConfig
+from .ramp_samples import Frames, IntArray, RampSamples
+from .sample_plan import Decoder, FloatArray
+from .words import Words, read_once_more
 
 LEFT_BIT = STATUS_TMC4210.index("R_L")
 RIGHT_INPUT = 0

@@ -6,22 +6,22 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from app.calc.microstep_words import table_ram_words, values_from_ram_words
-from app.clock import Clock
-from app.devices.axis_rows import AxisRows
-from app.devices.changes import register_changed
-from app.devices.config import DeviceConfig
-from app.devices.ramp_samples import Frames, IntArray, RampSamples
-from app.devices.results import ChainContents
-from app.devices.sample_plan import Decoder, FloatArray
-from app.devices.words import Words, read_once_more
-from app.links.datagram32 import STATUS_TMC428
-from app.links.errors import OtherModel, OutOfRange, UsageError, WriteRefused, WrongState
-from app.links.port import FramePort
-from app.links.queue import Priority
-from app.registers.model import Field, Register
-from app.registers.tmc428 import RAM_CHAIN, RAM_TABLE
-from app.registers.tmc4210 import TYPE_VERSION
+from ..calc.microstep_words import table_ram_words, values_from_ram_words
+from ..clock import Clock
+from ..links.datagram32 import STATUS_TMC428
+from ..links.errors import OtherModel, OutOfRange, UsageError, WriteRefused, WrongState
+from ..links.port import FramePort
+from ..links.queue import Priority
+from ..registers.model import Field, Register
+from ..registers.tmc428 import RAM_CHAIN, RAM_TABLE
+from ..registers.tmc4210 import TYPE_VERSION
+from .axis_rows import AxisRows
+from .changes import register_changed
+from .config import DeviceConfig
+from .ramp_samples import Frames, IntArray, RampSamples
+from .results import ChainContents
+from .sample_plan import Decoder, FloatArray
+from .words import Words, read_once_more
 
 RAM_WORDS = 32
 RAM_MASK = 0x3F3F

@@ -6,9 +6,9 @@ import asyncio
 import contextlib
 from collections.abc import Callable
 
-from app.clock import Clock
-from app.devices.device import Device
-from app.links.errors import BenchError, LinkDown
+from ..clock import Clock
+from ..links.errors import BenchError, LinkDown
+from .device import Device
 
 LOOK_IN_S = 1.5
 """How often a working device is looked in on: a cable pulled while nobody asks anything is seen within 2 s, with the

@@ -7,9 +7,12 @@ from collections.abc import Callable, Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from app.devices.keeping_chip import KeepingChip
-from app.devices.prediction import wrapped
-from app.devices.sample_plan import (
+from ..links.errors import UnknownThing, UsageError
+from ..links.register_access import UartAccess
+from ..registers.model import Field, Register
+from .keeping_chip import KeepingChip
+from .prediction import wrapped
+from .sample_plan import (
     BoardPlan,
     Channel,
     Decoder,
@@ -21,9 +24,6 @@ from app.devices.sample_plan import (
     UartPlan,
     WordsPlan,
 )
-from app.links.errors import UnknownThing, UsageError
-from app.links.register_access import UartAccess
-from app.registers.model import Field, Register
 
 IntArray = NDArray[np.int64]
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from app.links.access32 import SPI32
-from app.links.errors import BadReply, LinkTimeout
-from app.links.queue import LinkQueue, Turn
-from app.links.register_access import RegisterAccess
-from app.registers.model import Register, to_raw
+from ..links.access32 import SPI32
+from ..links.errors import BadReply, LinkTimeout
+from ..links.queue import LinkQueue, Turn
+from ..links.register_access import RegisterAccess
+from ..registers.model import Register, to_raw
 
 
 @dataclass(frozen=True, slots=True)

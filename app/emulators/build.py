@@ -5,18 +5,18 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Literal, cast, overload
 
-from app.clock import Clock
-from app.emulators.device import EmulatedDevice
-from app.emulators.options import EmulatorOptions
-from app.emulators.pd42.module import MODEL as PD42_MODEL
-from app.emulators.pd42.module import EmulatedModule
-from app.emulators.pd42.options import Pd42Options
-from app.emulators.tmc5xxx import MODELS as TMC5XXX_MODELS
-from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxModel, Tmc5xxxOptions
-from app.emulators.tmc4361 import MODEL as TMC4361_MODEL
-from app.emulators.tmc4361 import EmulatedTmc4361, Tmc4361Options
-from app.links.errors import OutOfRange, UnknownThing
-from app.registers.catalog import MODELS
+from ..clock import Clock
+from ..links.errors import OutOfRange, UnknownThing
+from ..registers.catalog import MODELS
+from .device import EmulatedDevice
+from .options import EmulatorOptions
+from .pd42.module import MODEL as PD42_MODEL
+from .pd42.module import EmulatedModule
+from .pd42.options import Pd42Options
+from .tmc5xxx import MODELS as TMC5XXX_MODELS
+from .tmc5xxx import EmulatedTmc5xxx, Tmc5xxxModel, Tmc5xxxOptions
+from .tmc4361 import MODEL as TMC4361_MODEL
+from .tmc4361 import EmulatedTmc4361, Tmc4361Options
 
 AnyOptions = EmulatorOptions | Pd42Options | Tmc4361Options | Tmc5xxxOptions
 AnyEmulator = EmulatedDevice | EmulatedModule | EmulatedTmc4361 | EmulatedTmc5xxx
@@ -95,8 +95,8 @@ def warm_up() -> None:
 
     For a thread at start-up, so that the first request does not wait for it.
     """
-    from app.clock import VirtualClock
-    from app.emulators.drive import warm_up as warm_up_drive
+    from ..clock import VirtualClock
+    from .drive import warm_up as warm_up_drive
 
     for chip in ("tmc428", "tmc4210"):
         build_emulator(chip, VirtualClock()).exchange(bytes(4))

@@ -10,8 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from app.emulators import kernel
-from app.emulators.sequencer import Coils, coils
+from . import kernel
+from .sequencer import Coils, coils
 
 DRIVERS_ON_BOARD = 3
 DRIVER_BITS = 12

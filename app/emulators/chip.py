@@ -12,11 +12,11 @@ from functools import partial
 
 import numpy as np
 
-from app.emulators import kernel as k
-from app.emulators import stage
-from app.emulators.options import EmulatorOptions, StageOptions
-from app.registers.catalog import Model
-from app.registers.model import to_signed
+from ..registers.catalog import Model
+from ..registers.model import to_signed
+from . import kernel as k
+from . import stage
+from .options import EmulatorOptions, StageOptions
 
 _WORD = 0xFF_FFFF
 ADDRESSES = 128

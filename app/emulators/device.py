@@ -5,16 +5,16 @@ from __future__ import annotations
 import random
 from dataclasses import asdict
 
-from app.clock import Clock
-from app.emulators import stage
-from app.emulators.far_end import ChipFaults, FarEnd
-from app.emulators.options import EmulatorOptions, EmulatorPatch
-from app.emulators.state import EmulatorState, Faults, Inputs
-from app.emulators.tmc428 import Tmc428
-from app.emulators.tmc4210 import Tmc4210
-from app.emulators.truth import GroundTruth
-from app.links.datagram32 import FRAME_BYTES
-from app.links.errors import OutOfRange
+from ..clock import Clock
+from ..links.datagram32 import FRAME_BYTES
+from ..links.errors import OutOfRange
+from . import stage
+from .far_end import ChipFaults, FarEnd
+from .options import EmulatorOptions, EmulatorPatch
+from .state import EmulatorState, Faults, Inputs
+from .tmc428 import Tmc428
+from .tmc4210 import Tmc4210
+from .truth import GroundTruth
 
 
 class EmulatedDevice(FarEnd):

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 from pydantic import BaseModel
 
-from app.clock import Clock, ScaledClock
-from app.emulators.noise import flip
+from ..clock import Clock, ScaledClock
+from .noise import flip
 
 
 class FarEnd(ABC):

@@ -17,8 +17,8 @@ import socket
 from collections.abc import Callable
 from typing import Protocol
 
-from app.links import datagram32, datagram40
-from app.links.port import Wire
+from ..links import datagram32, datagram40
+from ..links.port import Wire
 
 HALF_FRAME_S = 0.5
 READ_BYTES = 4096

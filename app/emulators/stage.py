@@ -6,11 +6,11 @@ for a TMC4210.
 
 from __future__ import annotations
 
-from app.emulators import kernel
-from app.emulators.kernel import Cells
-from app.emulators.options import Forced, StageChange, StageOptions, SwitchChange
-from app.emulators.state import AxisState, StageState, Switches, SwitchState
-from app.links.errors import OutOfRange
+from ..links.errors import OutOfRange
+from . import kernel
+from .kernel import Cells
+from .options import Forced, StageChange, StageOptions, SwitchChange
+from .state import AxisState, StageState, Switches, SwitchState
 
 _EDGES = {
     "left_at_fullsteps": kernel.LEFT_AT,

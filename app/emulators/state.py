@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import BaseModel, Field
 
-from app.emulators.options import VActualWritable
+from .options import VActualWritable
 
 
 class SwitchState(BaseModel):

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from functools import partial
 
-from app.emulators import kernel as k
-from app.emulators.chip import CLK2_DIV_RESET, GLOBAL, LAST_INDEX, SWITCHES, Chip
-from app.emulators.options import EmulatorOptions
-from app.emulators.state import StepDirState
-from app.registers.catalog import MODELS
-from app.registers.model import to_signed
-from app.registers.tmc4210 import TYPE_VERSION
+from ..registers.catalog import MODELS
+from ..registers.model import to_signed
+from ..registers.tmc4210 import TYPE_VERSION
+from . import kernel as k
+from .chip import CLK2_DIV_RESET, GLOBAL, LAST_INDEX, SWITCHES, Chip
+from .options import EmulatorOptions
+from .state import StepDirState
 
 IF_CONFIGURATION, POS_COMP, POS_COMP_INT, TYPE = 0x34, 0x35, 0x36, 0x39
 RAM = 0x40

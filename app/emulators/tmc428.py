@@ -5,15 +5,15 @@ from __future__ import annotations
 import random
 from functools import partial
 
-from app.emulators import chain
-from app.emulators import kernel as k
-from app.emulators.chain import Datagram, Polarity, Signals
-from app.emulators.chip import CLK2_DIV_RESET, GLOBAL, SWITCHES, Chip
-from app.emulators.options import EmulatorOptions
-from app.emulators.sequencer import increment
-from app.emulators.state import ChainBit, ChainState, DriverState
-from app.registers.catalog import MODELS
-from app.registers.tmc428 import RAM_CHAIN, RAM_TABLE, SIGNAL_CODES
+from ..registers.catalog import MODELS
+from ..registers.tmc428 import RAM_CHAIN, RAM_TABLE, SIGNAL_CODES
+from . import chain
+from . import kernel as k
+from .chain import Datagram, Polarity, Signals
+from .chip import CLK2_DIV_RESET, GLOBAL, SWITCHES, Chip
+from .options import EmulatorOptions
+from .sequencer import increment
+from .state import ChainBit, ChainState, DriverState
 
 STAGE_UNITS = 64
 """Stage positions are kept in 1/64 full steps, the finest microstep."""

@@ -17,15 +17,15 @@ from dataclasses import dataclass
 from importlib.util import find_spec
 from typing import Any
 
-from app.clock import Clock
-from app.links.errors import LinkDown, UsageError
-from app.links.line_thread import Job
-from app.links.port import Answer
-from app.links.serial_address import openable, port_url
-from app.links.serial_line import Line, LinePort, shared_line
-from app.links.streams import Closing, Stream
-from app.links.tmcl import FRAME_BYTES, checksum, has_plain_reply
-from app.registers.tmcl import Opcode
+from ..clock import Clock
+from ..registers.tmcl import Opcode
+from .errors import LinkDown, UsageError
+from .line_thread import Job
+from .port import Answer
+from .serial_address import openable, port_url
+from .serial_line import Line, LinePort, shared_line
+from .streams import Closing, Stream
+from .tmcl import FRAME_BYTES, checksum, has_plain_reply
 
 HOST = 2
 """What stands where a serial answer has the host's address; CAN has none."""

@@ -10,10 +10,10 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 
-from app.links.errors import BadReply
-from app.links.incidents import Incidents
-from app.links.port import Answer
-from app.links.streams import Stream
+from .errors import BadReply
+from .incidents import Incidents
+from .port import Answer
+from .streams import Stream
 
 SILENCE_BYTES = 20
 """So many byte times without a byte are silence: two frames, a bit more than any pause inside one."""

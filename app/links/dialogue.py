@@ -19,14 +19,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 
-from app.links.conversation import DRAIN_MAX_S, FOREIGN, HEARD_MAX, Conversation
-from app.links.errors import BadReply, LinkTimeout
-from app.links.incidents import IncidentKind, Incidents
-from app.links.port import Answer
-from app.links.streams import Stream
-from app.links.tmcl import FRAME_BYTES, Request, check_reply, has_plain_reply, is_event, sound, stops
-from app.registers.landungsbruecke import BoardOpcode
-from app.registers.tmcl import CONTROL_FIRST, Opcode, Status
+from ..registers.landungsbruecke import BoardOpcode
+from ..registers.tmcl import CONTROL_FIRST, Opcode, Status
+from .conversation import DRAIN_MAX_S, FOREIGN, HEARD_MAX, Conversation
+from .errors import BadReply, LinkTimeout
+from .incidents import IncidentKind, Incidents
+from .port import Answer
+from .streams import Stream
+from .tmcl import FRAME_BYTES, Request, check_reply, has_plain_reply, is_event, sound, stops
 
 FENCES = {
     Opcode.GET_VERSION: 1,

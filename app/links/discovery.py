@@ -11,17 +11,17 @@ from collections.abc import Callable, Sequence
 from contextlib import AsyncExitStack, aclosing
 from dataclasses import dataclass
 
-from app.links.datagram_uart import UartForm
-from app.links.errors import BadReply, LinkTimeout, WrongState
-from app.links.landungsbruecke import Board, board_name, identify
-from app.links.queue import LinkQueue, Priority
-from app.links.serial_address import port_url
-from app.links.serial_line import BAUDS, SOCKET, Line, LinePort, line_of, serial_port
-from app.links.tmcl import Reply, Request, module_version, version_string
-from app.links.uart_line import BAUD as UART_BAUD
-from app.links.uart_line import UartPort, uart_line_of, uart_port
-from app.registers.landungsbruecke import ADDRESS as BOARD_ADDRESS
-from app.registers.tmcl import Opcode
+from ..registers.landungsbruecke import ADDRESS as BOARD_ADDRESS
+from ..registers.tmcl import Opcode
+from .datagram_uart import UartForm
+from .errors import BadReply, LinkTimeout, WrongState
+from .landungsbruecke import Board, board_name, identify
+from .queue import LinkQueue, Priority
+from .serial_address import port_url
+from .serial_line import BAUDS, SOCKET, Line, LinePort, line_of, serial_port
+from .tmcl import Reply, Request, module_version, version_string
+from .uart_line import BAUD as UART_BAUD
+from .uart_line import UartPort, uart_line_of, uart_port
 
 USUAL_BAUDS = (9600, 115200, *(baud for baud in BAUDS if baud not in (9600, 115200)))
 """Factory setting first, then the rate that most people change to."""

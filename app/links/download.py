@@ -11,10 +11,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from weakref import WeakSet
 
-from app.links.arbiter import Priority
-from app.links.errors import DownloadMode
-from app.links.tmcl import FRAME_BYTES, has_plain_reply, sound, stops
-from app.registers.tmcl import CONTROL_FIRST, MAGIC, Opcode, Status
+from ..registers.tmcl import CONTROL_FIRST, MAGIC, Opcode, Status
+from .arbiter import Priority
+from .errors import DownloadMode
+from .tmcl import FRAME_BYTES, has_plain_reply, sound, stops
 
 RESTARTS = frozenset({Opcode.FACTORY_DEFAULT, Opcode.RESET_MODULE})
 """Commands after which the module is as after power-on, so in no download mode."""

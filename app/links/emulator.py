@@ -9,9 +9,9 @@ from __future__ import annotations
 import heapq
 from collections.abc import Callable, Sequence
 
-from app.links import datagram40
-from app.links.errors import BenchError, LinkDown, LinkTimeout
-from app.links.port import SampleSink, Wire
+from . import datagram40
+from .errors import BenchError, LinkDown, LinkTimeout
+from .port import SampleSink, Wire
 
 CATCH_UP_S = 10.0
 """Samples further behind than this [s] are given up: nobody asked for so long that the past is not worth a stall."""

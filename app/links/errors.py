@@ -20,7 +20,7 @@ BenchError
 
 from __future__ import annotations
 
-from app.calc.number_text import plain
+from ..calc.number_text import plain
 
 
 class BenchError(Exception):

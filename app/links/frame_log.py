@@ -9,7 +9,7 @@ from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from app.links.arbiter import Priority
+from .arbiter import Priority
 
 FRAMES_KEPT = 2000
 

@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from app.clock import Clock
-from app.links.queue import LinkQueue, Priority
-from app.links.serial_line import LinePort, serial_port
-from app.links.tmcl import Reply, Request, version_string
-from app.registers.landungsbruecke import ADDRESS, CHANNEL_1_BOARDS, CHANNEL_2_BOARDS, MODULE_NUMBERS
-from app.registers.tmcl import Opcode
+from ..clock import Clock
+from ..registers.landungsbruecke import ADDRESS, CHANNEL_1_BOARDS, CHANNEL_2_BOARDS, MODULE_NUMBERS
+from ..registers.tmcl import Opcode
+from .queue import LinkQueue, Priority
+from .serial_line import LinePort, serial_port
+from .tmcl import Reply, Request, version_string
 
 BAUD = 115_200
 """Any will do over USB; PyTrinamic opens the port at this one."""

@@ -15,11 +15,11 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 
-from app.links.conversation import Conversation
-from app.links.errors import LinkDown, LinkError
-from app.links.incidents import Incidents
-from app.links.port import Answer
-from app.links.streams import Stream
+from .conversation import Conversation
+from .errors import LinkDown, LinkError
+from .incidents import Incidents
+from .port import Answer
+from .streams import Stream
 
 JOIN_S = 1.0
 """How long closing waits for a thread whose device blocks [s]."""

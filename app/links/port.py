@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Protocol
 
-from app.clock import ScaledClock
-from app.links.arbiter import Arbiter
-from app.links.errors import BenchError
-from app.links.incidents import Incidents
-from app.links.wire_budget import WireBudget
+from ..clock import ScaledClock
+from .arbiter import Arbiter
+from .errors import BenchError
+from .incidents import Incidents
+from .wire_budget import WireBudget
 
 
 class Answer(Enum):

@@ -19,12 +19,12 @@ from dataclasses import dataclass, field
 from types import TracebackType
 from typing import Protocol, Self, cast
 
-from app.links.arbiter import Arbiter, Priority
-from app.links.errors import BadReply, LinkDown, LinkError, LinkTimeout, WrongState
-from app.links.frame_log import FrameLog
-from app.links.port import Answer, BatchPort, ChainPort, FramePort
-from app.links.waits import Waits
-from app.links.wire_budget import Meter
+from .arbiter import Arbiter, Priority
+from .errors import BadReply, LinkDown, LinkError, LinkTimeout, WrongState
+from .frame_log import FrameLog
+from .port import Answer, BatchPort, ChainPort, FramePort
+from .waits import Waits
+from .wire_budget import Meter
 
 __all__ = ["FrameGate", "FrameHold", "LinkQueue", "Priority", "QueueCounts", "SampleDropped", "Turn"]
 

@@ -11,10 +11,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 
-from app.links import datagram40, datagram_uart, tmcl
-from app.links.datagram_uart import IFCNT, UartForm
-from app.links.errors import BadReply
-from app.registers.landungsbruecke import BoardOpcode
+from ..registers.landungsbruecke import BoardOpcode
+from . import datagram40, datagram_uart, tmcl
+from .datagram_uart import IFCNT, UartForm
+from .errors import BadReply
 
 
 class RegisterAccess(Protocol):

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import cast, get_args
 
-from app.clock import Clock
-from app.links import datagram32, datagram40, datagram_uart, landungsbruecke, spidev_port, uart_line
-from app.links.can_line import can_port
-from app.links.errors import OutOfRange, UnknownThing, UsageError
-from app.links.port import FramePort
-from app.links.serial_address import port_url
-from app.links.serial_line import ADDRESS, BAUD, SOCKET, serial_port
-from app.links.tcp import TIMEOUT_S, TcpPort
-from app.links.uart_dialogue import Echo
+from ..clock import Clock
+from . import datagram32, datagram40, datagram_uart, landungsbruecke, spidev_port, uart_line
+from .can_line import can_port
+from .errors import OutOfRange, UnknownThing, UsageError
+from .port import FramePort
+from .serial_address import port_url
+from .serial_line import ADDRESS, BAUD, SOCKET, serial_port
+from .tcp import TIMEOUT_S, TcpPort
+from .uart_dialogue import Echo
 
 Link = Mapping[str, object]
 """What a connection is made of: `kind` and the options of that kind."""

@@ -16,19 +16,19 @@ from collections.abc import Callable, Sequence
 from functools import partial
 from typing import TypeVar, cast
 
-from app.clock import Clock, WallClock
-from app.links.arbiter import Arbiter
-from app.links.conversation import Conversation
-from app.links.dialogue import Dialogue
-from app.links.download import Downloads
-from app.links.errors import LinkDown
-from app.links.incidents import Incidents
-from app.links.line_thread import Job, LineThread
-from app.links.port import Answer, Batch
-from app.links.serial_address import device_of
-from app.links.streams import Stream, open_stream
-from app.links.tmcl import FRAME_BYTES
-from app.links.wire_budget import BITS_PER_BYTE, WireBudget
+from ..clock import Clock, WallClock
+from .arbiter import Arbiter
+from .conversation import Conversation
+from .dialogue import Dialogue
+from .download import Downloads
+from .errors import LinkDown
+from .incidents import Incidents
+from .line_thread import Job, LineThread
+from .port import Answer, Batch
+from .serial_address import device_of
+from .streams import Stream, open_stream
+from .tmcl import FRAME_BYTES
+from .wire_budget import BITS_PER_BYTE, WireBudget
 
 BAUD = 9600
 """What a module has from the factory (FM-PD42-1241 3.1; global parameter 65)."""

@@ -18,8 +18,8 @@ from typing import Any, Protocol
 
 import serial
 
-from app.links.errors import LinkDown
-from app.links.serial_address import openable
+from .errors import LinkDown
+from .serial_address import openable
 
 if sys.platform != "win32":
     import fcntl

@@ -11,9 +11,9 @@ import asyncio
 from collections.abc import Sequence
 from typing import cast
 
-from app.clock import Clock, WallClock
-from app.links.datagram32 import FRAME_BYTES
-from app.links.errors import BadReply, LinkDown, LinkTimeout
+from ..clock import Clock, WallClock
+from .datagram32 import FRAME_BYTES
+from .errors import BadReply, LinkDown, LinkTimeout
 
 TIMEOUT_S = 1.0
 CONNECT_TIMEOUT_S = 3.0

@@ -5,9 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from app.links.errors import OutOfRange, UnknownThing, UsageError
-from app.links.tmcl import as_value
-from app.registers.tmcl import BY_OPCODE, COMMANDS, CommandRow, Opcode
+from ..registers.tmcl import BY_OPCODE, COMMANDS, CommandRow, Opcode
+from .errors import OutOfRange, UnknownThing, UsageError
+from .tmcl import as_value
 
 Command = tuple[int, int, int, int]
 """Opcode, type, motor or bank, value."""

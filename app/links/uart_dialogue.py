@@ -21,12 +21,12 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Literal
 
-from app.links.conversation import DRAIN_MAX_S, FOREIGN, HEARD_MAX, Conversation
-from app.links.datagram_uart import IFCNT, WRITE_BIT, UartForm, is_sound
-from app.links.errors import BadReply, LinkTimeout
-from app.links.incidents import IncidentKind, Incidents
-from app.links.port import Answer
-from app.links.streams import Stream
+from .conversation import DRAIN_MAX_S, FOREIGN, HEARD_MAX, Conversation
+from .datagram_uart import IFCNT, WRITE_BIT, UartForm, is_sound
+from .errors import BadReply, LinkTimeout
+from .incidents import IncidentKind, Incidents
+from .port import Answer
+from .streams import Stream
 
 Echo = Literal["auto", "on", "off"]
 FENCES = (IFCNT, 0x00, 0x04, 0x20, 0x22, 0x2D, 0x6A, 0x6C)

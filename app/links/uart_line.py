@@ -9,15 +9,15 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import partial
 
-from app.clock import Clock
-from app.links.conversation import Conversation
-from app.links.datagram_uart import WRITE_BIT, UartForm
-from app.links.errors import LinkDown
-from app.links.line_thread import Job
-from app.links.serial_address import device_of
-from app.links.serial_line import SOCKET, Line, LinePort, open_device, shared_line
-from app.links.streams import Stream
-from app.links.uart_dialogue import Echo, UartDialogue
+from ..clock import Clock
+from .conversation import Conversation
+from .datagram_uart import WRITE_BIT, UartForm
+from .errors import LinkDown
+from .line_thread import Job
+from .serial_address import device_of
+from .serial_line import SOCKET, Line, LinePort, open_device, shared_line
+from .streams import Stream
+from .uart_dialogue import Echo, UartDialogue
 
 BAUD = 115_200
 """The chips measure the baud rate themselves, from 9000 baud up to a sixteenth of their clock."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from app.registers import pd42, tmc5xxx, tmc428, tmc4210, tmc4361
-from app.registers.model import RegisterTable
+from . import pd42, tmc5xxx, tmc428, tmc4210, tmc4361
+from .model import RegisterTable
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.registers.model import Access, Field, Register
+from .model import Access, Field, Register
 
 GROUP = "microsteps"
 MSLUT_RESET = (

@@ -8,9 +8,9 @@ Ranges in pps and pps^2 are those of unit mode 1; `internal_range` is what unit 
 
 from __future__ import annotations
 
-from app.registers.model import RegisterTable
-from app.registers.pd42_axis import AXIS_PARAMETERS
-from app.registers.pd42_globals import COORDINATE_ROWS, GLOBAL_PARAMETERS, PORTS
+from .model import RegisterTable
+from .pd42_axis import AXIS_PARAMETERS
+from .pd42_globals import COORDINATE_ROWS, GLOBAL_PARAMETERS, PORTS
 
 AXES = 1
 CLOCK_HZ = 16e6

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.registers.model import Access, Field, Register, Space, to_raw
+from .model import Access, Field, Register, Space, to_raw
 
 INT32 = (-(1 << 31), (1 << 31) - 1)
 ON_OFF = {0: "off", 1: "on"}

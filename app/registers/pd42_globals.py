@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from app.registers.model import Access, Register, Space, Stored, to_raw
-from app.registers.pd42_axis import INT32, ON_OFF
+from .model import Access, Register, Space, Stored, to_raw
+from .pd42_axis import INT32, ON_OFF
 
 COORDINATES = 21
 VARIABLES, VARIABLES_STORED = 256, 56

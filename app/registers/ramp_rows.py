@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.registers.model import Access, Field
+from .model import Access, Field
 
 VELOCITY_UNIT = "fCLK/(65536*2^pulse_div) Hz"
 ACCELERATION_UNIT = "fCLK^2/2^(pulse_div+ramp_div+29) Hz/s"

@@ -6,8 +6,8 @@ bits is taken from the data sheet of the TMC429, which shares the core, and says
 
 from __future__ import annotations
 
-from app.registers.model import Access, Field, Register, RegisterTable
-from app.registers.ramp_rows import (
+from .model import Access, Field, Register, RegisterTable
+from .ramp_rows import (
     ACCELERATION_UNIT,
     OFF_ON,
     VELOCITY_UNIT,

@@ -8,8 +8,8 @@ positions (its Tables 7-2 and 9-1 draw them).
 
 from __future__ import annotations
 
-from app.registers.model import Access, Field, Register, RegisterTable
-from app.registers.ramp_rows import (
+from .model import Access, Field, Register, RegisterTable
+from .ramp_rows import (
     ACCELERATION_UNIT,
     OFF_ON,
     VELOCITY_UNIT,

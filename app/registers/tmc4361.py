@@ -7,14 +7,14 @@ the rows' sources come from stands in `tmc4361_rows`; by subject they are in the
 
 from __future__ import annotations
 
-from app.registers.model import RegisterTable
-from app.registers.tmc4361_events import EVENT_ROWS
-from app.registers.tmc4361_feedback import FEEDBACK_ROWS
-from app.registers.tmc4361_general import CLOCK_HZ_DEFAULT, CLOCK_HZ_MAX, CLOCK_HZ_MIN, GENERAL_ROWS
-from app.registers.tmc4361_motion import RAMP_ROWS, REFERENCE_ROWS
-from app.registers.tmc4361_output import OUTPUT_ROWS
-from app.registers.tmc4361_rows import AXIS
-from app.registers.tmc4361_start import START_ROWS
+from .model import RegisterTable
+from .tmc4361_events import EVENT_ROWS
+from .tmc4361_feedback import FEEDBACK_ROWS
+from .tmc4361_general import CLOCK_HZ_DEFAULT, CLOCK_HZ_MAX, CLOCK_HZ_MIN, GENERAL_ROWS
+from .tmc4361_motion import RAMP_ROWS, REFERENCE_ROWS
+from .tmc4361_output import OUTPUT_ROWS
+from .tmc4361_rows import AXIS
+from .tmc4361_start import START_ROWS
 
 AXES = 1
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from app.registers.model import Access, Field, Register
-from app.registers.tmc4361_bits import EVENTS
-from app.registers.tmc4361_rows import INACTIVE_ACTIVE, TOM_STEPPYR, TOM_TBONE_STEPPYR
+from .model import Access, Field, Register
+from .tmc4361_bits import EVENTS
+from .tmc4361_rows import INACTIVE_ACTIVE, TOM_STEPPYR, TOM_TBONE_STEPPYR
 
 TMC26X = "motor driver TMC26x or TMC2130"
 TMC24X = "motor driver TMC23x or TMC24x"

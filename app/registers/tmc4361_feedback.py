@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from app.registers.model import Access, Field, Register
-from app.registers.tmc4361_general import NO_ENCODER_OUTPUT
-from app.registers.tmc4361_rows import (
+from .model import Access, Field, Register
+from .tmc4361_general import NO_ENCODER_OUTPUT
+from .tmc4361_rows import (
     CLOCKS,
     HEADERS,
     LOW_HIGH,

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from app.registers.microstep_rows import mslut_rows
-from app.registers.model import Access, Field, Register
-from app.registers.tmc4361_events import TMC24X, TMC26X
-from app.registers.tmc4361_general import NO_DCSTEP
-from app.registers.tmc4361_rows import (
+from .microstep_rows import mslut_rows
+from .model import Access, Field, Register
+from .tmc4361_events import TMC24X, TMC26X
+from .tmc4361_general import NO_DCSTEP
+from .tmc4361_rows import (
     CLOCKS,
     HEADERS,
     OFF_ON,

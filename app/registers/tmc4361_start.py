@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from app.registers.model import Field, Register
-from app.registers.tmc4361_general import START_TIME_ROWS
-from app.registers.tmc4361_rows import (
+from .model import Field, Register
+from .tmc4361_general import START_TIME_ROWS
+from .tmc4361_rows import (
     ACCELERATION_UNIT,
     BOW_UNIT,
     HEADERS,

@@ -10,12 +10,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from app.registers import tmc5xxx_driver as driver
-from app.registers import tmc5xxx_general as general
-from app.registers import tmc5xxx_motion as motion
-from app.registers.model import GLOBAL_AXIS, Register, RegisterTable
-from app.registers.tmc5xxx_behaviour import with_behaviour
-from app.registers.tmc5xxx_rows import sheet
+from . import tmc5xxx_driver as driver
+from . import tmc5xxx_general as general
+from . import tmc5xxx_motion as motion
+from .model import GLOBAL_AXIS, Register, RegisterTable
+from .tmc5xxx_behaviour import with_behaviour
+from .tmc5xxx_rows import sheet
 
 AXES = {"tmc5031": 2, "tmc5062": 2, "tmc5072": 2, "tmc5130": 1, "tmc5160": 1}
 CLOCK_HZ_DEFAULT = 16e6

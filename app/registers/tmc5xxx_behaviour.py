@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from app.registers.model import Register
+from .model import Register
 
 NO_DCSTEP = "the emulated driver has no DcStep"
 LAG = "the emulated chopper is a lag of first order"

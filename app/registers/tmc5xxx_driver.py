@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from app.registers.microstep_rows import GROUP as TABLE
-from app.registers.microstep_rows import START_RESET, mslut_rows
-from app.registers.model import Access, Field, Register
-from app.registers.tmc5xxx_rows import CLOCKS, VENDOR, VENDOR_RESET, flag, reading, state
+from .microstep_rows import GROUP as TABLE
+from .microstep_rows import START_RESET, mslut_rows
+from .model import Access, Field, Register
+from .tmc5xxx_rows import CLOCKS, VENDOR, VENDOR_RESET, flag, reading, state
 
 DRIVER = "driver"
 PWM = "stealthchop"

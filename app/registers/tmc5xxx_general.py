@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from app.registers.model import Access, Field, Register
-from app.registers.tmc5xxx_rows import (
+from .model import Access, Field, Register
+from .tmc5xxx_rows import (
     CLOCKS,
     LOW_HIGH,
     MICROSTEPS,

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from app.registers.model import Access, Field, Register
+from .model import Access, Field, Register
 
 MICROSTEPS = "microsteps"
 CLOCKS = "tCLK"

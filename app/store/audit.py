@@ -17,13 +17,13 @@ from contextvars import Context, ContextVar
 from sqlalchemy import delete, func, insert, select
 from sqlalchemy.orm import InstrumentedAttribute, Session
 
-from app.clock import Clock
-from app.devices.actor import Actor, actor
-from app.devices.changes import DONE
-from app.links.errors import StoreUnavailable
-from app.store.audit_entries import Entry, Known, Wanted, entry_of, matching, row_of
-from app.store.database import Database
-from app.store.tables import AuditRow, Value
+from ..clock import Clock
+from ..devices.actor import Actor, actor
+from ..devices.changes import DONE
+from ..links.errors import StoreUnavailable
+from .audit_entries import Entry, Known, Wanted, entry_of, matching, row_of
+from .database import Database
+from .tables import AuditRow, Value
 
 log = logging.getLogger("stepscope.audit")
 

@@ -10,9 +10,9 @@ from typing import cast, get_args
 from sqlalchemy import ColumnElement, Select, String, func, select
 from sqlalchemy import cast as as_type
 
-from app.devices.actor import ActorKind
-from app.devices.changes import DONE
-from app.store.tables import AuditRow, Value
+from ..devices.actor import ActorKind
+from ..devices.changes import DONE
+from .tables import AuditRow, Value
 
 LONG = {"who": 100, "address": 60, "device": 80, "action": 60, "subject": 200, "outcome": 500, "detail": 500}
 """How long each text may be: much of it comes from outside."""

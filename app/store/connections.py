@@ -9,9 +9,9 @@ from pathlib import Path
 
 from pydantic import TypeAdapter
 
-from app.devices.config import AxisSettings, DeviceConfig, unique_slug
-from app.links.errors import BenchError
-from app.store.document import Entries, Entry, writable
+from ..devices.config import AxisSettings, DeviceConfig, unique_slug
+from ..links.errors import BenchError
+from .document import Entries, Entry, writable
 
 FILE_NAME = "connections.json"
 FORMAT = "stepscope-connections"

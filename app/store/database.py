@@ -24,8 +24,9 @@ from sqlalchemy import Connection, Engine, create_engine, event, inspect
 from sqlalchemy.exc import DatabaseError, DBAPIError, IntegrityError
 from sqlalchemy.orm import Session
 
-from app.links.errors import StoreUnavailable
-from app.store.files import aside_name, exclusive
+from ..links.errors import StoreUnavailable
+from .files import aside_name, exclusive
+from .tables import Base
 
 log = logging.getLogger("stepscope.store")
 
@@ -204,7 +205,7 @@ class Database:
 
 def config_for(connection: Connection) -> Config:
     """Alembic's configuration for work on `connection`; needs no file."""
-    config = Config(attributes={"connection": connection})
+    config = Config(attributes={"connection": connection, "metadata": Base.metadata})
     config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
     return config
 

@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import cast
 
-from app.store.files import aside_name, exclusive
+from .files import aside_name, exclusive
 
 Entry = dict[str, object]
 

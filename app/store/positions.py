@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 
-from app.store.document import Entries, Entry, writable
+from .document import Entries, Entry, writable
 
 FILE_NAME = "positions.json"
 FORMAT = "stepscope-positions"

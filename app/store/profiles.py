@@ -11,9 +11,9 @@ from typing import Any
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from app.links.errors import UnknownThing, WrongState
-from app.store.database import Database
-from app.store.tables import ProfileRow
+from ..links.errors import UnknownThing, WrongState
+from .database import Database
+from .tables import ProfileRow
 
 log = logging.getLogger("stepscope.store")
 

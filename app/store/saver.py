@@ -10,7 +10,7 @@ from contextvars import Context
 from pathlib import Path
 from typing import Protocol, TypeVar
 
-from app.clock import Clock
+from ..clock import Clock
 
 log = logging.getLogger("stepscope.store")
 

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
 
-from app.links.errors import UnknownThing, UsageError, WrongState
-from app.store.document import Entries, Entry, UnreadableDocument
+from ..links.errors import UnknownThing, UsageError, WrongState
+from .document import Entries, Entry, UnreadableDocument
 
 FORMAT, VERSION = "stepscope-tokens", 1
 FILE_NAME = "tokens.json"

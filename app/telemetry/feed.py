@@ -15,15 +15,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.clock import Clock
-from app.devices.changes import RegisterChanged
-from app.devices.device import Device, DeviceEvent, MotionCommanded, MotionStarted, StateChanged
-from app.devices.results import ChipEvents, MotionEnd
-from app.links.errors import BenchError, OutOfRange
-from app.telemetry.group import PUMP_S, FloatArray, Group, Subscription, WireUse
-from app.telemetry.history import HISTORY_RATE_HZ, REST_RATE_HZ, SHARED_RATE_HZ, SHARED_SHARE, History
-from app.telemetry.reader import QUEUED_ROWS_LEAST, QUEUED_S, Gap, MoveSeen, Reader
-from app.telemetry.sampling import Block, Sampling
+from ..clock import Clock
+from ..devices.changes import RegisterChanged
+from ..devices.device import Device, DeviceEvent, MotionCommanded, MotionStarted, StateChanged
+from ..devices.results import ChipEvents, MotionEnd
+from ..links.errors import BenchError, OutOfRange
+from .group import PUMP_S, FloatArray, Group, Subscription, WireUse
+from .history import HISTORY_RATE_HZ, REST_RATE_HZ, SHARED_RATE_HZ, SHARED_SHARE, History
+from .reader import QUEUED_ROWS_LEAST, QUEUED_S, Gap, MoveSeen, Reader
+from .sampling import Block, Sampling
 
 log = logging.getLogger("stepscope.telemetry")
 

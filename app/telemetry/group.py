@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from app.telemetry.frames import encode_body
-from app.telemetry.reader import Body, Event, Reader, Status
-from app.telemetry.sampling import Block
+from .frames import encode_body
+from .reader import Body, Event, Reader, Status
+from .sampling import Block
 
 FloatArray = NDArray[np.float64]
 

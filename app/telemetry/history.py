@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from app.telemetry.ring import Ring
-from app.telemetry.sampling import Block
+from .ring import Ring
+from .sampling import Block
 
 FloatArray = NDArray[np.float64]
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Iterable
 
-from app.clock import Clock
-from app.devices.device import Device
-from app.devices.own_tasks import OwnTasks
-from app.links.errors import UnknownThing
-from app.telemetry.feed import Feed, Joined
-from app.telemetry.reader import Reader
+from ..clock import Clock
+from ..devices.device import Device
+from ..devices.own_tasks import OwnTasks
+from ..links.errors import UnknownThing
+from .feed import Feed, Joined
+from .reader import Reader
 
 
 class TelemetryHub:

@@ -10,8 +10,8 @@ import asyncio
 from collections import deque
 from dataclasses import dataclass, field
 
-from app.devices.results import ChipEvents, MotionEnd
-from app.telemetry.frames import encode_header
+from ..devices.results import ChipEvents, MotionEnd
+from .frames import encode_header
 
 QUEUED_S = 2.0
 """How much a reader may be behind [s] before it loses samples."""

@@ -16,16 +16,16 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 
-from app.clock import Clock
-from app.devices.changes import RegisterChanged
-from app.devices.device import Device, DeviceEvent, MotionCommanded
-from app.devices.marks import MarkKind
-from app.devices.results import ChipEvents, MotionEnd
-from app.links.errors import OutOfRange, UnknownThing
-from app.telemetry.feed import Joined
-from app.telemetry.frames import FloatArray, Frame, decode
-from app.telemetry.hub import TelemetryHub
-from app.telemetry.reader import Gap, MoveSeen
+from ..clock import Clock
+from ..devices.changes import RegisterChanged
+from ..devices.device import Device, DeviceEvent, MotionCommanded
+from ..devices.marks import MarkKind
+from ..devices.results import ChipEvents, MotionEnd
+from ..links.errors import OutOfRange, UnknownThing
+from .feed import Joined
+from .frames import FloatArray, Frame, decode
+from .hub import TelemetryHub
+from .reader import Gap, MoveSeen
 
 BEATS_HZ = 10.0
 """How often rows go to the file: what a crash costs is a tenth of a second."""

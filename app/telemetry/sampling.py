@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from app.clock import Clock
-from app.devices.device import Device
-from app.links.errors import BadReply, BenchError
-from app.links.queue import SampleDropped
+from ..clock import Clock
+from ..devices.device import Device
+from ..links.errors import BadReply, BenchError
+from ..links.queue import SampleDropped
 
 FloatArray = NDArray[np.float64]
 

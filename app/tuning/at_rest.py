@@ -5,11 +5,11 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable, Iterable
 
-from app.devices.device import Device
-from app.devices.results import AxisState
-from app.links.errors import BenchError
-from app.settings import OnVanish
-from app.tuning.procedures import Procedures
+from ..devices.device import Device
+from ..devices.results import AxisState
+from ..links.errors import BenchError
+from ..settings import OnVanish
+from .procedures import Procedures
 
 OPEN_ENDED = ("VELOCITY_MODE", "HOLD_MODE")
 """Modes of a TMC428 and TMC4210, whose x_target is there in every mode and means nothing in these."""

@@ -10,13 +10,13 @@ a closed loop run away, and with regulation off it can be seen by a single full 
 
 from __future__ import annotations
 
-from app.calc.encoder_resolution import constant_of, measured_encoder
-from app.clock import Clock
-from app.devices.results import RegisterReading
-from app.devices.tmc4361.driver import Tmc4361
-from app.links.errors import OutOfRange, WrongState
-from app.tuning.closed_loop_state import REGULATIONS, CalibrationState, EncoderFound, Regulation, State
-from app.tuning.procedure import POLL_S, Failed, Procedure
+from ..calc.encoder_resolution import constant_of, measured_encoder
+from ..clock import Clock
+from ..devices.results import RegisterReading
+from ..devices.tmc4361.driver import Tmc4361
+from ..links.errors import OutOfRange, WrongState
+from .closed_loop_state import REGULATIONS, CalibrationState, EncoderFound, Regulation, State
+from .procedure import POLL_S, Failed, Procedure
 
 PHASES = ("prepare", "regulation off", "look at the encoder", "to a full step", "take the offset", "switch on")
 FULL_STEP = 256

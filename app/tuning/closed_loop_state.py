@@ -9,7 +9,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from app.calc.response import Score
+from ..calc.response import Score
 
 State = Literal["idle", "running", "done", "failed", "aborted"]
 Regulation = Literal["off", "closed_loop", "pid_around_zero", "pid_around_velocity"]

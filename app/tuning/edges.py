@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Literal
 
-from app.clock import Clock
-from app.devices.motion import Setting
-from app.devices.ramp_stops import RampStops
-from app.devices.results import AxisState
-from app.tuning.procedure import POLL_S, Failed
+from ..clock import Clock
+from ..devices.motion import Setting
+from ..devices.ramp_stops import RampStops
+from ..devices.results import AxisState
+from .procedure import POLL_S, Failed
 
 Switch = Literal["left", "right", "reference"]
 

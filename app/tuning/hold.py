@@ -5,11 +5,11 @@ A jog button tells when it is let go, but not when its browser, network or machi
 
 from __future__ import annotations
 
-from app.clock import Clock
-from app.devices.device import Device
-from app.devices.results import Rotating
-from app.links.errors import OutOfRange
-from app.tuning.procedure import Procedure
+from ..clock import Clock
+from ..devices.device import Device
+from ..devices.results import Rotating
+from ..links.errors import OutOfRange
+from .procedure import Procedure
 
 HOLD_S = (0.1, 10.0)
 """Shortest and longest time that a rotation goes on without being kept up [s]."""

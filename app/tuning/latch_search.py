@@ -7,11 +7,11 @@ the left end if it has not met both edges.
 
 from __future__ import annotations
 
-from app.clock import Clock
-from app.devices.tmc4361.driver import Tmc4361
-from app.tuning.edges import Switch
-from app.tuning.procedure import POLL_S, Failed
-from app.tuning.stop_search import MAX_TRAVEL, Latching, StopSearch
+from ..clock import Clock
+from ..devices.tmc4361.driver import Tmc4361
+from .edges import Switch
+from .procedure import POLL_S, Failed
+from .stop_search import MAX_TRAVEL, Latching, StopSearch
 
 MARGIN = 8
 """HOME_SAFETY_MARGIN reaches so far beyond the edges [microsteps]."""

@@ -6,13 +6,13 @@ the search speed until a switch was found, the switch speed for finding the edge
 
 from __future__ import annotations
 
-from app.clock import Clock
-from app.devices.pd42.driver import Pd42
-from app.devices.pd42.searches import SearchLook
-from app.links.errors import BadReply, OutOfRange
-from app.registers.tmcl import HOME_INVERTED, SWAPPED, reference_modes
-from app.tuning.procedure import Failed
-from app.tuning.search import ReferenceSearchState, Search, State
+from ..clock import Clock
+from ..devices.pd42.driver import Pd42
+from ..devices.pd42.searches import SearchLook
+from ..links.errors import BadReply, OutOfRange
+from ..registers.tmcl import HOME_INVERTED, SWAPPED, reference_modes
+from .procedure import Failed
+from .search import ReferenceSearchState, Search, State
 
 PHASES = ("prepare", "search", "find the edges", "finish")
 LOOKS_S = 0.05

@@ -8,10 +8,10 @@ import logging
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 
-from app.clock import Clock
-from app.devices.device import Device, DeviceEvent, MotionCommanded, motion_owner
-from app.devices.limits.watch import RangeWatch
-from app.links.errors import BenchError
+from ..clock import Clock
+from ..devices.device import Device, DeviceEvent, MotionCommanded, motion_owner
+from ..devices.limits.watch import RangeWatch
+from ..links.errors import BenchError
 
 log = logging.getLogger("stepscope.tuning")
 

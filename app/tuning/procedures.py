@@ -6,28 +6,28 @@ import asyncio
 from collections.abc import Sequence
 from typing import TypeVar
 
-from app.clock import Clock
-from app.devices.device import Device
-from app.devices.pd42.driver import Pd42
-from app.devices.ramp_stops import RampStops
-from app.devices.results import Rotating
-from app.devices.tmc5xxx.driver import Tmc5xxx
-from app.devices.tmc4361.driver import Tmc4361
-from app.links.errors import WrongState
-from app.tuning import search as searches
-from app.tuning import shuttle
-from app.tuning.closed_loop import Calibration
-from app.tuning.closed_loop_state import NOT_CALIBRATED, NOT_RECORDED, CalibrationState, Load, ResponseState
-from app.tuning.edges import Switch
-from app.tuning.hold import Hold, check_hold
-from app.tuning.latch_search import LatchSearch
-from app.tuning.module_search import ModuleSearch
-from app.tuning.procedure import Procedure
-from app.tuning.reference_search import ReferenceSearch
-from app.tuning.response import Disturbance, RecordedChip, Response, Shape, StepResponse
-from app.tuning.search import ReferenceSearchState, Search
-from app.tuning.shuttle import Shuttle, ShuttleState
-from app.tuning.switch_search import SwitchSearch
+from ..clock import Clock
+from ..devices.device import Device
+from ..devices.pd42.driver import Pd42
+from ..devices.ramp_stops import RampStops
+from ..devices.results import Rotating
+from ..devices.tmc5xxx.driver import Tmc5xxx
+from ..devices.tmc4361.driver import Tmc4361
+from ..links.errors import WrongState
+from . import search as searches
+from . import shuttle
+from .closed_loop import Calibration
+from .closed_loop_state import NOT_CALIBRATED, NOT_RECORDED, CalibrationState, Load, ResponseState
+from .edges import Switch
+from .hold import Hold, check_hold
+from .latch_search import LatchSearch
+from .module_search import ModuleSearch
+from .procedure import Procedure
+from .reference_search import ReferenceSearch
+from .response import Disturbance, RecordedChip, Response, Shape, StepResponse
+from .search import ReferenceSearchState, Search
+from .shuttle import Shuttle, ShuttleState
+from .switch_search import SwitchSearch
 
 P = TypeVar("P", bound=Procedure)
 

@@ -13,12 +13,12 @@ the carriage stands right of the reference switch.
 
 from __future__ import annotations
 
-from app.clock import Clock
-from app.devices.ramp_stops import RampStops
-from app.links.errors import OutOfRange, WrongState
-from app.tuning.edges import SLACK_S, EdgeFinder, Switch
-from app.tuning.procedure import Failed
-from app.tuning.search import ReferenceSearchState, Search, State
+from ..clock import Clock
+from ..devices.ramp_stops import RampStops
+from ..links.errors import OutOfRange, WrongState
+from .edges import SLACK_S, EdgeFinder, Switch
+from .procedure import Failed
+from .search import ReferenceSearchState, Search, State
 
 PHASES = ("prepare", "leave", "first edge", "second edge", "to the centre")
 

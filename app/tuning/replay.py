@@ -13,19 +13,19 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import Any, Literal, cast
 
-from app.clock import VirtualClock
-from app.devices.config import AxisSettings, DeviceConfig
-from app.devices.device import Device
-from app.devices.manager import DeviceManager
-from app.devices.results import StopMode
-from app.links.errors import BenchError, UsageError, WrongState
-from app.links.registry import PortFactory
-from app.store.recordings.head import Head
-from app.store.recordings.marks import Mark
-from app.telemetry.hub import TelemetryHub
-from app.telemetry.recorder import Recorder, Sink, Trigger
-from app.tuning.profiles.apply import Transaction
-from app.tuning.profiles.document import FORMAT, parse
+from ..clock import VirtualClock
+from ..devices.config import AxisSettings, DeviceConfig
+from ..devices.device import Device
+from ..devices.manager import DeviceManager
+from ..devices.results import StopMode
+from ..links.errors import BenchError, UsageError, WrongState
+from ..links.registry import PortFactory
+from ..store.recordings.head import Head
+from ..store.recordings.marks import Mark
+from ..telemetry.hub import TelemetryHub
+from ..telemetry.recorder import Recorder, Sink, Trigger
+from .profiles.apply import Transaction
+from .profiles.document import FORMAT, parse
 
 BEAT_S = 0.05
 """How far time goes on at once [s]: less than a reader's queue holds, more than a beat of the telemetry."""

@@ -7,15 +7,15 @@ from typing import Literal
 
 import numpy as np
 
-from app.calc.response import Score, score
-from app.clock import Clock
-from app.devices.device import Device
-from app.devices.tmc5xxx.driver import Tmc5xxx
-from app.devices.tmc4361.driver import Tmc4361
-from app.links.errors import BenchError, OutOfRange, WrongState
-from app.telemetry.sampling import Sampling
-from app.tuning.closed_loop_state import FloatArray, Load, Recording, ResponseState, State
-from app.tuning.procedure import POLL_S, Failed, Procedure
+from ..calc.response import Score, score
+from ..clock import Clock
+from ..devices.device import Device
+from ..devices.tmc5xxx.driver import Tmc5xxx
+from ..devices.tmc4361.driver import Tmc4361
+from ..links.errors import BenchError, OutOfRange, WrongState
+from ..telemetry.sampling import Sampling
+from .closed_loop_state import FloatArray, Load, Recording, ResponseState, State
+from .procedure import POLL_S, Failed, Procedure
 
 COLUMNS = (
     "target_position",

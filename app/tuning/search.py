@@ -6,7 +6,7 @@ from abc import abstractmethod
 from dataclasses import dataclass
 from typing import Literal
 
-from app.tuning.procedure import Procedure
+from .procedure import Procedure
 
 State = Literal["idle", "running", "done", "failed", "aborted"]
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.clock import Clock
-from app.devices.device import Device
-from app.links.errors import OutOfRange
-from app.tuning.procedure import POLL_S, Failed, Procedure
+from ..clock import Clock
+from ..devices.device import Device
+from ..links.errors import OutOfRange
+from .procedure import POLL_S, Failed, Procedure
 
 DWELL_MAX_S = 60.0
 LOOK_S = 0.25

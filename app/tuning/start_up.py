@@ -9,20 +9,20 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-from app.devices.config import AxisSettings
-from app.devices.device import Device
-from app.devices.families import START_PLANS
-from app.devices.results import WriteItem
-from app.devices.starting import Chosen, Figures, StartPlan, Wanted
-from app.links.errors import UsageError
-from app.registers.model import Register, Space, to_raw
-from app.tuning.profiles.capture import axis_part, unread
-from app.tuning.profiles.diff import Diff, Difference, diff
-from app.tuning.profiles.document import ParameterPart, ProfileDocument, RegisterPart, Tables
-from app.tuning.profiles.errors import Change
-from app.tuning.profiles.items import items_by_key
-from app.tuning.profiles.service import ProfileService
-from app.tuning.profiles.steps import steps_of
+from ..devices.config import AxisSettings
+from ..devices.device import Device
+from ..devices.families import START_PLANS
+from ..devices.results import WriteItem
+from ..devices.starting import Chosen, Figures, StartPlan, Wanted
+from ..links.errors import UsageError
+from ..registers.model import Register, Space, to_raw
+from .profiles.capture import axis_part, unread
+from .profiles.diff import Diff, Difference, diff
+from .profiles.document import ParameterPart, ProfileDocument, RegisterPart, Tables
+from .profiles.errors import Change
+from .profiles.items import items_by_key
+from .profiles.service import ProfileService
+from .profiles.steps import steps_of
 
 NAME = "start-up"
 

@@ -10,13 +10,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Protocol
 
-from app.clock import Clock
-from app.devices.device import Device
-from app.devices.results import AxisState
-from app.links.errors import CannotMove, OutOfRange
-from app.tuning.edges import SLACK_S, Switch
-from app.tuning.procedure import POLL_S, Failed
-from app.tuning.search import ReferenceSearchState, Search, State
+from ..clock import Clock
+from ..devices.device import Device
+from ..devices.results import AxisState
+from ..links.errors import CannotMove, OutOfRange
+from .edges import SLACK_S, Switch
+from .procedure import POLL_S, Failed
+from .search import ReferenceSearchState, Search, State
 
 PHASES = ("prepare", "leave", "first edge", "second edge", "to the centre")
 MAX_TRAVEL = 1 << 23

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from app.clock import Clock
-from app.devices.tmc5xxx.driver import Tmc5xxx
-from app.links.errors import WrongState
-from app.tuning.edges import Switch
-from app.tuning.stop_search import Latching, StopSearch
+from ..clock import Clock
+from ..devices.tmc5xxx.driver import Tmc5xxx
+from ..links.errors import WrongState
+from .edges import Switch
+from .stop_search import Latching, StopSearch
 
 
 class SwitchSearch(StopSearch):

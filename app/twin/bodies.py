@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from app.twin.geometry import (
+from .geometry import (
     Mesh,
     arc,
     arrow,

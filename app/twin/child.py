@@ -22,10 +22,10 @@ import numpy as np
 import viser
 import zstandard
 
-from app.twin.bodies import DIAL_AT, scenery
-from app.twin.colours import Scheme, rgb
-from app.twin.scene import Placement, placements
-from app.twin.shape import Look, Shape
+from .bodies import DIAL_AT, scenery
+from .colours import Scheme, rgb
+from .scene import Placement, placements
+from .shape import Look, Shape
 
 NICENESS = 5
 """A picture may come late; a stop command may not."""

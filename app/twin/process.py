@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-from app.links.errors import BenchError
+from ..links.errors import BenchError
 
 START_WITHIN_S = 30.0
 """How long the process may take until it answers [s]: a cold disk and a busy machine count."""
@@ -71,7 +71,7 @@ StartRenderer = Callable[[], Awaitable[Renderer]]
 
 
 class DrawingProcess:
-    """`python -m app.twin.child`, over its standard streams."""
+    """The module `child` as a program, over its standard streams."""
 
     def __init__(self, process: asyncio.subprocess.Process) -> None:
         self._process = process
@@ -90,7 +90,7 @@ class DrawingProcess:
                 sys.executable,
                 "-P",
                 "-m",
-                "app.twin.child",
+                f"{__package__}.child",
                 stdin=asyncio.subprocess.PIPE,
                 stdout=asyncio.subprocess.PIPE,
                 stderr=asyncio.subprocess.PIPE,

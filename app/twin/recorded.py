@@ -8,8 +8,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from app.twin.shape import CHANNELS, Look, Shape, Slips, look_of
-from app.twin.watch import Watches
+from .shape import CHANNELS, Look, Shape, Slips, look_of
+from .watch import Watches
 
 FloatArray = NDArray[np.float64]
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from app.twin.bodies import ARC_RADII, FIELD_LENGTH, IDENTITY, RAIL, STAGE_SWITCHES, Vector
-from app.twin.colours import Rgb, Scheme, between, rgb
-from app.twin.geometry import Mesh, arc
-from app.twin.shape import FIELD_LEAST, Coil, Look, Shape, Travel
+from .bodies import ARC_RADII, FIELD_LENGTH, IDENTITY, RAIL, STAGE_SWITCHES, Vector
+from .colours import Rgb, Scheme, between, rgb
+from .geometry import Mesh, arc
+from .shape import FIELD_LEAST, Coil, Look, Shape, Travel
 
 Quaternion = tuple[float, float, float, float]
 

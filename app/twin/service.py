@@ -17,19 +17,19 @@ from typing import Literal
 
 import numpy as np
 
-from app.clock import Clock
-from app.devices.counter import CounterWritten
-from app.devices.device import Axis, Device, DeviceEvent
-from app.links.errors import BenchError, WrongState
-from app.telemetry.frames import Frame, decode
-from app.telemetry.hub import TelemetryHub
-from app.telemetry.reader import Reader
-from app.twin.colours import Scheme
-from app.twin.process import Address, DrawingProcess, Renderer, StartRenderer, TwinFailed
-from app.twin.recorded import RecordedAxis
-from app.twin.scene import flashing
-from app.twin.shape import CHANNELS, Look, Shape, look_of, sine_coil_of
-from app.twin.watch import Watches
+from ..clock import Clock
+from ..devices.counter import CounterWritten
+from ..devices.device import Axis, Device, DeviceEvent
+from ..links.errors import BenchError, WrongState
+from ..telemetry.frames import Frame, decode
+from ..telemetry.hub import TelemetryHub
+from ..telemetry.reader import Reader
+from .colours import Scheme
+from .process import Address, DrawingProcess, Renderer, StartRenderer, TwinFailed
+from .recorded import RecordedAxis
+from .scene import flashing
+from .shape import CHANNELS, Look, Shape, look_of, sine_coil_of
+from .watch import Watches
 
 log = logging.getLogger("stepscope.twin")
 

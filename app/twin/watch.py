@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from app.twin.shape import Shape, Slips, Travel
+from .shape import Shape, Slips, Travel
 
 FloatArray = NDArray[np.float64]
 

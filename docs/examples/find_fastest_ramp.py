@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import argparse
 
-from app.client import Bench
+from stepscope import Bench
 
 
 def main() -> None:

@@ -8,8 +8,7 @@ from __future__ import annotations
 import argparse
 
 import numpy as np
-
-from app.client import Bench
+from stepscope import Bench
 
 
 def main() -> None:

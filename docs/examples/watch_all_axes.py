@@ -9,8 +9,7 @@ import argparse
 import asyncio
 
 import numpy as np
-
-from app.client import AsyncBench, Device
+from stepscope import AsyncBench, Device
 
 
 async def watch(bench: AsyncBench, device: Device, axis: int, seconds: float) -> str:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from fastapi import APIRouter, Path, Request, Response
 
-from app.api.deps import CurrentBench
-from app.api.identity import identity_of
-from app.api.problems import problems
-from app.api.schemas_access import AccessInfo, TokenAdd, TokenInfo, TokenMade
-from app.api.sessions import cookie_name
-from app.links.errors import StoreUnavailable, UnknownThing, UsageError, WrongState
+from ...links.errors import StoreUnavailable, UnknownThing, UsageError, WrongState
+from ..deps import CurrentBench
+from ..identity import identity_of
+from ..problems import problems
+from ..schemas_access import AccessInfo, TokenAdd, TokenInfo, TokenMade
+from ..sessions import cookie_name
 
 router = APIRouter(tags=["access"])
 

@@ -9,12 +9,12 @@ from fastapi import APIRouter, Query
 from fastapi.responses import StreamingResponse
 from pydantic import BeforeValidator
 
-from app.api.audit_csv import PIECE, csv_pieces, time_of
-from app.api.deps import CurrentBench
-from app.api.problems import problems
-from app.api.schemas_audit import AuditEntry, AuditFilters, AuditPage, Outcome
-from app.links.errors import StoreUnavailable
-from app.store.audit_entries import Entry, Wanted
+from ...links.errors import StoreUnavailable
+from ...store.audit_entries import Entry, Wanted
+from ..audit_csv import PIECE, csv_pieces, time_of
+from ..deps import CurrentBench
+from ..problems import problems
+from ..schemas_audit import AuditEntry, AuditFilters, AuditPage, Outcome
 
 router = APIRouter(prefix="/audit", tags=["audit"])
 

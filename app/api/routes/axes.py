@@ -6,12 +6,14 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from app.api.abilities import CurrentEncodedDevice, CurrentEventfulDevice, CurrentFlaggedDevice
-from app.api.convert import axis_out, prediction_out, stops_out
-from app.api.deps import CurrentAxis, CurrentBench, CurrentDevice
-from app.api.problems import DEVICE_PROBLEMS, problems
-from app.api.schemas import AxisProblem
-from app.api.schemas_axes import (
+from ...devices.results import AxisMove
+from ...links.errors import OutOfRange, SoftLimit, UnknownThing, WrongState
+from ..abilities import CurrentEncodedDevice, CurrentEventfulDevice, CurrentFlaggedDevice
+from ..convert import axis_out, prediction_out, stops_out
+from ..deps import CurrentAxis, CurrentBench, CurrentDevice
+from ..problems import DEVICE_PROBLEMS, problems
+from ..schemas import AxisProblem
+from ..schemas_axes import (
     AxisStateOut,
     KeepRotating,
     MotionEnd,
@@ -22,9 +24,7 @@ from app.api.schemas_axes import (
     Rotate,
     Rotating,
 )
-from app.api.schemas_events import AxisEvents
-from app.devices.results import AxisMove
-from app.links.errors import OutOfRange, SoftLimit, UnknownThing, WrongState
+from ..schemas_events import AxisEvents
 
 router = APIRouter(prefix="/devices/{device}", tags=["axes"])
 

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from app.api import (
+from ...links.errors import UsageError
+from .. import (
     calculators,
     input_filters,
     motor_calculators,
@@ -12,8 +13,8 @@ from app.api import (
     ramp_calculators,
     unit_calculators,
 )
-from app.api.problems import problems
-from app.api.schemas_calc import (
+from ..problems import problems
+from ..schemas_calc import (
     AnyMicrostepDesign,
     ChainRequest,
     MicrostepResult,
@@ -26,11 +27,10 @@ from app.api.schemas_calc import (
     Units,
     UnitsResult,
 )
-from app.api.schemas_filter import InputFilter, InputFilterResult, InputFilters
-from app.api.schemas_mslut import MslutDesign, MslutResult
-from app.api.schemas_sixpoint import Chopper, ChopperResult, CoilCurrent, CoilCurrentResult
-from app.api.schemas_tables import ChainDesign
-from app.links.errors import UsageError
+from ..schemas_filter import InputFilter, InputFilterResult, InputFilters
+from ..schemas_mslut import MslutDesign, MslutResult
+from ..schemas_sixpoint import Chopper, ChopperResult, CoilCurrent, CoilCurrentResult
+from ..schemas_tables import ChainDesign
 
 router = APIRouter(prefix="/calc", tags=["calculators"], responses=problems(UsageError))
 

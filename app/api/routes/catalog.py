@@ -7,12 +7,12 @@ from typing import Any
 
 from fastapi import APIRouter
 
-from app.api.problems import problems
-from app.api.schemas_catalog import CatalogEntry, CatalogModel, CommandRow, FieldRow, RegisterRow
-from app.links.errors import UnknownThing
-from app.registers.catalog import MODELS, Model
-from app.registers.model import Field, Register, Space
-from app.registers.tmcl import COMMANDS
+from ...links.errors import UnknownThing
+from ...registers.catalog import MODELS, Model
+from ...registers.model import Field, Register, Space
+from ...registers.tmcl import COMMANDS
+from ..problems import problems
+from ..schemas_catalog import CatalogEntry, CatalogModel, CommandRow, FieldRow, RegisterRow
 
 router = APIRouter(prefix="/catalog", tags=["catalog"])
 

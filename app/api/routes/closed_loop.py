@@ -4,17 +4,17 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from app.api.convert import load_of, response_out
-from app.api.deps import CurrentAxis, CurrentBench, CurrentDevice
-from app.api.problems import problems
-from app.api.schemas_closed_loop import (
+from ...links.errors import OutOfRange, SoftLimit, UnknownThing, UsageError, WrongState
+from ..convert import load_of, response_out
+from ..deps import CurrentAxis, CurrentBench, CurrentDevice
+from ..problems import problems
+from ..schemas_closed_loop import (
     CalibrationStart,
     CalibrationState,
     DisturbanceStart,
     ResponseState,
     StepResponseStart,
 )
-from app.links.errors import OutOfRange, SoftLimit, UnknownThing, UsageError, WrongState
 
 router = APIRouter(prefix="/devices/{device}/axes/{axis}", tags=["closed loop"])
 

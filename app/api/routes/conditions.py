@@ -8,10 +8,13 @@ import contextlib
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 from pydantic import ValidationError
 
-from app.api.bench import Bench
-from app.api.conditions import standing_out
-from app.api.pages import Pages
-from app.api.schemas_conditions import (
+from ...clock import BackgroundClock
+from ...conditions.service import ConditionService, Standing
+from ...devices.device import Device
+from ..bench import Bench
+from ..conditions import standing_out
+from ..pages import Pages
+from ..schemas_conditions import (
     SUBPROTOCOL,
     Alive,
     AxisCondition,
@@ -20,9 +23,6 @@ from app.api.schemas_conditions import (
     ConditionsText,
     DeviceRemoved,
 )
-from app.clock import BackgroundClock
-from app.conditions.service import ConditionService, Standing
-from app.devices.device import Device
 
 ALIVE_S = 1.0
 """How long nothing is said at the most: whoever hears nothing for longer knows nothing any more."""

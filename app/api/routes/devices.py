@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from fastapi import APIRouter, HTTPException
 
-from app.api.convert import axis_settings, clock_of, device_info, link_of, require_suited, suited, with_memory
-from app.api.deps import CurrentBench, CurrentDevice, DeviceId
-from app.api.problems import problem_of, problems
-from app.api.schemas import DeviceInfo, LinkTest
-from app.api.schemas_devices import DeviceChange, DeviceCreate, DeviceTrial
-from app.devices import manager
-from app.devices.config import DeviceConfig
-from app.links.errors import OutOfRange, SoftLimit, UnknownThing, UsageError, WrongState
+from ...devices import manager
+from ...devices.config import DeviceConfig
+from ...links.errors import OutOfRange, SoftLimit, UnknownThing, UsageError, WrongState
+from ..convert import axis_settings, clock_of, device_info, link_of, require_suited, suited, with_memory
+from ..deps import CurrentBench, CurrentDevice, DeviceId
+from ..problems import problem_of, problems
+from ..schemas import DeviceInfo, LinkTest
+from ..schemas_devices import DeviceChange, DeviceCreate, DeviceTrial
 
 router = APIRouter(prefix="/devices", tags=["devices"])
 

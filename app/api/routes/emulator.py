@@ -7,18 +7,18 @@ from typing import Annotated, Protocol, cast
 from fastapi import APIRouter, Depends
 from pydantic import BaseModel, ValidationError
 
-from app.api.deps import CurrentBench, CurrentDevice
-from app.api.problems import findings, problems
-from app.emulators.options import EmulatorPatch
-from app.emulators.pd42.options import Pd42Patch
-from app.emulators.pd42.state import Pd42State
-from app.emulators.state import EmulatorState
-from app.emulators.tmc5xxx import MODELS as TMC5XXX
-from app.emulators.tmc5xxx import Tmc5xxxPatch, Tmc5xxxState
-from app.emulators.tmc4361.options import Tmc4361Patch
-from app.emulators.tmc4361.state import Tmc4361State
-from app.links.emulator import EmulatorPort
-from app.links.errors import UnknownThing, UsageError, WrongState
+from ...emulators.options import EmulatorPatch
+from ...emulators.pd42.options import Pd42Patch
+from ...emulators.pd42.state import Pd42State
+from ...emulators.state import EmulatorState
+from ...emulators.tmc5xxx import MODELS as TMC5XXX
+from ...emulators.tmc5xxx import Tmc5xxxPatch, Tmc5xxxState
+from ...emulators.tmc4361.options import Tmc4361Patch
+from ...emulators.tmc4361.state import Tmc4361State
+from ...links.emulator import EmulatorPort
+from ...links.errors import UnknownThing, UsageError, WrongState
+from ..deps import CurrentBench, CurrentDevice
+from ..problems import findings, problems
 
 router = APIRouter(prefix="/devices/{device}/emulator", tags=["emulator"])
 

@@ -7,13 +7,13 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from app.api.bench import Bench
-from app.api.convert_extended import extended_out, history_out, latched_out
-from app.api.deps import CurrentAxis, CurrentBench, CurrentDevice
-from app.api.problems import DEVICE_PROBLEMS, problems
-from app.api.schemas_extended import ExtendedHistory, ExtendedPosition, ExtendedPositionChange, LatchedPosition
-from app.devices.device import Device
-from app.links.errors import SoftLimit, UnknownThing, UsageError, WrongState
+from ...devices.device import Device
+from ...links.errors import SoftLimit, UnknownThing, UsageError, WrongState
+from ..bench import Bench
+from ..convert_extended import extended_out, history_out, latched_out
+from ..deps import CurrentAxis, CurrentBench, CurrentDevice
+from ..problems import DEVICE_PROBLEMS, problems
+from ..schemas_extended import ExtendedHistory, ExtendedPosition, ExtendedPositionChange, LatchedPosition
 
 router = APIRouter(prefix="/devices/{device}/axes/{axis}/extended-position", tags=["extended position"])
 

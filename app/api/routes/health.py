@@ -5,11 +5,11 @@ from __future__ import annotations
 from fastapi import APIRouter, Response
 from prometheus_client import CONTENT_TYPE_LATEST
 
-from app import __version__
-from app.api.deps import CurrentBench
-from app.api.health import health_of, metrics_text
-from app.api.schemas import Health
-from app.api.schemas_health import HealthDetails
+from ... import __version__
+from ..deps import CurrentBench
+from ..health import health_of, metrics_text
+from ..schemas import Health
+from ..schemas_health import HealthDetails
 
 router = APIRouter(tags=["server"])
 metrics = APIRouter(tags=["server"])

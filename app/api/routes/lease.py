@@ -13,14 +13,14 @@ from typing import Annotated
 
 from fastapi import APIRouter, Header
 
-from app.api.bench import Bench
-from app.api.deps import CurrentBench
-from app.api.errors import BenchNotTaken, BenchTaken
-from app.api.problems import problems
-from app.api.schemas_lease import LeaseAsking, LeaseHandOver, LeaseInfo, LeaseKeep, LeaseTake
-from app.api.who import SESSION_HEADER
-from app.devices.actor import actor
-from app.links.errors import UnknownThing, WrongState
+from ...devices.actor import actor
+from ...links.errors import UnknownThing, WrongState
+from ..bench import Bench
+from ..deps import CurrentBench
+from ..errors import BenchNotTaken, BenchTaken
+from ..problems import problems
+from ..schemas_lease import LeaseAsking, LeaseHandOver, LeaseInfo, LeaseKeep, LeaseTake
+from ..who import SESSION_HEADER
 
 router = APIRouter(prefix="/lease", tags=["lease"])
 

@@ -6,11 +6,11 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query
 
-from app.api.deps import CurrentBench, CurrentDevice
-from app.api.link_info import frame_log, link_info
-from app.api.problems import problems
-from app.api.schemas_links import FrameLog, LinkInfo
-from app.links.errors import UnknownThing
+from ...links.errors import UnknownThing
+from ..deps import CurrentBench, CurrentDevice
+from ..link_info import frame_log, link_info
+from ..problems import problems
+from ..schemas_links import FrameLog, LinkInfo
 
 router = APIRouter(prefix="/devices/{device}", tags=["links"])
 

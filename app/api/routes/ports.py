@@ -7,12 +7,12 @@ import asyncio
 from fastapi import APIRouter
 from serial.tools import list_ports
 
-from app.api.deps import CurrentBench
-from app.api.problems import problems
-from app.api.schemas import Port
-from app.api.schemas_links import ProbeStart, ProbeState
-from app.links.errors import UsageError, WrongState
-from app.registers.catalog import MODELS
+from ...links.errors import UsageError, WrongState
+from ...registers.catalog import MODELS
+from ..deps import CurrentBench
+from ..problems import problems
+from ..schemas import Port
+from ..schemas_links import ProbeStart, ProbeState
 
 router = APIRouter(tags=["server"])
 

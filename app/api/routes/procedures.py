@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from app.api.deps import CurrentAxis, CurrentBench, CurrentDevice
-from app.api.problems import problems
-from app.api.schemas_axes import ReferenceSearchStart, ReferenceSearchState, ShuttleStart, ShuttleState
-from app.devices.device import Device
-from app.links.errors import OutOfRange, SoftLimit, UnknownThing, UsageError, WrongState
+from ...devices.device import Device
+from ...links.errors import OutOfRange, SoftLimit, UnknownThing, UsageError, WrongState
+from ..deps import CurrentAxis, CurrentBench, CurrentDevice
+from ..problems import problems
+from ..schemas_axes import ReferenceSearchStart, ReferenceSearchState, ShuttleStart, ShuttleState
 
 router = APIRouter(prefix="/devices/{device}/axes/{axis}", tags=["procedures"])
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from app.api.deps import CurrentBench
-from app.api.problems import problems
-from app.api.profile_views import detail
-from app.api.routes.profiles import ProfileId
-from app.api.schemas_scripts import ProfileScript, ScriptLanguage, ScriptOrder
-from app.links.errors import StoreUnavailable, UnknownThing, UsageError, WrongState
-from app.tuning.profile_scripts.errors import ScriptFailed
+from ...links.errors import StoreUnavailable, UnknownThing, UsageError, WrongState
+from ...tuning.profile_scripts.errors import ScriptFailed
+from ..deps import CurrentBench
+from ..problems import problems
+from ..profile_views import detail
+from ..schemas_scripts import ProfileScript, ScriptLanguage, ScriptOrder
+from .profiles import ProfileId
 
 router = APIRouter(prefix="/profiles", tags=["profiles"])
 

@@ -8,11 +8,17 @@ from typing import Annotated
 from fastapi import APIRouter, Path, Query
 from fastapi.responses import Response
 
-from app.api.bench import Bench
-from app.api.deps import CurrentBench, CurrentDevice
-from app.api.problems import DEVICE_PROBLEMS, problems
-from app.api.profile_views import applied, detail, dry_run, info, progress_of, taken_back
-from app.api.schemas_profiles import (
+from ...links.errors import OutOfRange, SoftLimit, StoreUnavailable, UnknownThing, WrongState
+from ...tuning.profiles.capture import capture
+from ...tuning.profiles.diff import Diff, compare, diff
+from ...tuning.profiles.document import ProfileDocument, plain, text_of
+from ...tuning.profiles.errors import ProfileLeft, ProfileMisfit, ProfileTakenBack, UnreadableProfile
+from ...tuning.profiles.words import wants_of
+from ..bench import Bench
+from ..deps import CurrentBench, CurrentDevice
+from ..problems import DEVICE_PROBLEMS, problems
+from ..profile_views import applied, detail, dry_run, info, progress_of, taken_back
+from ..schemas_profiles import (
     ApplyProgress,
     ProfileApplied,
     ProfileDetail,
@@ -24,12 +30,6 @@ from app.api.schemas_profiles import (
     ProfileSave,
     TakenBack,
 )
-from app.links.errors import OutOfRange, SoftLimit, StoreUnavailable, UnknownThing, WrongState
-from app.tuning.profiles.capture import capture
-from app.tuning.profiles.diff import Diff, compare, diff
-from app.tuning.profiles.document import ProfileDocument, plain, text_of
-from app.tuning.profiles.errors import ProfileLeft, ProfileMisfit, ProfileTakenBack, UnreadableProfile
-from app.tuning.profiles.words import wants_of
 
 router = APIRouter(tags=["profiles"])
 

@@ -9,11 +9,15 @@ from typing import Annotated, Literal, TypeVar
 from fastapi import APIRouter, HTTPException, Path, Query
 from fastapi.responses import Response
 
-from app.api.deps import CurrentBench
-from app.api.problems import problems
-from app.api.recording_compare import compare, spectrum_of
-from app.api.recording_desk import axes_of, configuration_of, options_of
-from app.api.recording_views import (
+from ...calc.spectrum import Detrend, Window
+from ...links.errors import OutOfRange, StoreUnavailable, UnknownThing, UsageError, WrongState
+from ...store.recordings.library import Entry, Label
+from ...telemetry.recorder import Trigger
+from ..deps import CurrentBench
+from ..problems import problems
+from ..recording_compare import compare, spectrum_of
+from ..recording_desk import axes_of, configuration_of, options_of
+from ..recording_views import (
     csv_of,
     detail,
     figures_of,
@@ -24,7 +28,7 @@ from app.api.recording_views import (
     rows_between,
     zero_of,
 )
-from app.api.schemas_recordings import (
+from ..schemas_recordings import (
     CompareWith,
     Comparison,
     LevelTrigger,
@@ -41,10 +45,6 @@ from app.api.schemas_recordings import (
     ReplayStart,
     Spectrum,
 )
-from app.calc.spectrum import Detrend, Window
-from app.links.errors import OutOfRange, StoreUnavailable, UnknownThing, UsageError, WrongState
-from app.store.recordings.library import Entry, Label
-from app.telemetry.recorder import Trigger
 
 router = APIRouter(prefix="/recordings", tags=["recordings"])
 

@@ -6,14 +6,17 @@ from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
 
-from app.api.abilities import CurrentStoringDevice
-from app.api.convert import batch_result
-from app.api.deps import AxisQuery, CurrentDevice, DeviceId, RegisterName, device_of
-from app.api.errors import ForeignPage, RoleTooLow
-from app.api.guard import require_own_page
-from app.api.identity import identity_of
-from app.api.problems import DEVICE_PROBLEMS, problems
-from app.api.schemas import (
+from ...devices.actor import actor
+from ...devices.results import WriteItem
+from ...links.errors import SoftLimit, WriteRefused
+from ..abilities import CurrentStoringDevice
+from ..convert import batch_result
+from ..deps import AxisQuery, CurrentDevice, DeviceId, RegisterName, device_of
+from ..errors import ForeignPage, RoleTooLow
+from ..guard import require_own_page
+from ..identity import identity_of
+from ..problems import DEVICE_PROBLEMS, problems
+from ..schemas import (
     Exchange,
     ExchangeReply,
     RegisterBatch,
@@ -22,9 +25,6 @@ from app.api.schemas import (
     RegisterWrite,
     RegisterWritten,
 )
-from app.devices.actor import actor
-from app.devices.results import WriteItem
-from app.links.errors import SoftLimit, WriteRefused
 
 router = APIRouter(prefix="/devices/{device}", tags=["registers"])
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from app.api.deps import CurrentAxis, CurrentBench, CurrentDevice
-from app.api.problems import DEVICE_PROBLEMS, problems
-from app.api.schemas import RegisterBatchResult
-from app.api.schemas_start_up import AxisStartUp, DeviceStartUp, StartUpReport
-from app.api.start_up_views import axis_wish_of, batch, report, wish_of
-from app.links.errors import SoftLimit, StoreUnavailable
-from app.tuning import start_up
-from app.tuning.profiles.errors import ProfileLeft, ProfileTakenBack
+from ...links.errors import SoftLimit, StoreUnavailable
+from ...tuning import start_up
+from ...tuning.profiles.errors import ProfileLeft, ProfileTakenBack
+from ..deps import CurrentAxis, CurrentBench, CurrentDevice
+from ..problems import DEVICE_PROBLEMS, problems
+from ..schemas import RegisterBatchResult
+from ..schemas_start_up import AxisStartUp, DeviceStartUp, StartUpReport
+from ..start_up_views import axis_wish_of, batch, report, wish_of
 
 router = APIRouter(prefix="/devices/{device}", tags=["axes"])
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from app.api.convert import stop_result
-from app.api.deps import CurrentAxis, CurrentBench, CurrentDevice
-from app.api.problems import DEVICE_PROBLEMS, problems
-from app.api.schemas_axes import Stop, StopReport, StopResult
+from ..convert import stop_result
+from ..deps import CurrentAxis, CurrentBench, CurrentDevice
+from ..problems import DEVICE_PROBLEMS, problems
+from ..schemas_axes import Stop, StopReport, StopResult
 
 router = APIRouter(tags=["stop"])
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from app.api.convert import built_chain, chain_table
-from app.api.deps import AxisQuery, CurrentDevice
-from app.api.mslut_tables import has_mslut, held, registers_to_write
-from app.api.problems import DEVICE_PROBLEMS, problems
-from app.api.schemas_mslut import MslutWrite
-from app.api.schemas_tables import AnyTable, AnyTableIn, ChainTable, DriverChain, MicrostepTable
-from app.links.errors import UsageError, WriteRefused
+from ...links.errors import UsageError, WriteRefused
+from ..convert import built_chain, chain_table
+from ..deps import AxisQuery, CurrentDevice
+from ..mslut_tables import has_mslut, held, registers_to_write
+from ..problems import DEVICE_PROBLEMS, problems
+from ..schemas_mslut import MslutWrite
+from ..schemas_tables import AnyTable, AnyTableIn, ChainTable, DriverChain, MicrostepTable
 
 router = APIRouter(prefix="/devices/{device}", tags=["tables"])
 

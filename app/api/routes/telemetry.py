@@ -8,9 +8,15 @@ from collections.abc import Mapping
 
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 
-from app.api.bench import Bench
-from app.api.problems import problem_of
-from app.api.schemas_telemetry import (
+from ...clock import BackgroundClock
+from ...devices.results import ChipEvents, MotionEnd
+from ...links.errors import BenchError, OutOfRange, UsageError
+from ...telemetry.feed import Joined
+from ...telemetry.frames import encode_body
+from ...telemetry.reader import Event, MoveSeen, Status
+from ..bench import Bench
+from ..problems import problem_of
+from ..schemas_telemetry import (
     SUBPROTOCOL,
     TelemetryChannel,
     TelemetryEvent,
@@ -22,12 +28,6 @@ from app.api.schemas_telemetry import (
     TelemetryStopped,
     TelemetryText,
 )
-from app.clock import BackgroundClock
-from app.devices.results import ChipEvents, MotionEnd
-from app.links.errors import BenchError, OutOfRange, UsageError
-from app.telemetry.feed import Joined
-from app.telemetry.frames import encode_body
-from app.telemetry.reader import Event, MoveSeen, Status
 
 router = APIRouter(tags=["telemetry"])
 

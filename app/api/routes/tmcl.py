@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
-from app.api.abilities import CurrentTmclDevice
-from app.api.problems import DEVICE_PROBLEMS, problems
-from app.api.schemas_tmcl import TmclCommand, TmclReply
-from app.api.tmcl_text import command_of
-from app.links.errors import SoftLimit
+from ...links.errors import SoftLimit
+from ..abilities import CurrentTmclDevice
+from ..problems import DEVICE_PROBLEMS, problems
+from ..schemas_tmcl import TmclCommand, TmclReply
+from ..tmcl_text import command_of
 
 router = APIRouter(prefix="/devices/{device}", tags=["tmcl"])
 

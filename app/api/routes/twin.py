@@ -8,18 +8,18 @@ from typing import Any
 
 from fastapi import APIRouter
 
-from app.api.bench import Bench
-from app.api.deps import CurrentBench
-from app.api.problems import problem_of, problems
-from app.api.recording_views import zero_of
-from app.api.schemas_twin import TwinCursor, TwinLook, TwinShow, TwinState
-from app.api.twin_proxy import VIEW
-from app.devices.config import AxisSettings
-from app.links.errors import UnknownThing, WrongState
-from app.twin.process import TwinFailed
-from app.twin.recorded import RecordedAxis
-from app.twin.service import UPDATES_PER_S, TwinInfo
-from app.twin.shape import CHANNELS, Shape, sine_coil_of
+from ...devices.config import AxisSettings
+from ...links.errors import UnknownThing, WrongState
+from ...twin.process import TwinFailed
+from ...twin.recorded import RecordedAxis
+from ...twin.service import UPDATES_PER_S, TwinInfo
+from ...twin.shape import CHANNELS, Shape, sine_coil_of
+from ..bench import Bench
+from ..deps import CurrentBench
+from ..problems import problem_of, problems
+from ..recording_views import zero_of
+from ..schemas_twin import TwinCursor, TwinLook, TwinShow, TwinState
+from ..twin_proxy import VIEW
 
 router = APIRouter(prefix="/twin", tags=["twin"])
 

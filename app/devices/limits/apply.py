@@ -5,22 +5,22 @@ from __future__ import annotations
 import contextlib
 from typing import TYPE_CHECKING
 
-from app.devices.limits.limiter import Limiter
-from app.devices.limits.pd42 import ModuleRules
-from app.devices.limits.ramp import RampRules
-from app.devices.limits.rules import Rules
-from app.devices.limits.tmc5xxx import SixPointRules
-from app.devices.limits.tmc4361 import SRampRules
-from app.devices.limits.watch import RangeWatch
-from app.devices.pd42.driver import Pd42
-from app.devices.ramp_chip import RampChip
-from app.devices.tmc5xxx.driver import Tmc5xxx
-from app.devices.tmc4361.driver import Tmc4361
-from app.links.errors import BenchError
+from ...links.errors import BenchError
+from ..pd42.driver import Pd42
+from ..ramp_chip import RampChip
+from ..tmc5xxx.driver import Tmc5xxx
+from ..tmc4361.driver import Tmc4361
+from .limiter import Limiter
+from .pd42 import ModuleRules
+from .ramp import RampRules
+from .rules import Rules
+from .tmc5xxx import SixPointRules
+from .tmc4361 import SRampRules
+from .watch import RangeWatch
 
 if TYPE_CHECKING:
-    from app.devices.config import DeviceConfig
-    from app.devices.device import Device
+    from ..config import DeviceConfig
+    from ..device import Device
 
 
 def apply_limits(device: Device) -> None:

@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from app.devices.limits.axis_limits import AxisLimits
-from app.devices.limits.frames import Decoder, decoder_of, moves_by_board, refuse_board
-from app.devices.limits.parts import View
-from app.devices.limits.rules import Rules
-from app.links.register_access import LandungsbrueckeAccess
+from ...links.register_access import LandungsbrueckeAccess
+from .axis_limits import AxisLimits
+from .frames import Decoder, decoder_of, moves_by_board, refuse_board
+from .parts import View
+from .rules import Rules
 
 if TYPE_CHECKING:
-    from app.devices.keeping_chip import KeepingChip
-    from app.devices.register_chip import RegisterChip
+    from ..keeping_chip import KeepingChip
+    from ..register_chip import RegisterChip
 
 
 class ChipRules(Rules):

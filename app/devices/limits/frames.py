@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
-from app.links import datagram32, datagram40, tmcl
-from app.links.access32 import Spi32Access
-from app.links.datagram_uart import UartForm
-from app.links.errors import WrongState
-from app.links.register_access import LandungsbrueckeAccess, RegisterAccess, UartAccess
-from app.registers.landungsbruecke import BoardOpcode
-from app.registers.tmcl import Opcode
+from ...links import datagram32, datagram40, tmcl
+from ...links.access32 import Spi32Access
+from ...links.datagram_uart import UartForm
+from ...links.errors import WrongState
+from ...links.register_access import LandungsbrueckeAccess, RegisterAccess, UartAccess
+from ...registers.landungsbruecke import BoardOpcode
+from ...registers.tmcl import Opcode
 
 Decoder: TypeAlias = Callable[[bytes], Sequence[tuple[int, int]]]
 

@@ -15,14 +15,14 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from app.calc.number_text import plain
-from app.devices.limits.axis_limits import AxisLimits
-from app.devices.limits.parts import UNITS, Going, Part, View, limit_of
-from app.devices.limits.rules import SLACK, Rules
-from app.links.errors import SoftLimit, WrongState
+from ...calc.number_text import plain
+from ...links.errors import SoftLimit, WrongState
+from .axis_limits import AxisLimits
+from .parts import UNITS, Going, Part, View, limit_of
+from .rules import SLACK, Rules
 
 if TYPE_CHECKING:
-    from app.devices.limits.watch import RangeWatch
+    from .watch import RangeWatch
 
 Writes = Iterable[tuple[int, int]]
 OUTSIDE = "come back by a move to a position inside"

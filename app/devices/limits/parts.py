@@ -6,8 +6,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Literal, TypeAlias
 
-from app.devices.limits.axis_limits import AxisLimits
-from app.registers.model import Register
+from ...registers.model import Register
+from .axis_limits import AxisLimits
 
 COORDINATES = 0x1000
 """Of a TMCL module: from here on addresses are numbers of coordinates."""

@@ -11,16 +11,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from app.devices.limits.axis_limits import AxisLimits
-from app.devices.limits.parts import COORDINATES, Going, Part, Place, View, sign
-from app.devices.limits.rules import Look, Rules
-from app.devices.pd42 import rows, units
-from app.links.errors import WrongState
-from app.links.tmcl import FRAME_BYTES, Request
-from app.registers.tmcl import COORDINATES_IN_EEPROM, Opcode, Status
+from ...links.errors import WrongState
+from ...links.tmcl import FRAME_BYTES, Request
+from ...registers.tmcl import COORDINATES_IN_EEPROM, Opcode, Status
+from ..pd42 import rows, units
+from .axis_limits import AxisLimits
+from .parts import COORDINATES, Going, Part, Place, View, sign
+from .rules import Look, Rules
 
 if TYPE_CHECKING:
-    from app.devices.pd42.motion import Motion
+    from ..pd42.motion import Motion
 
 SEARCH = 0x200
 """The address of a reference search."""

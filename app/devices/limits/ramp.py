@@ -11,18 +11,18 @@ from collections.abc import Iterable, Sequence
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from app.calc.units import MAX_DIVIDER, acceleration_hz_s, pulse_rate_hz
-from app.devices.axis_rows import HOLD_MODE, POSITIONING_MODES, AxisRows
-from app.devices.limits.axis_limits import AxisLimits
-from app.devices.limits.chip_rules import ChipRules
-from app.devices.limits.frames import Decoder, spi32_writes
-from app.devices.limits.parts import Going, Part, Place, View, position_of, sign
-from app.devices.limits.rules import Look
-from app.devices.words import Words
-from app.registers.model import Register
+from ...calc.units import MAX_DIVIDER, acceleration_hz_s, pulse_rate_hz
+from ...registers.model import Register
+from ..axis_rows import HOLD_MODE, POSITIONING_MODES, AxisRows
+from ..words import Words
+from .axis_limits import AxisLimits
+from .chip_rules import ChipRules
+from .frames import Decoder, spi32_writes
+from .parts import Going, Part, Place, View, position_of, sign
+from .rules import Look
 
 if TYPE_CHECKING:
-    from app.devices.ramp_chip import RampChip
+    from ..ramp_chip import RampChip
 
 MOST = 2047
 """The greatest velocity and acceleration."""

@@ -6,8 +6,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
-from app.devices.limits.axis_limits import AxisLimits
-from app.devices.limits.parts import Going, Part, Place, View
+from .axis_limits import AxisLimits
+from .parts import Going, Part, Place, View
 
 SLACK = 1 + 1e-9
 """A limit that came to its number by a conversion is not passed by the rounding of that."""

@@ -12,16 +12,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
-from app.calc.tmc4361_formats import CLOCK_HZ_MAX, CLOCK_HZ_MIN, FORMATS, Units
-from app.devices.limits.axis_limits import AxisLimits
-from app.devices.limits.chip_rules import AccessRules
-from app.devices.limits.parts import Going, Part, Place, Quantity, View, position_of, sign
-from app.devices.limits.rules import Look
-from app.devices.tmc4361 import foresight, rows
-from app.registers.model import Field, Register, to_signed
+from ...calc.tmc4361_formats import CLOCK_HZ_MAX, CLOCK_HZ_MIN, FORMATS, Units
+from ...registers.model import Field, Register, to_signed
+from ..tmc4361 import foresight, rows
+from .axis_limits import AxisLimits
+from .chip_rules import AccessRules
+from .parts import Going, Part, Place, Quantity, View, position_of, sign
+from .rules import Look
 
 if TYPE_CHECKING:
-    from app.devices.tmc4361.chip import Chip
+    from ..tmc4361.chip import Chip
 
 SPEEDS = ("VMAX", "VSTART", "VSTOP")
 ACCELERATIONS = ("AMAX", "DMAX", "ASTART", "DFINAL", "DSTOP")

@@ -13,16 +13,16 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from app.calc.coil_current import CHIPS, SCALER_FULL, SCALER_LEAST, SCALES, CurrentStage
-from app.calc.tmc5xxx_units import ACCELERATION_MAX, VELOCITY_MAX, acceleration_unit_pps2, velocity_unit_pps
-from app.devices.limits.axis_limits import AxisLimits
-from app.devices.limits.chip_rules import AccessRules
-from app.devices.limits.parts import Going, Part, Place, View, position_of
-from app.devices.limits.rules import Look
-from app.devices.tmc5xxx import rows as r
+from ...calc.coil_current import CHIPS, SCALER_FULL, SCALER_LEAST, SCALES, CurrentStage
+from ...calc.tmc5xxx_units import ACCELERATION_MAX, VELOCITY_MAX, acceleration_unit_pps2, velocity_unit_pps
+from ..tmc5xxx import rows as r
+from .axis_limits import AxisLimits
+from .chip_rules import AccessRules
+from .parts import Going, Part, Place, View, position_of
+from .rules import Look
 
 if TYPE_CHECKING:
-    from app.devices.tmc5xxx.chip import Chip
+    from ..tmc5xxx.chip import Chip
 
 SPEEDS = ("VMAX", "VSTART", "VSTOP")
 ACCELERATIONS = ("AMAX", "DMAX", "A1", "D1")

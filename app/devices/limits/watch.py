@@ -19,13 +19,13 @@ from contextvars import Context
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from app.devices.device import Device, DeviceEvent, LimitReached, MotionCommanded, StateChanged, motion_owner
-from app.devices.limits.parts import Going, sign
-from app.devices.limits.rules import Look
-from app.links.errors import BenchError
+from ...links.errors import BenchError
+from ..device import Device, DeviceEvent, LimitReached, MotionCommanded, StateChanged, motion_owner
+from .parts import Going, sign
+from .rules import Look
 
 if TYPE_CHECKING:
-    from app.devices.limits.limiter import Limiter
+    from .limiter import Limiter
 
 log = logging.getLogger("stepscope.limits")
 

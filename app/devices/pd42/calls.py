@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from app.devices.pd42 import rows
-from app.devices.pd42.frames import reading, spelled, writing
-from app.devices.pd42.refusals import refusal, uncertain
-from app.links.errors import BadReply, LinkError, LinkTimeout, UnknownParameter
-from app.links.queue import Turn
-from app.links.tmcl import Reply, Request, check_reply, is_retriable
-from app.registers.model import Register, Space
-from app.registers.tmcl import Status
+from ...links.errors import BadReply, LinkError, LinkTimeout, UnknownParameter
+from ...links.queue import Turn
+from ...links.tmcl import Reply, Request, check_reply, is_retriable
+from ...registers.model import Register, Space
+from ...registers.tmcl import Status
+from . import rows
+from .frames import reading, spelled, writing
+from .refusals import refusal, uncertain
 
 ASKED_AGAIN = 2
 """How often a read is asked again: the link is in step again before each, and a read moves nothing."""

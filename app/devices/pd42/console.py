@@ -4,15 +4,10 @@ from __future__ import annotations
 
 import time
 
-from app.devices.changes import BY_HAND, register_changed
-from app.devices.pd42 import rows
-from app.devices.pd42.frames import spelled, written_by
-from app.devices.pd42.parameters import Parameters
-from app.devices.results import RawExchange, TmclExchange
-from app.links.errors import BadReply, LinkError, OutOfRange, UnknownThing, WrongState
-from app.links.port import Answer
-from app.links.queue import Priority
-from app.links.tmcl import (
+from ...links.errors import BadReply, LinkError, OutOfRange, UnknownThing, WrongState
+from ...links.port import Answer
+from ...links.queue import Priority
+from ...links.tmcl import (
     FRAME_BYTES,
     Reply,
     Request,
@@ -23,8 +18,13 @@ from app.links.tmcl import (
     sound,
     version_string,
 )
-from app.registers.model import Register, Space, to_raw
-from app.registers.tmcl import BY_MNEMONIC, BY_OPCODE, CONTROL_FIRST, Opcode, Status
+from ...registers.model import Register, Space, to_raw
+from ...registers.tmcl import BY_MNEMONIC, BY_OPCODE, CONTROL_FIRST, Opcode, Status
+from ..changes import BY_HAND, register_changed
+from ..results import RawExchange, TmclExchange
+from . import rows
+from .frames import spelled, written_by
+from .parameters import Parameters
 
 STOPPING = frozenset({Opcode.MST, Opcode.STOP_APPLICATION, Opcode.RESET_APPLICATION, Opcode.FACTORY_DEFAULT})
 """Commands that stop a motor, or the program that may turn it."""

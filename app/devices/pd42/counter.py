@@ -9,16 +9,16 @@ from __future__ import annotations
 import contextlib
 from dataclasses import replace
 
-from app.devices.counter import CounterLook
-from app.devices.pd42 import rows
-from app.devices.pd42.calls import Calls
-from app.devices.pd42.searches import Searches
-from app.devices.results import AxisState
-from app.devices.signs import Signs
-from app.links.errors import UnknownParameter
-from app.links.queue import Priority, SampleDropped
-from app.registers.model import Space
-from app.registers.pd42 import PD42
+from ...links.errors import UnknownParameter
+from ...links.queue import Priority, SampleDropped
+from ...registers.model import Space
+from ...registers.pd42 import PD42
+from ..counter import CounterLook
+from ..results import AxisState
+from ..signs import Signs
+from . import rows
+from .calls import Calls
+from .searches import Searches
 
 _TICKS = PD42.at(132, Space.GLOBAL_0)
 assert _TICKS is not None

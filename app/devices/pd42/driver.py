@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from app.devices.pd42 import rows
-from app.devices.pd42.samples import Samples
-from app.registers.model import Register
+from ...registers.model import Register
+from . import rows
+from .samples import Samples
 
 
 class Pd42(Samples):

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from app.calc.encoder_resolution import measured_encoder
-from app.devices.pd42 import rows
-from app.devices.pd42.module import Module
-from app.devices.results import AxisState
-from app.devices.signs import EncoderSeen, Remedy, write_all
+from ...calc.encoder_resolution import measured_encoder
+from ..results import AxisState
+from ..signs import EncoderSeen, Remedy, write_all
+from . import rows
+from .module import Module
 
 REGISTERS = frozenset(
     row.name

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from app.calc.sixpoint import SixPoint
-from app.devices.pd42 import rows
+from ...calc.sixpoint import SixPoint
+from . import rows
 
 RAMP_WAIT_S = 512 / 16e6
 """Unit of the ramp wait time, AP 21 (5160: TZEROWAIT) [s]."""

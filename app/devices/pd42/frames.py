@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from app.links.tmcl import Request
-from app.registers.model import Register, Space
-from app.registers.tmcl import BY_OPCODE, Opcode
+from ...links.tmcl import Request
+from ...registers.model import Register, Space
+from ...registers.tmcl import BY_OPCODE, Opcode
 
 _READS = {
     Space.AXIS: (Opcode.GAP, 0),

@@ -5,20 +5,20 @@ from __future__ import annotations
 import asyncio
 import contextlib
 
-from app.calc.extended_position import Counter
-from app.devices.motion_watch import POLL_S, Look, UnderWay
-from app.devices.pd42 import encoder, rows
-from app.devices.pd42 import signs as sign
-from app.devices.pd42.calls import Calls
-from app.devices.pd42.motion import STATUS
-from app.devices.pd42.stops import Stops
-from app.devices.results import AxisState, DeviceState, StopReason, Switches
-from app.devices.signs import EncoderSeen, Remedy, Signs
-from app.links.errors import BadReply, BenchError, LinkDown, LinkError, LinkTimeout, UnknownParameter
-from app.links.queue import Priority, SampleDropped
-from app.links.tmcl import Request
-from app.registers.model import Register
-from app.registers.tmcl import DriverErrors, ExtendedErrors, Opcode
+from ...calc.extended_position import Counter
+from ...links.errors import BadReply, BenchError, LinkDown, LinkError, LinkTimeout, UnknownParameter
+from ...links.queue import Priority, SampleDropped
+from ...links.tmcl import Request
+from ...registers.model import Register
+from ...registers.tmcl import DriverErrors, ExtendedErrors, Opcode
+from ..motion_watch import POLL_S, Look, UnderWay
+from ..results import AxisState, DeviceState, StopReason, Switches
+from ..signs import EncoderSeen, Remedy, Signs
+from . import encoder, rows
+from . import signs as sign
+from .calls import Calls
+from .motion import STATUS
+from .stops import Stops
 
 STATE = (
     rows.ACTUAL_POSITION,

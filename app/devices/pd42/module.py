@@ -8,26 +8,26 @@ from contextlib import asynccontextmanager
 from itertools import cycle
 from typing import Any
 
-from app.calc.mechanics import Mechanics
-from app.clock import Clock
-from app.devices.config import DeviceConfig
-from app.devices.device import Device
-from app.devices.limits.parts import COORDINATES
-from app.devices.lookup import Lookup
-from app.devices.own_tasks import OwnTasks
-from app.devices.pd42 import rows, units
-from app.devices.pd42.calls import Calls, Lacking
-from app.devices.signs import Remedy
-from app.links.download import DownloadHold, Downloads
-from app.links.errors import BadReply, DownloadMode, LinkError, OtherModel, WrongState
-from app.links.port import FramePort
-from app.links.queue import FrameHold, Priority
-from app.links.serial_line import LinePort
-from app.links.tmcl import Request, is_retriable, module_version
-from app.links.wire_budget import WireBudget
-from app.registers.model import Register, Space
-from app.registers.pd42 import MODULE
-from app.registers.tmcl import Opcode, Status
+from ...calc.mechanics import Mechanics
+from ...clock import Clock
+from ...links.download import DownloadHold, Downloads
+from ...links.errors import BadReply, DownloadMode, LinkError, OtherModel, WrongState
+from ...links.port import FramePort
+from ...links.queue import FrameHold, Priority
+from ...links.serial_line import LinePort
+from ...links.tmcl import Request, is_retriable, module_version
+from ...links.wire_budget import WireBudget
+from ...registers.model import Register, Space
+from ...registers.pd42 import MODULE
+from ...registers.tmcl import Opcode, Status
+from ..config import DeviceConfig
+from ..device import Device
+from ..limits.parts import COORDINATES
+from ..lookup import Lookup
+from ..own_tasks import OwnTasks
+from ..signs import Remedy
+from . import rows, units
+from .calls import Calls, Lacking
 
 FIRMWARE = "1.44"
 """The version whose manual the table follows."""

@@ -6,29 +6,29 @@ import contextlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from app.calc.extended_position import Counter
-from app.calc.number_text import plain
-from app.calc.sixpoint import MotionPlan
-from app.clock import Clock
-from app.devices.axis_units import CHIP, SPELLINGS, to_position
-from app.devices.config import DeviceConfig
-from app.devices.device import MotionStarted
-from app.devices.motion_watch import Kind, MotionWatch
-from app.devices.pd42 import rows
-from app.devices.pd42.calls import Calls
-from app.devices.pd42.console import Console
-from app.devices.pd42.foresight import RAMP_WAIT_S, sixpoint
-from app.devices.pd42.frames import spelled, writing
-from app.devices.pd42.refusals import limits
-from app.devices.planned_motion import PlannedMotion
-from app.devices.prediction import Prediction, PredictionBook
-from app.devices.results import AxisMove, MotionEnd, MoveStarted, RegisterWritten, Rotating
-from app.devices.sixpoint_plans import move_plan, turn_plan
-from app.links.errors import BenchError, CannotMove, LinkError, OutOfRange, UsageError, WriteRefused, WrongState
-from app.links.port import FramePort
-from app.links.tmcl import VALUE_MAX, VALUE_MIN, Request
-from app.registers.model import Register
-from app.registers.tmcl import Opcode
+from ...calc.extended_position import Counter
+from ...calc.number_text import plain
+from ...calc.sixpoint import MotionPlan
+from ...clock import Clock
+from ...links.errors import BenchError, CannotMove, LinkError, OutOfRange, UsageError, WriteRefused, WrongState
+from ...links.port import FramePort
+from ...links.tmcl import VALUE_MAX, VALUE_MIN, Request
+from ...registers.model import Register
+from ...registers.tmcl import Opcode
+from ..axis_units import CHIP, SPELLINGS, to_position
+from ..config import DeviceConfig
+from ..device import MotionStarted
+from ..motion_watch import Kind, MotionWatch
+from ..planned_motion import PlannedMotion
+from ..prediction import Prediction, PredictionBook
+from ..results import AxisMove, MotionEnd, MoveStarted, RegisterWritten, Rotating
+from ..sixpoint_plans import move_plan, turn_plan
+from . import rows
+from .calls import Calls
+from .console import Console
+from .foresight import RAMP_WAIT_S, sixpoint
+from .frames import spelled, writing
+from .refusals import limits
 
 ABS = 0
 COUNTER = Counter(32)

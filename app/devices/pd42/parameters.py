@@ -4,20 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 
-from app.devices.changes import DONE, outcome_of, outcome_of_failure, register_changed
-from app.devices.lookup import checked_fields
-from app.devices.pd42 import rows, units
-from app.devices.pd42.calls import Calls
-from app.devices.pd42.frames import writing
-from app.devices.pd42.module import Module
-from app.devices.pd42.refusals import limits, unit_of
-from app.devices.results import (
-    BatchResult,
-    RegisterReading,
-    RegisterWritten,
-    WriteItem,
-)
-from app.links.errors import (
+from ...links.errors import (
     BadReply,
     BenchError,
     LinkTimeout,
@@ -27,9 +14,22 @@ from app.links.errors import (
     WriteRefused,
     WrongState,
 )
-from app.links.tmcl import Request
-from app.registers.model import Register, Space, to_raw
-from app.registers.tmcl import COORDINATES_IN_EEPROM, Opcode
+from ...links.tmcl import Request
+from ...registers.model import Register, Space, to_raw
+from ...registers.tmcl import COORDINATES_IN_EEPROM, Opcode
+from ..changes import DONE, outcome_of, outcome_of_failure, register_changed
+from ..lookup import checked_fields
+from ..results import (
+    BatchResult,
+    RegisterReading,
+    RegisterWritten,
+    WriteItem,
+)
+from . import rows, units
+from .calls import Calls
+from .frames import writing
+from .module import Module
+from .refusals import limits, unit_of
 
 CHUNK_S = 0.02
 """How long a reading of many parameters may keep other commands waiting [s]."""

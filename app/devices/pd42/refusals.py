@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from app.devices.pd42.frames import spelled
-from app.links.errors import (
+from ...links.errors import (
     BadReply,
     BenchError,
     DownloadMode,
@@ -13,9 +12,10 @@ from app.links.errors import (
     UnknownParameter,
     WrongState,
 )
-from app.links.tmcl import Reply, Request
-from app.registers.model import Register
-from app.registers.tmcl import Status
+from ...links.tmcl import Reply, Request
+from ...registers.model import Register
+from ...registers.tmcl import Status
+from .frames import spelled
 
 
 def limits(register: Register, unit_mode: int | None) -> tuple[int, int]:

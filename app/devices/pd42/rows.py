@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from app.registers.model import Register, Space
-from app.registers.pd42 import PD42
-from app.registers.tmcl import EXTENDED_ERRORS
+from ...registers.model import Register, Space
+from ...registers.pd42 import PD42
+from ...registers.tmcl import EXTENDED_ERRORS
 
 
 def axis_parameter(number: int) -> Register:

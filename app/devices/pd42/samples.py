@@ -13,19 +13,19 @@ from typing import ClassVar
 
 import numpy as np
 
-from app.devices.motion_watch import Look
-from app.devices.pd42 import rows
-from app.devices.pd42.counter import Counting
-from app.devices.pd42.frames import reading
-from app.devices.planned_motion import POSITION_BITS
-from app.devices.prediction import wrapped
-from app.devices.sample_plan import Channel, FloatArray, SamplePlan, Taken
-from app.links.errors import BadReply, LinkTimeout, UnknownThing, UsageError
-from app.links.port import Batch
-from app.links.queue import Priority
-from app.links.tmcl import FRAME_BYTES
-from app.registers.model import Register
-from app.registers.tmcl import Status
+from ...links.errors import BadReply, LinkTimeout, UnknownThing, UsageError
+from ...links.port import Batch
+from ...links.queue import Priority
+from ...links.tmcl import FRAME_BYTES
+from ...registers.model import Register
+from ...registers.tmcl import Status
+from ..motion_watch import Look
+from ..planned_motion import POSITION_BITS
+from ..prediction import wrapped
+from ..sample_plan import Channel, FloatArray, SamplePlan, Taken
+from . import rows
+from .counter import Counting
+from .frames import reading
 
 ROW_RATE_MAX_HZ = 1000.0
 CALLS_EMULATED_HZ = 10_000.0

@@ -5,14 +5,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.devices.device import MotionStarted
-from app.devices.motion_watch import Look
-from app.devices.pd42 import rows
-from app.devices.pd42.looks import Looks
-from app.devices.pd42.motion import START, STATUS
-from app.links.errors import WrongState
-from app.links.tmcl import Request
-from app.registers.tmcl import Opcode
+from ...links.errors import WrongState
+from ...links.tmcl import Request
+from ...registers.tmcl import Opcode
+from ..device import MotionStarted
+from ..motion_watch import Look
+from . import rows
+from .looks import Looks
+from .motion import START, STATUS
 
 LOOK = (
     rows.ACTUAL_POSITION,

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from app.devices.pd42 import rows
-from app.devices.pd42.module import Module
-from app.devices.results import AxisState
-from app.devices.signs import Evidence, Sign, Signs, start_up, write, zero
+from ..results import AxisState
+from ..signs import Evidence, Sign, Signs, start_up, write, zero
+from . import rows
+from .module import Module
 
 FAULTS = {
     "overtemperature": "the driver is too hot and has switched off",

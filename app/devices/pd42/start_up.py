@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from app.devices.device import Device
-from app.devices.pd42 import rows, units
-from app.devices.results import WriteItem
-from app.devices.starting import StartPlan, Wanted
-from app.links.errors import UsageError
-from app.registers.model import Register
+from ...links.errors import UsageError
+from ...registers.model import Register
+from ..device import Device
+from ..results import WriteItem
+from ..starting import StartPlan, Wanted
+from . import rows, units
 
 MICROSTEPS = (256, 128, 64, 32, 16, 8, 4, 2, 1)
 MOST = 255

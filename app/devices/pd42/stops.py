@@ -13,15 +13,15 @@ import contextlib
 import time
 from collections.abc import Sequence
 
-from app.devices.pd42 import rows
-from app.devices.pd42.calls import Calls
-from app.devices.pd42.motion import STATUS, STOP, Motion
-from app.devices.pd42.refusals import limits
-from app.devices.results import StopMode, StopOutcome
-from app.links.errors import BenchError, DownloadMode, LinkDown, UnknownParameter, WriteRefused, WrongState
-from app.links.queue import Priority
-from app.links.tmcl import Request
-from app.registers.tmcl import Opcode
+from ...links.errors import BenchError, DownloadMode, LinkDown, UnknownParameter, WriteRefused, WrongState
+from ...links.queue import Priority
+from ...links.tmcl import Request
+from ...registers.tmcl import Opcode
+from ..results import StopMode, StopOutcome
+from . import rows
+from .calls import Calls
+from .motion import STATUS, STOP, Motion
+from .refusals import limits
 
 SETTLE_S = 0.02
 """How often the motor is looked at after an immediate stop, until AP 5 goes back [s]."""

@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from app.calc.mechanics import Mechanics
-from app.clock import Clock
-from app.devices.config import DeviceConfig
-from app.devices.keeping_chip import NOTHING, KeepingChip
-from app.devices.planned_motion import PlannedMotion
-from app.devices.prediction import Prediction, PredictionBook
-from app.devices.recognition import models_found
-from app.devices.results import DeviceState
-from app.devices.tmc4361 import rows
-from app.devices.tmc4361.cruise import Cruise
-from app.devices.tmc4361.identity import is_one
-from app.devices.tmc4361.setting import Setting
-from app.links.errors import BenchError, OtherModel, WrongState
-from app.links.port import FramePort
-from app.registers.model import Register
-from app.registers.tmc4361_general import RESET_CODE
+from ...calc.mechanics import Mechanics
+from ...clock import Clock
+from ...links.errors import BenchError, OtherModel, WrongState
+from ...links.port import FramePort
+from ...registers.model import Register
+from ...registers.tmc4361_general import RESET_CODE
+from ..config import DeviceConfig
+from ..keeping_chip import NOTHING, KeepingChip
+from ..planned_motion import PlannedMotion
+from ..prediction import Prediction, PredictionBook
+from ..recognition import models_found
+from ..results import DeviceState
+from . import rows
+from .cruise import Cruise
+from .identity import is_one
+from .setting import Setting
 
 CLOCK_TOLERANCE = 0.005
 """By how much CLK_FREQ may differ from the clock before a move warns of it: a crystal's error and some rounding."""

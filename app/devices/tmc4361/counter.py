@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from app.devices.counter import CounterLook
-from app.devices.tmc4361 import rows
-from app.devices.tmc4361.looks import Looks
+from ..counter import CounterLook
+from . import rows
+from .looks import Looks
 
 LOOK = (rows.XACTUAL, rows.ENC_POS, rows.ENC_CONST, rows.REFERENCE_CONF)
 

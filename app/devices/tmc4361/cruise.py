@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.devices.tmc4361 import rows
+from . import rows
 
 
 @dataclass(slots=True)

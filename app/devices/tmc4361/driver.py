@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from app.devices.tmc4361 import rows
-from app.devices.tmc4361.tables import Tables
-from app.registers.model import Register, to_raw
+from ...registers.model import Register, to_raw
+from . import rows
+from .tables import Tables
 
 
 class Tmc4361(Tables):

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from app.calc.encoder_resolution import constant_of, measured_encoder
-from app.devices.results import AxisState
-from app.devices.signs import EncoderSeen, Remedy, write_all
-from app.devices.tmc4361 import rows
-from app.devices.tmc4361.chip import Chip
+from ...calc.encoder_resolution import constant_of, measured_encoder
+from ..results import AxisState
+from ..signs import EncoderSeen, Remedy, write_all
+from . import rows
+from .chip import Chip
 
 REGISTERS = frozenset({"ENC_IN_RES", "ENC_CONST", "ENC_IN_CONF", "ENC_POS", "XACTUAL", "STEP_CONF", "GENERAL_CONF"})
 """A write to one of them gives the encoder, or the position, other numbers for the same place or way."""

@@ -13,17 +13,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from app.clock import Clock
-from app.devices.config import DeviceConfig
-from app.devices.results import DeviceState, EventPage
-from app.devices.timeline import Timeline
-from app.devices.tmc4361 import rows
-from app.devices.tmc4361.chip import Chip
-from app.devices.words import Held, Words, Write
-from app.links.errors import BenchError
-from app.links.port import FramePort
-from app.registers.model import Register
-from app.registers.tmc4361_bits import EVENT_MASK, event_names, selected_events
+from ...clock import Clock
+from ...links.errors import BenchError
+from ...links.port import FramePort
+from ...registers.model import Register
+from ...registers.tmc4361_bits import EVENT_MASK, event_names, selected_events
+from ..config import DeviceConfig
+from ..results import DeviceState, EventPage
+from ..timeline import Timeline
+from ..words import Held, Words, Write
+from . import rows
+from .chip import Chip
 
 ALL = 0xFFFF_FFFF
 RESET = "RST_EV"

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from app.calc import sramp, sramp_trapezoid
-from app.calc.sramp_plan import SRampPlan
-from app.devices.tmc4361 import rows
-from app.devices.tmc4361.setting import Setting
+from ...calc import sramp, sramp_trapezoid
+from ...calc.sramp_plan import SRampPlan
+from . import rows
+from .setting import Setting
 
 
 def to_position(

@@ -7,23 +7,23 @@ from __future__ import annotations
 
 from typing import TypedDict
 
-from app.calc.tmc4361_encoder import load_angle_deg
-from app.clock import Clock
-from app.devices.config import DeviceConfig
-from app.devices.looking import Looking
-from app.devices.motion_watch import Look, UnderWay
-from app.devices.results import AxisState, DeviceState, StopReason, Switches
-from app.devices.signs import EncoderSeen, Remedy, Signs
-from app.devices.tmc4361 import encoder, rows
-from app.devices.tmc4361 import signs as sign
-from app.devices.tmc4361.moves import COUNTER
-from app.devices.tmc4361.setting import Setting
-from app.devices.tmc4361.switches import home_level, stopped_by
-from app.devices.tmc4361.writes import Writes
-from app.devices.words import Held
-from app.links.errors import BenchError, LinkDown, LinkTimeout
-from app.links.port import FramePort
-from app.links.queue import Priority
+from ...calc.tmc4361_encoder import load_angle_deg
+from ...clock import Clock
+from ...links.errors import BenchError, LinkDown, LinkTimeout
+from ...links.port import FramePort
+from ...links.queue import Priority
+from ..config import DeviceConfig
+from ..looking import Looking
+from ..motion_watch import Look, UnderWay
+from ..results import AxisState, DeviceState, StopReason, Switches
+from ..signs import EncoderSeen, Remedy, Signs
+from ..words import Held
+from . import encoder, rows
+from . import signs as sign
+from .moves import COUNTER
+from .setting import Setting
+from .switches import home_level, stopped_by
+from .writes import Writes
 
 MODE_NAMES = ("velocity", "positioning")
 SHAPE_NAMES = ("hold", "trapezoid", "S-ramp", "S-ramp")

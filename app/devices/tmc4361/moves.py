@@ -10,25 +10,25 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from app.calc.extended_position import Counter
-from app.calc.mechanics import RATE_UNITS
-from app.calc.number_text import plain
-from app.calc.sramp_plan import SRampPlan
-from app.clock import Clock
-from app.devices.axis_units import CHIP, SPELLINGS, to_position
-from app.devices.config import DeviceConfig
-from app.devices.device import MotionStarted
-from app.devices.motion_watch import Kind, MotionWatch
-from app.devices.planned_motion import PlannedMotion
-from app.devices.results import AxisMove, MotionEnd, MoveStarted, Rotating
-from app.devices.tmc4361 import foresight, rows
-from app.devices.tmc4361.events import Events
-from app.devices.tmc4361.setting import Setting
-from app.devices.tmc4361.switches import stopped_by
-from app.devices.words import Held, Words, Write
-from app.links.errors import CannotMove, LinkError, OutOfRange, UsageError, WriteRefused, WrongState
-from app.links.port import FramePort
-from app.registers.model import Register, to_raw
+from ...calc.extended_position import Counter
+from ...calc.mechanics import RATE_UNITS
+from ...calc.number_text import plain
+from ...calc.sramp_plan import SRampPlan
+from ...clock import Clock
+from ...links.errors import CannotMove, LinkError, OutOfRange, UsageError, WriteRefused, WrongState
+from ...links.port import FramePort
+from ...registers.model import Register, to_raw
+from ..axis_units import CHIP, SPELLINGS, to_position
+from ..config import DeviceConfig
+from ..device import MotionStarted
+from ..motion_watch import Kind, MotionWatch
+from ..planned_motion import PlannedMotion
+from ..results import AxisMove, MotionEnd, MoveStarted, Rotating
+from ..words import Held, Words, Write
+from . import foresight, rows
+from .events import Events
+from .setting import Setting
+from .switches import stopped_by
 
 COUNTER = Counter(32)
 LOWEST, HIGHEST = -(1 << 31), (1 << 31) - 1

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from app.devices.raw_frames import RawFrames
-from app.devices.tmc4361 import rows
-from app.devices.tmc4361.samples import Samples
-from app.registers.model import Register
-from app.registers.tmc4361_bits import event_names, selected_events
+from ...registers.model import Register
+from ...registers.tmc4361_bits import event_names, selected_events
+from ..raw_frames import RawFrames
+from . import rows
+from .samples import Samples
 
 
 class Raw(Samples, RawFrames):

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from app.registers.model import Field, Register
-from app.registers.tmc4361 import TMC4361
-from app.registers.tmc4361_bits import EVENT_BITS
+from ...registers.model import Field, Register
+from ...registers.tmc4361 import TMC4361
+from ...registers.tmc4361_bits import EVENT_BITS
 
 AXIS = 0
 

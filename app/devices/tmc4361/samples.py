@@ -10,14 +10,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from app.devices.motion_watch import Look
-from app.devices.planned_motion import POSITION_BITS
-from app.devices.sample_plan import Channel, Decoder, FloatArray, SamplePlan
-from app.devices.tmc4361 import rows
-from app.devices.tmc4361.counter import Counting
-from app.devices.tmc4361.switches import BY_LEVEL, BY_ZONE
-from app.devices.word_samples import Asked, IntArray, WordSamples, channels_of, field, number, residual
-from app.registers.model import Register
+from ...registers.model import Register
+from ..motion_watch import Look
+from ..planned_motion import POSITION_BITS
+from ..sample_plan import Channel, Decoder, FloatArray, SamplePlan
+from ..word_samples import Asked, IntArray, WordSamples, channels_of, field, number, residual
+from . import rows
+from .counter import Counting
+from .switches import BY_LEVEL, BY_ZONE
 
 MICROSTEPS = "microsteps"
 DIRECT: dict[str, tuple[Register, str]] = {

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from app.calc.sramp_parameters import SRamp
-from app.calc.sramp_trapezoid import Trapezoid
-from app.calc.tmc4361_formats import CLOCK_HZ_DEFAULT, CLOCK_HZ_MAX, CLOCK_HZ_MIN, Units
-from app.devices.tmc4361 import rows
-from app.links.errors import CannotMove, WrongState
-from app.registers.model import Register
+from ...calc.sramp_parameters import SRamp
+from ...calc.sramp_trapezoid import Trapezoid
+from ...calc.tmc4361_formats import CLOCK_HZ_DEFAULT, CLOCK_HZ_MAX, CLOCK_HZ_MIN, Units
+from ...links.errors import CannotMove, WrongState
+from ...registers.model import Register
+from . import rows
 
 SHAPES = {rows.HOLD: "hold", rows.TRAPEZOID: "trapezoid", rows.S_SHAPED: "S-ramp"}
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from app.devices.results import AxisState
-from app.devices.signs import Evidence, Sign, Signs, clear_flags, start_up, write, zero
-from app.devices.tmc4361 import rows
-from app.devices.tmc4361.events import Events
-from app.devices.tmc4361.switches import stopped_by
-from app.links.errors import WrongState
+from ...links.errors import WrongState
+from ..results import AxisState
+from ..signs import Evidence, Sign, Signs, clear_flags, start_up, write, zero
+from . import rows
+from .events import Events
+from .switches import stopped_by
 
 VELOCITY_PPS = 51_200
 """What a remedy writes to VMAX: a turn a second at 256 microsteps."""

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from app.calc.sramp_parameters import default_bow
-from app.calc.tmc4361_formats import Units
-from app.devices.device import Device
-from app.devices.results import WriteItem
-from app.devices.starting import StartPlan, Wanted
-from app.links.errors import UsageError
+from ...calc.sramp_parameters import default_bow
+from ...calc.tmc4361_formats import Units
+from ...links.errors import UsageError
+from ..device import Device
+from ..results import WriteItem
+from ..starting import StartPlan, Wanted
 
 S_RAMP_POSITIONING = 6
 MICROSTEPS = (256, 128, 64, 32, 16, 8, 4, 2, 1)

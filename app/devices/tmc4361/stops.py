@@ -15,14 +15,14 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
-from app.devices.results import StopMode, StopOutcome
-from app.devices.tmc4361 import foresight, rows
-from app.devices.tmc4361.moves import Moves
-from app.devices.tmc4361.setting import Setting
-from app.devices.words import Held, Words, Write
-from app.links.errors import BenchError, LinkDown, LinkTimeout, OutOfRange, WriteRefused, WrongState
-from app.links.queue import Priority
-from app.registers.model import to_raw
+from ...links.errors import BenchError, LinkDown, LinkTimeout, OutOfRange, WriteRefused, WrongState
+from ...links.queue import Priority
+from ...registers.model import to_raw
+from ..results import StopMode, StopOutcome
+from ..words import Held, Words, Write
+from . import foresight, rows
+from .moves import Moves
+from .setting import Setting
 
 LOWEST, HIGHEST = -(1 << 31), (1 << 31) - 1
 STATE = (rows.XACTUAL, rows.VACTUAL, rows.AACTUAL)

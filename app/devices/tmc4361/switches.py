@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from app.devices.tmc4361 import rows
+from . import rows
 
 SWITCH_FLAGS = {
     "left switch": ("STOPL_ACTIVE_F", "stop_left_en", -1),

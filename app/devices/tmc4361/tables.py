@@ -5,12 +5,12 @@ What they hold is what was written through this connection since the chip's rese
 
 from __future__ import annotations
 
-from app.calc.mslut import MslutRegisters
-from app.devices.results import HeldMslut
-from app.devices.tmc4361 import rows
-from app.devices.tmc4361.raw import Raw
-from app.links.errors import BadReply
-from app.links.queue import Priority
+from ...calc.mslut import MslutRegisters
+from ...links.errors import BadReply
+from ...links.queue import Priority
+from ..results import HeldMslut
+from . import rows
+from .raw import Raw
 
 TABLE = (*rows.MSLUT, rows.MSLUTSEL, rows.MSLUTSTART)
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from app.devices.device import MotionStarted
-from app.devices.tmc4361 import foresight, rows
-from app.devices.tmc4361.setting import Setting
-from app.devices.tmc4361.stops import Stops
-from app.devices.words import Held, Words
-from app.links.errors import BenchError, LinkError
-from app.links.queue import Priority
-from app.registers.model import Register
+from ...links.errors import BenchError, LinkError
+from ...links.queue import Priority
+from ...registers.model import Register
+from ..device import MotionStarted
+from ..words import Held, Words
+from . import foresight, rows
+from .setting import Setting
+from .stops import Stops
 
 STATE = (rows.XACTUAL, rows.VACTUAL, rows.AACTUAL, rows.XTARGET)
 ELSEWHERE = (rows.XACTUAL, rows.VACTUAL)

@@ -4,21 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from app.calc.mechanics import Mechanics
-from app.clock import Clock
-from app.devices.config import DeviceConfig
-from app.devices.keeping_chip import NOTHING, KeepingChip
-from app.devices.planned_motion import PlannedMotion
-from app.devices.prediction import Prediction, PredictionBook
-from app.devices.recognition import models_found
-from app.devices.results import DeviceState, RegisterWritten
-from app.devices.tmc5xxx.identity import VERSIONS, models_of
-from app.devices.tmc5xxx.ramp import Ramp
-from app.devices.tmc5xxx.rows import RAMP, AxisRows, rows_of
-from app.devices.words import Words
-from app.links.errors import BenchError, OtherModel, WrongState
-from app.links.port import FramePort
-from app.registers.model import Register
+from ...calc.mechanics import Mechanics
+from ...clock import Clock
+from ...links.errors import BenchError, OtherModel, WrongState
+from ...links.port import FramePort
+from ...registers.model import Register
+from ..config import DeviceConfig
+from ..keeping_chip import NOTHING, KeepingChip
+from ..planned_motion import PlannedMotion
+from ..prediction import Prediction, PredictionBook
+from ..recognition import models_found
+from ..results import DeviceState, RegisterWritten
+from ..words import Words
+from .identity import VERSIONS, models_of
+from .ramp import Ramp
+from .rows import RAMP, AxisRows, rows_of
 
 TABLE_MICROSTEPS = 256
 

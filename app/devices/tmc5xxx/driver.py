@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.devices.tmc5xxx.tables import Tables
+from .tables import Tables
 
 
 class Tmc5xxx(Tables):

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from app.calc.encoder_resolution import measured_encoder
-from app.devices.results import AxisState
-from app.devices.signs import EncoderSeen, Remedy, write_all
-from app.devices.tmc5xxx.chip import Chip
-from app.devices.tmc5xxx.start_up import DECIMAL, encoder_constant
+from ...calc.encoder_resolution import measured_encoder
+from ..results import AxisState
+from ..signs import EncoderSeen, Remedy, write_all
+from .chip import Chip
+from .start_up import DECIMAL, encoder_constant
 
 REGISTERS = frozenset({"ENC_CONST", "ENCMODE", "X_ENC", "XACTUAL", "CHOPCONF", "GCONF"})
 """A write to one of them gives the encoder, or the position, other numbers for the same place or way."""

@@ -12,17 +12,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from app.clock import Clock
-from app.devices.config import DeviceConfig
-from app.devices.results import DeviceState, EventPage
-from app.devices.timeline import Timeline
-from app.devices.tmc5xxx import rows as r
-from app.devices.tmc5xxx.chip import Chip
-from app.devices.tmc5xxx.flags import GSTAT_LSB, AxisFlags
-from app.devices.words import Held, Words
-from app.links.errors import BenchError
-from app.links.port import FramePort
-from app.registers.model import Register
+from ...clock import Clock
+from ...links.errors import BenchError
+from ...links.port import FramePort
+from ...registers.model import Register
+from ..config import DeviceConfig
+from ..results import DeviceState, EventPage
+from ..timeline import Timeline
+from ..words import Held, Words
+from . import rows as r
+from .chip import Chip
+from .flags import GSTAT_LSB, AxisFlags
 
 STATUS_RESET = 1
 """reset_flag in the SPI status byte."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.devices.tmc5xxx.rows import AxisRows, ChipRows, part
+from .rows import AxisRows, ChipRows, part
 
 GSTAT_LSB = 16
 LATCHING = ("status_latch_l", "status_latch_r", "event_stop_sg", "event_pos_reached", "second_move")

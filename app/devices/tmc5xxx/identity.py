@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from app.devices.words import read_once_more
-from app.links.queue import LinkQueue
-from app.links.register_access import RegisterAccess
+from ...links.queue import LinkQueue
+from ...links.register_access import RegisterAccess
+from ..words import read_once_more
 
 VERSIONS = {"tmc5031": 0x01, "tmc5062": 0x01, "tmc5072": 0x10, "tmc5130": 0x11, "tmc5160": 0x30}
 """VERSION of the first silicon of each, by their data sheets. A later one may have another, but not that of another

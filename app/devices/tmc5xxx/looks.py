@@ -8,22 +8,22 @@ from __future__ import annotations
 
 from typing import TypedDict
 
-from app.clock import Clock
-from app.devices.config import DeviceConfig
-from app.devices.counter import CounterLook
-from app.devices.looking import Looking
-from app.devices.motion_watch import Look, UnderWay
-from app.devices.results import AxisState, DeviceState, MotionEnd, StopReason, Switches
-from app.devices.signs import EncoderSeen, Remedy, Signs
-from app.devices.tmc5xxx import encoder
-from app.devices.tmc5xxx import rows as r
-from app.devices.tmc5xxx import signs as sign
-from app.devices.tmc5xxx.writes import Writes
-from app.devices.words import Held
-from app.links.errors import BenchError, LinkDown, LinkTimeout
-from app.links.port import FramePort
-from app.links.queue import Priority
-from app.registers.model import Register
+from ...clock import Clock
+from ...links.errors import BenchError, LinkDown, LinkTimeout
+from ...links.port import FramePort
+from ...links.queue import Priority
+from ...registers.model import Register
+from ..config import DeviceConfig
+from ..counter import CounterLook
+from ..looking import Looking
+from ..motion_watch import Look, UnderWay
+from ..results import AxisState, DeviceState, MotionEnd, StopReason, Switches
+from ..signs import EncoderSeen, Remedy, Signs
+from ..words import Held
+from . import encoder
+from . import rows as r
+from . import signs as sign
+from .writes import Writes
 
 NOT_TOLD = frozenset({"SG_RESULT", "CS_ACTUAL"})
 """Numbers in DRV_STATUS, among its flags."""

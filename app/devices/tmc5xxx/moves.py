@@ -12,25 +12,25 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from app.calc.mechanics import RATE_UNITS
-from app.calc.number_text import plain
-from app.calc.sixpoint import MotionPlan
-from app.calc.tmc5xxx_units import VELOCITY_MAX, velocity_unit_pps
-from app.clock import Clock
-from app.devices.axis_units import CHIP, SPELLINGS, to_position
-from app.devices.config import DeviceConfig
-from app.devices.device import MotionStarted
-from app.devices.motion_watch import Kind, MotionWatch
-from app.devices.planned_motion import PlannedMotion
-from app.devices.results import AxisMove, MotionEnd, MoveStarted, Rotating
-from app.devices.sixpoint_plans import move_plan, turn_plan
-from app.devices.tmc5xxx import rows as r
-from app.devices.tmc5xxx.events import Events
-from app.devices.tmc5xxx.ramp import Ramp
-from app.devices.words import Held, Words, Write
-from app.links.errors import BadReply, CannotMove, LinkError, OutOfRange, UsageError, WriteRefused
-from app.links.port import FramePort
-from app.registers.model import Register, to_raw
+from ...calc.mechanics import RATE_UNITS
+from ...calc.number_text import plain
+from ...calc.sixpoint import MotionPlan
+from ...calc.tmc5xxx_units import VELOCITY_MAX, velocity_unit_pps
+from ...clock import Clock
+from ...links.errors import BadReply, CannotMove, LinkError, OutOfRange, UsageError, WriteRefused
+from ...links.port import FramePort
+from ...registers.model import Register, to_raw
+from ..axis_units import CHIP, SPELLINGS, to_position
+from ..config import DeviceConfig
+from ..device import MotionStarted
+from ..motion_watch import Kind, MotionWatch
+from ..planned_motion import PlannedMotion
+from ..results import AxisMove, MotionEnd, MoveStarted, Rotating
+from ..sixpoint_plans import move_plan, turn_plan
+from ..words import Held, Words, Write
+from . import rows as r
+from .events import Events
+from .ramp import Ramp
 
 LOWEST, HIGHEST = -(1 << 31), (1 << 31) - 1
 ARRIVAL_DOUBTED = "the axis may be under way: stop it"

@@ -9,12 +9,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from app.calc.sixpoint import SixPoint
-from app.calc.sixpoint_registers import findings, ramp_of
-from app.calc.tmc5xxx_times import zero_wait_s
-from app.calc.tmc5xxx_units import VELOCITY_MAX, velocity_unit_pps
-from app.devices.tmc5xxx.rows import RAMP
-from app.links.errors import CannotMove
+from ...calc.sixpoint import SixPoint
+from ...calc.sixpoint_registers import findings, ramp_of
+from ...calc.tmc5xxx_times import zero_wait_s
+from ...calc.tmc5xxx_units import VELOCITY_MAX, velocity_unit_pps
+from ...links.errors import CannotMove
+from .rows import RAMP
 
 LONG_WAIT_S = 0.5
 """From this TZEROWAIT on a move tells of it [s]."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from app.devices.raw_frames import RawFrames
-from app.devices.tmc5xxx.samples import Samples
-from app.links import datagram40
-from app.registers.model import Register
+from ...links import datagram40
+from ...registers.model import Register
+from ..raw_frames import RawFrames
+from .samples import Samples
 
 SINGLE = (
     "reset_flag",

@@ -8,8 +8,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cache, cached_property
 
-from app.registers.model import Field, Register, RegisterTable
-from app.registers.tmc5xxx import AXES, TABLES
+from ...registers.model import Field, Register, RegisterTable
+from ...registers.tmc5xxx import AXES, TABLES
 
 POSITION, FORWARD, BACKWARD, HOLD = range(4)
 """RAMPMODE."""

@@ -11,14 +11,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from app.devices.motion_watch import Look
-from app.devices.planned_motion import POSITION_BITS
-from app.devices.sample_plan import Channel, Decoder, FloatArray, SamplePlan
-from app.devices.tmc5xxx import rows as r
-from app.devices.tmc5xxx.looks import Looks
-from app.devices.tmc5xxx.rows import AxisRows
-from app.devices.word_samples import Asked, IntArray, WordSamples, channels_of, field, number, residual
-from app.registers.model import Register
+from ...registers.model import Register
+from ..motion_watch import Look
+from ..planned_motion import POSITION_BITS
+from ..sample_plan import Channel, Decoder, FloatArray, SamplePlan
+from ..word_samples import Asked, IntArray, WordSamples, channels_of, field, number, residual
+from . import rows as r
+from .looks import Looks
+from .rows import AxisRows
 
 MICROSTEPS = "microsteps"
 QUANTITIES = {

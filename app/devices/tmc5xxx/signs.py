@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from app.calc.tmc5xxx_units import acceleration_units, velocity_units
-from app.devices.results import AxisState
-from app.devices.signs import Evidence, Sign, Signs, clear_flags, start_up, write, zero
-from app.devices.tmc5xxx import rows as r
-from app.devices.tmc5xxx.events import Events
-from app.devices.tmc5xxx.start_up import CHOPCONF
+from ...calc.tmc5xxx_units import acceleration_units, velocity_units
+from ..results import AxisState
+from ..signs import Evidence, Sign, Signs, clear_flags, start_up, write, zero
+from . import rows as r
+from .events import Events
+from .start_up import CHOPCONF
 
 VELOCITY_PPS, ACCELERATION_PPS2 = 51_200.0, 204_800.0
 """What a remedy writes where the ramp is not set: a turn a second, in 0.25 s, at 256 microsteps."""

@@ -11,13 +11,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from app.calc.coil_current import CHIPS, SCALER_FULL, CurrentStage, nearest_hold
-from app.calc.tmc5xxx_units import acceleration_units, velocity_units
-from app.devices.config import AxisSettings
-from app.devices.device import Device
-from app.devices.results import WriteItem
-from app.devices.starting import HOLD_SHARE, StartPlan, Wanted, scale_of
-from app.links.errors import OutOfRange, UsageError
+from ...calc.coil_current import CHIPS, SCALER_FULL, CurrentStage, nearest_hold
+from ...calc.tmc5xxx_units import acceleration_units, velocity_units
+from ...links.errors import OutOfRange, UsageError
+from ..config import AxisSettings
+from ..device import Device
+from ..results import WriteItem
+from ..starting import HOLD_SHARE, StartPlan, Wanted, scale_of
 
 CHOPCONF: dict[str, int | str] = {"toff": 5, "hstrt": 5, "hend": 3, "tbl": 2, "chm": 0}
 CHOPCONF_5160: dict[str, int | str] = {"toff": 3, "hstrt": 5, "hend": 2, "tbl": 2, "chm": 0}

@@ -14,14 +14,14 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
-from app.devices.results import StopMode, StopOutcome
-from app.devices.sixpoint_plans import turn_plan
-from app.devices.tmc5xxx import rows as r
-from app.devices.tmc5xxx.moves import HIGHEST, LOWEST, Moves
-from app.devices.words import Held, Words, Write
-from app.links.errors import BadReply, BenchError, LinkDown, OutOfRange, WriteRefused, WrongState
-from app.links.queue import Priority
-from app.registers.model import Register, to_raw
+from ...links.errors import BadReply, BenchError, LinkDown, OutOfRange, WriteRefused, WrongState
+from ...links.queue import Priority
+from ...registers.model import Register, to_raw
+from ..results import StopMode, StopOutcome
+from ..sixpoint_plans import turn_plan
+from ..words import Held, Words, Write
+from . import rows as r
+from .moves import HIGHEST, LOWEST, Moves
 
 HARDEST = 0xFFFF
 """The greatest AMAX."""

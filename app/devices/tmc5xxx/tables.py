@@ -7,11 +7,11 @@ a TMC5072 share one.
 
 from __future__ import annotations
 
-from app.calc.mslut import MslutRegisters
-from app.devices.results import HeldMslut
-from app.devices.tmc5xxx.raw import Raw
-from app.links.errors import BadReply
-from app.links.queue import Priority
+from ...calc.mslut import MslutRegisters
+from ...links.errors import BadReply
+from ...links.queue import Priority
+from ..results import HeldMslut
+from .raw import Raw
 
 
 class Tables(Raw):

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from app.devices.device import MotionStarted
-from app.devices.sixpoint_plans import move_plan, turn_plan
-from app.devices.tmc5xxx import rows as r
-from app.devices.tmc5xxx.moves import _signed
-from app.devices.tmc5xxx.rows import AxisRows
-from app.devices.tmc5xxx.stops import Stops
-from app.devices.words import Held, Words
-from app.links.errors import BenchError, LinkError
-from app.links.queue import Priority
-from app.registers.model import Register
+from ...links.errors import BenchError, LinkError
+from ...links.queue import Priority
+from ...registers.model import Register
+from ..device import MotionStarted
+from ..sixpoint_plans import move_plan, turn_plan
+from ..words import Held, Words
+from . import rows as r
+from .moves import _signed
+from .rows import AxisRows
+from .stops import Stops
 
 
 class Writes(Stops):

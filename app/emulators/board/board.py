@@ -6,17 +6,17 @@ import threading
 
 from pydantic import ValidationError
 
-from app.emulators.board.firmware import VERSION_STRING, Firmware
-from app.emulators.board.functions import BoardFunctions
-from app.emulators.board.options import BoardFaults, BoardPatch, BoardState
-from app.emulators.board.registers import ChipRegisters
-from app.emulators.board.sixpoint import SixPointBoard
-from app.emulators.board.tmc4361 import Tmc4361Board
-from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxPatch
-from app.emulators.tmc4361 import EmulatedTmc4361, Tmc4361Patch
-from app.links.errors import UsageError
-from app.links.tmcl import FRAME_BYTES
-from app.registers.catalog import MODELS
+from ...links.errors import UsageError
+from ...links.tmcl import FRAME_BYTES
+from ...registers.catalog import MODELS
+from ..tmc5xxx import EmulatedTmc5xxx, Tmc5xxxPatch
+from ..tmc4361 import EmulatedTmc4361, Tmc4361Patch
+from .firmware import VERSION_STRING, Firmware
+from .functions import BoardFunctions
+from .options import BoardFaults, BoardPatch, BoardState
+from .registers import ChipRegisters
+from .sixpoint import SixPointBoard
+from .tmc4361 import Tmc4361Board
 
 MODEL = "landungsbruecke"
 BoardChip = EmulatedTmc4361 | EmulatedTmc5xxx

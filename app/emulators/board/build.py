@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from app.clock import Clock
-from app.emulators.board.board import EmulatedBoard
-from app.emulators.tmc5xxx import MODELS, EmulatedTmc5xxx, Tmc5xxxOptions
-from app.emulators.tmc4361 import EmulatedTmc4361, Tmc4361Options
-from app.links.errors import UnknownThing
+from ...clock import Clock
+from ...links.errors import UnknownThing
+from ..tmc5xxx import MODELS, EmulatedTmc5xxx, Tmc5xxxOptions
+from ..tmc4361 import EmulatedTmc4361, Tmc4361Options
+from .board import EmulatedBoard
 
 CHIPS = ("tmc4361", *MODELS)
 """Chips that an emulated board may have in its slot."""

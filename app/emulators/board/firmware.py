@@ -13,11 +13,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable
 
-from app.emulators.board.functions import AxisFunctions, BoardFunctions, DriverFunctions
-from app.emulators.board.identity import ABSENT, HARDWARE_VERSION, IdentityEeprom
-from app.emulators.board.refusal import Refusal, invalid_command, invalid_value, wrong_type
-from app.emulators.board.registers import ChipRegisters
-from app.registers.landungsbruecke import (
+from ...registers.landungsbruecke import (
     ADDRESS,
     CHANNEL_1_BOARDS,
     CHANNEL_2_BOARDS,
@@ -25,7 +21,11 @@ from app.registers.landungsbruecke import (
     BoardOpcode,
     SlotState,
 )
-from app.registers.tmcl import MAGIC, Opcode, Status
+from ...registers.tmcl import MAGIC, Opcode, Status
+from .functions import AxisFunctions, BoardFunctions, DriverFunctions
+from .identity import ABSENT, HARDWARE_VERSION, IdentityEeprom
+from .refusal import Refusal, invalid_command, invalid_value, wrong_type
+from .registers import ChipRegisters
 
 HOST = 2
 MODULE = 12

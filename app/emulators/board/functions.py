@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
-from app.emulators.board.refusal import wrong_type
+from .refusal import wrong_type
 
 
 class AxisFunctions(Protocol):

@@ -6,11 +6,11 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from app.emulators.line.faults import Late, Rate, Switch
-from app.emulators.tmc5xxx.options import Tmc5xxxPatch
-from app.emulators.tmc5xxx.state import Tmc5xxxState
-from app.emulators.tmc4361.options import Tmc4361Patch
-from app.emulators.tmc4361.state import Tmc4361State
+from ..line.faults import Late, Rate, Switch
+from ..tmc5xxx.options import Tmc5xxxPatch
+from ..tmc5xxx.state import Tmc5xxxState
+from ..tmc4361.options import Tmc4361Patch
+from ..tmc4361.state import Tmc4361State
 
 Flag = Annotated[bool, Field(strict=True)]
 

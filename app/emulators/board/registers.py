@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from app.links import datagram40
-from app.links.port import Wire
-from app.registers.model import RegisterTable
+from ...links import datagram40
+from ...links.port import Wire
+from ...registers.model import RegisterTable
 
 NOTHING = 0
 """What an SPI input reads while no chip drives it. Nobody says; decided here."""

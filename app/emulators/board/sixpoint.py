@@ -13,11 +13,11 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from types import MappingProxyType
 
-from app.emulators.board import chopper
-from app.emulators.board.functions import Parameters, Read, Write
-from app.emulators.board.refusal import invalid_value, wrong_type
-from app.emulators.board.registers import ChipRegisters
-from app.registers.model import Field, Register, RegisterTable, to_signed
+from ...registers.model import Field, Register, RegisterTable, to_signed
+from . import chopper
+from .functions import Parameters, Read, Write
+from .refusal import invalid_value, wrong_type
+from .registers import ChipRegisters
 
 POSITION, RIGHT, LEFT = 0, 1, 2
 """RAMPMODE."""

@@ -12,10 +12,10 @@ from collections.abc import Mapping
 from functools import partial
 from types import MappingProxyType
 
-from app.emulators.board.functions import Parameters, Read, Write
-from app.emulators.board.refusal import invalid_value, wrong_type
-from app.emulators.board.registers import ChipRegisters
-from app.registers.model import to_signed
+from ...registers.model import to_signed
+from .functions import Parameters, Read, Write
+from .refusal import invalid_value, wrong_type
+from .registers import ChipRegisters
 
 COVER_LOW, COVER_DRV_LOW = 0x6C, 0x6E
 """Of the TMC4361."""

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from app.emulators.board.functions import Parameters, Read, Write
-from app.emulators.board.refusal import Refusal, invalid_value, wrong_type
-from app.emulators.board.registers import ChipRegisters
-from app.emulators.board.tmc2660 import Tmc2660Board
-from app.registers.landungsbruecke import BoardStatus
+from ...registers.landungsbruecke import BoardStatus
+from .functions import Parameters, Read, Write
+from .refusal import Refusal, invalid_value, wrong_type
+from .registers import ChipRegisters
+from .tmc2660 import Tmc2660Board
 
 GENERAL_CONF, SPI_OUT_CONF, CURRENT_CONF, SCALE_VALUES, STATUS = 0x00, 0x04, 0x05, 0x06, 0x0F
 RAMPMODE, XACTUAL, VACTUAL, VMAX, XTARGET = 0x20, 0x21, 0x22, 0x24, 0x37

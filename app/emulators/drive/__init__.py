@@ -6,18 +6,18 @@ sits on it, and so may emulated TMC5xxx chips. `Drive` is the front door; nothin
 
 from __future__ import annotations
 
-from app.emulators.drive.drive import Drive, warm_up
-from app.emulators.drive.encoder import EncoderChannel
-from app.emulators.drive.events import Event, EventKind
-from app.emulators.drive.kernel import TICK_CLOCKS
-from app.emulators.drive.options import (
+from .drive import Drive, warm_up
+from .encoder import EncoderChannel
+from .events import Event, EventKind
+from .kernel import TICK_CLOCKS
+from .options import (
     DriveOptions,
     EncoderOptions,
     LoadOptions,
     MotorOptions,
     StageSwitches,
 )
-from app.emulators.drive.world import Switches, Truth, World
+from .world import Switches, Truth, World
 
 __all__ = [
     "TICK_CLOCKS",

@@ -7,10 +7,10 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from app.emulators.drive.options import FullSteps, MotorOptions
-from app.emulators.drive.world import Short, Truth, World
-from app.emulators.truth import GroundTruth
-from app.links.errors import OutOfRange
+from ...links.errors import OutOfRange
+from ..truth import GroundTruth
+from .options import FullSteps, MotorOptions
+from .world import Short, Truth, World
 
 Flag = Annotated[bool, Field(strict=True)]
 Forced = Flag | Literal["auto"]

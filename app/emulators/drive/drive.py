@@ -6,15 +6,15 @@ import math
 
 import numpy as np
 
-from app.emulators.drive import kernel as k
-from app.emulators.drive.encoder import EncoderChannel
-from app.emulators.drive.events import Event, EventKind
-from app.emulators.drive.options import DriveOptions
-from app.emulators.drive.physics import set_physics, truth_of
-from app.emulators.drive.registers import ALIASES, CLEARED_BY_ONES, MAX_VMAX, READ_ONLY, WRITABLE
-from app.emulators.drive.table import wave_of
-from app.emulators.drive.units import bits, signed, wrap32
-from app.emulators.drive.world import OT_C, OTPW_C, UNDERVOLTAGE_V, Switches, Truth, World
+from . import kernel as k
+from .encoder import EncoderChannel
+from .events import Event, EventKind
+from .options import DriveOptions
+from .physics import set_physics, truth_of
+from .registers import ALIASES, CLEARED_BY_ONES, MAX_VMAX, READ_ONLY, WRITABLE
+from .table import wave_of
+from .units import bits, signed, wrap32
+from .world import OT_C, OTPW_C, UNDERVOLTAGE_V, Switches, Truth, World
 
 _VELOCITIES = {"VSTART": k.VSTART, "V1": k.V1, "VMAX": k.VMAX, "VSTOP": k.VSTOP}
 # a deceleration of 0 would never end: it is taken for the least there is

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 
-from app.emulators.drive import kernel as k
-from app.emulators.drive.units import wrap32
+from . import kernel as k
+from .units import wrap32
 
 
 class EncoderChannel:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from app.emulators.drive.kernel import TICK_CLOCKS
+from .kernel import TICK_CLOCKS
 
 MOST_STEPS_A_TICK = 16
 

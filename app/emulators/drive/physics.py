@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from app.emulators.drive import kernel as k
-from app.emulators.drive.options import DriveOptions, MotorOptions
-from app.emulators.drive.world import Truth
+from . import kernel as k
+from .options import DriveOptions, MotorOptions
+from .world import Truth
 
 _BRIDGES = {k.REGULATED: "regulated", k.OPEN: "open", k.SHORTED: "shorted", k.VOLTAGE: "voltage"}
 

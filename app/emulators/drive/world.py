@@ -7,9 +7,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, Self, overload
 
-from app.calc.number_text import plain
-from app.emulators.drive import kernel as k
-from app.emulators.drive.options import DriveOptions
+from ...calc.number_text import plain
+from . import kernel as k
+from .options import DriveOptions
 
 UNDERVOLTAGE_V = 8.0
 """Below this supply the chip cannot drive its bridges [V]."""

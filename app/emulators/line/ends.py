@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Protocol
 
-from app.emulators.line.line import Line
+from .line import Line
 
 Watch = Callable[[int, Callable[[float], None] | None], None]
 """(descriptor, what to call with the time [s] when it can be read; None: no longer)."""

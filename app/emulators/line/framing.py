@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol
 
-from app.links.datagram_uart import SYNC, WRITE_BIT, UartForm, is_sound
-from app.links.tmcl import FRAME_BYTES
+from ...links.datagram_uart import SYNC, WRITE_BIT, UartForm, is_sound
+from ...links.tmcl import FRAME_BYTES
 
 GAP_S = 0.010
 """A pause inside a frame after which the module forgets what it has of it [s].

@@ -11,12 +11,12 @@ import random
 from collections.abc import Hashable, Sequence
 from typing import NamedTuple
 
-from app.clock import Clock
-from app.emulators.line.faults import LineFaults, LinePatch, LineState
-from app.emulators.line.framing import TMCL, Framing
-from app.emulators.line.module import LineModule
-from app.emulators.noise import cut, flip
-from app.registers.tmcl import Opcode, Status
+from ...clock import Clock
+from ...registers.tmcl import Opcode, Status
+from ..noise import cut, flip
+from .faults import LineFaults, LinePatch, LineState
+from .framing import TMCL, Framing
+from .module import LineModule
 
 BITS_A_BYTE = 10
 """8N1: start bit, eight data bits, stop bit."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from app.clock import ScaledClock
+from ...clock import ScaledClock
 
 
 class ModuleFaults(Protocol):

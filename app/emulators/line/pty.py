@@ -9,8 +9,8 @@ import termios
 import tty
 from pathlib import Path
 
-from app.emulators.line.ends import READ_BYTES, Watch
-from app.emulators.line.line import Line
+from .ends import READ_BYTES, Watch
+from .line import Line
 
 BAUD_OF = {
     getattr(termios, name): int(name[1:]) for name in dir(termios) if name.startswith("B") and name[1:].isdecimal()

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from app.emulators.line.faults import LineFaults
-from app.emulators.server import Served
+from ..server import Served
+from .faults import LineFaults
 
 
 class RawChip:

@@ -18,9 +18,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self, TypeVar, cast
 
-from app.emulators.line.ends import Client, End
-from app.emulators.line.line import Line
-from app.emulators.line.pty import PtyEnd
+from .ends import Client, End
+from .line import Line
+from .pty import PtyEnd
 
 Result = TypeVar("Result")
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import contextlib
 import socket
 
-from app.emulators.line.ends import READ_BYTES, Watch
-from app.emulators.line.line import Line
+from .ends import READ_BYTES, Watch
+from .line import Line
 
 MOST_CLIENTS = 64
 """More connections than this are turned away: `select` cannot watch any number."""

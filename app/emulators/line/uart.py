@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Protocol
 
-from app.clock import Clock, ScaledClock
-from app.emulators.line.faults import LineFaults
-from app.emulators.line.framing import UartDatagrams
-from app.emulators.line.line import Line
-from app.links.datagram_uart import form_of
+from ...clock import Clock, ScaledClock
+from ...links.datagram_uart import form_of
+from .faults import LineFaults
+from .framing import UartDatagrams
+from .line import Line
 
 
 class UartSpeaker(Protocol):

@@ -8,9 +8,9 @@ decided here: where memory ends a download is answered with status 4, a protecte
 
 from __future__ import annotations
 
-from app.emulators.pd42.eeprom import COMMAND_BYTES, PROGRAM_COMMANDS, Eeprom
-from app.emulators.pd42.refused import Refused, invalid_value, wrong_type
-from app.registers.tmcl import BY_MNEMONIC, Status
+from ...registers.tmcl import BY_MNEMONIC, Status
+from .eeprom import COMMAND_BYTES, PROGRAM_COMMANDS, Eeprom
+from .refused import Refused, invalid_value, wrong_type
 
 STOPPED, RUNS, STEPS = 0, 1, 2
 INTERRUPTS = frozenset({0, 1, 2, 3, 15, 21, 27, 28, 39, 40, 41, 42})

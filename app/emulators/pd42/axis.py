@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Collection
 from functools import partial
 
-from app.emulators.drive import Drive, Event, EventKind
-from app.emulators.drive.world import UNDERVOLTAGE_V
-from app.emulators.pd42 import units
-from app.emulators.pd42.application import wrapped
-from app.emulators.pd42.parameters import (
+from ...registers.model import Access
+from ...registers.tmcl import DriverErrors, ExtendedErrors
+from ..drive import Drive, Event, EventKind
+from ..drive.world import UNDERVOLTAGE_V
+from . import units
+from .application import wrapped
+from .parameters import (
     ROWS,
     SEARCH_MODE,
     SEARCH_SPEED,
@@ -19,10 +21,8 @@ from app.emulators.pd42.parameters import (
     TARGET_SPEED,
     Parameters,
 )
-from app.emulators.pd42.refused import invalid_value, wrong_type
-from app.emulators.pd42.search import PHASE_TEXTS, RIGHT, WATCHED, Phase, Search
-from app.registers.model import Access
-from app.registers.tmcl import DriverErrors, ExtendedErrors
+from .refused import invalid_value, wrong_type
+from .search import PHASE_TEXTS, RIGHT, WATCHED, Phase, Search
 
 Reader = Callable[[], int]
 

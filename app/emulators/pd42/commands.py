@@ -14,14 +14,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from app.emulators.pd42.application import Application
-from app.emulators.pd42.axis import Axis
-from app.emulators.pd42.coordinates import Coordinates
-from app.emulators.pd42.global_parameters import PROTECTION, GlobalParameters
-from app.emulators.pd42.ports import Ports
-from app.emulators.pd42.refused import Refused, invalid_value, wrong_type
-from app.registers.pd42 import MODULE
-from app.registers.tmcl import COMMANDS, COORDINATES_IN_EEPROM, MAGIC, Opcode, Status
+from ...registers.pd42 import MODULE
+from ...registers.tmcl import COMMANDS, COORDINATES_IN_EEPROM, MAGIC, Opcode, Status
+from .application import Application
+from .axis import Axis
+from .coordinates import Coordinates
+from .global_parameters import PROTECTION, GlobalParameters
+from .ports import Ports
+from .refused import Refused, invalid_value, wrong_type
 
 VERSION_MAJOR, VERSION_MINOR = 1, 44
 VERSION_STRING = b"%04dV%d%02d" % (MODULE, VERSION_MAJOR, VERSION_MINOR)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from app.emulators.pd42.eeprom import Eeprom
-from app.emulators.pd42.global_parameters import KEEP_COORDINATES, GlobalParameters
-from app.emulators.pd42.refused import invalid_value, wrong_type
-from app.registers.pd42_globals import COORDINATES
+from ...registers.pd42_globals import COORDINATES
+from .eeprom import Eeprom
+from .global_parameters import KEEP_COORDINATES, GlobalParameters
+from .refused import invalid_value, wrong_type
 
 
 class Coordinates:

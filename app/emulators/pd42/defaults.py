@@ -6,8 +6,8 @@ second at its rated current, with everything optional switched off.
 
 from __future__ import annotations
 
-from app.registers.model import Space, to_signed
-from app.registers.pd42 import PD42
+from ...registers.model import Space, to_signed
+from ...registers.pd42 import PD42
 
 _OURS = {
     4: 51_200,

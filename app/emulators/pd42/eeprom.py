@@ -13,8 +13,8 @@ import os
 import shutil
 from pathlib import Path
 
-from app.emulators.pd42.refused import Refused
-from app.registers.tmcl import Status
+from ...registers.tmcl import Status
+from .refused import Refused
 
 log = logging.getLogger("stepscope.emulators")
 

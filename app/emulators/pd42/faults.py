@@ -5,9 +5,9 @@ from __future__ import annotations
 import random
 from dataclasses import asdict, dataclass
 
-from app.emulators.far_end import ChipFaults
-from app.emulators.noise import cut, flip
-from app.emulators.pd42.state import FaultsState
+from ..far_end import ChipFaults
+from ..noise import cut, flip
+from .state import FaultsState
 
 UNDERVOLTAGE_V = 6.0
 """Motor supply while the fault is on [V]: below the 8 V that the driver chip needs."""

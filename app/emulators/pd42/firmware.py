@@ -11,13 +11,14 @@ from __future__ import annotations
 import struct
 from collections.abc import Collection
 
-from app.emulators.drive import Drive
-from app.emulators.pd42.application import Application, wrapped
-from app.emulators.pd42.axis import Axis
-from app.emulators.pd42.commands import MOTOR_BITS, Commands, NoAnswer, Special
-from app.emulators.pd42.coordinates import Coordinates
-from app.emulators.pd42.eeprom import Eeprom
-from app.emulators.pd42.global_parameters import (
+from ...registers.tmcl import CONTROL_FIRST, Opcode, Status
+from ..drive import Drive
+from .application import Application, wrapped
+from .axis import Axis
+from .commands import MOTOR_BITS, Commands, NoAnswer, Special
+from .coordinates import Coordinates
+from .eeprom import Eeprom
+from .global_parameters import (
     ADDRESS,
     AUTOSTART,
     HEARTBEAT,
@@ -26,9 +27,8 @@ from app.emulators.pd42.global_parameters import (
     SECONDARY,
     GlobalParameters,
 )
-from app.emulators.pd42.ports import Ports
-from app.emulators.pd42.refused import Refused
-from app.registers.tmcl import CONTROL_FIRST, Opcode, Status
+from .ports import Ports
+from .refused import Refused
 
 _BODY = struct.Struct(">BBBBi")
 ALWAYS_ANSWERED = frozenset({Opcode.GAP, Opcode.GGP, Opcode.GIO})

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from app.emulators.pd42.application import PROTECT_READ, Application
-from app.emulators.pd42.eeprom import Eeprom
-from app.emulators.pd42.refused import invalid_value, wrong_type
-from app.registers.model import Register, Space, to_signed
-from app.registers.pd42 import PD42
-from app.registers.pd42_globals import VARIABLES, VARIABLES_STORED
-from app.registers.tmcl import BAUD_RATES
+from ...registers.model import Register, Space, to_signed
+from ...registers.pd42 import PD42
+from ...registers.pd42_globals import VARIABLES, VARIABLES_STORED
+from ...registers.tmcl import BAUD_RATES
+from .application import PROTECT_READ, Application
+from .eeprom import Eeprom
+from .refused import invalid_value, wrong_type
 
 CONFIGURATION, USER_VARIABLES, INTERRUPT_SETUP = 0, 2, 3
 """Banks."""

@@ -5,21 +5,21 @@ from __future__ import annotations
 import random
 from pathlib import Path
 
-from app.clock import Clock
-from app.emulators.drive import Drive
-from app.emulators.drive.bench import ground_truth
-from app.emulators.far_end import FarEnd
-from app.emulators.pd42 import world
-from app.emulators.pd42.eeprom import Eeprom
-from app.emulators.pd42.faults import UNDERVOLTAGE_V, Faults
-from app.emulators.pd42.firmware import Firmware
-from app.emulators.pd42.global_parameters import ADDRESS, BAUD
-from app.emulators.pd42.options import Pd42Options, Pd42Patch
-from app.emulators.pd42.refused import Refused
-from app.emulators.pd42.state import Pd42State
-from app.emulators.truth import GroundTruth
-from app.links.errors import WrongState
-from app.links.tmcl import FRAME_BYTES
+from ...clock import Clock
+from ...links.errors import WrongState
+from ...links.tmcl import FRAME_BYTES
+from ..drive import Drive
+from ..drive.bench import ground_truth
+from ..far_end import FarEnd
+from ..truth import GroundTruth
+from . import world
+from .eeprom import Eeprom
+from .faults import UNDERVOLTAGE_V, Faults
+from .firmware import Firmware
+from .global_parameters import ADDRESS, BAUD
+from .options import Pd42Options, Pd42Patch
+from .refused import Refused
+from .state import Pd42State
 
 MODEL = "pd42-1241"
 

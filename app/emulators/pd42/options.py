@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from app.emulators.drive.bench import (
+from ..drive.bench import (
     Closed,
     Flag,
     Forced,
@@ -19,7 +19,7 @@ from app.emulators.drive.bench import (
     TimeScale,
     Torque,
 )
-from app.emulators.drive.options import (
+from ..drive.options import (
     DriveOptions,
     EncoderOptions,
     FullSteps,

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from app.emulators.drive import Drive
-from app.emulators.pd42 import units
-from app.emulators.pd42.defaults import DEFAULTS
-from app.emulators.pd42.refused import invalid_value, wrong_type
-from app.registers.model import Register, Space
-from app.registers.pd42 import PD42
+from ...registers.model import Register, Space
+from ...registers.pd42 import PD42
+from ..drive import Drive
+from . import units
+from .defaults import DEFAULTS
+from .refused import invalid_value, wrong_type
 
 ROWS: dict[int, Register] = {row.address: row for row in PD42 if row.space is Space.AXIS}
 TARGET_SPEED, SPEED, ACCELERATION, CURRENT, STANDBY_CURRENT, DECELERATION = 2, 4, 5, 6, 7, 17

@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from app.emulators.pd42.refused import invalid_value, wrong_type
-from app.registers.model import Space
-from app.registers.pd42 import PD42
+from ...registers.model import Space
+from ...registers.pd42 import PD42
+from .refused import invalid_value, wrong_type
 
 DIGITAL, ANALOG, OUTPUT = 0, 1, 2
 """Banks."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.registers.tmcl import Status
+from ...registers.tmcl import Status
 
 
 class Refused(Exception):

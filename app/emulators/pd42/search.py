@@ -18,8 +18,8 @@ from collections.abc import Generator
 from enum import IntEnum
 from typing import Protocol
 
-from app.emulators.drive import EventKind
-from app.registers.tmcl import HOME_INVERTED, SWAPPED
+from ...registers.tmcl import HOME_INVERTED, SWAPPED
+from ..drive import EventKind
 
 LEFT, RIGHT = -1, 1
 DIRECTION_7_AND_8 = (RIGHT, LEFT)

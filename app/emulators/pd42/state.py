@@ -6,7 +6,7 @@ from typing import Literal
 
 from pydantic import BaseModel, Field
 
-from app.emulators.drive.bench import MotorState, StageState, TruthState
+from ..drive.bench import MotorState, StageState, TruthState
 
 
 class SwitchState(BaseModel):

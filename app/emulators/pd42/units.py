@@ -7,7 +7,7 @@ rounds to the nearest unit.
 
 from __future__ import annotations
 
-from app.registers.pd42 import CLOCK_HZ
+from ...registers.pd42 import CLOCK_HZ
 
 PPS = CLOCK_HZ / (1 << 24)
 """One unit of velocity [pps]."""

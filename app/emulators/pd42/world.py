@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Literal
 
-from app.emulators.drive import Drive
-from app.emulators.drive.bench import (
+from ..drive import Drive
+from ..drive.bench import (
     change_motor,
     change_stage,
     check_stage,
@@ -15,10 +15,10 @@ from app.emulators.drive.bench import (
     stage_state,
     truth_state,
 )
-from app.emulators.pd42.firmware import Firmware
-from app.emulators.pd42.options import Pd42Options, Pd42Patch
-from app.emulators.pd42.parameters import SEARCH_MODE
-from app.emulators.pd42.state import (
+from .firmware import Firmware
+from .options import Pd42Options, Pd42Patch
+from .parameters import SEARCH_MODE
+from .state import (
     ApplicationState,
     EncoderState,
     FaultsState,

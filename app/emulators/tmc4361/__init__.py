@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from app.emulators.tmc4361.chip import MODEL, EmulatedTmc4361
-from app.emulators.tmc4361.options import Tmc4361Options, Tmc4361Patch
-from app.emulators.tmc4361.state import Tmc4361State
+from .chip import MODEL, EmulatedTmc4361
+from .options import Tmc4361Options, Tmc4361Patch
+from .state import Tmc4361State
 
 __all__ = ["MODEL", "EmulatedTmc4361", "Tmc4361Options", "Tmc4361Patch", "Tmc4361State"]

@@ -5,15 +5,15 @@ from __future__ import annotations
 import random
 from dataclasses import asdict
 
-from app.clock import Clock
-from app.emulators.drive.bench import ChipFaultsState, ground_truth
-from app.emulators.far_end import ChipFaults, FarEnd
-from app.emulators.tmc4361 import world
-from app.emulators.tmc4361.options import Tmc4361Options, Tmc4361Patch
-from app.emulators.tmc4361.registers import Chip
-from app.emulators.tmc4361.state import Tmc4361State
-from app.emulators.truth import GroundTruth
-from app.links.datagram40 import FRAME_BYTES, Reply, Request
+from ...clock import Clock
+from ...links.datagram40 import FRAME_BYTES, Reply, Request
+from ..drive.bench import ChipFaultsState, ground_truth
+from ..far_end import ChipFaults, FarEnd
+from ..truth import GroundTruth
+from . import world
+from .options import Tmc4361Options, Tmc4361Patch
+from .registers import Chip
+from .state import Tmc4361State
 
 MODEL = "tmc4361"
 

@@ -18,10 +18,10 @@ import math
 
 import numpy as np
 
-from app.emulators.tmc4361.compiled import compiled, inlined
-from app.emulators.tmc4361.feedback import layout as fl
-from app.emulators.tmc4361.feedback.kernel import motor_and_encoder_tick, regulation_tick
-from app.emulators.tmc4361.layout import (
+from .compiled import compiled, inlined
+from .feedback import layout as fl
+from .feedback.kernel import motor_and_encoder_tick, regulation_tick
+from .layout import (
     ACT_RAMPMODE,
     ACT_XTARGET,
     BEYOND,
@@ -104,8 +104,8 @@ from app.emulators.tmc4361.layout import (
     V,
     X,
 )
-from app.emulators.tmc4361.output import microstep, send
-from app.emulators.tmc4361.pins import (
+from .output import microstep, send
+from .pins import (
     XLATCH_DONE,
     closed,
     filtered,
@@ -116,10 +116,10 @@ from app.emulators.tmc4361.pins import (
     track_home,
     virtual_stops,
 )
-from app.emulators.tmc4361.plan import TRAPEZOID
-from app.emulators.tmc4361.ramp import count, decide, distance, external_steps, go_on, slow_down
-from app.emulators.tmc4361.starts import follow, is_due, start, trigger
-from app.emulators.tmc4361.units import signed, take_over
+from .plan import TRAPEZOID
+from .ramp import count, decide, distance, external_steps, go_on, slow_down
+from .starts import follow, is_due, start, trigger
+from .units import signed, take_over
 
 _EV_POS_COMP, _EV_FROZEN, _EV_ENC_DONE, _EV_SER_FAIL, _EV_SER_DONE = 1 << 1, 1 << 10, 1 << 20, 1 << 21, 1 << 23
 _EV_COVER_DONE, _EV_STALL, _EV_MOTOR = 1 << 25, 1 << 29, 1 << 30

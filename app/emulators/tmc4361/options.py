@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field, model_validator
 
-from app.emulators.drive.bench import (
+from ..drive.bench import (
     ChipFaultsChange,
     Closed,
     Flag,
@@ -19,8 +19,8 @@ from app.emulators.drive.bench import (
     TimeScale,
     Torque,
 )
-from app.emulators.drive.options import FullSteps, LoadOptions, MotorOptions, StageSwitches
-from app.emulators.tmc4361.feedback import EncoderPatch, FeedbackOptions, FeedbackPatch, ShaftEncoder
+from ..drive.options import FullSteps, LoadOptions, MotorOptions, StageSwitches
+from .feedback import EncoderPatch, FeedbackOptions, FeedbackPatch, ShaftEncoder
 
 FaultsChange = ChipFaultsChange
 

@@ -10,8 +10,8 @@ DIR_SETUP_TIME after a change of direction are held back and follow as fast as p
 
 from __future__ import annotations
 
-from app.emulators.tmc4361.compiled import compiled, inlined
-from app.emulators.tmc4361.layout import (
+from .compiled import compiled, inlined
+from .layout import (
     DIR,
     DRAIN,
     FIELD,

@@ -9,9 +9,9 @@ and needs FILT_L + 1 equal samples; what has passed counts from the next tick on
 
 from __future__ import annotations
 
-from app.emulators.tmc4361.compiled import compiled, inlined
-from app.emulators.tmc4361.feedback.layout import SHAFT_FULLSTEPS
-from app.emulators.tmc4361.layout import (
+from .compiled import compiled, inlined
+from .feedback.layout import SHAFT_FULLSTEPS
+from .layout import (
     DIR,
     EVENTS,
     FILTER,
@@ -51,7 +51,7 @@ from app.emulators.tmc4361.layout import (
     Floats,
     X,
 )
-from app.emulators.tmc4361.units import signed
+from .units import signed
 
 XLATCH_DONE = 1 << 16
 _CENTRES = (6, 9)

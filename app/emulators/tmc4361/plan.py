@@ -21,8 +21,8 @@ from __future__ import annotations
 
 import math
 
-from app.emulators.tmc4361.compiled import compiled
-from app.emulators.tmc4361.layout import (
+from .compiled import compiled
+from .layout import (
     A0,
     AMAX,
     ASTART,

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import math
 
-from app.emulators.tmc4361 import plan
-from app.emulators.tmc4361.compiled import compiled, inlined
-from app.emulators.tmc4361.layout import (
+from . import plan
+from .compiled import compiled, inlined
+from .layout import (
     A0,
     ACT_RAMPMODE,
     ACT_XTARGET,
@@ -73,7 +73,7 @@ from app.emulators.tmc4361.layout import (
     V,
     X,
 )
-from app.emulators.tmc4361.units import signed
+from .units import signed
 
 _ANCHOR_TICKS = 1 << 22
 """A plan at constant velocity begins anew after so long: its seconds stay small numbers."""

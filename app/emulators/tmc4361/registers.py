@@ -10,15 +10,15 @@ from collections.abc import Callable
 
 import numpy as np
 
-from app.emulators.drive import kernel as motor
-from app.emulators.tmc4361 import kernel
-from app.emulators.tmc4361 import layout as c
-from app.emulators.tmc4361.driver import BITS, Tmc26x
-from app.emulators.tmc4361.feedback import FeedbackOptions, FeedbackUnit
-from app.emulators.tmc4361.feedback import layout as fl
-from app.emulators.tmc4361.pins import levels
-from app.registers.model import Register
-from app.registers.tmc4361 import TMC4361
+from ...registers.model import Register
+from ...registers.tmc4361 import TMC4361
+from ..drive import kernel as motor
+from . import kernel
+from . import layout as c
+from .driver import BITS, Tmc26x
+from .feedback import FeedbackOptions, FeedbackUnit
+from .feedback import layout as fl
+from .pins import levels
 
 MASK = 0xFFFF_FFFF
 VERSION_NO = 2

@@ -8,8 +8,8 @@ Timing below a tick of 64 clocks is rounded up to it. Which stages and sets ther
 
 from __future__ import annotations
 
-from app.emulators.tmc4361.compiled import compiled, inlined
-from app.emulators.tmc4361.layout import (
+from .compiled import compiled, inlined
+from .layout import (
     ACT_GEAR,
     ACT_RAMPMODE,
     ACT_VMAX,
@@ -45,7 +45,7 @@ from app.emulators.tmc4361.layout import (
     XTARGET,
     Cells,
 )
-from app.emulators.tmc4361.units import signed
+from .units import signed
 
 _ALL = (
     R_VMAX,

@@ -6,8 +6,8 @@ from typing import Literal
 
 from pydantic import BaseModel, Field
 
-from app.emulators.drive.bench import ChipFaultsState, StageState, TruthState
-from app.emulators.tmc4361.feedback.state import EncoderState, FeedbackMotor, PwmState
+from ..drive.bench import ChipFaultsState, StageState, TruthState
+from .feedback.state import EncoderState, FeedbackMotor, PwmState
 
 
 class LevelState(BaseModel):

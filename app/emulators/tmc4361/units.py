@@ -9,8 +9,8 @@ many of their 24 bits may be used there the documents tell differently (65 535, 
 
 from __future__ import annotations
 
-from app.emulators.tmc4361.compiled import compiled, inlined
-from app.emulators.tmc4361.layout import (
+from .compiled import compiled, inlined
+from .layout import (
     ACT_GEAR,
     ACT_RAMPMODE,
     ACT_VMAX,

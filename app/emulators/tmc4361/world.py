@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from typing import Literal
 
-from app.emulators.drive.bench import ChipFaultsState, Forced, StageState, check_stage
-from app.emulators.drive.options import StageSwitches
-from app.emulators.tmc4361 import layout as c
-from app.emulators.tmc4361.feedback.layout import SHAFT_FULLSTEPS
-from app.emulators.tmc4361.options import Tmc4361Patch
-from app.emulators.tmc4361.registers import Chip
-from app.emulators.tmc4361.state import (
+from ..drive.bench import ChipFaultsState, Forced, StageState, check_stage
+from ..drive.options import StageSwitches
+from . import layout as c
+from .feedback.layout import SHAFT_FULLSTEPS
+from .options import Tmc4361Patch
+from .registers import Chip
+from .state import (
     LevelState,
     PinsState,
     RampState,

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from app.emulators.tmc5xxx.chip import EmulatedTmc5xxx
-from app.emulators.tmc5xxx.options import MODELS, Tmc5xxxModel, Tmc5xxxOptions, Tmc5xxxPatch
-from app.emulators.tmc5xxx.state import Tmc5xxxState
+from .chip import EmulatedTmc5xxx
+from .options import MODELS, Tmc5xxxModel, Tmc5xxxOptions, Tmc5xxxPatch
+from .state import Tmc5xxxState
 
 __all__ = ["MODELS", "EmulatedTmc5xxx", "Tmc5xxxModel", "Tmc5xxxOptions", "Tmc5xxxPatch", "Tmc5xxxState"]

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from app.emulators.drive import Drive
-from app.emulators.drive.registers import ALIASES, READ_ONLY, WRITABLE
-from app.emulators.drive.units import bits
-from app.emulators.tmc5xxx.chips import Kind
-from app.emulators.tmc5xxx.options import Tmc5xxxOptions
-from app.registers.model import Register
+from ...registers.model import Register
+from ..drive import Drive
+from ..drive.registers import ALIASES, READ_ONLY, WRITABLE
+from ..drive.units import bits
+from .chips import Kind
+from .options import Tmc5xxxOptions
 
 LIVE = READ_ONLY | {"XACTUAL", "XTARGET", "X_ENC", "RAMP_STAT", "ENC_STATUS", "PWM_STATUS"}
 """What the drive answers; everything else that can be read is as it was written."""

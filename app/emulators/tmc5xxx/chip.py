@@ -5,16 +5,16 @@ from __future__ import annotations
 import random
 from dataclasses import asdict
 
-from app.clock import Clock
-from app.emulators.drive.bench import ChipFaultsState, ground_truth
-from app.emulators.far_end import ChipFaults, FarEnd
-from app.emulators.tmc5xxx import world
-from app.emulators.tmc5xxx.options import Tmc5xxxModel, Tmc5xxxOptions, Tmc5xxxPatch
-from app.emulators.tmc5xxx.registers import Chip
-from app.emulators.tmc5xxx.state import Tmc5xxxState
-from app.emulators.tmc5xxx.uart import UartEnd
-from app.emulators.truth import GroundTruth
-from app.links.datagram40 import ADDRESS_MAX, FRAME_BYTES, WRITE_BIT
+from ...clock import Clock
+from ...links.datagram40 import ADDRESS_MAX, FRAME_BYTES, WRITE_BIT
+from ..drive.bench import ChipFaultsState, ground_truth
+from ..far_end import ChipFaults, FarEnd
+from ..truth import GroundTruth
+from . import world
+from .options import Tmc5xxxModel, Tmc5xxxOptions, Tmc5xxxPatch
+from .registers import Chip
+from .state import Tmc5xxxState
+from .uart import UartEnd
 
 
 class EmulatedTmc5xxx(FarEnd):

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from app.emulators.tmc5xxx.options import Tmc5xxxModel
+from .options import Tmc5xxxModel
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import Field, model_validator
 
-from app.emulators.drive.bench import (
+from ..drive.bench import (
     ChipFaultsChange,
     Closed,
     Flag,
@@ -19,7 +19,7 @@ from app.emulators.drive.bench import (
     TimeScale,
     Torque,
 )
-from app.emulators.drive.options import (
+from ..drive.options import (
     DriveOptions,
     EncoderOptions,
     FullSteps,

@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from app.emulators.tmc5xxx.axis import LIVE, Axis
-from app.emulators.tmc5xxx.chips import CHIPS
-from app.emulators.tmc5xxx.options import Tmc5xxxModel, Tmc5xxxOptions
-from app.registers.model import Access, Register
-from app.registers.tmc5xxx import TABLES
+from ...registers.model import Access, Register
+from ...registers.tmc5xxx import TABLES
+from .axis import LIVE, Axis
+from .chips import CHIPS
+from .options import Tmc5xxxModel, Tmc5xxxOptions
 
 GCONF, OUTPUT = 0x00, 0x04
 _RESET, _DRV_ERR, _UV_CP = 1, 2, 4

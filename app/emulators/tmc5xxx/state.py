@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pydantic import BaseModel, Field
 
-from app.emulators.drive.bench import ChipFaultsState, MotorState, StageState, TruthState
-from app.emulators.tmc5xxx.options import Tmc5xxxModel
+from ..drive.bench import ChipFaultsState, MotorState, StageState, TruthState
+from .options import Tmc5xxxModel
 
 
 class SwitchState(BaseModel):

@@ -6,8 +6,8 @@ writes; reading it changes nothing.
 
 from __future__ import annotations
 
-from app.emulators.tmc5xxx.registers import Chip
-from app.links.datagram_uart import SYNC, WRITE_BIT, UartForm, crc8
+from ...links.datagram_uart import SYNC, WRITE_BIT, UartForm, crc8
+from .registers import Chip
 
 NODECONF = 0x03
 

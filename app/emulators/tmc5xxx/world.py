@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from app.emulators.drive import Drive
-from app.emulators.drive.bench import (
+from ...links.errors import OutOfRange, WrongState
+from ..drive import Drive
+from ..drive.bench import (
     ChipFaultsState,
     change_motor,
     change_stage,
@@ -14,9 +15,9 @@ from app.emulators.drive.bench import (
     stage_state,
     truth_state,
 )
-from app.emulators.tmc5xxx.options import AxisChange, Tmc5xxxModel, Tmc5xxxOptions, Tmc5xxxPatch
-from app.emulators.tmc5xxx.registers import Chip
-from app.emulators.tmc5xxx.state import (
+from .options import AxisChange, Tmc5xxxModel, Tmc5xxxOptions, Tmc5xxxPatch
+from .registers import Chip
+from .state import (
     AxisState,
     EncoderState,
     PinsState,
@@ -26,8 +27,7 @@ from app.emulators.tmc5xxx.state import (
     Tmc5xxxState,
     UartState,
 )
-from app.emulators.tmc5xxx.uart import UartEnd
-from app.links.errors import OutOfRange, WrongState
+from .uart import UartEnd
 
 
 def check(chip: Chip, model: Tmc5xxxModel, options: Tmc5xxxOptions, wanted: Tmc5xxxPatch) -> None:

@@ -1,14 +1,12 @@
-"""Alembic's way in. `app.store.database` gives the connection, in a transaction: a step happens whole or not."""
+"""Alembic's way in. `store.database` gives the connection, in a transaction: a step happens whole or not."""
 
 from __future__ import annotations
 
 from alembic import context
 
-from app.store.tables import Base
-
 context.configure(
     connection=context.config.attributes["connection"],
-    target_metadata=Base.metadata,
+    target_metadata=context.config.attributes["metadata"],
     render_as_batch=True,  # SQLite alters a table by making it anew
 )
 with context.begin_transaction():

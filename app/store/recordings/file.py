@@ -14,7 +14,7 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
-from app.store.recordings.head import Head, UnreadableRecording
+from .head import Head, UnreadableRecording
 
 FloatArray = NDArray[np.float64]
 SUFFIX = ".arrows"

@@ -20,11 +20,11 @@ from shutil import disk_usage
 
 import numpy as np
 
-from app.links.errors import StoreUnavailable, UnknownThing, UsageError, WrongState
-from app.store.document import Document, UnreadableDocument
-from app.store.recordings import file, marks
-from app.store.recordings.head import Column, Head, UnreadableRecording
-from app.store.recordings.opened import Opened, OpenedRecordings
+from ...links.errors import StoreUnavailable, UnknownThing, UsageError, WrongState
+from ..document import Document, UnreadableDocument
+from . import file, marks
+from .head import Column, Head, UnreadableRecording
+from .opened import Opened, OpenedRecordings
 
 FOLDER = "recordings"
 ID = re.compile(r"[0-9]{8}-[0-9]{6}-[0-9a-f]{4}")

@@ -10,7 +10,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from app.devices.marks import MarkKind
+from ...devices.marks import MarkKind
 
 SUFFIX = ".marks"
 

@@ -13,9 +13,9 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 
-from app.calc.stretches import Stretches, size_for
-from app.store.recordings.file import FloatArray, Rows, decode_head, whole_batches
-from app.store.recordings.head import Head, UnreadableRecording
+from ...calc.stretches import Stretches, size_for
+from .file import FloatArray, Rows, decode_head, whole_batches
+from .head import Head, UnreadableRecording
 
 BLOCK = 64
 """Rows of a short stretch."""

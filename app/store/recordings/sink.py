@@ -6,10 +6,10 @@ import errno
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from app.devices.marks import MarkKind
-from app.store.recordings.file import FloatArray, RecordingWriter, Rows
-from app.store.recordings.library import Library
-from app.store.recordings.marks import Mark
+from ...devices.marks import MarkKind
+from .file import FloatArray, RecordingWriter, Rows
+from .library import Library
+from .marks import Mark
 
 LOOK_EVERY = 10
 """How many writes go by between two looks at the room on the disk: with ten writes a second, one a second."""

@@ -5,17 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable
 from fractions import Fraction
 
-from app.calc.extended_position import Counter, checked_position, compare_count
-from app.calc.rotary import Way
-from app.devices.device import Device
-from app.links.errors import BenchError, UsageError, WrongState
-from app.registers.model import to_signed
-from app.store.positions import SavedPosition
-from app.tuning.endless.followed import Wake, link_text, track_of
-from app.tuning.endless.mover import AGAIN_S, Mover
-from app.tuning.endless.state import CompareState, ExtendedState, HistoryState, Latched, TurnState
-from app.tuning.endless.track import Track
-from app.tuning.endless.turn import Turn
+from ...calc.extended_position import Counter, checked_position, compare_count
+from ...calc.rotary import Way
+from ...devices.device import Device
+from ...links.errors import BenchError, UsageError, WrongState
+from ...registers.model import to_signed
+from ...store.positions import SavedPosition
+from .followed import Wake, link_text, track_of
+from .mover import AGAIN_S, Mover
+from .state import CompareState, ExtendedState, HistoryState, Latched, TurnState
+from .track import Track
+from .turn import Turn
 
 FRESH_S = 0.02
 """A look this young is good enough for whoever asks [s]."""

@@ -8,14 +8,14 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Protocol
 
-from app.calc.extended_position import Counter, checked_position
-from app.devices.counter import CounterLook, CounterWritten, PositionSeen
-from app.devices.device import Device, DeviceEvent, MotionCommanded, StateChanged
-from app.devices.results import ChipEvents
-from app.links.errors import BenchError
-from app.store.positions import SavedPosition
-from app.tuning.endless.history import History
-from app.tuning.endless.track import CLOCK_TOLERANCE, Track
+from ...calc.extended_position import Counter, checked_position
+from ...devices.counter import CounterLook, CounterWritten, PositionSeen
+from ...devices.device import Device, DeviceEvent, MotionCommanded, StateChanged
+from ...devices.results import ChipEvents
+from ...links.errors import BenchError
+from ...store.positions import SavedPosition
+from .history import History
+from .track import CLOCK_TOLERANCE, Track
 
 RESET_NAMES = frozenset({"RST_EV", "reset"})
 """Names of events by which chips tell that they were reset."""

@@ -10,8 +10,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Literal
 
-from app.calc.extended_position import Counter, next_target, pieces
-from app.tuning.endless.state import Pieces
+from ...calc.extended_position import Counter, next_target, pieces
+from .state import Pieces
 
 How = Literal["under way", "arrived", "ended", "failed"]
 RESTS = 2

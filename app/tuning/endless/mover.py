@@ -5,12 +5,12 @@ from __future__ import annotations
 import contextlib
 from collections.abc import Callable, Iterator
 
-from app.devices.counter import PositionSeen
-from app.devices.device import MotionCommanded, motion_owner
-from app.devices.results import AxisState
-from app.links.errors import BenchError, LinkError, WriteRefused
-from app.tuning.endless.followed import Followed
-from app.tuning.endless.journey import How, Journey
+from ...devices.counter import PositionSeen
+from ...devices.device import MotionCommanded, motion_owner
+from ...devices.results import AxisState
+from ...links.errors import BenchError, LinkError, WriteRefused
+from .followed import Followed
+from .journey import How, Journey
 
 SOON_S = 0.05
 """How soon to look again where something is about to happen: an arrival, a motor slowing down [s]."""

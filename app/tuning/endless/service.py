@@ -14,15 +14,15 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
 
-from app.calc.rotary import Way
-from app.clock import Clock
-from app.devices.device import Device
-from app.links.errors import UsageError, WrongState
-from app.store.positions import Gear, SavedPosition
-from app.tuning.endless.axis import WatchedAxis
-from app.tuning.endless.followed import Followed
-from app.tuning.endless.state import ExtendedState, HistoryState, Latched
-from app.tuning.endless.turn import Turn
+from ...calc.rotary import Way
+from ...clock import Clock
+from ...devices.device import Device
+from ...links.errors import UsageError, WrongState
+from ...store.positions import Gear, SavedPosition
+from .axis import WatchedAxis
+from .followed import Followed
+from .state import ExtendedState, HistoryState, Latched
+from .turn import Turn
 
 log = logging.getLogger("stepscope.endless")
 

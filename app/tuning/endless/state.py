@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Literal
 
-from app.tuning.endless.turn import Turn
+from .turn import Turn
 
 State = Literal["off", "idle", "moving", "lost"]
 

@@ -12,8 +12,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from app.calc.extended_position import LIMIT, Counter, ExtendedPosition, TooLate, checked_position
-from app.devices.counter import CounterLook
+from ...calc.extended_position import LIMIT, Counter, ExtendedPosition, TooLate, checked_position
+from ...devices.counter import CounterLook
 
 CLOCK_TOLERANCE = 1.02
 """How much faster than its settings say a chip may run: its clock, and the one that looks are timed with."""

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from fractions import Fraction
 
-from app.calc.rotary import Rotary
-from app.store.positions import Gear
+from ...calc.rotary import Rotary
+from ...store.positions import Gear
 
 
 @dataclass(frozen=True, slots=True)

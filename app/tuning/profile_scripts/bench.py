@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 
-from app.clock import Clock, WallClock
-from app.devices.config import DeviceConfig
-from app.devices.device import Device
-from app.devices.manager import DeviceManager
-from app.emulators.build import build_emulator, options_of
-from app.links.emulator import EmulatorPort
-from app.links.port import FramePort
-from app.links.registry import Link
+from ...clock import Clock, WallClock
+from ...devices.config import DeviceConfig
+from ...devices.device import Device
+from ...devices.manager import DeviceManager
+from ...emulators.build import build_emulator, options_of
+from ...links.emulator import EmulatorPort
+from ...links.port import FramePort
+from ...links.registry import Link
 
 NAME = "trial"
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from app.devices.pd42.frames import writing
-from app.links import datagram32, datagram40, tmcl
-from app.registers.catalog import Model
-from app.tuning.profile_scripts.plan import Plan, Write, meaning
-from app.tuning.profile_scripts.text import c_name, c_remark, lines
+from ...devices.pd42.frames import writing
+from ...links import datagram32, datagram40, tmcl
+from ...registers.catalog import Model
+from .plan import Plan, Write, meaning
+from .text import c_name, c_remark, lines
 
 _REGISTER = """\
 /* One register: its address as in the data sheet, without the bit that says write, and the whole word. */

@@ -6,9 +6,9 @@ import json
 from collections.abc import Iterator
 from urllib.parse import quote
 
-from app.tuning.profile_scripts.plan import Plan, meaning
-from app.tuning.profile_scripts.standing import busy_of, target_of
-from app.tuning.profile_scripts.text import lines, one_line
+from .plan import Plan, meaning
+from .standing import busy_of, target_of
+from .text import lines, one_line
 
 _HEAD = """\
 #!/bin/sh

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from app.links.errors import BenchError
+from ...links.errors import BenchError
 
 
 class ScriptFailed(BenchError):

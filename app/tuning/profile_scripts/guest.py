@@ -1,6 +1,6 @@
 """A server of our own in a process of its own, which a script may try itself on: it ends when whoever began it does.
 
-`python -m app.tuning.profile_scripts.guest serve ...` is `stepscope serve ...`, as long as somebody holds its standard
+Run as a module with `serve ...`, it is `stepscope serve ...`, as long as somebody holds its standard
 input open. A parent that was killed holds nothing open: so no server is left behind.
 """
 
@@ -23,7 +23,7 @@ def main() -> None:
         os.nice(NICER)
     sys.argv[0] = "stepscope"
     # By its name: this room may not know the command line, and does not; it starts a program.
-    runpy.run_module("app.cli", run_name="__main__", alter_sys=True)
+    runpy.run_module(f"{(__package__ or '').partition('.')[0]}.cli", run_name="__main__", alter_sys=True)
 
 
 def _end_with_input() -> None:

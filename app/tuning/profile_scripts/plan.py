@@ -7,13 +7,13 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
-from app.devices.config import slug
-from app.registers.catalog import MODELS, Model
-from app.registers.model import Access, Register
-from app.tuning.profile_scripts.standing import kept_ready, ready_of
-from app.tuning.profiles.document import AxisPart, ProfileDocument
-from app.tuning.profiles.errors import UnreadableProfile
-from app.tuning.profiles.words import Want, check_range, wants_of
+from ...devices.config import slug
+from ...registers.catalog import MODELS, Model
+from ...registers.model import Access, Register
+from ..profiles.document import AxisPart, ProfileDocument
+from ..profiles.errors import UnreadableProfile
+from ..profiles.words import Want, check_range, wants_of
+from .standing import kept_ready, ready_of
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-GUEST = "app.tuning.profile_scripts.guest"
+GUEST = f"{__package__}.guest"
 START_WITHIN_S = 60.0
 """A first start compiles the emulators [s]."""
 RUN_WITHIN_S = 60.0

@@ -16,18 +16,18 @@ from typing import Literal, assert_never
 
 import httpx
 
-from app.devices.device import Device
-from app.links.errors import BenchError
-from app.links.tmcl import Request, check_reply, has_reply
-from app.tuning.profile_scripts import c
-from app.tuning.profile_scripts.bench import NAME, emulated, emulator_link
-from app.tuning.profile_scripts.errors import ScriptFailed
-from app.tuning.profile_scripts.plan import Plan
-from app.tuning.profile_scripts.process import Ended, guest_server, run, temporary_folder
-from app.tuning.profile_scripts.readers import commands_of_tmcl, frames_of_c, writes_of_curl
-from app.tuning.profiles.capture import capture
-from app.tuning.profiles.document import ProfileDocument, parse
-from app.tuning.profiles.standing import require_rest
+from ...devices.device import Device
+from ...links.errors import BenchError
+from ...links.tmcl import Request, check_reply, has_reply
+from ..profiles.capture import capture
+from ..profiles.document import ProfileDocument, parse
+from ..profiles.standing import require_rest
+from . import c
+from .bench import NAME, emulated, emulator_link
+from .errors import ScriptFailed
+from .plan import Plan
+from .process import Ended, guest_server, run, temporary_folder
+from .readers import commands_of_tmcl, frames_of_c, writes_of_curl
 
 Language = Literal["python", "tmcl", "c", "curl"]
 How = Literal["run", "sent", "compiled", "read"]

@@ -1,4 +1,4 @@
-"""A profile as a Python program for `app.client`."""
+"""A profile as a Python program for stepscope's client."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ import json
 import textwrap
 from collections.abc import Iterator, Mapping
 
-from app.tuning.profile_scripts.plan import Plan, Write, meaning
-from app.tuning.profile_scripts.standing import Busy, busy_of, target_of
-from app.tuning.profile_scripts.text import WIDTH, lines, one_line
+from .plan import Plan, Write, meaning
+from .standing import Busy, busy_of, target_of
+from .text import WIDTH, lines, one_line
 
 GLUE = "\u00a0"
 """A space at which no line is broken."""
@@ -101,7 +101,7 @@ def _lines(plan: Plan) -> Iterator[str]:
     yield "import argparse"
     yield "import sys"
     yield ""
-    yield "from app.client import Bench, ClientError, Device"
+    yield "from stepscope import Bench, ClientError, Device"
     yield ""
     yield f"MODEL = {json.dumps(plan.model)}"
     yield f"DEVICE = {json.dumps(plan.device)}"

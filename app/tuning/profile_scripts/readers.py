@@ -11,11 +11,11 @@ import re
 from collections.abc import Iterator
 from urllib.parse import unquote
 
-from app.devices.results import WriteItem
-from app.links import datagram32, datagram40, tmcl
-from app.links.tmcl_text import Command, parse_line
-from app.registers.catalog import Model
-from app.registers.tmcl import Opcode
+from ...devices.results import WriteItem
+from ...links import datagram32, datagram40, tmcl
+from ...links.tmcl_text import Command, parse_line
+from ...registers.catalog import Model
+from ...registers.tmcl import Opcode
 
 _REMARK = re.compile(r"/\*.*?\*/", re.DOTALL)
 _ENTRY = re.compile(r"\s*\{([^{}]*)\},\s*")

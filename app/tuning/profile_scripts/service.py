@@ -9,16 +9,16 @@ from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
-from app.devices.pd42 import units
-from app.links.errors import WrongState
-from app.registers.model import Register
-from app.tuning.profile_scripts import c, curl, python, tmcl
-from app.tuning.profile_scripts.errors import ScriptFailed
-from app.tuning.profile_scripts.plan import Plan, mechanics_of, plan_of
-from app.tuning.profile_scripts.proof import How, Language, Trial, attempt
-from app.tuning.profile_scripts.text import file_stem
-from app.tuning.profiles.document import ProfileDocument, text_of
-from app.tuning.profiles.words import Key, Want, wants_of
+from ...devices.pd42 import units
+from ...links.errors import WrongState
+from ...registers.model import Register
+from ..profiles.document import ProfileDocument, text_of
+from ..profiles.words import Key, Want, wants_of
+from . import c, curl, python, tmcl
+from .errors import ScriptFailed
+from .plan import Plan, mechanics_of, plan_of
+from .proof import How, Language, Trial, attempt
+from .text import file_stem
 
 RENDER: Mapping[Language, Callable[[Plan], str]] = {
     "python": python.render,

@@ -8,11 +8,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from app.registers.catalog import MODELS
-from app.registers.model import Field, Register, Space
-from app.tuning.profiles.items import Item, family_of
-from app.tuning.profiles.steps import GATES
-from app.tuning.profiles.words import Key, Want
+from ...registers.catalog import MODELS
+from ...registers.model import Field, Register, Space
+from ..profiles.items import Item, family_of
+from ..profiles.steps import GATES
+from ..profiles.words import Key, Want
 
 POSITIONING = {"tmc4361": ("RAMPMODE", "OPERATION_MODE", 1), "tmc5xxx": ("RAMPMODE", "", 0)}
 """By family: register, field and value of positioning. In velocity mode VMAX is the speed that it turns at."""

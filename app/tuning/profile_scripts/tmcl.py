@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from app.devices.pd42.frames import spelled, writing
-from app.links.errors import WrongState
-from app.links.tmcl import Request
-from app.registers.tmcl import Opcode
-from app.tuning.profile_scripts.plan import Plan, Write, meaning
-from app.tuning.profile_scripts.text import ascii_only, lines, one_line
+from ...devices.pd42.frames import spelled, writing
+from ...links.errors import WrongState
+from ...links.tmcl import Request
+from ...registers.tmcl import Opcode
+from .plan import Plan, Write, meaning
+from .text import ascii_only, lines, one_line
 
 
 def render(plan: Plan) -> str:

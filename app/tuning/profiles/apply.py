@@ -13,18 +13,18 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from app.devices.device import Device, DeviceEvent, MotionCommanded, motion_owner
-from app.devices.results import AxisState
-from app.links.errors import WriteRefused, WrongState
-from app.tuning.profiles.capture import Held, read_held, read_item
-from app.tuning.profiles.diff import Diff, difference_of, require_fit
-from app.tuning.profiles.document import ProfileDocument
-from app.tuning.profiles.errors import Change, ProfileLeft, ProfileTakenBack
-from app.tuning.profiles.standing import hold_still, require_rest
-from app.tuning.profiles.steps import Step, steps_between
-from app.tuning.profiles.way_back import WayBack
-from app.tuning.profiles.words import Key, Want, wants_of
-from app.tuning.profiles.writing import Progress, change_of, told_of, unexpected, write_item
+from ...devices.device import Device, DeviceEvent, MotionCommanded, motion_owner
+from ...devices.results import AxisState
+from ...links.errors import WriteRefused, WrongState
+from .capture import Held, read_held, read_item
+from .diff import Diff, difference_of, require_fit
+from .document import ProfileDocument
+from .errors import Change, ProfileLeft, ProfileTakenBack
+from .standing import hold_still, require_rest
+from .steps import Step, steps_between
+from .way_back import WayBack
+from .words import Key, Want, wants_of
+from .writing import Progress, change_of, told_of, unexpected, write_item
 
 
 class Journal(Protocol):

@@ -6,19 +6,19 @@ import time
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 
-from app.devices.axis_rows import POSITIONING_MODES
-from app.devices.config import AxisSettings
-from app.devices.device import Device
-from app.devices.pd42.driver import Pd42
-from app.devices.pd42.refusals import unit_of
-from app.devices.ramp_chip import RampChip
-from app.devices.register_chip import RegisterChip
-from app.devices.tmc428 import Tmc428
-from app.devices.tmc4361.driver import Tmc4361
-from app.registers.model import Register, to_raw
-from app.tuning.profiles.document import AxisPart, Limits, ProfileDocument
-from app.tuning.profiles.items import Item, items_by_key
-from app.tuning.profiles.words import Key, parameter_parts, register_parts, tables_of, unknown_parts
+from ...devices.axis_rows import POSITIONING_MODES
+from ...devices.config import AxisSettings
+from ...devices.device import Device
+from ...devices.pd42.driver import Pd42
+from ...devices.pd42.refusals import unit_of
+from ...devices.ramp_chip import RampChip
+from ...devices.register_chip import RegisterChip
+from ...devices.tmc428 import Tmc428
+from ...devices.tmc4361.driver import Tmc4361
+from ...registers.model import Register, to_raw
+from .document import AxisPart, Limits, ProfileDocument
+from .items import Item, items_by_key
+from .words import Key, parameter_parts, register_parts, tables_of, unknown_parts
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,15 +12,15 @@ from typing import Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from app.devices.device import Device
-from app.devices.pd42.driver import Pd42
-from app.registers.model import Space
-from app.tuning.profiles.capture import Held, axis_part, read_held
-from app.tuning.profiles.document import AxisPart, ProfileDocument
-from app.tuning.profiles.errors import ProfileMisfit
-from app.tuning.profiles.items import Item, items_of
-from app.tuning.profiles.physical import Physical, World
-from app.tuning.profiles.words import Key, Want, wants_of
+from ...devices.device import Device
+from ...devices.pd42.driver import Pd42
+from ...registers.model import Space
+from .capture import Held, axis_part, read_held
+from .document import AxisPart, ProfileDocument
+from .errors import ProfileMisfit
+from .items import Item, items_of
+from .physical import Physical, World
+from .words import Key, Want, wants_of
 
 CLOCK_TOLERANCE = 0.005
 """By how much two clocks may differ and count as the same: a crystal's error and some rounding."""

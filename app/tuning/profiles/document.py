@@ -23,8 +23,8 @@ from pydantic import (
     model_validator,
 )
 
-from app.registers.catalog import MODELS
-from app.tuning.profiles.errors import UnreadableProfile
+from ...registers.catalog import MODELS
+from .errors import UnreadableProfile
 
 FORMAT: Final = "stepscope-profile"
 VERSION: Final = 1

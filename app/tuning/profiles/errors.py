@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import asdict, dataclass
 
-from app.links.errors import BenchError, UsageError, WrongState
+from ...links.errors import BenchError, UsageError, WrongState
 
 
 class UnreadableProfile(UsageError):

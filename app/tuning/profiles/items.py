@@ -12,8 +12,8 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Literal
 
-from app.registers.catalog import MODELS
-from app.registers.model import Access, Field, Register, Space
+from ...registers.catalog import MODELS
+from ...registers.model import Access, Field, Register, Space
 
 TableName = Literal["microstep", "driver_chain", "mslut", "user_variables"]
 

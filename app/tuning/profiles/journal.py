@@ -20,14 +20,14 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal, TextIO
 
-from app.devices.actor import actor
-from app.devices.device import Device
-from app.links.errors import WrongState
-from app.registers.catalog import MODELS
-from app.tuning.profiles.document import ProfileDocument
-from app.tuning.profiles.errors import Change
-from app.tuning.profiles.steps import Step
-from app.tuning.profiles.writing import change_of, restored
+from ...devices.actor import actor
+from ...devices.device import Device
+from ...links.errors import WrongState
+from ...registers.catalog import MODELS
+from .document import ProfileDocument
+from .errors import Change
+from .steps import Step
+from .writing import change_of, restored
 
 log = logging.getLogger("stepscope.profiles")
 

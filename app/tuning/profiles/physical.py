@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from app.calc.mechanics import Mechanics
-from app.calc.number_text import plain
-from app.calc.tmc5xxx_units import acceleration_unit_pps2, velocity_unit_pps
-from app.calc.tmc4361_formats import FORMATS, Units
-from app.calc.units import MAX_DIVIDER, acceleration_hz_s, pulse_rate_hz
-from app.registers.catalog import MODELS
-from app.registers.model import Register, Space
-from app.tuning.profiles.document import AxisPart
+from ...calc.mechanics import Mechanics
+from ...calc.number_text import plain
+from ...calc.tmc5xxx_units import acceleration_unit_pps2, velocity_unit_pps
+from ...calc.tmc4361_formats import FORMATS, Units
+from ...calc.units import MAX_DIVIDER, acceleration_hz_s, pulse_rate_hz
+from ...registers.catalog import MODELS
+from ...registers.model import Register, Space
+from .document import AxisPart
 
 Key = tuple[Space, int]
 

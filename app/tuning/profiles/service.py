@@ -10,18 +10,18 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
-from app.devices.config import AxisSettings
-from app.devices.device import Device
-from app.devices.limits.axis_limits import AxisLimits
-from app.links.errors import WrongState
-from app.tuning.profiles import journal
-from app.tuning.profiles.apply import Applied, Transaction
-from app.tuning.profiles.diff import Difference
-from app.tuning.profiles.document import ProfileDocument
-from app.tuning.profiles.errors import Change, ProfileLeft
-from app.tuning.profiles.journal import FileJournal, Unfinished
-from app.tuning.profiles.way_back import way_back
-from app.tuning.profiles.writing import Progress
+from ...devices.config import AxisSettings
+from ...devices.device import Device
+from ...devices.limits.axis_limits import AxisLimits
+from ...links.errors import WrongState
+from . import journal
+from .apply import Applied, Transaction
+from .diff import Difference
+from .document import ProfileDocument
+from .errors import Change, ProfileLeft
+from .journal import FileJournal, Unfinished
+from .way_back import way_back
+from .writing import Progress
 
 log = logging.getLogger("stepscope.profiles")
 

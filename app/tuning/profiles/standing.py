@@ -6,16 +6,16 @@ mode wants no velocity. What is done to that end stays, and is told: it is motio
 
 from __future__ import annotations
 
-from app.devices.device import Device
-from app.devices.pd42.driver import Pd42
-from app.devices.ramp_chip import RampChip
-from app.devices.results import AxisState
-from app.devices.tmc5xxx import rows as tmc5xxx
-from app.devices.tmc5xxx.driver import Tmc5xxx
-from app.devices.tmc4361 import rows as tmc4361
-from app.devices.tmc4361.driver import Tmc4361
-from app.links.errors import WrongState
-from app.tuning.profiles.steps import Step
+from ...devices.device import Device
+from ...devices.pd42.driver import Pd42
+from ...devices.ramp_chip import RampChip
+from ...devices.results import AxisState
+from ...devices.tmc5xxx import rows as tmc5xxx
+from ...devices.tmc5xxx.driver import Tmc5xxx
+from ...devices.tmc4361 import rows as tmc4361
+from ...devices.tmc4361.driver import Tmc4361
+from ...links.errors import WrongState
+from .steps import Step
 
 STOP_IT = "stop it first"
 

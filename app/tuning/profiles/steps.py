@@ -5,15 +5,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from app.devices.results import WriteItem
-from app.devices.tmc4361 import rows as tmc4361
-from app.registers.model import Register
-from app.tuning.profiles.capture import Held
-from app.tuning.profiles.diff import UNIT_MODE
-from app.tuning.profiles.document import ProfileDocument
-from app.tuning.profiles.errors import ProfileMisfit
-from app.tuning.profiles.items import Item, items_by_key
-from app.tuning.profiles.words import Key, Want, check_range, wants_of
+from ...devices.results import WriteItem
+from ...devices.tmc4361 import rows as tmc4361
+from ...registers.model import Register
+from .capture import Held
+from .diff import UNIT_MODE
+from .document import ProfileDocument
+from .errors import ProfileMisfit
+from .items import Item, items_by_key
+from .words import Key, Want, check_range, wants_of
 
 GATES = 0b11111
 """START_CONF.start_en: what waits for a start signal instead of taking a write at once."""

@@ -5,15 +5,15 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping, Sequence
 
-from app.devices.device import Device
-from app.links.errors import BenchError, LinkDown, LinkTimeout, WriteRefused
-from app.tuning.profiles.capture import Held, as_configured, read_held, read_item
-from app.tuning.profiles.errors import Change
-from app.tuning.profiles.items import Item
-from app.tuning.profiles.standing import hold_still, require_rest
-from app.tuning.profiles.steps import Step
-from app.tuning.profiles.words import Key
-from app.tuning.profiles.writing import Progress, change_of, told_of, unexpected, write_item
+from ...devices.device import Device
+from ...links.errors import BenchError, LinkDown, LinkTimeout, WriteRefused
+from .capture import Held, as_configured, read_held, read_item
+from .errors import Change
+from .items import Item
+from .standing import hold_still, require_rest
+from .steps import Step
+from .words import Key
+from .writing import Progress, change_of, told_of, unexpected, write_item
 
 log = logging.getLogger("stepscope.profiles")
 

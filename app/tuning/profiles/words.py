@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
-from app.calc.microstep_words import table_ram_words, values_from_ram_words
-from app.devices.lookup import number_of
-from app.links.errors import OutOfRange
-from app.registers.catalog import MODELS
-from app.registers.model import Field, Register, Space, to_raw
-from app.tuning.profiles.document import (
+from ...calc.microstep_words import table_ram_words, values_from_ram_words
+from ...devices.lookup import number_of
+from ...links.errors import OutOfRange
+from ...registers.catalog import MODELS
+from ...registers.model import Field, Register, Space, to_raw
+from .document import (
     MslutPart,
     ParameterPart,
     ProfileDocument,
@@ -18,8 +18,8 @@ from app.tuning.profiles.document import (
     Tables,
     UnknownPart,
 )
-from app.tuning.profiles.errors import UnreadableProfile
-from app.tuning.profiles.items import Item, TableName, items_by_key, items_of, place_of
+from .errors import UnreadableProfile
+from .items import Item, TableName, items_by_key, items_of, place_of
 
 Key = tuple[Space, int]
 RAM_MASK = 0x3F3F

@@ -7,15 +7,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from app.devices.device import Device
-from app.devices.results import WriteItem
-from app.links.errors import BenchError, WriteRefused
-from app.registers.model import to_raw
-from app.tuning.profiles.capture import Held, as_configured, read_item
-from app.tuning.profiles.errors import Change
-from app.tuning.profiles.items import Item, items_by_key
-from app.tuning.profiles.steps import Step
-from app.tuning.profiles.words import Key
+from ...devices.device import Device
+from ...devices.results import WriteItem
+from ...links.errors import BenchError, WriteRefused
+from ...registers.model import to_raw
+from .capture import Held, as_configured, read_item
+from .errors import Change
+from .items import Item, items_by_key
+from .steps import Step
+from .words import Key
 
 log = logging.getLogger("stepscope.profiles")
 

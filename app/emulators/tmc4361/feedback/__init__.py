@@ -5,8 +5,8 @@ The compiled functions for the chip's clockwork are in `kernel`; `FeedbackUnit` 
 
 from __future__ import annotations
 
-from app.emulators.tmc4361.feedback.options import FeedbackOptions, ShaftEncoder
-from app.emulators.tmc4361.feedback.state import EncoderPatch, FeedbackPatch, FeedbackState
-from app.emulators.tmc4361.feedback.unit import FeedbackUnit
+from .options import FeedbackOptions, ShaftEncoder
+from .state import EncoderPatch, FeedbackPatch, FeedbackState
+from .unit import FeedbackUnit
 
 __all__ = ["EncoderPatch", "FeedbackOptions", "FeedbackPatch", "FeedbackState", "FeedbackUnit", "ShaftEncoder"]

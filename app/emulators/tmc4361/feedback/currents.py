@@ -20,10 +20,10 @@ from __future__ import annotations
 
 import math
 
-from app.emulators.drive import kernel as k
-from app.emulators.drive.table import PEAK
-from app.emulators.tmc4361.compiled import compiled, inlined
-from app.emulators.tmc4361.feedback.layout import (
+from ...drive import kernel as k
+from ...drive.table import PEAK
+from ..compiled import compiled, inlined
+from .layout import (
     BOOST_TIME,
     CL_ANGLES,
     CLOSED_LOOP,

@@ -21,9 +21,10 @@ from __future__ import annotations
 
 import math
 
-from app.emulators.drive import kernel as k
-from app.emulators.tmc4361.compiled import compiled, inlined
-from app.emulators.tmc4361.feedback.layout import (
+from ...drive import kernel as k
+from ..compiled import compiled, inlined
+from ..layout import FB_ENC_DONE, FB_LATCH_X, FB_N_EVENT, FB_SER_DONE, FB_SER_FAIL, FEEDBACK_CLOCKS
+from .layout import (
     ABN,
     ANSWERED,
     ASKED_AT,
@@ -86,7 +87,6 @@ from app.emulators.tmc4361.feedback.layout import (
     bit,
     wrap32,
 )
-from app.emulators.tmc4361.layout import FB_ENC_DONE, FB_LATCH_X, FB_N_EVENT, FB_SER_DONE, FB_SER_FAIL, FEEDBACK_CLOCKS
 
 CLEAR_ON_N, CONTINUOUSLY, ONCE, POL_N, POL_A, POL_B, IGNORE_AB, LATCH_ENC, LATCH_X = 1, 2, 3, 4, 7, 8, 9, 10, 11
 MULTI_IN, MULTI_SIGNED, CALC_MULTI, MULTI_CYCLE, GRAY_EN, LEFT_ALIGNED, PREPROC_OR_LIMIT = 12, 13, 16, 17, 18, 19, 31

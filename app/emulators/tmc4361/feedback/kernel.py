@@ -13,11 +13,26 @@ import math
 
 import numpy as np
 
-from app.emulators.drive import kernel as k
-from app.emulators.tmc4361.compiled import compiled, inlined
-from app.emulators.tmc4361.feedback.currents import FROZEN, LONGEST, MOVING, energise
-from app.emulators.tmc4361.feedback.encoder import encode
-from app.emulators.tmc4361.feedback.layout import (
+from ...drive import kernel as k
+from ..compiled import compiled, inlined
+from ..layout import (
+    FB_CL_FIT,
+    FB_CL_MAX,
+    FB_ENC_FAIL,
+    FB_ENC_LATCH,
+    FB_ENC_VEL0,
+    FB_FS_ACTIVE,
+    FB_MULTI_FAIL,
+    FB_N_ACTIVE,
+    FB_QUIET,
+    FB_SET_X,
+    FB_STALL,
+    FB_TARGET_OK,
+    FEEDBACK_CLOCKS,
+)
+from .currents import FROZEN, LONGEST, MOVING, energise
+from .encoder import encode
+from .layout import (
     ABN,
     CL_OFFSET,
     CL_TR_TOLERANCE,
@@ -59,28 +74,13 @@ from app.emulators.tmc4361.feedback.layout import (
     wrap10,
     wrap32,
 )
-from app.emulators.tmc4361.feedback.regulation import (
+from .regulation import (
     BACKLOG,
     CLR_XACT,
     VELOCITY_MODE_EN,
     commutate,
     error_of,
     pid,
-)
-from app.emulators.tmc4361.layout import (
-    FB_CL_FIT,
-    FB_CL_MAX,
-    FB_ENC_FAIL,
-    FB_ENC_LATCH,
-    FB_ENC_VEL0,
-    FB_FS_ACTIVE,
-    FB_MULTI_FAIL,
-    FB_N_ACTIVE,
-    FB_QUIET,
-    FB_SET_X,
-    FB_STALL,
-    FB_TARGET_OK,
-    FEEDBACK_CLOCKS,
 )
 
 CALIBRATION_EN = 24

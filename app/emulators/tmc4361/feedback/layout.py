@@ -16,8 +16,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from app.emulators.drive import kernel as k
-from app.emulators.tmc4361.compiled import inlined
+from ...drive import kernel as k
+from ..compiled import inlined
 
 Cells = NDArray[np.int64]
 Floats = NDArray[np.float64]

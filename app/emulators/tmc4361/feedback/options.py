@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
-from app.emulators.drive import DriveOptions, EncoderOptions, LoadOptions, MotorOptions
-from app.emulators.drive.options import FullSteps
+from ...drive import DriveOptions, EncoderOptions, LoadOptions, MotorOptions
+from ...drive.options import FullSteps
 
 EncoderKind = Literal["abn", "ssi", "spi"]
 

@@ -20,8 +20,8 @@ from __future__ import annotations
 
 import math
 
-from app.emulators.tmc4361.compiled import compiled, inlined
-from app.emulators.tmc4361.feedback.layout import (
+from ..compiled import compiled, inlined
+from .layout import (
     ABN,
     ANGLE,
     CL_ANGLES,

@@ -6,10 +6,10 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from app.emulators.drive.bench import MotorState, TruthState
-from app.emulators.drive.options import FullSteps
-from app.emulators.drive.world import Short
-from app.emulators.tmc4361.feedback.options import EncoderKind
+from ...drive.bench import MotorState, TruthState
+from ...drive.options import FullSteps
+from ...drive.world import Short
+from .options import EncoderKind
 
 
 class FeedbackMotor(MotorState):

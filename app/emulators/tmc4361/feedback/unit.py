@@ -7,16 +7,17 @@ from typing import Final
 
 import numpy as np
 
-from app.emulators.drive import DriveOptions, World
-from app.emulators.drive import kernel as k
-from app.emulators.drive.bench import motor_state, truth_state
-from app.emulators.drive.physics import set_physics, truth_of
-from app.emulators.drive.world import OT_C, OTPW_C, UNDERVOLTAGE_V, Truth
-from app.emulators.tmc4361.feedback import layout as c
-from app.emulators.tmc4361.feedback.encoder import position_at, true_place
-from app.emulators.tmc4361.feedback.options import FeedbackOptions
-from app.emulators.tmc4361.feedback.regulation import error_of
-from app.emulators.tmc4361.feedback.state import (
+from ....registers.tmc4361 import TMC4361
+from ...drive import DriveOptions, World
+from ...drive import kernel as k
+from ...drive.bench import motor_state, truth_state
+from ...drive.physics import set_physics, truth_of
+from ...drive.world import OT_C, OTPW_C, UNDERVOLTAGE_V, Truth
+from . import layout as c
+from .encoder import position_at, true_place
+from .options import FeedbackOptions
+from .regulation import error_of
+from .state import (
     EncoderPatch,
     EncoderState,
     FeedbackMotor,
@@ -24,14 +25,13 @@ from app.emulators.tmc4361.feedback.state import (
     FeedbackState,
     PwmState,
 )
-from app.emulators.tmc4361.feedback.words import (
+from .words import (
     circular_period,
     encoder_scale,
     microsteps_a_turn,
     signed32,
     wave,
 )
-from app.registers.tmc4361 import TMC4361
 
 _KINDS = {"abn": c.ABN, "ssi": c.SSI, "spi": c.SPI}
 _MASK = 0xFFFFFFFF

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from app.emulators.drive.table import decode
-from app.emulators.drive.units import bits, signed
+from ...drive.table import decode
+from ...drive.units import bits, signed
 
 BINARY, DECIMAL = 1 << 16, 10_000
 """What a fraction of ENC_CONST is divided by, without and with enc_sel_decimal."""
