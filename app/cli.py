@@ -13,7 +13,7 @@ import typer
 
 from . import __version__
 from .commands import COMMANDS, GROUPS, WITHOUT_ARGUMENTS
-from .links.errors import BenchError
+from .errors import BenchError
 from .settings import LogLevel, OnVanish, Settings
 
 # The server's own imports (FastAPI, numpy, numba) cost half a second: each command brings only what it needs.
@@ -155,7 +155,7 @@ def emulate(
     of_line: dict[str, object] = {"control": control, "shared_bus": shared_bus or None}
     of_uart: dict[str, object] = {"echo": echo or None, "node": node}
     with _told():
-        from . import emulating
+        from .emulator_server import serve as emulating
 
         is_uart = emulating.shows_uart(model, asked=uart or pty is not None)
         is_board, is_line = model == emulating.BOARD, model in emulating.LINES or is_uart
@@ -210,7 +210,7 @@ def fault(
     URL may also be an emulated device of a running dashboard: http://127.0.0.1:8000/api/v1/devices/NAME/emulator
     """
     with _told():
-        from . import fault as faults
+        from .emulator_server import fault as faults
 
         path, state = faults.change(url, name, value, address=address, line=line)
         typer.echo(json.dumps(state, indent=1) if as_json else f"{path} = {value}")

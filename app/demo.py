@@ -9,12 +9,12 @@ from __future__ import annotations
 import logging
 from dataclasses import dataclass
 
-from .calc.units import acceleration_from_hz_s, velocity_from_rate
-from .devices.config import AxisSettings, DeviceConfig
-from .devices.device import Device
+from .calc.units.tmc428 import acceleration_from_hz_s, velocity_from_rate
+from .devices.core.config import AxisSettings, DeviceConfig
+from .devices.core.device import Device
 from .devices.manager import DeviceManager
-from .devices.start_up import AxisStart, start_up
-from .links.errors import BenchError
+from .devices.tmc428.start_up import AxisStart, start_up
+from .errors import BenchError
 
 log = logging.getLogger("stepscope.demo")
 

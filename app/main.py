@@ -14,31 +14,31 @@ from fastapi import FastAPI
 from pydantic import ValidationError
 
 from . import __version__, demo
+from .api.access.tokens import Tokens
 from .api.app import make_app
-from .api.audit_ear import Ear, lease_words
+from .api.audit.listener import Ear, lease_words
 from .api.bench import Bench
-from .api.lease import Lease
-from .api.lease_watch import LeaseWatch
-from .api.pages import Pages
-from .api.problems import findings
-from .api.recording_desk import RecordingDesk
-from .api.routes.ports import serial_ports
+from .api.conditions.pages import Pages
+from .api.health.vitals import Vitals
+from .api.http.problems import findings
+from .api.http.sessions import Sessions
+from .api.lease.lease import Lease
+from .api.lease.watch import LeaseWatch
+from .api.links.port_routes import serial_ports
+from .api.recordings.service import RecordingDesk
 from .api.schemas import Port
-from .api.sessions import Sessions
-from .api.tokens import Tokens
-from .api.vitals import Vitals
-from .calc import sramp
-from .calc.ramp import RampParameters, exact_ramp
+from .calc.ramps import sramp
+from .calc.ramps.ticked import RampParameters, exact_ramp
 from .clock import BackgroundClock, Clock, WallClock
 from .conditions.service import ConditionService
-from .devices.actor import STEPSCOPE
-from .devices.config import AxisSettings
-from .devices.device import Device
-from .devices.found_moving import FoundMoving
+from .devices.core.actor import STEPSCOPE
+from .devices.core.config import AxisSettings
+from .devices.core.device import Device
+from .devices.core.found_moving import FoundMoving
 from .devices.manager import DeviceChange, DeviceManager
 from .emulators.build import build_emulator, options_of, warm_up
+from .errors import BenchError, UsageError
 from .links.emulator import EmulatorPort
-from .links.errors import BenchError, UsageError
 from .links.port import FramePort
 from .links.registry import (
     TMCL_MODELS,
@@ -52,6 +52,11 @@ from .links.registry import (
     uart_factory,
 )
 from .links.serial_address import allow_ports
+from .positions import EndlessService
+from .procedures.at_rest import after_vanishing, anything_moves, stop_moving
+from .procedures.procedures import Procedures
+from .profiles.service import ProfileService
+from .profiles.start_up import Wish, start_up
 from .settings import Settings
 from .store.audit import AuditLog
 from .store.connections import ConnectionStore
@@ -62,11 +67,6 @@ from .store.recordings.library import Library
 from .store.saver import Saver
 from .store.tokens import NamedToken, TokenStore
 from .telemetry.hub import TelemetryHub
-from .tuning.at_rest import after_vanishing, anything_moves, stop_moving
-from .tuning.endless import EndlessService
-from .tuning.procedures import Procedures
-from .tuning.profiles.service import ProfileService
-from .tuning.start_up import Wish, start_up
 from .twin.service import Twin
 
 log = logging.getLogger("stepscope")

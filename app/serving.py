@@ -17,8 +17,8 @@ from urllib.parse import urlencode
 import uvicorn
 from fastapi import FastAPI
 
-from .api.access import is_stop
 from .api.app import build_routes
+from .api.http.access import is_stop
 from .certificate import require_certificate
 from .connections import (
     MESSAGE_BYTES_MAX,

@@ -31,7 +31,7 @@ def schema_text() -> str:
 def free_calls_text() -> str:
     """Return the calls that may be made without the lease, "METHOD /path": the page asks before all others."""
     from app.api.app import BASE
-    from app.api.lease_gate import FREE
+    from app.api.http.lease_gate import FREE
 
     return json.dumps(sorted(f"{method} {BASE}{path}" for method, path in FREE), indent=2) + "\n"
 

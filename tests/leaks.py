@@ -8,7 +8,7 @@ import os
 from collections import Counter
 from types import FrameType, ModuleType
 
-OF_TASKS = ("app.devices.actor.Actor", "app.store.audit.Request")
+OF_TASKS = ("app.devices.core.actor.Actor", "app.store.audit.Request")
 """Who has asked for what a task does: there as long as the task is."""
 
 

@@ -8,12 +8,12 @@ import threading
 import pytest
 from typer.testing import CliRunner
 
-from app import fault
 from app.cli import cli
+from app.emulator_server import fault
 from app.emulators.board.options import BoardPatch
 from app.emulators.line.faults import LinePatch
-from app.emulators.pd42.options import Pd42Patch
-from app.links.errors import LinkDown, LinkError, UnknownThing, UsageError
+from app.emulators.tmcl.options import Pd42Patch
+from app.errors import LinkDown, LinkError, UnknownThing, UsageError
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,8 @@ from typing import Annotated, Protocol, runtime_checkable
 
 from fastapi import Depends
 
-from ..devices.results import EventPage, RegisterReading, TmclExchange
-from ..links.errors import WrongState
+from ..devices.core.results import EventPage, RegisterReading, TmclExchange
+from ..errors import WrongState
 from .deps import CurrentDevice
 
 

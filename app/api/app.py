@@ -9,45 +9,43 @@ from fastapi import FastAPI
 
 from .. import __version__
 from ..settings import Settings
-from . import openapi, problems
-from .access import Access, new_token
-from .auditing import Auditing
+from .access import routes as access
+from .audit import routes as audit
 from .bench import Bench
-from .guard import Guard, is_loopback
-from .lease_gate import Free, LeaseGate
-from .log_ins import LogIns
-from .roles import Policy, RoleGate
-from .routes import (
-    access,
-    audit,
-    axes,
-    calc,
-    catalog,
-    closed_loop,
-    conditions,
-    devices,
-    emulator,
-    extended_position,
-    health,
-    lease,
-    links,
-    ports,
-    procedures,
-    profile_scripts,
-    profiles,
-    recordings,
-    registers,
-    start_up,
-    stop,
-    tables,
-    telemetry,
-    tmcl,
-    twin,
-)
-from .stops_first import StopsFirst
-from .twin_proxy import TwinProxy
-from .ui import WebUi
-from .who import Who
+from .calc import routes as calc
+from .catalog import routes as catalog
+from .closed_loop import routes as closed_loop
+from .conditions import routes as conditions
+from .console import routes as tmcl
+from .devices import emulator_routes as emulator
+from .devices import routes as devices
+from .health import routes as health
+from .http import openapi, problems
+from .http.access import Access, new_token
+from .http.actor import Who
+from .http.auditing import Auditing
+from .http.guard import Guard, is_loopback
+from .http.lease_gate import Free, LeaseGate
+from .http.log_ins import LogIns
+from .http.page import WebUi
+from .http.roles import Policy, RoleGate
+from .http.stops_first import StopsFirst
+from .lease import routes as lease
+from .links import port_routes as ports
+from .links import routes as links
+from .motion import procedure_routes as procedures
+from .motion import routes as axes
+from .motion import stop_routes as stop
+from .positions import routes as extended_position
+from .profiles import routes as profiles
+from .profiles import script_routes as profile_scripts
+from .recordings import routes as recordings
+from .registers import routes as registers
+from .start_up import routes as start_up
+from .tables import routes as tables
+from .telemetry import routes as telemetry
+from .twin import routes as twin
+from .twin.proxy import TwinProxy
 
 BASE = "/api/v1"
 # In the order in which addresses are matched, one after the other, which is most of what a request costs: a register

@@ -8,26 +8,26 @@ from dataclasses import dataclass, field
 from ..clock import BackgroundClock, Clock
 from ..conditions.service import ConditionService
 from ..devices.manager import DeviceManager
+from ..positions import EndlessService
+from ..procedures.procedures import Procedures
+from ..profiles.scripts.service import Scripts
+from ..profiles.service import ProfileService
 from ..settings import Settings
 from ..store.audit import AuditLog
 from ..store.database import Database
 from ..store.profiles import ProfileStore
 from ..store.saver import Saver
 from ..telemetry.hub import TelemetryHub
-from ..tuning.endless import EndlessService
-from ..tuning.procedures import Procedures
-from ..tuning.profile_scripts.service import Scripts
-from ..tuning.profiles.service import ProfileService
 from ..twin.service import Twin
-from .lease import Lease
-from .lease_gate import CallsUnderWay
-from .pages import Pages
-from .probing import Probing
-from .recording_desk import RecordingDesk
+from .access.tokens import Tokens
+from .conditions.pages import Pages
+from .health.vitals import Vitals
+from .http.lease_gate import CallsUnderWay
+from .http.sessions import Sessions
+from .lease.lease import Lease
+from .links.probing import Probing
+from .recordings.service import RecordingDesk
 from .schemas import Port
-from .sessions import Sessions
-from .tokens import Tokens
-from .vitals import Vitals
 
 
 @dataclass(frozen=True, slots=True)

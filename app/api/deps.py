@@ -7,7 +7,7 @@ from typing import Annotated, cast
 from fastapi import Depends, Path, Query
 from starlette.requests import HTTPConnection
 
-from ..devices.device import Axis, Device
+from ..devices.core.device import Axis, Device
 from .bench import Bench
 
 # All of these are coroutines, although none waits: FastAPI would send plain functions to a thread.

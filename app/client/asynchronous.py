@@ -20,32 +20,10 @@ from .arrival import LOOK_EVERY_S, Arrival
 from .audit import AuditEntry
 from .calls import Call
 from .errors import ClientError, NoServer
-from .http import (
-    TIMEOUT_S,
-    answer_of,
-    content_of,
-    headers,
-    options,
-    server_url,
-    socket_url,
-    timeout,
-    token_of,
-    told,
-)
+from .http import TIMEOUT_S, answer_of, content_of, headers, options, server_url, socket_url, timeout, token_of, told
 from .lease import AsyncLease, OnVanish
 from .profiles import SavedProfile
-from .records import (
-    AxisState,
-    Device,
-    Json,
-    LeaseState,
-    MoveStarted,
-    Reading,
-    Recording,
-    Samples,
-    Standing,
-    Written,
-)
+from .records import AxisState, Device, Json, LeaseState, MoveStarted, Reading, Recording, Samples, Standing, Written
 from .scripts import Script
 from .stream import SUBPROTOCOL, Collector, samples_of
 

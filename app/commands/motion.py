@@ -7,20 +7,9 @@ from typing import Annotated
 
 import typer
 
-from ..calc.number_text import plain
+from ..number_text import plain
 from .completion import complete_device
-from .shared import (
-    AsJson,
-    AxisNumber,
-    DeviceName,
-    Token,
-    Url,
-    connected,
-    print_json,
-    print_table,
-    progress,
-    shown,
-)
+from .shared import AsJson, AxisNumber, DeviceName, Token, Url, connected, print_json, print_table, progress, shown
 
 
 def axis(

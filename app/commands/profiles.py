@@ -55,7 +55,7 @@ def capture(
     as_json: AsJson = False,
 ) -> None:
     """Read a device's whole configuration, as a document: one register a line, or with --json every key in full."""
-    from ..tuning.profiles.document import parse, text_of
+    from ..profiles.document import parse, text_of
 
     with connected(url, token) as bench:
         document = dict(bench.profile(device))
@@ -95,7 +95,7 @@ def import_(
 @profile.command(no_args_is_help=True)
 def export(number: Number, out: Out = None, url: Url = None, token: Token = None, as_json: AsJson = False) -> None:
     """Write a kept profile to a file, one register a line, or with --json every key in full."""
-    from ..tuning.profiles.document import parse, text_of
+    from ..profiles.document import parse, text_of
 
     with connected(url, token) as bench:
         document = bench.saved_profile(number)

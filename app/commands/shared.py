@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from ..calc.number_text import plain
+from ..number_text import plain
 from .completion import complete_channel, complete_device
 
 if TYPE_CHECKING:

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ..calc.number_text import plain
+from ..number_text import plain
 from .shared import AsJson, DeviceName, Token, Url, connected, json_object, print_json, print_table
 
 

@@ -11,7 +11,7 @@ from typing import Annotated
 
 import typer
 
-from ..links.errors import BenchError
+from ..errors import BenchError
 from ..settings import Settings
 from ..store.tokens import Role, TokenStore
 from .shared import AsJson, print_json, print_table

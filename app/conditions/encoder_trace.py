@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass, field
 
-from ..calc.encoder_resolution import APART_TURNS, EncoderLine, Place, encoder_line
+from ..calc.positions.encoder_resolution import APART_TURNS, EncoderLine, Place, encoder_line
 
 KEPT = 32
 """Places kept of each direction."""

@@ -6,9 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Literal
 
-from ..calc.encoder_resolution import SLOPE_MIN, EncoderLine
-from ..devices.results import AxisState, DeviceState, MotionEnd, StopReason
-from ..devices.signs import NO_SIGNS, Evidence, Remedy, Sign, Signs, start_up
+from ..calc.positions.encoder_resolution import SLOPE_MIN, EncoderLine
+from ..devices.core.results import AxisState, DeviceState, MotionEnd, StopReason
+from ..devices.core.signs import NO_SIGNS, Evidence, Remedy, Sign, Signs, start_up
 
 Kind = Literal[
     "not_connected",

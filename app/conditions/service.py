@@ -8,15 +8,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 
-from ..calc.encoder_resolution import SLACK_MICROSTEPS, Place
+from ..calc.positions.encoder_resolution import SLACK_MICROSTEPS, Place
 from ..clock import Clock
-from ..devices.changes import RegisterChanged
-from ..devices.counter import CounterWritten, PositionSeen
-from ..devices.device import Device, DeviceEvent, LimitReached, MotionCommanded, StateChanged
-from ..devices.own_tasks import OwnTasks
-from ..devices.results import AxisState, MotionEnd
-from ..devices.signs import EncoderSeen, Evidence, Sign, Signs
-from ..links.errors import BenchError
+from ..devices.core.background_tasks import OwnTasks
+from ..devices.core.changes import RegisterChanged
+from ..devices.core.counter import CounterWritten, PositionSeen
+from ..devices.core.device import Device, DeviceEvent, LimitReached, MotionCommanded, StateChanged
+from ..devices.core.results import AxisState, MotionEnd
+from ..devices.core.signs import EncoderSeen, Evidence, Sign, Signs
+from ..errors import BenchError
 from ..links.queue import Priority, SampleDropped
 from .encoder_trace import EncoderTrace
 from .judge import Condition, Seen, Thresholds, WrongResolution, judge

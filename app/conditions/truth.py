@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Protocol, cast
 
-from ..devices.device import Device
-from ..emulators.truth import GroundTruth
+from ..devices.core.device import Device
+from ..emulators.core.ground_truth import GroundTruth
 from ..links.emulator import EmulatorPort
 
 

@@ -6,20 +6,20 @@ from collections.abc import Callable
 
 from ..clock import Clock
 from ..links.port import FramePort
-from ..registers.tmc5xxx import TABLES as TMC5XXX
-from . import start_up as ramp_start
-from .config import DeviceConfig
-from .device import Device
+from ..registers.tmc5xxx.table import TABLES as TMC5XXX
+from .core.config import DeviceConfig
+from .core.device import Device
+from .core.start_up import StartPlanner
 from .limits.apply import apply_limits
-from .pd42 import start_up as pd42_start
-from .pd42.driver import Pd42
-from .starting import StartPlanner
 from .tmc5xxx import start_up as tmc5xxx_start
 from .tmc5xxx.driver import Tmc5xxx
-from .tmc428 import Tmc428
-from .tmc4210 import Tmc4210
+from .tmc428 import start_up as ramp_start
+from .tmc428.tmc428 import Tmc428
+from .tmc428.tmc4210 import Tmc4210
 from .tmc4361 import start_up as tmc4361_start
 from .tmc4361.driver import Tmc4361
+from .tmcl import start_up as pd42_start
+from .tmcl.driver import Pd42
 
 DRIVERS: dict[str, Callable[[str, DeviceConfig, FramePort, Clock], Device]] = {
     "tmc428": Tmc428,

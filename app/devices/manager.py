@@ -14,16 +14,16 @@ from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import dataclass, replace
 
 from ..clock import Clock
-from ..links.errors import BenchError, DownloadMode, LinkTimeout, UnknownThing
+from ..errors import BenchError, DownloadMode, LinkTimeout, UnknownThing
 from ..links.registry import Link, PortFactory, open_port
 from ..registers.catalog import MODELS
-from .config import AxisSettings, DeviceConfig, unique_slug
-from .device import Device
+from .core.config import AxisSettings, DeviceConfig, unique_slug
+from .core.device import Device
+from .core.results import StopMode, StopOutcome
+from .core.stopping import Stopping
+from .core.watch import ANSWER_WITHIN_S, Watch
 from .families import make_device
 from .limits.apply import apply_limits, learn, require_clock
-from .results import StopMode, StopOutcome
-from .stopping import Stopping
-from .watch import ANSWER_WITHIN_S, Watch
 
 LET_GO_S = 1.0
 """How long letting go of a device may take to stop its motors [s]."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import contextlib
 
-from ..links.errors import BadReply
+from ..errors import BadReply
 from ..links.queue import LinkQueue
 from ..links.register_access import RegisterAccess
 from .tmc5xxx import identity as tmc5xxx

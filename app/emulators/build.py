@@ -6,17 +6,17 @@ from pathlib import Path
 from typing import Literal, cast, overload
 
 from ..clock import Clock
-from ..links.errors import OutOfRange, UnknownThing
+from ..errors import OutOfRange, UnknownThing
 from ..registers.catalog import MODELS
-from .device import EmulatedDevice
-from .options import EmulatorOptions
-from .pd42.module import MODEL as PD42_MODEL
-from .pd42.module import EmulatedModule
-from .pd42.options import Pd42Options
 from .tmc5xxx import MODELS as TMC5XXX_MODELS
 from .tmc5xxx import EmulatedTmc5xxx, Tmc5xxxModel, Tmc5xxxOptions
+from .tmc428.device import EmulatedDevice
+from .tmc428.options import EmulatorOptions
 from .tmc4361 import MODEL as TMC4361_MODEL
 from .tmc4361 import EmulatedTmc4361, Tmc4361Options
+from .tmcl.module import MODEL as PD42_MODEL
+from .tmcl.module import EmulatedModule
+from .tmcl.options import Pd42Options
 
 AnyOptions = EmulatorOptions | Pd42Options | Tmc4361Options | Tmc5xxxOptions
 AnyEmulator = EmulatedDevice | EmulatedModule | EmulatedTmc4361 | EmulatedTmc5xxx

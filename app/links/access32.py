@@ -7,8 +7,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from ..errors import BadReply
 from . import datagram32
-from .errors import BadReply
 
 READ_FRAMES = tuple(datagram32.read(address) for address in range(128))
 """Made once: a read of one register costs no encoding."""

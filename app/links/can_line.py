@@ -18,8 +18,8 @@ from importlib.util import find_spec
 from typing import Any
 
 from ..clock import Clock
-from ..registers.tmcl import Opcode
-from .errors import LinkDown, UsageError
+from ..errors import LinkDown, UsageError
+from ..registers.tmcl.commands import Opcode
 from .line_thread import Job
 from .port import Answer
 from .serial_address import openable, port_url

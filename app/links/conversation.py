@@ -10,7 +10,7 @@ import time
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 
-from .errors import BadReply
+from ..errors import BadReply
 from .incidents import Incidents
 from .port import Answer
 from .streams import Stream

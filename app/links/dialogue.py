@@ -19,10 +19,10 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 
+from ..errors import BadReply, LinkTimeout
 from ..registers.landungsbruecke import BoardOpcode
-from ..registers.tmcl import CONTROL_FIRST, Opcode, Status
+from ..registers.tmcl.commands import CONTROL_FIRST, Opcode, Status
 from .conversation import DRAIN_MAX_S, FOREIGN, HEARD_MAX, Conversation
-from .errors import BadReply, LinkTimeout
 from .incidents import IncidentKind, Incidents
 from .port import Answer
 from .streams import Stream

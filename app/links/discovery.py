@@ -11,10 +11,10 @@ from collections.abc import Callable, Sequence
 from contextlib import AsyncExitStack, aclosing
 from dataclasses import dataclass
 
+from ..errors import BadReply, LinkTimeout, WrongState
 from ..registers.landungsbruecke import ADDRESS as BOARD_ADDRESS
-from ..registers.tmcl import Opcode
+from ..registers.tmcl.commands import Opcode
 from .datagram_uart import UartForm
-from .errors import BadReply, LinkTimeout, WrongState
 from .landungsbruecke import Board, board_name, identify
 from .queue import LinkQueue, Priority
 from .serial_address import port_url

@@ -11,9 +11,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from weakref import WeakSet
 
-from ..registers.tmcl import CONTROL_FIRST, MAGIC, Opcode, Status
+from ..errors import DownloadMode
+from ..registers.tmcl.commands import CONTROL_FIRST, MAGIC, Opcode, Status
 from .arbiter import Priority
-from .errors import DownloadMode
 from .tmcl import FRAME_BYTES, has_plain_reply, sound, stops
 
 RESTARTS = frozenset({Opcode.FACTORY_DEFAULT, Opcode.RESET_MODULE})

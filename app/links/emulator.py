@@ -9,8 +9,8 @@ from __future__ import annotations
 import heapq
 from collections.abc import Callable, Sequence
 
+from ..errors import BenchError, LinkDown, LinkTimeout
 from . import datagram40
-from .errors import BenchError, LinkDown, LinkTimeout
 from .port import SampleSink, Wire
 
 CATCH_UP_S = 10.0

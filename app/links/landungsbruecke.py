@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 from ..clock import Clock
 from ..registers.landungsbruecke import ADDRESS, CHANNEL_1_BOARDS, CHANNEL_2_BOARDS, MODULE_NUMBERS
-from ..registers.tmcl import Opcode
+from ..registers.tmcl.commands import Opcode
 from .queue import LinkQueue, Priority
 from .serial_line import LinePort, serial_port
 from .tmcl import Reply, Request, version_string

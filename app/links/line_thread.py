@@ -15,8 +15,8 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 
+from ..errors import LinkDown, LinkError
 from .conversation import Conversation
-from .errors import LinkDown, LinkError
 from .incidents import Incidents
 from .port import Answer
 from .streams import Stream

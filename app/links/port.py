@@ -8,8 +8,8 @@ from enum import Enum
 from typing import Protocol
 
 from ..clock import ScaledClock
+from ..errors import BenchError
 from .arbiter import Arbiter
-from .errors import BenchError
 from .incidents import Incidents
 from .wire_budget import WireBudget
 

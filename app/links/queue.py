@@ -19,8 +19,8 @@ from dataclasses import dataclass, field
 from types import TracebackType
 from typing import Protocol, Self, cast
 
+from ..errors import BadReply, LinkDown, LinkError, LinkTimeout, WrongState
 from .arbiter import Arbiter, Priority
-from .errors import BadReply, LinkDown, LinkError, LinkTimeout, WrongState
 from .frame_log import FrameLog
 from .port import Answer, BatchPort, ChainPort, FramePort
 from .waits import Waits

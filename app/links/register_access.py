@@ -11,10 +11,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Protocol
 
+from ..errors import BadReply
 from ..registers.landungsbruecke import BoardOpcode
 from . import datagram40, datagram_uart, tmcl
 from .datagram_uart import IFCNT, UartForm
-from .errors import BadReply
 
 
 class RegisterAccess(Protocol):

@@ -6,9 +6,9 @@ from collections.abc import Callable, Mapping
 from typing import cast, get_args
 
 from ..clock import Clock
+from ..errors import OutOfRange, UnknownThing, UsageError
 from . import datagram32, datagram40, datagram_uart, landungsbruecke, spidev_port, uart_line
 from .can_line import can_port
-from .errors import OutOfRange, UnknownThing, UsageError
 from .port import FramePort
 from .serial_address import port_url
 from .serial_line import ADDRESS, BAUD, SOCKET, serial_port

@@ -14,7 +14,7 @@ from fnmatch import fnmatchcase
 
 from serial.tools import list_ports
 
-from .errors import LinkDown, UsageError
+from ..errors import LinkDown, UsageError
 
 OPTIONS = {
     "socket": frozenset[str](),

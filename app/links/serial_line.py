@@ -17,11 +17,11 @@ from functools import partial
 from typing import TypeVar, cast
 
 from ..clock import Clock, WallClock
+from ..errors import LinkDown
 from .arbiter import Arbiter
 from .conversation import Conversation
 from .dialogue import Dialogue
 from .download import Downloads
-from .errors import LinkDown
 from .incidents import Incidents
 from .line_thread import Job, LineThread
 from .port import Answer, Batch

@@ -13,7 +13,7 @@ from collections.abc import Callable, Sequence
 from typing import Protocol, cast
 
 from ..clock import Clock, WallClock
-from .errors import BadReply, LinkDown
+from ..errors import BadReply, LinkDown
 
 SPEED_HZ = 1_000_000
 """Well below what the chips allow: half of their clock (DS-TMC4361 5.3), a quarter in later revisions."""

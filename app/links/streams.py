@@ -18,7 +18,7 @@ from typing import Any, Protocol
 
 import serial
 
-from .errors import LinkDown
+from ..errors import LinkDown
 from .serial_address import openable
 
 if sys.platform != "win32":

@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from typing import cast
 
 from ..clock import Clock, WallClock
+from ..errors import BadReply, LinkDown, LinkTimeout
 from .datagram32 import FRAME_BYTES
-from .errors import BadReply, LinkDown, LinkTimeout
 
 TIMEOUT_S = 1.0
 CONNECT_TIMEOUT_S = 3.0

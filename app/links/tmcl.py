@@ -12,8 +12,8 @@ from __future__ import annotations
 import struct
 from dataclasses import dataclass
 
-from ..registers.tmcl import COORDINATES_IN_EEPROM, EXTENDED_ERRORS, STATUS_TEXTS, Opcode, Status
-from .errors import BadReply
+from ..errors import BadReply
+from ..registers.tmcl.commands import COORDINATES_IN_EEPROM, EXTENDED_ERRORS, STATUS_TEXTS, Opcode, Status
 
 FRAME_BYTES = 9
 RFS_STOP = 1

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-from ..registers.tmcl import BY_OPCODE, COMMANDS, CommandRow, Opcode
-from .errors import OutOfRange, UnknownThing, UsageError
+from ..errors import OutOfRange, UnknownThing, UsageError
+from ..registers.tmcl.commands import BY_OPCODE, COMMANDS, CommandRow, Opcode
 from .tmcl import as_value
 
 Command = tuple[int, int, int, int]

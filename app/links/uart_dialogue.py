@@ -21,9 +21,9 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Literal
 
+from ..errors import BadReply, LinkTimeout
 from .conversation import DRAIN_MAX_S, FOREIGN, HEARD_MAX, Conversation
 from .datagram_uart import IFCNT, WRITE_BIT, UartForm, is_sound
-from .errors import BadReply, LinkTimeout
 from .incidents import IncidentKind, Incidents
 from .port import Answer
 from .streams import Stream

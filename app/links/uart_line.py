@@ -10,9 +10,9 @@ from collections.abc import Callable, Sequence
 from functools import partial
 
 from ..clock import Clock
+from ..errors import LinkDown
 from .conversation import Conversation
 from .datagram_uart import WRITE_BIT, UartForm
-from .errors import LinkDown
 from .line_thread import Job
 from .serial_address import device_of
 from .serial_line import SOCKET, Line, LinePort, open_device, shared_line

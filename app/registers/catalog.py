@@ -5,8 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-from . import pd42, tmc5xxx, tmc428, tmc4210, tmc4361
 from .model import RegisterTable
+from .tmc5xxx import table as tmc5xxx
+from .tmc428 import tmc428, tmc4210
+from .tmc4361 import table as tmc4361
+from .tmcl import pd42
 
 
 @dataclass(frozen=True, slots=True)

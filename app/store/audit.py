@@ -18,9 +18,9 @@ from sqlalchemy import delete, func, insert, select
 from sqlalchemy.orm import InstrumentedAttribute, Session
 
 from ..clock import Clock
-from ..devices.actor import Actor, actor
-from ..devices.changes import DONE
-from ..links.errors import StoreUnavailable
+from ..devices.core.actor import Actor, actor
+from ..devices.core.changes import DONE
+from ..errors import StoreUnavailable
 from .audit_entries import Entry, Known, Wanted, entry_of, matching, row_of
 from .database import Database
 from .tables import AuditRow, Value

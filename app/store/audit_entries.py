@@ -10,8 +10,8 @@ from typing import cast, get_args
 from sqlalchemy import ColumnElement, Select, String, func, select
 from sqlalchemy import cast as as_type
 
-from ..devices.actor import ActorKind
-from ..devices.changes import DONE
+from ..devices.core.actor import ActorKind
+from ..devices.core.changes import DONE
 from .tables import AuditRow, Value
 
 LONG = {"who": 100, "address": 60, "device": 80, "action": 60, "subject": 200, "outcome": 500, "detail": 500}

@@ -9,8 +9,8 @@ from pathlib import Path
 
 from pydantic import TypeAdapter
 
-from ..devices.config import AxisSettings, DeviceConfig, unique_slug
-from ..links.errors import BenchError
+from ..devices.core.config import AxisSettings, DeviceConfig, unique_slug
+from ..errors import BenchError
 from .document import Entries, Entry, writable
 
 FILE_NAME = "connections.json"

@@ -24,7 +24,7 @@ from sqlalchemy import Connection, Engine, create_engine, event, inspect
 from sqlalchemy.exc import DatabaseError, DBAPIError, IntegrityError
 from sqlalchemy.orm import Session
 
-from ..links.errors import StoreUnavailable
+from ..errors import StoreUnavailable
 from .files import aside_name, exclusive
 from .tables import Base
 

@@ -11,7 +11,7 @@ from typing import Any
 from sqlalchemy import func, select
 from sqlalchemy.orm import Session
 
-from ..links.errors import UnknownThing, WrongState
+from ..errors import UnknownThing, WrongState
 from .database import Database
 from .tables import ProfileRow
 

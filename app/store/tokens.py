@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, get_args
 
-from ..links.errors import UnknownThing, UsageError, WrongState
+from ..errors import UnknownThing, UsageError, WrongState
 from .document import Entries, Entry, UnreadableDocument
 
 FORMAT, VERSION = "stepscope-tokens", 1

@@ -16,10 +16,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..clock import Clock
-from ..devices.changes import RegisterChanged
-from ..devices.device import Device, DeviceEvent, MotionCommanded, MotionStarted, StateChanged
-from ..devices.results import ChipEvents, MotionEnd
-from ..links.errors import BenchError, OutOfRange
+from ..devices.core.changes import RegisterChanged
+from ..devices.core.device import Device, DeviceEvent, MotionCommanded, MotionStarted, StateChanged
+from ..devices.core.results import ChipEvents, MotionEnd
+from ..errors import BenchError, OutOfRange
 from .group import PUMP_S, FloatArray, Group, Subscription, WireUse
 from .history import HISTORY_RATE_HZ, REST_RATE_HZ, SHARED_RATE_HZ, SHARED_SHARE, History
 from .reader import QUEUED_ROWS_LEAST, QUEUED_S, Gap, MoveSeen, Reader

@@ -6,9 +6,9 @@ import asyncio
 from collections.abc import Iterable
 
 from ..clock import Clock
-from ..devices.device import Device
-from ..devices.own_tasks import OwnTasks
-from ..links.errors import UnknownThing
+from ..devices.core.background_tasks import OwnTasks
+from ..devices.core.device import Device
+from ..errors import UnknownThing
 from .feed import Feed, Joined
 from .reader import Reader
 

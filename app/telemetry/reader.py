@@ -10,7 +10,7 @@ import asyncio
 from collections import deque
 from dataclasses import dataclass, field
 
-from ..devices.results import ChipEvents, MotionEnd
+from ..devices.core.results import ChipEvents, MotionEnd
 from .frames import encode_header
 
 QUEUED_S = 2.0

@@ -17,11 +17,11 @@ from typing import Any, Literal, Protocol
 import numpy as np
 
 from ..clock import Clock
-from ..devices.changes import RegisterChanged
-from ..devices.device import Device, DeviceEvent, MotionCommanded
-from ..devices.marks import MarkKind
-from ..devices.results import ChipEvents, MotionEnd
-from ..links.errors import OutOfRange, UnknownThing
+from ..devices.core.changes import RegisterChanged
+from ..devices.core.device import Device, DeviceEvent, MotionCommanded
+from ..devices.core.marks import MarkKind
+from ..devices.core.results import ChipEvents, MotionEnd
+from ..errors import OutOfRange, UnknownThing
 from .feed import Joined
 from .frames import FloatArray, Frame, decode
 from .hub import TelemetryHub

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..clock import Clock
-from ..devices.device import Device
-from ..links.errors import BadReply, BenchError
+from ..devices.core.device import Device
+from ..errors import BadReply, BenchError
 from ..links.queue import SampleDropped
 
 FloatArray = NDArray[np.float64]

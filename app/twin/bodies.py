@@ -12,20 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .geometry import (
-    Mesh,
-    arc,
-    arrow,
-    box,
-    disc,
-    merged,
-    prism,
-    ring,
-    shoe,
-    spindle,
-    square,
-    toothed,
-)
+from .geometry import Mesh, arc, arrow, box, disc, merged, prism, ring, shoe, spindle, square, toothed
 
 Vector = tuple[float, float, float]
 

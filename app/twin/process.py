@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-from ..links.errors import BenchError
+from ..errors import BenchError
 
 START_WITHIN_S = 30.0
 """How long the process may take until it answers [s]: a cold disk and a busy machine count."""

@@ -18,9 +18,9 @@ from typing import Literal
 import numpy as np
 
 from ..clock import Clock
-from ..devices.counter import CounterWritten
-from ..devices.device import Axis, Device, DeviceEvent
-from ..links.errors import BenchError, WrongState
+from ..devices.core.counter import CounterWritten
+from ..devices.core.device import Axis, Device, DeviceEvent
+from ..errors import BenchError, WrongState
 from ..telemetry.frames import Frame, decode
 from ..telemetry.hub import TelemetryHub
 from ..telemetry.reader import Reader

@@ -15,9 +15,9 @@ from app.clock import VirtualClock, WallClock
 from app.emulators.build import build_emulator
 from app.emulators.line.line import Line
 from app.emulators.line.server import serve_pty
-from app.emulators.pd42.module import EmulatedModule
-from app.emulators.pd42.options import Pd42Options
 from app.emulators.server import serve_tcp
+from app.emulators.tmcl.module import EmulatedModule
+from app.emulators.tmcl.options import Pd42Options
 from app.main import create_app
 from app.settings import Settings
 

@@ -10,9 +10,9 @@ import httpx
 import pytest
 from fastapi import FastAPI
 
-from app.api.access import ADDRESSES_MAX, GUESSES, WINDOW_S, Guesses
-from app.api.guard import is_loopback
-from app.api.log_ins import REFUSED_MAX, REFUSED_S
+from app.api.http.access import ADDRESSES_MAX, GUESSES, WINDOW_S, Guesses
+from app.api.http.guard import is_loopback
+from app.api.http.log_ins import REFUSED_MAX, REFUSED_S
 from app.clock import VirtualClock
 from app.main import create_app
 from app.serving import _address, _without_token

@@ -14,10 +14,10 @@ import httpx
 import pytest
 from fastapi import FastAPI
 
-from app.api import audit_words
-from app.api.guard import SAFE_METHODS
-from app.devices.device import LimitReached
-from app.links.errors import LinkTimeout
+from app.api.audit import wording as audit_words
+from app.api.http.guard import SAFE_METHODS
+from app.devices.core.device import LimitReached
+from app.errors import LinkTimeout
 from app.main import bench_of, create_app
 from app.settings import Settings
 from app.store.database import FILE_NAME
@@ -269,8 +269,8 @@ async def test_times_are_understood_as_people_write_them(client: httpx.AsyncClie
 async def test_it_comes_as_csv_that_no_spreadsheet_runs(
     client: httpx.AsyncClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("app.api.routes.audit.PIECE", 2)
-    monkeypatch.setattr("app.api.audit_csv.PIECE", 2)
+    monkeypatch.setattr("app.api.audit.routes.PIECE", 2)
+    monkeypatch.setattr("app.api.audit.csv_text.PIECE", 2)
     await client.put(
         "devices/bench/registers/v_min?axis=0", json={"value": 9}, headers={"Stepscope-Name": "=HYPERLINK(1)"}
     )

@@ -7,9 +7,9 @@ from typing import Any
 import httpx
 import pytest
 
-from app.calc.pmul_pdiv import design
-from app.calc.ramp import RampParameters, exact_ramp
-from app.calc.sixpoint import SixPoint, position_plan
+from app.calc.ramps.pmul_pdiv import design
+from app.calc.ramps.sixpoint import SixPoint, position_plan
+from app.calc.ramps.ticked import RampParameters, exact_ramp
 
 RAMP: dict[str, Any] = {"v_min": 1, "v_max": 1000, "a_max": 172, "ramp_div": 7, "pulse_div": 2, "pmul": 35, "pdiv": 9}
 

@@ -8,8 +8,8 @@ from collections.abc import AsyncIterator, Iterator
 import httpx
 import pytest
 
-from app.api.chip_control import make_chip_control_app
 from app.clock import WallClock
+from app.emulator_server.chip_control import make_chip_control_app
 from app.emulators.line.server import LineServer
 from app.emulators.line.uart import uart_line
 from app.emulators.tmc5xxx import EmulatedTmc5xxx

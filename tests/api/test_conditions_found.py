@@ -9,9 +9,9 @@ import pytest
 from fastapi import FastAPI
 
 from app.clock import VirtualClock
-from app.devices import start_up as ramp_start
-from app.devices.device import Device
+from app.devices.core.device import Device
 from app.devices.tmc5xxx import start_up as six_point_start
+from app.devices.tmc428 import start_up as ramp_start
 from app.devices.tmc4361 import start_up as s_ramp_start
 from app.main import bench_of
 

@@ -15,7 +15,7 @@ import httpx
 import pytest
 from fastapi import FastAPI
 
-from app.api.routes.emulator import PATCHES
+from app.api.devices.emulator_routes import PATCHES
 from app.clock import VirtualClock
 from app.conditions.truth import truth_of
 from app.links.emulator import EmulatorPort

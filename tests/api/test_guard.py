@@ -5,7 +5,7 @@ from __future__ import annotations
 import httpx
 import pytest
 
-from app.api.guard import host_is_ours, host_name, origin_is_ours
+from app.api.http.guard import host_is_ours, host_name, origin_is_ours
 from app.main import create_app
 from app.settings import Settings
 

@@ -13,7 +13,7 @@ from prometheus_client.parser import text_string_to_metric_families
 from websockets.asyncio.client import connect
 
 from app import __version__
-from app.api.vitals import LoopLag, Vitals
+from app.api.health.vitals import LoopLag, Vitals
 from app.clock import VirtualClock, WallClock
 from app.links.arbiter import Arbiter, Priority
 from app.links.waits import Waits
@@ -155,7 +155,7 @@ async def test_a_disk_that_does_not_answer_costs_one_thread(
 ) -> None:
     import threading
 
-    from app.api import vitals as module
+    from app.api.health import vitals as module
 
     answer, looks = threading.Event(), []
 

@@ -7,8 +7,8 @@ from typing import Any
 import httpx
 import pytest
 
-from app.calc.input_filter import EXAMPLES, GROUP_PINS, bounds, filtered, levels_of
-from app.registers.tmc4361 import TMC4361
+from app.calc.signals.input_filter import EXAMPLES, GROUP_PINS, bounds, filtered, levels_of
+from app.registers.tmc4361.table import TMC4361
 
 
 async def asked(client: httpx.AsyncClient, **body: object) -> dict[str, Any]:

@@ -9,7 +9,7 @@ import pytest
 from fastapi import FastAPI
 
 from app.api.bench import Bench
-from app.api.lease import LeaseEvent
+from app.api.lease.lease import LeaseEvent
 from app.clock import VirtualClock
 from app.main import bench_of
 

@@ -11,8 +11,8 @@ from fastapi import FastAPI
 from fastapi.routing import iter_route_contexts
 
 from app.api.app import BASE
-from app.api.guard import SAFE_METHODS
-from app.api.lease_gate import CHANGING_METHODS, FREE, Free
+from app.api.http.guard import SAFE_METHODS
+from app.api.http.lease_gate import CHANGING_METHODS, FREE, Free
 
 HOLDER = {"stepscope-session": "the-session-of-the-holder"}
 OTHER = {"stepscope-session": "the-session-of-somebody-else"}

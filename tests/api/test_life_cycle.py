@@ -19,7 +19,7 @@ import pytest
 from fastapi import FastAPI
 
 from app.clock import VirtualClock
-from app.devices.found_moving import FoundMoving
+from app.devices.core.found_moving import FoundMoving
 from app.links import datagram32
 from app.main import bench_of
 from tests.api.processes import address, running

@@ -8,12 +8,12 @@ from collections.abc import AsyncIterator, Iterator
 import httpx
 import pytest
 
-from app.api.line_control import Controlled, make_control_app
 from app.clock import WallClock
+from app.emulator_server.line_control import Controlled, make_control_app
 from app.emulators.line.line import Line
 from app.emulators.line.server import LineServer
-from app.emulators.pd42.module import EmulatedModule
-from app.emulators.pd42.options import Pd42Options
+from app.emulators.tmcl.module import EmulatedModule
+from app.emulators.tmcl.options import Pd42Options
 
 
 @pytest.fixture(params=[(1,), (1, 7)], ids=["one module", "two modules"])

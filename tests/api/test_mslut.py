@@ -7,7 +7,7 @@ from typing import Any
 import httpx
 import pytest
 
-from app.calc.mslut import POWER_ON, Wave, decode
+from app.calc.microsteps.mslut import POWER_ON, Wave, decode
 from app.clock import VirtualClock
 
 POWER_1100_LUT = ["A492487E", "294A52A4", "492494A5", "82110912", "00000080", "DB777DF8", "252AAAD6", "00808449"]

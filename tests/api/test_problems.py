@@ -9,17 +9,8 @@ import httpx
 import pytest
 from fastapi import FastAPI
 
-from app.api.problems import KINDS, kind_of, problem_of
-from app.links.errors import (
-    BadReply,
-    BenchError,
-    LinkDown,
-    LinkTimeout,
-    OutOfRange,
-    UnknownThing,
-    WriteRefused,
-    WrongState,
-)
+from app.api.http.problems import KINDS, kind_of, problem_of
+from app.errors import BadReply, BenchError, LinkDown, LinkTimeout, OutOfRange, UnknownThing, WriteRefused, WrongState
 from app.links.queue import SampleDropped
 
 

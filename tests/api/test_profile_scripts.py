@@ -5,7 +5,7 @@ from __future__ import annotations
 import httpx
 import pytest
 
-from app.tuning.profile_scripts.service import RENDER
+from app.profiles.scripts.service import RENDER
 
 
 async def test_a_kept_profile_as_a_script(client: httpx.AsyncClient) -> None:

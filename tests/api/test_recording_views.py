@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from fastapi import FastAPI
 
-from app.api.recording_desk import RecordingDesk
+from app.api.recordings.service import RecordingDesk
 from app.clock import VirtualClock
 from app.main import bench_of
 from app.telemetry.frames import decode

@@ -18,12 +18,12 @@ from tests.api.live import live_server
 from tests.leaks import app_objects, descriptors, holders, tasks
 
 OF_A_DEVICE = (
-    "app.devices.device.",
+    "app.devices.core.device.",
     "app.links.",
     "app.telemetry.",
     "app.conditions.",
     "app.twin.",
-    "app.tuning.endless",
+    "app.positions",
 )
 SETTLED_S = 15.0
 """Closed sockets and cut samples come to their end by themselves, within the time limits of a link."""

@@ -13,9 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.api.app import BASE
-from app.api.guard import SAFE_METHODS
-from app.api.lease_gate import STOPS
-from app.api.roles import ADMINISTERS, LOOKING_SOCKETS, LOOKS, Policy
+from app.api.http.guard import SAFE_METHODS
+from app.api.http.lease_gate import STOPS
+from app.api.http.roles import ADMINISTERS, LOOKING_SOCKETS, LOOKS, Policy
 from app.clock import VirtualClock
 from app.main import bench_of, create_app
 from app.settings import Settings

@@ -15,8 +15,8 @@ import pytest
 from app.api.app import build_routes
 from app.clock import WallClock
 from app.emulators.build import build_emulator
-from app.emulators.options import EmulatorPatch
 from app.emulators.server import serve_tcp
+from app.emulators.tmc428.options import EmulatorPatch
 from app.links import datagram32
 from app.main import create_app
 from app.settings import Settings

@@ -7,8 +7,8 @@ import contextlib
 
 from starlette.types import Message, Receive, Scope, Send
 
-from app.api.identity import ANYBODY, identify
-from app.api.sockets import ENDED, Sockets
+from app.api.http.identity import ANYBODY, identify
+from app.api.http.sockets import ENDED, Sockets
 
 
 async def never() -> Message:

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from app.calc.motor_torque import StepperMotor
-from app.calc.ramp_trapezoid import trapezoid_ramp
-from app.calc.sramp import SRamp, position_plan, velocity_plan
-from app.calc.tmc4361_formats import Units
+from app.calc.ramps.sramp import SRamp, position_plan, velocity_plan
+from app.calc.ramps.trapezoid import trapezoid_ramp
+from app.calc.units.tmc4361 import Units
 
 RAMP: dict[str, Any] = {
     "vmax": 50_000,

@@ -11,9 +11,9 @@ from fastapi import FastAPI
 from app.client import AsyncBench
 from app.clock import VirtualClock
 from app.main import bench_of, create_app
+from app.profiles.capture import read_held
 from app.registers.catalog import MODELS
 from app.settings import Settings
-from app.tuning.profiles.capture import read_held
 
 
 async def added(client: httpx.AsyncClient, model: str, **more: Any) -> dict[str, Any]:

@@ -15,11 +15,11 @@ from starlette.types import Message
 
 from app.clock import HELD_MAX_S, TURN_S, VirtualClock, WallClock
 from app.conditions.service import LOOK_EVERY_S
-from app.devices import stopping
+from app.devices.core import stopping
 from app.emulators.build import build_emulator
-from app.emulators.device import EmulatedDevice
-from app.emulators.options import EmulatorPatch
 from app.emulators.server import serve_tcp
+from app.emulators.tmc428.device import EmulatedDevice
+from app.emulators.tmc428.options import EmulatorPatch
 from app.links.queue import Priority
 from app.main import bench_of
 from app.serving import keep_out_of_collections

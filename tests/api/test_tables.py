@@ -5,8 +5,8 @@ from __future__ import annotations
 import httpx
 import pytest
 
-from app.calc.driver_chain import build_chain
-from app.calc.microstep_table import design_table
+from app.calc.driver_chain.chain import build_chain
+from app.calc.microsteps.table import design_table
 
 
 async def test_a_table_is_in_the_chip_when_the_answer_comes(client: httpx.AsyncClient) -> None:

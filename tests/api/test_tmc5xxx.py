@@ -8,7 +8,7 @@ import httpx
 import pytest
 
 from app.clock import VirtualClock
-from app.registers.tmc5xxx import AXES
+from app.registers.tmc5xxx.table import AXES
 
 CHIP = "devices/slide"
 AXIS = f"{CHIP}/axes/0"

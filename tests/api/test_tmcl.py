@@ -9,14 +9,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.api.schemas_tmcl import TmclFields
-from app.api.tmcl_text import command_of
+from app.api.console.schemas import TmclFields
+from app.api.console.tmcl_text import command_of
 from app.clock import VirtualClock
-from app.devices.pd42.frames import spelled
-from app.links.errors import UsageError
+from app.devices.tmcl.frames import spelled
+from app.errors import UsageError
 from app.links.tmcl import Request, check_reply
 from app.links.tmcl_text import parse_line
-from app.registers.tmcl import COMMANDS
+from app.registers.tmcl.commands import COMMANDS
 
 
 @pytest.mark.sheet("FM-PD42-1241", "3.6.4")

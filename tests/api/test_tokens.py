@@ -16,10 +16,10 @@ from fastapi import FastAPI
 from websockets.asyncio.client import connect
 from websockets.exceptions import InvalidStatus
 
-from app.api.access import GUESSES
 from app.api.app import BASE
+from app.api.http.access import GUESSES
 from app.clock import VirtualClock
-from app.links.errors import UnknownThing, UsageError, WrongState
+from app.errors import UnknownThing, UsageError, WrongState
 from app.main import bench_of, create_app
 from app.settings import Settings
 from app.store.tokens import TokenStore

@@ -15,8 +15,8 @@ import websockets
 from websockets.asyncio.client import ClientConnection
 from websockets.typing import Origin, Subprotocol
 
-from app.api import twin_proxy
-from app.api.twin_proxy import policy
+from app.api.twin import proxy as twin_proxy
+from app.api.twin.proxy import policy
 from tests.api.live import live_server
 
 PROTOCOL = Subprotocol(f"viser-v{viser.__version__}")

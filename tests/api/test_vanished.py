@@ -10,7 +10,7 @@ import httpx
 import pytest
 from fastapi import FastAPI
 
-from app.api.lease import LeaseEvent
+from app.api.lease.lease import LeaseEvent
 from app.clock import VirtualClock
 from app.main import bench_of
 from tests.api import test_tmc5xxx, test_tmc4361

@@ -11,9 +11,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from starlette.types import Receive, Scope, Send
 
-from app.api.identity import ANYBODY, Identity, identify
-from app.api.who import NAME_MAX, Who, plain_name
-from app.devices.actor import STEPSCOPE, Actor, actor
+from app.api.http.actor import NAME_MAX, Who, plain_name
+from app.api.http.identity import ANYBODY, Identity, identify
+from app.devices.core.actor import STEPSCOPE, Actor, actor
 
 SESSION = "0f8fad5b-d9cb-469f-a165-70867728950e"
 CHROME = "Mozilla/5.0 (X11; Linux x86_64) AppleWebKit/537.36 Chrome/142"

@@ -8,7 +8,7 @@ import time
 import numpy as np
 from numpy.typing import NDArray
 
-from app.calc import pmul_pdiv
+from app.calc.ramps import pmul_pdiv
 from tests.bench.table import Row
 
 REQUIRED = 50.0

@@ -9,10 +9,10 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 
-from app.calc.driver_chain import build_chain
+from app.calc.driver_chain.chain import build_chain
 from app.clock import VirtualClock
 from app.emulators.build import build_emulator
-from app.emulators.options import EmulatorOptions, StageOptions
+from app.emulators.tmc428.options import EmulatorOptions, StageOptions
 from tests.bench.table import Row
 from tests.emulators.lockstep import Pair
 

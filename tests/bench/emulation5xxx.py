@@ -14,7 +14,7 @@ from app.clock import VirtualClock
 from app.emulators.build import build_emulator
 from app.emulators.tmc5xxx import MODELS, EmulatedTmc5xxx, Tmc5xxxModel, Tmc5xxxOptions
 from app.links.datagram40 import Reply, read, read_chain
-from app.registers.tmc5xxx import AXES, TABLES
+from app.registers.tmc5xxx.table import AXES, TABLES
 from tests.bench.table import Row
 
 REQUIRED = 100.0

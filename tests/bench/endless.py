@@ -15,24 +15,24 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any, cast
 
-from app.calc.extended_position import Counter
-from app.calc.rotary import TurnOffset
+from app.calc.positions.extended import Counter
+from app.calc.positions.rotary import TurnOffset
 from app.clock import VirtualClock, WallClock
-from app.devices.config import DeviceConfig
-from app.devices.device import Device
+from app.devices.core.config import DeviceConfig
+from app.devices.core.device import Device
 from app.devices.manager import DeviceManager
-from app.devices.start_up import AxisStart
-from app.devices.start_up import start_up as start_up_428
 from app.devices.tmc5xxx.driver import Tmc5xxx
 from app.devices.tmc5xxx.start_up import Start, start_up
+from app.devices.tmc428.start_up import AxisStart
+from app.devices.tmc428.start_up import start_up as start_up_428
 from app.emulators.build import build_emulator
 from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxOptions
 from app.links.emulator import EmulatorPort
 from app.main import emulator_port
+from app.positions import EndlessService
+from app.positions.axis import WatchedAxis
+from app.positions.observer import Followed
 from app.registers.catalog import MODELS
-from app.tuning.endless import EndlessService
-from app.tuning.endless.axis import WatchedAxis
-from app.tuning.endless.followed import Followed
 from tests.bench.table import Row
 
 AXES = 32

@@ -7,9 +7,9 @@ import time
 
 import numpy as np
 
-from app.calc.mslut import POWER_ON, decode, encode, refusals
-from app.calc.mslut_nearest import nearest
-from app.calc.mslut_waves import GRIDS, Formula, exponent_of_thousandths, wanted_wave
+from app.calc.microsteps.mslut import POWER_ON, decode, encode, refusals
+from app.calc.microsteps.mslut_nearest import nearest
+from app.calc.microsteps.mslut_waves import GRIDS, Formula, exponent_of_thousandths, wanted_wave
 from tests.bench.table import Row
 
 AMPLITUDES = (None, 120.0, 200.0, 255.0)

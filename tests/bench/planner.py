@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from ruckig import InputParameter, Ruckig, Trajectory
 
-from app.calc.sramp import SRamp, position_plan, warm_up
-from app.calc.sramp_many import plan_many
+from app.calc.ramps.sramp import SRamp, position_plan, warm_up
+from app.calc.ramps.sramp_many import plan_many
 from tests.bench.table import Row
 
 MANY_REQUIRED = 1.0

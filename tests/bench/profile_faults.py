@@ -14,8 +14,8 @@ import sys
 from collections import Counter
 from collections.abc import Sequence
 
+from app.profiles.document import ProfileDocument
 from app.registers.catalog import MODELS
-from app.tuning.profiles.document import ProfileDocument
 from tests.bench.table import Row, render
 from tests.tuning.profiles.faults import FAULTS, NEEDS_READING, Fault, Report, target_of, try_fault
 

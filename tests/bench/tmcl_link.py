@@ -17,16 +17,16 @@ from contextlib import asynccontextmanager
 from pathlib import Path
 
 from app.clock import WallClock
-from app.devices.config import DeviceConfig
-from app.devices.device import Device
+from app.devices.core.config import DeviceConfig
+from app.devices.core.device import Device
 from app.devices.manager import DeviceManager
-from app.fault import change
-from app.links.errors import BenchError
+from app.emulator_server.fault import change
+from app.errors import BenchError
 from app.links.queue import LinkQueue
 from app.links.registry import serial_factory
 from app.links.serial_line import LinePort, serial_port
 from app.links.streams import FdStream
-from app.registers.tmcl import Opcode
+from app.registers.tmcl.commands import Opcode
 from app.telemetry.sampling import Sampling
 from tests.bench.table import Row
 from tests.bench.tmcl_peer import GAP_ACTUAL_POSITION, emulated_pty, pytrinamic_gaps_per_s, raw_gaps_per_s

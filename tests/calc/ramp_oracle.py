@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import isqrt
 from typing import NamedTuple
 
-from app.calc.ramp import RampParameters, RampStart
+from app.calc.ramps.ticked import RampParameters, RampStart
 
 
 class Instant(NamedTuple):

@@ -7,7 +7,7 @@ more than AMAX. A move follows VMAX for a number of steps and brakes; the number
 
 from __future__ import annotations
 
-from app.calc.sramp import SRamp
+from app.calc.ramps.sramp import SRamp
 
 MOST_STEPS = 20_000
 

@@ -6,7 +6,7 @@ import math
 
 from hypothesis import strategies as st
 
-from app.calc.sramp import SRamp
+from app.calc.ramps.sramp import SRamp
 
 
 def decades(low: float, high: float) -> st.SearchStrategy[float]:

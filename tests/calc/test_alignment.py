@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.alignment import at_times, difference_of, usual_interval_s
+from app.calc.signals.alignment import at_times, difference_of, usual_interval_s
 
 TIME_S = np.array([0.0, 1.0, 2.0, 3.0, 10.0, 11.0])
 VALUES = np.array([0.0, 10.0, np.nan, 30.0, 40.0, 50.0])

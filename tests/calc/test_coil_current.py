@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.coil_current import CHIPS, CurrentStage, error, nearest_hold, warnings
+from app.calc.current.coil import CHIPS, CurrentStage, error, nearest_hold, warnings
 
 MODELS = list(CHIPS)
 SENSE_OHM = st.floats(0.02, 1.0)

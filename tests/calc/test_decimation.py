@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from app.calc.decimation import extremes
+from app.calc.signals.decimation import extremes
 
 SAMPLES = arrays(
     np.float64, st.integers(0, 400), elements=st.floats(-1e6, 1e6, width=32) | st.sampled_from([np.nan, 0.0, 1.0])

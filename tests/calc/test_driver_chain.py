@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.driver_chain import (
+from app.calc.driver_chain.chain import (
     KNOWN_DRIVERS,
     DriverSpec,
     Signal,
@@ -17,7 +17,7 @@ from app.calc.driver_chain import (
     signal_code,
     signal_name,
 )
-from app.calc.ram_words import unpack_words
+from app.calc.driver_chain.ram_words import unpack_words
 
 TABLE_11_1 = """
 DAC_A_0 00  DAC_A_1 01  DAC_A_2 02  DAC_A_3 03  DAC_A_4 04  DAC_A_5 05  PH_A 06  FD_A 07

@@ -6,14 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.driver_chain import (
-    KNOWN_DRIVERS,
-    DriverSpec,
-    build_chain,
-    chain_ram_from_datagrams,
-    decode_chain,
-)
-from app.calc.ram_words import pack_cells, unpack_words
+from app.calc.driver_chain.chain import KNOWN_DRIVERS, DriverSpec, build_chain, chain_ram_from_datagrams, decode_chain
+from app.calc.driver_chain.ram_words import pack_cells, unpack_words
 
 MEANS_NOTHING = 0xFF_FFFF & ~0x3F3F
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.driver_chain import build_chain, chain_frequencies, decode_chain
+from app.calc.driver_chain.chain import build_chain, chain_frequencies, decode_chain
 
 CLOCK_HZ = 16e6
 THREE = build_chain(["tmc236"] * 3)

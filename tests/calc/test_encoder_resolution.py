@@ -6,7 +6,7 @@ import random
 
 import pytest
 
-from app.calc.encoder_resolution import USUAL_COUNTS, constant_of, measured_encoder
+from app.calc.positions.encoder_resolution import USUAL_COUNTS, constant_of, measured_encoder
 
 TURN = 200 * 256
 WAY = 16 * 256

@@ -8,15 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.extended_position import (
-    LIMIT,
-    Counter,
-    ExtendedPosition,
-    TooLate,
-    compare_count,
-    next_target,
-    pieces,
-)
+from app.calc.positions.extended import LIMIT, Counter, ExtendedPosition, TooLate, compare_count, next_target, pieces
 
 counters = st.sampled_from([Counter(bits) for bits in (4, 24, 32)])
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from app.calc.figures import figures
+from app.calc.signals.statistics import figures
 
 
 def test_a_damped_step_settles_and_overshoots_as_theory_says() -> None:

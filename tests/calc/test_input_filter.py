@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.input_filter import EXAMPLES, bounds, filtered, groups, levels_of
-from app.registers.tmc4361 import TMC4361
+from app.calc.signals.input_filter import EXAMPLES, bounds, filtered, groups, levels_of
+from app.registers.tmc4361.table import TMC4361
 
 SETTINGS = [(rate, length) for rate in range(8) for length in range(8)]
 

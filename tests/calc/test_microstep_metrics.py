@@ -10,9 +10,9 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from app.calc.microstep_metrics import TableMetrics, metrics, metrics_of_currents
-from app.calc.microstep_shapes import rhomb
-from app.calc.microstep_table import design_table
+from app.calc.microsteps.metrics import TableMetrics, metrics, metrics_of_currents
+from app.calc.microsteps.shapes import rhomb
+from app.calc.microsteps.table import design_table
 
 tables = st.lists(st.integers(0, 63), min_size=64, max_size=64)
 resolutions = st.integers(0, 6)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.microstep_sequencer import SequencerStep, increment, step_through, table_index
+from app.calc.microsteps.sequencer import SequencerStep, increment, step_through, table_index
 
 RAMP = tuple(range(64))
 """A table whose values are their own indices."""

@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.microstep_shapes import box, circle, f_sigma, quarter_positions, rhomb
-from app.calc.microstep_table import METHODS, Method, checked_values, design_table
+from app.calc.microsteps.shapes import box, circle, f_sigma, quarter_positions, rhomb
+from app.calc.microsteps.table import METHODS, Method, checked_values, design_table
 
 # The list printed in chapter 12 with its two lost 63s put back (the formula and Table 12-2 have them).
 PRINTED_TABLE = (

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.microstep_table import (
+from app.calc.microsteps.table import (
     checked_values,
     design_table,
     table_datagrams,

@@ -14,7 +14,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from app.calc.mslut import (
+from app.calc.microsteps.mslut import (
     POWER_ON,
     MslutRegisters,
     NotEncodable,

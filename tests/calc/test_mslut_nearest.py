@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from app.calc.mslut import POWER_ON, decode, encode, refusals
-from app.calc.mslut_nearest import NORMS, Nearest, Norm, nearest
-from app.calc.mslut_waves import Formula, wanted_wave
+from app.calc.microsteps.mslut import POWER_ON, decode, encode, refusals
+from app.calc.microsteps.mslut_nearest import NORMS, Nearest, Norm, nearest
+from app.calc.microsteps.mslut_waves import Formula, wanted_wave
 
 norms = st.sampled_from(NORMS)
 mirrors = st.sampled_from([-1, 0])

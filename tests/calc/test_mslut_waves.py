@@ -9,17 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.microstep_shapes import f_sigma
-from app.calc.mslut import POWER_ON, Wave, decode, encode, refusals
-from app.calc.mslut_metrics import MslutMetrics, mslut_metrics
-from app.calc.mslut_waves import (
-    GRIDS,
-    Formula,
-    Grid,
-    Term,
-    exponent_of_thousandths,
-    wanted_wave,
-)
+from app.calc.microsteps.mslut import POWER_ON, Wave, decode, encode, refusals
+from app.calc.microsteps.mslut_metrics import MslutMetrics, mslut_metrics
+from app.calc.microsteps.mslut_waves import GRIDS, Formula, Grid, Term, exponent_of_thousandths, wanted_wave
+from app.calc.microsteps.shapes import f_sigma
 
 HALF_STEPS = (np.arange(256) + 0.5) / 256
 grids = st.sampled_from(GRIDS)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.number_text import plain
+from app.number_text import plain
 
 
 @pytest.mark.parametrize(

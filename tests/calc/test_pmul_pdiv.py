@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.calc.pmul_pdiv import a_max_lower_limit, a_max_upper_limit, default_reduction, design, design_many
+from app.calc.ramps.pmul_pdiv import a_max_lower_limit, a_max_upper_limit, default_reduction, design, design_many
 
 dividers = st.integers(0, 13)
 reductions = st.one_of(st.sampled_from([0.0, 0.01, 0.05]), st.floats(0, 0.99))

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.calc.mechanics import Mechanics
-from app.calc.pmul_pdiv import a_max_lower_limit, a_max_upper_limit, design, inverse
-from app.calc.ramp import RampParameters, ramp_ending
-from app.calc.units import acceleration_hz_s, pulse_rate_hz
+from app.calc.ramps.pmul_pdiv import a_max_lower_limit, a_max_upper_limit, design, inverse
+from app.calc.ramps.ticked import RampParameters, ramp_ending
+from app.calc.units.mechanics import Mechanics
+from app.calc.units.tmc428 import acceleration_hz_s, pulse_rate_hz
 
 
 @settings(max_examples=200, deadline=None)

@@ -12,10 +12,10 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from app.calc.pmul_pdiv import a_max_lower_limit, a_max_upper_limit, design
-from app.calc.ramp import RampParameters, RampStart, exact_ramp, ramp_ending
-from app.calc.ramp_curve import RampCurve
-from app.calc.units import acceleration_hz_s, pulse_rate_hz, steps_during_acceleration
+from app.calc.ramps.curve import RampCurve
+from app.calc.ramps.pmul_pdiv import a_max_lower_limit, a_max_upper_limit, design
+from app.calc.ramps.ticked import RampParameters, RampStart, exact_ramp, ramp_ending
+from app.calc.units.tmc428 import acceleration_hz_s, pulse_rate_hz, steps_during_acceleration
 from tests.calc.ramp_oracle import ticks
 
 PLAIN = RampParameters(v_min=1, v_max=1000, a_max=100, ramp_div=5, pulse_div=5, pmul=66, pdiv=5)

@@ -8,7 +8,7 @@ from __future__ import annotations
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.calc.ramp import RampParameters, RampStart, exact_ramp
+from app.calc.ramps.ticked import RampParameters, RampStart, exact_ramp
 from app.clock import VirtualClock
 from app.emulators.build import build_emulator
 from app.links.datagram32 import Reply, read, write

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.pmul_pdiv import design
-from app.calc.ramp import RampParameters, exact_ramp
-from app.calc.ramp_trapezoid import trapezoid_ramp
-from app.calc.units import acceleration_hz_s, pulse_rate_hz
+from app.calc.ramps.pmul_pdiv import design
+from app.calc.ramps.ticked import RampParameters, exact_ramp
+from app.calc.ramps.trapezoid import trapezoid_ramp
+from app.calc.units.tmc428 import acceleration_hz_s, pulse_rate_hz
 
 rates = st.floats(1.0, 1e6)
 

@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from app.calc.response import score
+from app.calc.signals.step_response import score
 
 TIME_S = np.linspace(-0.1, 1.0, 11_001)
 

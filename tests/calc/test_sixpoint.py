@@ -10,8 +10,8 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from app.calc.ramp_trapezoid import trapezoid_ramp
-from app.calc.sixpoint import MotionPlan, SixPoint, position_plan, sixpoint_ramp, velocity_plan
+from app.calc.ramps.sixpoint import MotionPlan, SixPoint, position_plan, sixpoint_ramp, velocity_plan
+from app.calc.ramps.trapezoid import trapezoid_ramp
 
 speeds = st.floats(1.0, 1e6)
 rates = st.floats(10.0, 1e7)

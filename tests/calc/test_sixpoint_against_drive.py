@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.calc.sixpoint import MotionPlan, SixPoint, position_plan, velocity_plan
-from app.calc.tmc5xxx_units import acceleration_pps2, velocity_pps
+from app.calc.ramps.sixpoint import MotionPlan, SixPoint, position_plan, velocity_plan
+from app.calc.units.tmc5xxx import acceleration_pps2, velocity_pps
 from app.emulators.drive import TICK_CLOCKS, Drive
 
 CLOCK_HZ = 16e6

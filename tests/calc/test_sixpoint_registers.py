@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.sixpoint import SixPoint
-from app.calc.sixpoint_registers import REGISTERS, findings, from_raw, held, registers_of, to_raw, unit_of
-from app.calc.tmc5xxx_registers import MODELS, formats
-from app.calc.tmc5xxx_units import VELOCITY_MAX, velocity_pps, velocity_unit_pps
-from app.registers.tmc5xxx import TABLES
+from app.calc.ramps.sixpoint import SixPoint
+from app.calc.ramps.sixpoint_registers import REGISTERS, findings, from_raw, held, registers_of, to_raw, unit_of
+from app.calc.units.tmc5xxx import VELOCITY_MAX, velocity_pps, velocity_unit_pps
+from app.calc.units.tmc5xxx_registers import MODELS, formats
+from app.registers.tmc5xxx.table import TABLES
 
 GOOD = {
     "VSTART": 0,

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from app.calc.alignment import REACH, usual_interval_s
-from app.calc.spectrum import WINDOWS, Detrend, Window, longest_part, spectrum
+from app.calc.signals.alignment import REACH, usual_interval_s
+from app.calc.signals.spectrum import WINDOWS, Detrend, Window, longest_part, spectrum
 
 RATE_HZ = 1000.0
 ALL_WINDOWS: tuple[Window, ...] = ("hann", "flattop", "blackman", "none")

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.sramp import SRamp, SRampPlan, default_bow, position_plan, velocity_plan
+from app.calc.ramps.sramp import SRamp, SRampPlan, default_bow, position_plan, velocity_plan
 from tests.calc.sramp_strategies import decades
 
 EXAMPLE = SRamp(50_000, 200_000, 200_000, 2e6, 2e6, 2e6, 2e6)

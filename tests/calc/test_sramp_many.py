@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 
-from app.calc.sramp import SRamp, position_plan
-from app.calc.sramp_many import PHASES, plan_many
+from app.calc.ramps.sramp import SRamp, position_plan
+from app.calc.ramps.sramp_many import PHASES, plan_many
 from tests.calc.sramp_strategies import distances, ramps, states
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.calc.sramp import SRamp, position_plan, velocity_plan
+from app.calc.ramps.sramp import SRamp, position_plan, velocity_plan
 from tests.calc import sramp_oracle
 from tests.calc.sramp_strategies import decades
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from app.calc.sramp import SRamp, SRampPlan, position_plan, velocity_plan
+from app.calc.ramps.sramp import SRamp, SRampPlan, position_plan, velocity_plan
 from tests.calc.sramp_strategies import distances, ramps, signed, states, velocities
 
 TIGHT = 1e-9

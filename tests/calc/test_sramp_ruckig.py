@@ -8,8 +8,8 @@ from hypothesis import assume, given, reject
 from hypothesis import strategies as st
 from ruckig import InputParameter, Result, Ruckig, RuckigError, Trajectory
 
-from app.calc.sramp import SRamp, position_plan
-from app.calc.sramp_many import plan_many
+from app.calc.ramps.sramp import SRamp, position_plan
+from app.calc.ramps.sramp_many import plan_many
 from tests.calc.sramp_strategies import decades
 
 

@@ -10,9 +10,9 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from app.calc import sixpoint
-from app.calc.sramp import SRampPlan
-from app.calc.sramp_trapezoid import (
+from app.calc.ramps import sixpoint
+from app.calc.ramps.sramp import SRampPlan
+from app.calc.ramps.sramp_trapezoid import (
     Trapezoid,
     hold_position_plan,
     hold_velocity_plan,

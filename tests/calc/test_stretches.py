@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from app.calc.stretches import Stretches, size_for
+from app.calc.signals.min_max_pyramid import Stretches, size_for
 
 COLUMNS = arrays(
     np.float64,

@@ -8,9 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.tmc4361_formats import DIRECT_ACCELERATION_CAP, DIRECT_BOW_CAP, FORMATS, Quantity, Units
-from app.registers.tmc4361 import CLOCK_HZ_MAX, CLOCK_HZ_MIN, TMC4361
-from app.registers.tmc4361_rows import ACCELERATION_UNIT, BOW_UNIT, VELOCITY_UNIT
+from app.calc.units.tmc4361 import DIRECT_ACCELERATION_CAP, DIRECT_BOW_CAP, FORMATS, Quantity, Units
+from app.registers.tmc4361.rows import ACCELERATION_UNIT, BOW_UNIT, VELOCITY_UNIT
+from app.registers.tmc4361.table import CLOCK_HZ_MAX, CLOCK_HZ_MIN, TMC4361
 
 DIRECT = Units(direct_acceleration=True, direct_bow=True)
 VELOCITIES = [name for name, form in FORMATS.items() if form.quantity is Quantity.VELOCITY and name != "VACTUAL"]

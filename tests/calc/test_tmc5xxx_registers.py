@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.calc.tmc5xxx_registers import MODELS, Format, formats
-from app.calc.tmc5xxx_times import TSTEP_MAX
+from app.calc.units.tmc5xxx_registers import MODELS, Format, formats
+from app.calc.units.tmc5xxx_times import TSTEP_MAX
 
 EVERY = [(model, name) for model in MODELS for name in formats(model)]
 clocks = st.floats(4e6, 18e6)

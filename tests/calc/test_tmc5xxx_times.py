@@ -9,8 +9,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from app.calc import tmc5xxx_times as times
-from app.calc.tmc5xxx_units import VELOCITY_MAX, velocity_pps, velocity_unit_pps
+from app.calc.units import tmc5xxx_times as times
+from app.calc.units.tmc5xxx import VELOCITY_MAX, velocity_pps, velocity_unit_pps
 
 clocks = st.floats(4e6, 18e6)
 resolutions = st.sampled_from(times.RESOLUTIONS)

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.tmc5xxx_units import (
+from app.calc.units.tmc5xxx import (
     ACCELERATION_MAX,
     VELOCITY_MAX,
     acceleration_pps2,

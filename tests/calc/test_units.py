@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.mechanics import ACCELERATION_UNITS, POSITION_UNITS, RATE_UNITS, Mechanics
-from app.calc.units import (
+from app.calc.units.mechanics import ACCELERATION_UNITS, POSITION_UNITS, RATE_UNITS, Mechanics
+from app.calc.units.tmc428 import (
     acceleration_from_hz_s,
     acceleration_hz_s,
     full_step_rate_hz,

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 
 import pytest
 
-from app.calc.encoder_resolution import EncoderLine, Place
+from app.calc.positions.encoder_resolution import EncoderLine, Place
 from app.conditions.encoder_trace import EncoderTrace
 
 FULL_STEP = 256

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from app.calc.encoder_resolution import EncoderLine
+from app.calc.positions.encoder_resolution import EncoderLine
 from app.conditions.judge import Seen, Thresholds, WrongResolution, judge
-from app.devices.results import AxisState, MotionEnd, StopReason, Switches
-from app.devices.signs import Evidence, Remedy, Sign, Signs, zero
+from app.devices.core.results import AxisState, MotionEnd, StopReason, Switches
+from app.devices.core.signs import Evidence, Remedy, Sign, Signs, zero
 
 STATE = AxisState(
     position=1000,

@@ -8,12 +8,12 @@ import pytest
 
 from app.clock import Clock, VirtualClock
 from app.conditions.service import WIRE_SHARE, ConditionService, Standing
-from app.devices.config import DeviceConfig
-from app.devices.device import Device
+from app.devices.core.config import DeviceConfig
+from app.devices.core.device import Device
+from app.devices.core.results import AxisState
 from app.devices.manager import DeviceManager
-from app.devices.results import AxisState
 from app.emulators.build import build_emulator
-from app.emulators.pd42.options import Pd42Options, Pd42Patch, SwitchesChange
+from app.emulators.tmcl.options import Pd42Options, Pd42Patch, SwitchesChange
 from app.links.emulator import EmulatorPort
 from app.links.port import FramePort
 from app.links.queue import Priority

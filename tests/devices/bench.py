@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from typing import cast
 
 from app.clock import Clock, VirtualClock
-from app.devices.config import DeviceConfig
-from app.devices.device import Device
+from app.devices.core.config import DeviceConfig
+from app.devices.core.device import Device
 from app.devices.manager import DeviceManager
-from app.devices.ramp_stops import RampStops
-from app.devices.start_up import AxisStart, start_up
+from app.devices.tmc428.start_up import AxisStart, start_up
+from app.devices.tmc428.stops import RampStops
 from app.emulators.build import build_emulator
-from app.emulators.device import EmulatedDevice
-from app.emulators.options import EmulatorOptions, EmulatorPatch, FaultsChange
+from app.emulators.tmc428.device import EmulatedDevice
+from app.emulators.tmc428.options import EmulatorOptions, EmulatorPatch, FaultsChange
 from app.links.emulator import EmulatorPort
 from app.links.port import FramePort
 from app.links.registry import Link, tcp_factory

@@ -7,23 +7,23 @@ from contextlib import asynccontextmanager
 
 import pytest
 
-from app.calc.mslut import MslutRegisters
+from app.calc.microsteps.mslut import MslutRegisters
 from app.clock import VirtualClock
-from app.devices import start_up
-from app.devices.actor import Actor, actor
-from app.devices.changes import RegisterChanged
-from app.devices.config import DeviceConfig
-from app.devices.device import Device, DeviceEvent
+from app.devices.core.actor import Actor, actor
+from app.devices.core.changes import RegisterChanged
+from app.devices.core.config import DeviceConfig
+from app.devices.core.device import Device, DeviceEvent
+from app.devices.core.results import WriteItem
 from app.devices.manager import DeviceManager
-from app.devices.pd42.driver import Pd42
-from app.devices.results import WriteItem
 from app.devices.tmc5xxx import start_up as start_up_5xxx
+from app.devices.tmc428 import start_up
 from app.devices.tmc4361 import start_up as start_up_4361
+from app.devices.tmcl.driver import Pd42
+from app.errors import BenchError, LinkTimeout, WriteRefused
 from app.links import datagram32, datagram40, tmcl
-from app.links.errors import BenchError, LinkTimeout, WriteRefused
 from app.main import emulator_port
 from app.registers.catalog import MODELS
-from app.registers.tmcl import Opcode
+from app.registers.tmcl.commands import Opcode
 
 ANN = Actor("Ann", "browser", None, "127.0.0.1")
 

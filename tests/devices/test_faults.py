@@ -6,9 +6,9 @@ import asyncio
 
 import pytest
 
-from app.emulators.options import EmulatorPatch
+from app.emulators.tmc428.options import EmulatorPatch
+from app.errors import LinkDown, LinkTimeout, WriteRefused, WrongState
 from app.links import datagram32
-from app.links.errors import LinkDown, LinkTimeout, WriteRefused, WrongState
 from app.registers.catalog import CHIPS_32
 from tests.devices.bench import bench, state_of
 

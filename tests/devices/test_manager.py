@@ -7,10 +7,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.clock import VirtualClock
-from app.devices.config import AxisSettings, DeviceConfig, slug, unique_slug
-from app.devices.device import StateChanged
+from app.devices.core.config import AxisSettings, DeviceConfig, slug, unique_slug
+from app.devices.core.device import StateChanged
 from app.devices.manager import DeviceChange, DeviceManager
-from app.links.errors import OutOfRange, UnknownThing, UsageError, WrongState
+from app.errors import OutOfRange, UnknownThing, UsageError, WrongState
 from tests.devices.bench import KINDS, bench, emulator_of, state_of
 
 EMULATED = {"kind": "emulator"}

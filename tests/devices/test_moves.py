@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from app.devices.results import AxisMove
+from app.devices.core.results import AxisMove
+from app.errors import OutOfRange, UnknownThing, UsageError, WrongState
 from app.links import datagram32
-from app.links.errors import OutOfRange, UnknownThing, UsageError, WrongState
 from app.registers.catalog import CHIPS_32
 from tests.devices.bench import bench
 

@@ -10,22 +10,22 @@ from typing import Any
 import pytest
 
 from app.clock import Clock, ScaledClock, VirtualClock
-from app.devices.config import DeviceConfig
-from app.devices.device import Device
+from app.devices.core.config import DeviceConfig
+from app.devices.core.device import Device
+from app.devices.core.results import StopMode, WriteItem
 from app.devices.families import make_device
 from app.devices.manager import DeviceChange, DeviceManager
-from app.devices.results import StopMode, WriteItem
 from app.emulators.build import build_emulator
+from app.errors import LinkDown, OtherModel
 from app.links import datagram32, datagram40
 from app.links.access32 import Spi32Access
 from app.links.emulator import EmulatorPort
-from app.links.errors import LinkDown, OtherModel
 from app.links.port import FramePort, Wire
 from app.links.queue import Priority
 from app.links.register_access import Spi40Access
 from app.links.registry import Link
 from app.links.tmcl import Reply, Request, is_retriable
-from app.registers.tmcl import Opcode
+from app.registers.tmcl.commands import Opcode
 from tests.devices.pd42.bench import state_of
 
 SIXPOINT = ("tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160")

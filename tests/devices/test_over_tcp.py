@@ -11,14 +11,14 @@ import numpy as np
 import pytest
 
 from app.clock import VirtualClock, WallClock
-from app.devices.config import DeviceConfig
-from app.devices.device import StateChanged
+from app.devices.core.config import DeviceConfig
+from app.devices.core.device import StateChanged
 from app.devices.manager import DeviceChange, DeviceManager
-from app.devices.ramp_stops import RampStops
-from app.devices.start_up import AxisStart, start_up
+from app.devices.tmc428.start_up import AxisStart, start_up
+from app.devices.tmc428.stops import RampStops
 from app.emulators.build import build_emulator
-from app.emulators.device import EmulatedDevice
-from app.links.errors import LinkDown, LinkError, LinkTimeout
+from app.emulators.tmc428.device import EmulatedDevice
+from app.errors import LinkDown, LinkError, LinkTimeout
 from app.registers.catalog import CHIPS_32
 from tests.devices.bench import KINDS, START, state_of
 from tests.links.server import Server, serving

@@ -8,10 +8,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.devices.lookup import modify
-from app.devices.results import RegisterWritten, WriteItem
+from app.devices.core.lookup import modify
+from app.devices.core.results import RegisterWritten, WriteItem
+from app.errors import BenchError, OutOfRange, UnknownThing, UsageError, WriteRefused, WrongState
 from app.links import datagram32
-from app.links.errors import BenchError, OutOfRange, UnknownThing, UsageError, WriteRefused, WrongState
 from app.registers.catalog import CHIPS_32, MODELS
 from app.registers.model import Access, Register
 from tests.devices.bench import Bench, bench

@@ -6,11 +6,11 @@ import asyncio
 
 import pytest
 
-from app.devices.config import DeviceConfig
+from app.devices.core.config import DeviceConfig
 from app.devices.manager import DeviceManager
-from app.devices.ramp_stops import RampStops
-from app.emulators.options import EmulatorPatch, FaultsChange
-from app.links.errors import LinkDown, LinkTimeout, WriteRefused, WrongState
+from app.devices.tmc428.stops import RampStops
+from app.emulators.tmc428.options import EmulatorPatch, FaultsChange
+from app.errors import LinkDown, LinkTimeout, WriteRefused, WrongState
 from app.links.port import FramePort
 from app.registers.catalog import CHIPS_32
 from tests.devices.bench import START, bench, emulator_of

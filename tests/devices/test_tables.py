@@ -6,10 +6,10 @@ import asyncio
 
 import pytest
 
-from app.calc.driver_chain import build_chain
-from app.calc.microstep_table import design_table
-from app.devices.start_up import AxisStart, start_up
-from app.links.errors import OutOfRange, UsageError, WriteRefused, WrongState
+from app.calc.driver_chain.chain import build_chain
+from app.calc.microsteps.table import design_table
+from app.devices.tmc428.start_up import AxisStart, start_up
+from app.errors import OutOfRange, UsageError, WriteRefused, WrongState
 from app.registers.catalog import CHIPS_32
 from tests.devices.bench import bench
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from app.devices.device import DeviceEvent, MotionStarted
-from app.devices.sample_plan import SamplePlan
-from app.links.errors import UnknownThing, UsageError
+from app.devices.core.device import DeviceEvent, MotionStarted
+from app.devices.core.sample_plan import SamplePlan
+from app.errors import UnknownThing, UsageError
 from app.registers.catalog import CHIPS_32
 from tests.devices.bench import Bench, bench
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.devices.tick_phase import TickPhase
+from app.devices.tmc428.tick_phase import TickPhase
 
 PERIOD_S = 256e-6
 VELOCITY = np.linspace(1_000.0, 80_000.0, 200)

@@ -11,11 +11,11 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 from app.clock import VirtualClock, WallClock
-from app.devices.config import DeviceConfig
-from app.devices.device import Device
+from app.devices.core.config import DeviceConfig
+from app.devices.core.device import Device
 from app.devices.manager import DeviceManager
-from app.emulators.pd42.module import EmulatedModule
-from app.links.errors import BenchError, LinkDown
+from app.emulators.tmcl.module import EmulatedModule
+from app.errors import BenchError, LinkDown
 from app.links.registry import serial_factory
 from tests.links.pty_module import PtyModule, pty_module, until
 

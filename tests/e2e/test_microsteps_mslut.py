@@ -10,8 +10,8 @@ import pytest
 from playwright.sync_api import Locator, Page, expect
 from server_process import ServerProcess
 
-from app.calc.mslut import POWER_ON, decode
-from app.calc.mslut_waves import Formula, wanted_wave
+from app.calc.microsteps.mslut import POWER_ON, decode
+from app.calc.microsteps.mslut_waves import Formula, wanted_wave
 from tests.e2e.session import a_client
 from tests.e2e.test_pages import LOOKS
 

@@ -13,7 +13,7 @@ import httpx
 import pytest
 from playwright.sync_api import BrowserContext, Locator, Page, expect
 
-from app.calc.mslut_waves import Formula, wanted_wave
+from app.calc.microsteps.mslut_waves import Formula, wanted_wave
 from tests.e2e.chips import Chip, a_chip, select, set_up
 from tests.e2e.conftest import Errors
 from tests.e2e.motor import wait_for

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from app.clock import VirtualClock
 from app.emulators.build import build_emulator
-from app.emulators.options import EmulatorOptions, EmulatorPatch, StageOptions
-from app.emulators.state import ChainState, DriverState, EmulatorState, StepDirState
+from app.emulators.tmc428.options import EmulatorOptions, EmulatorPatch, StageOptions
+from app.emulators.tmc428.state import ChainState, DriverState, EmulatorState, StepDirState
 from app.links.datagram32 import Reply, read, write
 from app.registers.model import to_signed
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import random
 from collections.abc import Iterable
 
-from app.emulators import kernel
-from app.emulators.options import EmulatorOptions, StageOptions, SwitchChange, Wiring
-from app.emulators.stage import force
-from app.emulators.tmc428 import Tmc428
-from app.emulators.tmc4210 import Tmc4210
+from app.emulators.tmc428 import kernel
+from app.emulators.tmc428.options import EmulatorOptions, StageOptions, SwitchChange, Wiring
+from app.emulators.tmc428.stage import force
+from app.emulators.tmc428.tmc428 import Tmc428
+from app.emulators.tmc428.tmc4210 import Tmc4210
 from tests.emulators.oracle import Oracle
 
 VOLATILE = (0x1, 0x4, 0x5, 0x7, 0xB, 0xE)

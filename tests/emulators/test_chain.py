@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from app.emulators import chain
-from app.emulators.kernel import NEVER
+from app.emulators.tmc428 import chain
+from app.emulators.tmc428.kernel import NEVER
 from tests.emulators.bench import (
     CONTINUOUS,
     COVER,

@@ -12,11 +12,11 @@ from pydantic import ValidationError
 
 from app.clock import VirtualClock
 from app.emulators.build import build_emulator, warm_up
-from app.emulators.device import EmulatedDevice
-from app.emulators.options import EmulatorOptions, EmulatorPatch
 from app.emulators.server import serve_tcp
+from app.emulators.tmc428.device import EmulatedDevice
+from app.emulators.tmc428.options import EmulatorOptions, EmulatorPatch
+from app.errors import OutOfRange, UnknownThing
 from app.links.datagram32 import Reply, read, write
-from app.links.errors import OutOfRange, UnknownThing
 from tests.emulators.bench import HOLD, V_ACTUAL, V_TARGET, VELOCITY, X_ACTUAL, X_TARGET, Bench, free_bench
 
 

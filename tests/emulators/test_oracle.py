@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.emulators.options import StageOptions
+from app.emulators.tmc428.options import StageOptions
 from tests.emulators.lockstep import Chaos, Pair, Trips
 
 # kind, both chips' dividers from..to, step/dir, seeds, ticks a seed, rounds a seed, base ticks that this must come to

@@ -7,7 +7,7 @@ import random
 import numpy as np
 import pytest
 
-from app.calc.ramp import RampParameters, exact_ramp
+from app.calc.ramps.ticked import RampParameters, exact_ramp
 from tests.emulators.bench import DIVIDERS, TICK, V_ACTUAL, X_ACTUAL, X_TARGET, free_bench
 
 

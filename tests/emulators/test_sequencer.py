@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.emulators.sequencer import coils, increment, table_index
+from app.emulators.tmc428.sequencer import coils, increment, table_index
 from tests.emulators.bench import (
     A_MAX,
     CONTINUOUS,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.emulators.options import StageOptions
+from app.emulators.tmc428.options import StageOptions
 from tests.emulators.bench import (
     CONTINUOUS,
     DX_REF,

@@ -15,7 +15,7 @@ from contextlib import contextmanager
 from app.links.dialogue import FENCES
 from app.links.serial_line import LinePort, serial_port
 from app.links.tmcl import Reply, Request
-from app.registers.tmcl import Opcode
+from app.registers.tmcl.commands import Opcode
 
 VERSION = 1241 << 16 | 0x012C
 Behaviour = Callable[["PtyModule", bytes], bytes]

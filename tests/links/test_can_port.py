@@ -10,9 +10,9 @@ import can
 import pytest
 
 from app.clock import VirtualClock
+from app.errors import BadReply, LinkDown, LinkTimeout, OutOfRange, UnknownThing, UsageError
 from app.links import can_line
 from app.links.can_line import CanPort, can_port
-from app.links.errors import BadReply, LinkDown, LinkTimeout, OutOfRange, UnknownThing, UsageError
 from app.links.queue import LinkQueue
 from app.links.registry import can_factory
 from app.links.tmcl import Reply, Request, version_string

@@ -13,9 +13,9 @@ from app.clock import VirtualClock, WallClock
 from app.emulators.server import serve_tcp
 from app.emulators.tmc5xxx import EmulatedTmc5xxx
 from app.emulators.tmc4361 import EmulatedTmc4361, Tmc4361Patch
+from app.errors import BadReply, LinkDown, LinkTimeout
 from app.links import datagram40
 from app.links.emulator import EmulatorPort
-from app.links.errors import BadReply, LinkDown, LinkTimeout
 from app.links.port import ChainPort
 from app.links.queue import LinkQueue, Priority
 from app.links.register_access import Spi40Access

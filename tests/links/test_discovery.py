@@ -8,12 +8,12 @@ import threading
 
 import pytest
 
+from app.errors import LinkDown, UsageError, WrongState
 from app.links import discovery
 from app.links.discovery import FoundModule, ProbeProgress, probe
-from app.links.errors import LinkDown, UsageError, WrongState
 from app.links.queue import LinkQueue
 from app.links.tmcl import Reply
-from app.registers.tmcl import Opcode
+from app.registers.tmcl.commands import Opcode
 from tests.links.pty_module import answer, gap, port_to, pty_module, right, silent, until, value_of
 
 

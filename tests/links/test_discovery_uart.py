@@ -11,10 +11,10 @@ import pytest
 from app.clock import WallClock
 from app.emulators.line.uart import uart_line
 from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxModel
+from app.errors import LinkDown, UsageError, WrongState
 from app.links import discovery
 from app.links.datagram_uart import IFCNT, UartForm
 from app.links.discovery import FoundModule, ProbeProgress, probe_chips
-from app.links.errors import LinkDown, UsageError, WrongState
 from app.links.uart_line import uart_port
 from tests.links.pty_chip import pty_chip
 from tests.links.pty_module import silent

@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
-from app.fault import change
-from app.links.errors import BadReply, LinkDown, LinkTimeout
+from app.emulator_server.fault import change
+from app.errors import BadReply, LinkDown, LinkTimeout
 from app.links.queue import LinkQueue
 from app.links.serial_line import LinePort, serial_port
 from app.links.tmcl import Reply, Request
-from app.registers.tmcl import Opcode
+from app.registers.tmcl.commands import Opcode
 from tests.links.pty_module import LONG_S, until
 from tests.peers.emulator_process import EmulatorProcess, emulator
 

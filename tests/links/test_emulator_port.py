@@ -6,11 +6,11 @@ import pytest
 
 from app.clock import VirtualClock
 from app.emulators.build import build_emulator
-from app.emulators.device import EmulatedDevice
-from app.emulators.options import EmulatorPatch, FaultsChange
+from app.emulators.tmc428.device import EmulatedDevice
+from app.emulators.tmc428.options import EmulatorPatch, FaultsChange
+from app.errors import LinkDown, LinkTimeout
 from app.links import datagram32
 from app.links.emulator import CATCH_UP_S, EmulatorPort
-from app.links.errors import LinkDown, LinkTimeout
 
 X_ACTUAL = datagram32.read(0x01)
 

@@ -13,8 +13,8 @@ from typing import cast
 import pytest
 
 from app.clock import VirtualClock
+from app.errors import BadReply, LinkError, LinkTimeout, OutOfRange, UnknownThing, UsageError
 from app.links.discovery import FoundModule, probe
-from app.links.errors import BadReply, LinkError, LinkTimeout, OutOfRange, UnknownThing, UsageError
 from app.links.landungsbruecke import Board, board_name, identify
 from app.links.queue import LinkQueue, Priority
 from app.links.register_access import LandungsbrueckeAccess
@@ -22,7 +22,7 @@ from app.links.registry import landungsbruecke_factory
 from app.links.serial_line import LinePort
 from app.links.tmcl import Reply, Request
 from app.registers.landungsbruecke import BoardOpcode
-from app.registers.tmcl import Opcode
+from app.registers.tmcl.commands import Opcode
 from tests.peers.board import board, patch_board, shared_board
 from tests.peers.emulator_process import EmulatorProcess
 

@@ -16,8 +16,8 @@ import pytest
 import serial
 from serial.rfc2217 import PortManager
 
+from app.errors import LinkDown, LinkTimeout
 from app.links import line_thread
-from app.links.errors import LinkDown, LinkTimeout
 from app.links.queue import LinkQueue
 from app.links.serial_line import LinePort, serial_port
 from app.links.streams import open_stream

@@ -9,10 +9,10 @@ import pytest
 
 from app.clock import VirtualClock
 from app.emulators.build import build_emulator
-from app.emulators.options import EmulatorPatch, FaultsChange
+from app.emulators.tmc428.options import EmulatorPatch, FaultsChange
+from app.errors import LinkDown, LinkError, LinkTimeout, WrongState
 from app.links import datagram32
 from app.links.emulator import EmulatorPort
-from app.links.errors import LinkDown, LinkError, LinkTimeout, WrongState
 from app.links.queue import LinkQueue, Priority, SampleDropped, Turn
 from tests.links.gate import GatedPort, settle
 

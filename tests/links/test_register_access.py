@@ -10,17 +10,10 @@ from app.clock import VirtualClock
 from app.emulators.board.board import EmulatedBoard
 from app.emulators.tmc5xxx import EmulatedTmc5xxx
 from app.emulators.tmc4361 import EmulatedTmc4361
+from app.errors import BadReply
 from app.links import datagram40, datagram_uart, tmcl
 from app.links.datagram_uart import IFCNT, UartForm
-from app.links.errors import BadReply
-from app.links.register_access import (
-    LandungsbrueckeAccess,
-    RegisterAccess,
-    Spi40Access,
-    UartAccess,
-    access_of,
-    cut,
-)
+from app.links.register_access import LandungsbrueckeAccess, RegisterAccess, Spi40Access, UartAccess, access_of, cut
 from app.registers.catalog import MODELS
 
 X_COMPARE, X_TARGET, VIRTUAL_LEFT, VERSION = 0x32, 0x37, 0x33, 0x7F

@@ -7,7 +7,7 @@ from typing import cast
 import pytest
 
 from app.clock import VirtualClock
-from app.links.errors import OutOfRange, UnknownThing, UsageError
+from app.errors import OutOfRange, UnknownThing, UsageError
 from app.links.registry import serial_factory, tcp_factory
 from app.links.serial_line import LinePort
 from app.links.tcp import TcpPort

@@ -15,8 +15,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.clock import VirtualClock
+from app.errors import BenchError, LinkDown, UsageError
 from app.links.can_line import INTERFACES, SERIAL_INTERFACES
-from app.links.errors import BenchError, LinkDown, UsageError
 from app.links.registry import Link, can_factory
 from app.links.serial_address import allow_ports, device_of, openable, port_url
 from app.links.streams import open_stream

@@ -6,11 +6,11 @@ import asyncio
 
 import pytest
 
-from app.links.errors import LinkDown, LinkTimeout, WrongState
+from app.errors import LinkDown, LinkTimeout, WrongState
 from app.links.port import Answer
 from app.links.queue import LinkQueue, Priority, SampleDropped
 from app.links.tmcl import Reply, Request
-from app.registers.tmcl import Opcode
+from app.registers.tmcl.commands import Opcode
 from tests.links.gate import settle
 from tests.links.pty_module import Gate, answer, but_version, gap, port_to, pty_module, silent, until, value_of
 

@@ -15,8 +15,8 @@ from typing import cast
 import pytest
 
 from app.clock import VirtualClock
+from app.errors import BadReply, LinkDown, OutOfRange, UnknownThing, UsageError
 from app.links import datagram40
-from app.links.errors import BadReply, LinkDown, OutOfRange, UnknownThing, UsageError
 from app.links.registry import spidev_factory
 from app.links.spidev_port import SpidevPort
 

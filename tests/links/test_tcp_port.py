@@ -9,7 +9,7 @@ import time
 import pytest
 
 from app.clock import VirtualClock
-from app.links.errors import BadReply, LinkDown, LinkTimeout, OutOfRange, UnknownThing, UsageError
+from app.errors import BadReply, LinkDown, LinkTimeout, OutOfRange, UnknownThing, UsageError
 from app.links.registry import open_port, tcp_factory
 from app.links.tcp import TcpPort
 from tests.links.pty_module import until

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from app.errors import BadReply
 from app.links import tmcl
-from app.links.errors import BadReply
 from app.links.tmcl import Reply, Request
-from app.registers.tmcl import BY_OPCODE, COMMANDS, STATUS_TEXTS, Opcode, reference_modes
+from app.registers.tmcl.commands import BY_OPCODE, COMMANDS, STATUS_TEXTS, Opcode, reference_modes
 
 BYTE = st.integers(0, 0xFF)
 VALUE = st.integers(tmcl.VALUE_MIN, tmcl.VALUE_MAX)

@@ -15,8 +15,8 @@ from app.emulators.line.faults import LinePatch
 from app.emulators.line.line import Line
 from app.emulators.line.uart import uart_line
 from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxModel, Tmc5xxxPatch
+from app.errors import LinkDown, LinkError, LinkTimeout
 from app.links.datagram_uart import UartForm, form_of
-from app.links.errors import LinkDown, LinkError, LinkTimeout
 from app.links.queue import LinkQueue
 from app.links.register_access import UartAccess
 from app.links.uart_line import UartPort, uart_port

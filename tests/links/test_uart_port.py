@@ -18,8 +18,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.clock import VirtualClock
+from app.errors import BadReply, LinkDown, LinkError, LinkTimeout, OutOfRange, UnknownThing, UsageError
 from app.links.datagram_uart import IFCNT, UartForm
-from app.links.errors import BadReply, LinkDown, LinkError, LinkTimeout, OutOfRange, UnknownThing, UsageError
 from app.links.incidents import IncidentKind
 from app.links.queue import LinkQueue, Priority
 from app.links.register_access import UartAccess

@@ -17,7 +17,7 @@ from typer.testing import CliRunner
 
 from app.cli import cli
 from app.links import tmcl
-from app.registers.tmcl import Opcode
+from app.registers.tmcl.commands import Opcode
 from tests.peers.emulator_process import EmulatorProcess, emulator
 
 SOON_S = 20.0

@@ -12,7 +12,7 @@ from pytrinamic.modules import TMCM1241
 from pytrinamic.tmcl import TMCLCommand, TMCLReplyChecksumError, TMCLReplyStatusError, TMCLStatus
 
 from app.registers.model import Space
-from app.registers.pd42 import PD42
+from app.registers.tmcl.pd42 import PD42
 from tests.peers.conftest import patch
 from tests.peers.emulator_process import EmulatorProcess
 

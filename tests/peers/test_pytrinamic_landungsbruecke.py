@@ -13,7 +13,7 @@ from pytrinamic.evalboards import TMC4361_eval
 from pytrinamic.modules import Landungsbruecke
 from pytrinamic.tmcl import TMCLCommand, TMCLReplyStatusError, TMCLStatus
 
-from app.registers.tmc4361 import TMC4361
+from app.registers.tmc4361.table import TMC4361
 from tests.peers.board import board, patch_board, shared_board
 from tests.peers.emulator_process import EmulatorProcess
 from tests.peers.test_pytrinamic import wait_for

@@ -24,7 +24,7 @@ from app.emulators.line.line import Line
 from app.emulators.line.raw import RawChip
 from app.emulators.line.uart import uart_line
 from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxModel
-from app.registers.tmc5xxx import TABLES
+from app.registers.tmc5xxx.table import TABLES
 from tests.links.test_datagram_uart import bitwise_crc
 from tests.peers.emulator_process import emulator
 from tests.peers.served_line import served

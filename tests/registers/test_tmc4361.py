@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from app.registers.catalog import MODELS
 from app.registers.model import Access, Field, Register, RegisterTable
-from app.registers.tmc4361 import AXES, TMC4361
-from app.registers.tmc4361_bits import (
+from app.registers.tmc4361.bits import (
     EVENT_BITS,
     EVENT_MASK,
     EVENTS,
@@ -20,6 +19,7 @@ from app.registers.tmc4361_bits import (
     selected_events,
     spi_status,
 )
+from app.registers.tmc4361.table import AXES, TMC4361
 
 # Register tables of DS-TMC4361: name, address, access, width (fraction bits behind a plus), sign.
 SECTION_7 = [

@@ -10,7 +10,7 @@ import re
 
 import pytest
 
-from app.registers.tmc4361 import TMC4361
+from app.registers.tmc4361.table import TMC4361
 
 LAYOUTS = [
     pytest.param(

@@ -12,8 +12,8 @@ import pytest
 from app.registers.catalog import MODELS
 from app.registers.microstep_rows import MSLUT_RESET
 from app.registers.model import Access, Register
-from app.registers.tmc5xxx import AXES, DRIVER_STEP, PWM_STEP, RAMP_STEP, TABLES
-from app.registers.tmc4361 import TMC4361
+from app.registers.tmc5xxx.table import AXES, DRIVER_STEP, PWM_STEP, RAMP_STEP, TABLES
+from app.registers.tmc4361.table import TMC4361
 
 EVERY = pytest.mark.parametrize("model", list(TABLES))
 DUAL = pytest.mark.parametrize("model", [model for model, axes in AXES.items() if axes == 2])

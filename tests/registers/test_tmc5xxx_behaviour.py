@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from app.registers.tmc5xxx import TABLES
-from app.registers.tmc5xxx_behaviour import ACTS, FIELDS, REGISTERS
+from app.registers.tmc5xxx.behaviour import ACTS, FIELDS, REGISTERS
+from app.registers.tmc5xxx.table import TABLES
 
 
 def test_each_entry_names_something_that_can_be_written() -> None:

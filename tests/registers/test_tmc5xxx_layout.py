@@ -10,7 +10,7 @@ import re
 
 import pytest
 
-from app.registers.tmc5xxx import TABLES
+from app.registers.tmc5xxx.table import TABLES
 
 LAYOUTS = [
     (

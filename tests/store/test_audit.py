@@ -15,7 +15,7 @@ import pytest
 from sqlalchemy import Engine, event
 
 from app.clock import VirtualClock
-from app.devices.actor import Actor, actor
+from app.devices.core.actor import Actor, actor
 from app.store import audit as module
 from app.store.audit import AuditLog, request_under_way
 from app.store.audit_entries import Entry, Wanted

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.clock import VirtualClock
-from app.devices.config import AxisSettings, DeviceConfig
+from app.devices.core.config import AxisSettings, DeviceConfig
 from app.store.connections import FILE_NAME, ConnectionStore
 from app.store.document import Document, UnreadableDocument
 from app.store.saver import RETRY_S, Saver

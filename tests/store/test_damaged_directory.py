@@ -23,7 +23,7 @@ import pytest
 from fastapi import FastAPI
 
 from app.api.bench import Bench
-from app.api.health import health_of
+from app.api.health.details import health_of
 from app.clock import VirtualClock
 from app.main import bench_of, create_app
 from app.settings import Settings

@@ -18,7 +18,7 @@ from alembic.script import ScriptDirectory
 from sqlalchemy import Engine, create_engine, event, func, select
 from sqlalchemy.orm import Session
 
-from app.links.errors import StoreUnavailable
+from app.errors import StoreUnavailable
 from app.store.database import FILE_NAME, MIGRATIONS, Database, config_for
 from app.store.tables import AuditRow, ProfileRow
 

@@ -9,7 +9,7 @@ import httpx
 import pytest
 
 from app.clock import VirtualClock
-from app.devices.config import DeviceConfig
+from app.devices.core.config import DeviceConfig
 from app.main import create_app
 from app.settings import Settings
 from app.store.connections import FILE_NAME, ConnectionStore

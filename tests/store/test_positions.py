@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.extended_position import LIMIT
+from app.calc.positions.extended import LIMIT
 from app.clock import VirtualClock
 from app.store.positions import FILE_NAME, PositionStore, SavedPosition
 from app.store.saver import Saver

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from app.links.errors import StoreUnavailable, UnknownThing
+from app.errors import StoreUnavailable, UnknownThing
 from app.store.database import Database
 from app.store.profiles import ProfileStore
 

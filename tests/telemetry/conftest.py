@@ -6,11 +6,11 @@ from dataclasses import dataclass
 import pytest
 
 from app.clock import Clock, VirtualClock
-from app.devices.config import DeviceConfig
-from app.devices.device import Device
+from app.devices.core.config import DeviceConfig
+from app.devices.core.device import Device
 from app.devices.manager import DeviceManager
-from app.emulators.device import EmulatedDevice
-from app.emulators.options import EmulatorPatch
+from app.emulators.tmc428.device import EmulatedDevice
+from app.emulators.tmc428.options import EmulatorPatch
 from app.links.emulator import EmulatorPort
 from app.main import emulator_port
 from app.telemetry.hub import TelemetryHub

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.devices.config import DeviceConfig
-from app.links.errors import OutOfRange, UnknownThing
+from app.devices.core.config import DeviceConfig
+from app.errors import OutOfRange, UnknownThing
 from app.telemetry.feed import CROWDED_S, LATE_S, Joined
 from app.telemetry.frames import FloatArray, decode
 from app.telemetry.history import REST_RATE_HZ

@@ -10,18 +10,18 @@ import numpy as np
 import pytest
 
 from app.clock import Clock, VirtualClock
-from app.devices.config import DeviceConfig
+from app.devices.core.config import DeviceConfig
 from app.devices.manager import DeviceManager
-from app.devices.pd42.driver import Pd42
+from app.devices.tmcl.driver import Pd42
 from app.emulators.build import build_emulator
-from app.emulators.pd42.module import EmulatedModule
-from app.emulators.pd42.options import Pd42Options
+from app.emulators.tmcl.module import EmulatedModule
+from app.emulators.tmcl.options import Pd42Options
 from app.links.arbiter import Arbiter
 from app.links.incidents import Incidents
 from app.links.port import Answer, Batch, FramePort
 from app.links.registry import Link
 from app.links.wire_budget import WireBudget
-from app.registers.tmcl import Opcode
+from app.registers.tmcl.commands import Opcode
 from app.telemetry.frames import decode
 from app.telemetry.hub import TelemetryHub
 from app.telemetry.reader import Reader, Status

@@ -10,12 +10,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from app.api.convert import load_of
+from app.api.devices.views import load_of
 from app.clock import Clock
 from app.emulators.tmc4361.options import Tmc4361Patch
-from app.links.errors import OutOfRange, WrongState
-from app.tuning.closed_loop_state import CalibrationState, ResponseState
-from app.tuning.procedures import Procedures
+from app.errors import OutOfRange, WrongState
+from app.procedures.closed_loop_state import CalibrationState, ResponseState
+from app.procedures.procedures import Procedures
 from tests.devices.tmc4361.bench import START, Bench, bench
 
 FULL_STEP = 256

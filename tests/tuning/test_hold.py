@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from app.links.errors import OutOfRange, WrongState
+from app.errors import OutOfRange, WrongState
+from app.procedures.procedures import Procedures
 from app.registers.catalog import CHIPS_32
-from app.tuning.procedures import Procedures
 from tests.devices.bench import bench
 
 BOTH = pytest.mark.parametrize("model", list(CHIPS_32))

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from app.links.errors import WrongState
-from app.tuning.edges import Switch
-from app.tuning.procedures import Procedures
-from app.tuning.search import ReferenceSearchState
+from app.errors import WrongState
+from app.procedures.edges import Switch
+from app.procedures.procedures import Procedures
+from app.procedures.search import ReferenceSearchState
 from tests.devices.tmc4361.bench import Bench, bench
 
 STAGE = {

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from app.links.errors import OutOfRange, WrongState
-from app.registers.tmcl import Opcode
-from app.tuning.procedures import Procedures
-from app.tuning.search import ReferenceSearchState
+from app.errors import OutOfRange, WrongState
+from app.procedures.procedures import Procedures
+from app.procedures.search import ReferenceSearchState
+from app.registers.tmcl.commands import Opcode
 from tests.devices.pd42.bench import Bench, bench
 
 STAGE = {

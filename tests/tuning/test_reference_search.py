@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
-from app.emulators.options import EmulatorPatch, SwitchChange
-from app.links.errors import OutOfRange, UnknownThing, WrongState
+from app.emulators.tmc428.options import EmulatorPatch, SwitchChange
+from app.errors import OutOfRange, UnknownThing, WrongState
+from app.procedures.edges import Switch
+from app.procedures.procedures import Procedures
+from app.procedures.search import ReferenceSearchState
 from app.registers.catalog import CHIPS_32
-from app.tuning.edges import Switch
-from app.tuning.procedures import Procedures
-from app.tuning.search import ReferenceSearchState
 from tests.devices.bench import Bench, bench
 
 BOTH = pytest.mark.parametrize("model", list(CHIPS_32))

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import pytest
 
-from app.emulators.options import EmulatorPatch
-from app.links.errors import OutOfRange
+from app.emulators.tmc428.options import EmulatorPatch
+from app.errors import OutOfRange
+from app.procedures.procedures import Procedures
 from app.registers.catalog import CHIPS_32
-from app.tuning.procedures import Procedures
 from tests.devices.bench import bench
 
 BOTH = pytest.mark.parametrize("model", list(CHIPS_32))

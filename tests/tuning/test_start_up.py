@@ -7,17 +7,17 @@ from pathlib import Path
 
 import pytest
 
-from app.devices.config import AxisSettings
-from app.devices.device import Device
+from app.devices.core.config import AxisSettings
+from app.devices.core.device import Device
+from app.devices.core.start_up import Figures
 from app.devices.limits.axis_limits import AxisLimits
 from app.devices.manager import DeviceChange
-from app.devices.starting import Figures
-from app.links.errors import OutOfRange, SoftLimit, UsageError, WrongState
+from app.errors import OutOfRange, SoftLimit, UsageError, WrongState
+from app.profiles.errors import ProfileTakenBack
+from app.profiles.items import items_by_key
+from app.profiles.service import ProfileService
+from app.profiles.start_up import Motor, StartUp, Wish, dry_run, start_up
 from app.registers.catalog import MODELS
-from app.tuning.profiles.errors import ProfileTakenBack
-from app.tuning.profiles.items import items_by_key
-from app.tuning.profiles.service import ProfileService
-from app.tuning.start_up import Motor, StartUp, Wish, dry_run, start_up
 
 from .profiles.bench import Bench, bench
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from app.links.errors import WrongState
-from app.registers.tmc5xxx import AXES
-from app.tuning.edges import Switch
-from app.tuning.procedures import Procedures
-from app.tuning.search import ReferenceSearchState
+from app.errors import WrongState
+from app.procedures.edges import Switch
+from app.procedures.procedures import Procedures
+from app.procedures.search import ReferenceSearchState
+from app.registers.tmc5xxx.table import AXES
 from tests.devices.tmc5xxx.bench import MODELS, Bench, bench
 
 STAGE = {"left_at_fullsteps": -60, "right_at_fullsteps": 50}

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from app.clock import VirtualClock
-from app.devices.config import AxisSettings, DeviceConfig
-from app.devices.device import Device
+from app.devices.core.config import AxisSettings, DeviceConfig
+from app.devices.core.device import Device
 from app.devices.manager import DeviceManager
 from app.main import emulator_port
 from app.telemetry.hub import TelemetryHub

@@ -11,9 +11,9 @@ import weakref
 import numpy as np
 import pytest
 
-from app.devices.config import AxisSettings, DeviceConfig
+from app.devices.core.config import AxisSettings, DeviceConfig
 from app.devices.manager import DeviceChange
-from app.links.errors import UnknownThing, WrongState
+from app.errors import UnknownThing, WrongState
 from app.twin.process import Renderer, TwinFailed
 from app.twin.recorded import RecordedAxis
 from app.twin.service import UPDATES_PER_S, VIEWERS_MAX, Twin
@@ -29,7 +29,7 @@ async def test_off_nothing_runs_and_nothing_reads(rig: Rig) -> None:
 
 
 def test_the_server_does_not_even_import_viser() -> None:
-    code = "import app.twin.service, app.api.twin_proxy, sys; sys.exit('viser' in sys.modules)"
+    code = "import app.twin.service, app.api.twin.proxy, sys; sys.exit('viser' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
 
 

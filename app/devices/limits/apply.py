@@ -5,22 +5,22 @@ from __future__ import annotations
 import contextlib
 from typing import TYPE_CHECKING
 
-from ...links.errors import BenchError
-from ..pd42.driver import Pd42
-from ..ramp_chip import RampChip
+from ...errors import BenchError
 from ..tmc5xxx.driver import Tmc5xxx
+from ..tmc428.chip import RampChip
 from ..tmc4361.driver import Tmc4361
+from ..tmcl.driver import Pd42
 from .limiter import Limiter
-from .pd42 import ModuleRules
-from .ramp import RampRules
 from .rules import Rules
 from .tmc5xxx import SixPointRules
+from .tmc428 import RampRules
 from .tmc4361 import SRampRules
+from .tmcl import ModuleRules
 from .watch import RangeWatch
 
 if TYPE_CHECKING:
-    from ..config import DeviceConfig
-    from ..device import Device
+    from ..core.config import DeviceConfig
+    from ..core.device import Device
 
 
 def apply_limits(device: Device) -> None:

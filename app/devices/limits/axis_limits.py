@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from ...links.errors import OutOfRange, UsageError
+from ...errors import OutOfRange, UsageError
 
 POSITION_MAX = 1 << 31
 """Counters have 32 bits at the most [microsteps]."""

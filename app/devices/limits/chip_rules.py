@@ -12,8 +12,8 @@ from .parts import View
 from .rules import Rules
 
 if TYPE_CHECKING:
-    from ..keeping_chip import KeepingChip
-    from ..register_chip import RegisterChip
+    from ..core.register_chip import RegisterChip
+    from ..core.shadow_registers import KeepingChip
 
 
 class ChipRules(Rules):

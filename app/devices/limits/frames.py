@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TypeAlias
 
+from ...errors import WrongState
 from ...links import datagram32, datagram40, tmcl
 from ...links.access32 import Spi32Access
 from ...links.datagram_uart import UartForm
-from ...links.errors import WrongState
 from ...links.register_access import LandungsbrueckeAccess, RegisterAccess, UartAccess
 from ...registers.landungsbruecke import BoardOpcode
-from ...registers.tmcl import Opcode
+from ...registers.tmcl.commands import Opcode
 
 Decoder: TypeAlias = Callable[[bytes], Sequence[tuple[int, int]]]
 

@@ -15,8 +15,8 @@ import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from ...calc.number_text import plain
-from ...links.errors import SoftLimit, WrongState
+from ...errors import SoftLimit, WrongState
+from ...number_text import plain
 from .axis_limits import AxisLimits
 from .parts import UNITS, Going, Part, View, limit_of
 from .rules import SLACK, Rules

@@ -12,9 +12,10 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, TypeAlias
 
-from ...calc.tmc4361_formats import CLOCK_HZ_MAX, CLOCK_HZ_MIN, FORMATS, Units
+from ...calc.units.tmc4361 import CLOCK_HZ_MAX, CLOCK_HZ_MIN, FORMATS, Units
 from ...registers.model import Field, Register, to_signed
-from ..tmc4361 import foresight, rows
+from ..tmc4361 import prediction as foresight
+from ..tmc4361 import rows
 from .axis_limits import AxisLimits
 from .chip_rules import AccessRules
 from .parts import Going, Part, Place, Quantity, View, position_of, sign

@@ -13,8 +13,8 @@ import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from ...calc.coil_current import CHIPS, SCALER_FULL, SCALER_LEAST, SCALES, CurrentStage
-from ...calc.tmc5xxx_units import ACCELERATION_MAX, VELOCITY_MAX, acceleration_unit_pps2, velocity_unit_pps
+from ...calc.current.coil import CHIPS, SCALER_FULL, SCALER_LEAST, SCALES, CurrentStage
+from ...calc.units.tmc5xxx import ACCELERATION_MAX, VELOCITY_MAX, acceleration_unit_pps2, velocity_unit_pps
 from ..tmc5xxx import rows as r
 from .axis_limits import AxisLimits
 from .chip_rules import AccessRules

@@ -19,8 +19,8 @@ from contextvars import Context
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ...links.errors import BenchError
-from ..device import Device, DeviceEvent, LimitReached, MotionCommanded, StateChanged, motion_owner
+from ...errors import BenchError
+from ..core.device import Device, DeviceEvent, LimitReached, MotionCommanded, StateChanged, motion_owner
 from .parts import Going, sign
 from .rules import Look
 

@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-from ...calc.mechanics import Mechanics
+from ...calc.units.mechanics import Mechanics
 from ...clock import Clock
-from ...links.errors import BenchError, OtherModel, WrongState
+from ...errors import BenchError, OtherModel, WrongState
 from ...links.port import FramePort
 from ...registers.model import Register
-from ...registers.tmc4361_general import RESET_CODE
-from ..config import DeviceConfig
-from ..keeping_chip import NOTHING, KeepingChip
-from ..planned_motion import PlannedMotion
-from ..prediction import Prediction, PredictionBook
+from ...registers.tmc4361.general import RESET_CODE
+from ..core.config import DeviceConfig
+from ..core.planned_motion import PlannedMotion
+from ..core.prediction import Prediction, PredictionBook
+from ..core.results import DeviceState
+from ..core.shadow_registers import NOTHING, KeepingChip
 from ..recognition import models_found
-from ..results import DeviceState
 from . import rows
 from .cruise import Cruise
 from .identity import is_one

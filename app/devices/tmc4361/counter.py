@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ..counter import CounterLook
+from ..core.counter import CounterLook
 from . import rows
-from .looks import Looks
+from .polling import Looks
 
 LOOK = (rows.XACTUAL, rows.ENC_POS, rows.ENC_CONST, rows.REFERENCE_CONF)
 

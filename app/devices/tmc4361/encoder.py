@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ...calc.encoder_resolution import constant_of, measured_encoder
-from ..results import AxisState
-from ..signs import EncoderSeen, Remedy, write_all
+from ...calc.positions.encoder_resolution import constant_of, measured_encoder
+from ..core.results import AxisState
+from ..core.signs import EncoderSeen, Remedy, write_all
 from . import rows
 from .chip import Chip
 

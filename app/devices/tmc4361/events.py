@@ -14,14 +14,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...clock import Clock
-from ...links.errors import BenchError
+from ...errors import BenchError
 from ...links.port import FramePort
 from ...registers.model import Register
-from ...registers.tmc4361_bits import EVENT_MASK, event_names, selected_events
-from ..config import DeviceConfig
-from ..results import DeviceState, EventPage
-from ..timeline import Timeline
-from ..words import Held, Words, Write
+from ...registers.tmc4361.bits import EVENT_MASK, event_names, selected_events
+from ..core.config import DeviceConfig
+from ..core.register_io import Held, Words, Write
+from ..core.results import DeviceState, EventPage
+from ..core.timeline import Timeline
 from . import rows
 from .chip import Chip
 

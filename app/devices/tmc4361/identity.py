@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from ...links.queue import LinkQueue
 from ...links.register_access import RegisterAccess
-from ...registers.tmc4361 import CLOCK_HZ_MAX, CLOCK_HZ_MIN
-from ..words import read_once_more
+from ...registers.tmc4361.table import CLOCK_HZ_MAX, CLOCK_HZ_MIN
+from ..core.register_io import read_once_more
 
 MODEL = "tmc4361"
 VERSION_NO, CLK_FREQ = 0x7F, 0x31

@@ -10,22 +10,23 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from ...calc.extended_position import Counter
-from ...calc.mechanics import RATE_UNITS
-from ...calc.number_text import plain
-from ...calc.sramp_plan import SRampPlan
+from ...calc.positions.extended import Counter
+from ...calc.ramps.sramp_plan import SRampPlan
+from ...calc.units.mechanics import RATE_UNITS
 from ...clock import Clock
-from ...links.errors import CannotMove, LinkError, OutOfRange, UsageError, WriteRefused, WrongState
+from ...errors import CannotMove, LinkError, OutOfRange, UsageError, WriteRefused, WrongState
 from ...links.port import FramePort
+from ...number_text import plain
 from ...registers.model import Register, to_raw
-from ..axis_units import CHIP, SPELLINGS, to_position
-from ..config import DeviceConfig
-from ..device import MotionStarted
-from ..motion_watch import Kind, MotionWatch
-from ..planned_motion import PlannedMotion
-from ..results import AxisMove, MotionEnd, MoveStarted, Rotating
-from ..words import Held, Words, Write
-from . import foresight, rows
+from ..core.axis_units import CHIP, SPELLINGS, to_position
+from ..core.config import DeviceConfig
+from ..core.device import MotionStarted
+from ..core.motion_watch import Kind, MotionWatch
+from ..core.planned_motion import PlannedMotion
+from ..core.register_io import Held, Words, Write
+from ..core.results import AxisMove, MotionEnd, MoveStarted, Rotating
+from . import prediction as foresight
+from . import rows
 from .events import Events
 from .setting import Setting
 from .switches import stopped_by

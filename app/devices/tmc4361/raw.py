@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ...registers.model import Register
-from ...registers.tmc4361_bits import event_names, selected_events
-from ..raw_frames import RawFrames
+from ...registers.tmc4361.bits import event_names, selected_events
+from ..core.raw_frames import RawFrames
 from . import rows
 from .samples import Samples
 

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ...registers.model import Field, Register
-from ...registers.tmc4361 import TMC4361
-from ...registers.tmc4361_bits import EVENT_BITS
+from ...registers.tmc4361.bits import EVENT_BITS
+from ...registers.tmc4361.table import TMC4361
 
 AXIS = 0
 

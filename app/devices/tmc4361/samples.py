@@ -11,10 +11,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...registers.model import Register
-from ..motion_watch import Look
-from ..planned_motion import POSITION_BITS
-from ..sample_plan import Channel, Decoder, FloatArray, SamplePlan
-from ..word_samples import Asked, IntArray, WordSamples, channels_of, field, number, residual
+from ..core.motion_watch import Look
+from ..core.planned_motion import POSITION_BITS
+from ..core.register_samples import Asked, IntArray, WordSamples, channels_of, field, number, residual
+from ..core.sample_plan import Channel, Decoder, FloatArray, SamplePlan
 from . import rows
 from .counter import Counting
 from .switches import BY_LEVEL, BY_ZONE

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ...calc.sramp_parameters import SRamp
-from ...calc.sramp_trapezoid import Trapezoid
-from ...calc.tmc4361_formats import CLOCK_HZ_DEFAULT, CLOCK_HZ_MAX, CLOCK_HZ_MIN, Units
-from ...links.errors import CannotMove, WrongState
+from ...calc.ramps.sramp_parameters import SRamp
+from ...calc.ramps.sramp_trapezoid import Trapezoid
+from ...calc.units.tmc4361 import CLOCK_HZ_DEFAULT, CLOCK_HZ_MAX, CLOCK_HZ_MIN, Units
+from ...errors import CannotMove, WrongState
 from ...registers.model import Register
 from . import rows
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ...links.errors import WrongState
-from ..results import AxisState
-from ..signs import Evidence, Sign, Signs, clear_flags, start_up, write, zero
+from ...errors import WrongState
+from ..core.results import AxisState
+from ..core.signs import Evidence, Sign, Signs, clear_flags, start_up, write, zero
 from . import rows
 from .events import Events
 from .switches import stopped_by

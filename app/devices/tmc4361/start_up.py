@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ...calc.sramp_parameters import default_bow
-from ...calc.tmc4361_formats import Units
-from ...links.errors import UsageError
-from ..device import Device
-from ..results import WriteItem
-from ..starting import StartPlan, Wanted
+from ...calc.ramps.sramp_parameters import default_bow
+from ...calc.units.tmc4361 import Units
+from ...errors import UsageError
+from ..core.device import Device
+from ..core.results import WriteItem
+from ..core.start_up import StartPlan, Wanted
 
 S_RAMP_POSITIONING = 6
 MICROSTEPS = (256, 128, 64, 32, 16, 8, 4, 2, 1)

@@ -15,12 +15,13 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
-from ...links.errors import BenchError, LinkDown, LinkTimeout, OutOfRange, WriteRefused, WrongState
+from ...errors import BenchError, LinkDown, LinkTimeout, OutOfRange, WriteRefused, WrongState
 from ...links.queue import Priority
 from ...registers.model import to_raw
-from ..results import StopMode, StopOutcome
-from ..words import Held, Words, Write
-from . import foresight, rows
+from ..core.register_io import Held, Words, Write
+from ..core.results import StopMode, StopOutcome
+from . import prediction as foresight
+from . import rows
 from .moves import Moves
 from .setting import Setting
 

@@ -5,10 +5,10 @@ What they hold is what was written through this connection since the chip's rese
 
 from __future__ import annotations
 
-from ...calc.mslut import MslutRegisters
-from ...links.errors import BadReply
+from ...calc.microsteps.mslut import MslutRegisters
+from ...errors import BadReply
 from ...links.queue import Priority
-from ..results import HeldMslut
+from ..core.results import HeldMslut
 from . import rows
 from .raw import Raw
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from ...links.errors import BenchError, LinkError
+from ...errors import BenchError, LinkError
 from ...links.queue import Priority
 from ...registers.model import Register
-from ..device import MotionStarted
-from ..words import Held, Words
-from . import foresight, rows
+from ..core.device import MotionStarted
+from ..core.register_io import Held, Words
+from . import prediction as foresight
+from . import rows
 from .setting import Setting
 from .stops import Stops
 

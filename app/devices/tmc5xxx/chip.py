@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...calc.mechanics import Mechanics
+from ...calc.units.mechanics import Mechanics
 from ...clock import Clock
-from ...links.errors import BenchError, OtherModel, WrongState
+from ...errors import BenchError, OtherModel, WrongState
 from ...links.port import FramePort
 from ...registers.model import Register
-from ..config import DeviceConfig
-from ..keeping_chip import NOTHING, KeepingChip
-from ..planned_motion import PlannedMotion
-from ..prediction import Prediction, PredictionBook
+from ..core.config import DeviceConfig
+from ..core.planned_motion import PlannedMotion
+from ..core.prediction import Prediction, PredictionBook
+from ..core.register_io import Words
+from ..core.results import DeviceState, RegisterWritten
+from ..core.shadow_registers import NOTHING, KeepingChip
 from ..recognition import models_found
-from ..results import DeviceState, RegisterWritten
-from ..words import Words
 from .identity import VERSIONS, models_of
 from .ramp import Ramp
 from .rows import RAMP, AxisRows, rows_of

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from ...calc.encoder_resolution import measured_encoder
-from ..results import AxisState
-from ..signs import EncoderSeen, Remedy, write_all
+from ...calc.positions.encoder_resolution import measured_encoder
+from ..core.results import AxisState
+from ..core.signs import EncoderSeen, Remedy, write_all
 from .chip import Chip
 from .start_up import DECIMAL, encoder_constant
 

@@ -13,13 +13,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...clock import Clock
-from ...links.errors import BenchError
+from ...errors import BenchError
 from ...links.port import FramePort
 from ...registers.model import Register
-from ..config import DeviceConfig
-from ..results import DeviceState, EventPage
-from ..timeline import Timeline
-from ..words import Held, Words
+from ..core.config import DeviceConfig
+from ..core.register_io import Held, Words
+from ..core.results import DeviceState, EventPage
+from ..core.timeline import Timeline
 from . import rows as r
 from .chip import Chip
 from .flags import GSTAT_LSB, AxisFlags

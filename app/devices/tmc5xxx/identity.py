@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...links.queue import LinkQueue
 from ...links.register_access import RegisterAccess
-from ..words import read_once_more
+from ..core.register_io import read_once_more
 
 VERSIONS = {"tmc5031": 0x01, "tmc5062": 0x01, "tmc5072": 0x10, "tmc5130": 0x11, "tmc5160": 0x30}
 """VERSION of the first silicon of each, by their data sheets. A later one may have another, but not that of another

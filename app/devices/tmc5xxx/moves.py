@@ -12,22 +12,22 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from ...calc.mechanics import RATE_UNITS
-from ...calc.number_text import plain
-from ...calc.sixpoint import MotionPlan
-from ...calc.tmc5xxx_units import VELOCITY_MAX, velocity_unit_pps
+from ...calc.ramps.sixpoint import MotionPlan
+from ...calc.units.mechanics import RATE_UNITS
+from ...calc.units.tmc5xxx import VELOCITY_MAX, velocity_unit_pps
 from ...clock import Clock
-from ...links.errors import BadReply, CannotMove, LinkError, OutOfRange, UsageError, WriteRefused
+from ...errors import BadReply, CannotMove, LinkError, OutOfRange, UsageError, WriteRefused
 from ...links.port import FramePort
+from ...number_text import plain
 from ...registers.model import Register, to_raw
-from ..axis_units import CHIP, SPELLINGS, to_position
-from ..config import DeviceConfig
-from ..device import MotionStarted
-from ..motion_watch import Kind, MotionWatch
-from ..planned_motion import PlannedMotion
-from ..results import AxisMove, MotionEnd, MoveStarted, Rotating
-from ..sixpoint_plans import move_plan, turn_plan
-from ..words import Held, Words, Write
+from ..core.axis_units import CHIP, SPELLINGS, to_position
+from ..core.config import DeviceConfig
+from ..core.device import MotionStarted
+from ..core.motion_watch import Kind, MotionWatch
+from ..core.planned_motion import PlannedMotion
+from ..core.register_io import Held, Words, Write
+from ..core.results import AxisMove, MotionEnd, MoveStarted, Rotating
+from ..core.sixpoint_plans import move_plan, turn_plan
 from . import rows as r
 from .events import Events
 from .ramp import Ramp

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ...calc.sixpoint import SixPoint
-from ...calc.sixpoint_registers import findings, ramp_of
-from ...calc.tmc5xxx_times import zero_wait_s
-from ...calc.tmc5xxx_units import VELOCITY_MAX, velocity_unit_pps
-from ...links.errors import CannotMove
+from ...calc.ramps.sixpoint import SixPoint
+from ...calc.ramps.sixpoint_registers import findings, ramp_of
+from ...calc.units.tmc5xxx import VELOCITY_MAX, velocity_unit_pps
+from ...calc.units.tmc5xxx_times import zero_wait_s
+from ...errors import CannotMove
 from .rows import RAMP
 
 LONG_WAIT_S = 0.5

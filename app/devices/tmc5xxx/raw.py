@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ...links import datagram40
 from ...registers.model import Register
-from ..raw_frames import RawFrames
+from ..core.raw_frames import RawFrames
 from .samples import Samples
 
 SINGLE = (

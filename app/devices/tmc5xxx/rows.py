@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cache, cached_property
 
 from ...registers.model import Field, Register, RegisterTable
-from ...registers.tmc5xxx import AXES, TABLES
+from ...registers.tmc5xxx.table import AXES, TABLES
 
 POSITION, FORWARD, BACKWARD, HOLD = range(4)
 """RAMPMODE."""

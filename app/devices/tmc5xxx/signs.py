@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from ...calc.tmc5xxx_units import acceleration_units, velocity_units
-from ..results import AxisState
-from ..signs import Evidence, Sign, Signs, clear_flags, start_up, write, zero
+from ...calc.units.tmc5xxx import acceleration_units, velocity_units
+from ..core.results import AxisState
+from ..core.signs import Evidence, Sign, Signs, clear_flags, start_up, write, zero
 from . import rows as r
 from .events import Events
 from .start_up import CHOPCONF

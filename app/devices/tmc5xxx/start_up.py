@@ -11,13 +11,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from ...calc.coil_current import CHIPS, SCALER_FULL, CurrentStage, nearest_hold
-from ...calc.tmc5xxx_units import acceleration_units, velocity_units
-from ...links.errors import OutOfRange, UsageError
-from ..config import AxisSettings
-from ..device import Device
-from ..results import WriteItem
-from ..starting import HOLD_SHARE, StartPlan, Wanted, scale_of
+from ...calc.current.coil import CHIPS, SCALER_FULL, CurrentStage, nearest_hold
+from ...calc.units.tmc5xxx import acceleration_units, velocity_units
+from ...errors import OutOfRange, UsageError
+from ..core.config import AxisSettings
+from ..core.device import Device
+from ..core.results import WriteItem
+from ..core.start_up import HOLD_SHARE, StartPlan, Wanted, scale_of
 
 CHOPCONF: dict[str, int | str] = {"toff": 5, "hstrt": 5, "hend": 3, "tbl": 2, "chm": 0}
 CHOPCONF_5160: dict[str, int | str] = {"toff": 3, "hstrt": 5, "hend": 2, "tbl": 2, "chm": 0}

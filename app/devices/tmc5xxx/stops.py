@@ -14,12 +14,12 @@ from __future__ import annotations
 import time
 from collections.abc import Sequence
 
-from ...links.errors import BadReply, BenchError, LinkDown, OutOfRange, WriteRefused, WrongState
+from ...errors import BadReply, BenchError, LinkDown, OutOfRange, WriteRefused, WrongState
 from ...links.queue import Priority
 from ...registers.model import Register, to_raw
-from ..results import StopMode, StopOutcome
-from ..sixpoint_plans import turn_plan
-from ..words import Held, Words, Write
+from ..core.register_io import Held, Words, Write
+from ..core.results import StopMode, StopOutcome
+from ..core.sixpoint_plans import turn_plan
 from . import rows as r
 from .moves import HIGHEST, LOWEST, Moves
 

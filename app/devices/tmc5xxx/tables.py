@@ -7,10 +7,10 @@ a TMC5072 share one.
 
 from __future__ import annotations
 
-from ...calc.mslut import MslutRegisters
-from ...links.errors import BadReply
+from ...calc.microsteps.mslut import MslutRegisters
+from ...errors import BadReply
 from ...links.queue import Priority
-from ..results import HeldMslut
+from ..core.results import HeldMslut
 from .raw import Raw
 
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from ...links.errors import BenchError, LinkError
+from ...errors import BenchError, LinkError
 from ...links.queue import Priority
 from ...registers.model import Register
-from ..device import MotionStarted
-from ..sixpoint_plans import move_plan, turn_plan
-from ..words import Held, Words
+from ..core.device import MotionStarted
+from ..core.register_io import Held, Words
+from ..core.sixpoint_plans import move_plan, turn_plan
 from . import rows as r
 from .moves import _signed
 from .rows import AxisRows

@@ -6,7 +6,7 @@ import threading
 
 from pydantic import ValidationError
 
-from ...links.errors import UsageError
+from ...errors import UsageError
 from ...links.tmcl import FRAME_BYTES
 from ...registers.catalog import MODELS
 from ..tmc5xxx import EmulatedTmc5xxx, Tmc5xxxPatch

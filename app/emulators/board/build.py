@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ...clock import Clock
-from ...links.errors import UnknownThing
+from ...errors import UnknownThing
 from ..tmc5xxx import MODELS, EmulatedTmc5xxx, Tmc5xxxOptions
 from ..tmc4361 import EmulatedTmc4361, Tmc4361Options
 from .board import EmulatedBoard

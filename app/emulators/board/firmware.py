@@ -21,7 +21,7 @@ from ...registers.landungsbruecke import (
     BoardOpcode,
     SlotState,
 )
-from ...registers.tmcl import MAGIC, Opcode, Status
+from ...registers.tmcl.commands import MAGIC, Opcode, Status
 from .functions import AxisFunctions, BoardFunctions, DriverFunctions
 from .identity import ABSENT, HARDWARE_VERSION, IdentityEeprom
 from .refusal import Refusal, invalid_command, invalid_value, wrong_type

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...registers.tmcl import Status
+from ...registers.tmcl.commands import Status
 
 
 class Refusal(Exception):

@@ -40,7 +40,7 @@ OUTPUT_TO_TMC2660 = 0x4440_004B
 
 
 class Tmc4361Board(Parameters):
-    """`BoardFunctions` and those of its one motor. Addresses of `app.registers.tmc4361`.
+    """`BoardFunctions` and those of its one motor. Addresses of `app.registers.tmc4361.table`.
 
     `reset_chip` pulses the chip's reset pin.
     """
@@ -167,6 +167,6 @@ class Tmc4361Board(Parameters):
     def user_function(self, number: int, motor: int, value: int) -> int:
         """Command 144. Switch inputs that the board can pull (0..2) are refused: here the world around has them."""
         del motor, value
-        if number == 3:  # closed-loop calibration by the firmware; ours is `app.tuning`
+        if number == 3:  # closed-loop calibration by the firmware; ours is `app.procedures`
             raise Refusal(BoardStatus.DELAYED)
         raise wrong_type()

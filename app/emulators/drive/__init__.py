@@ -10,13 +10,7 @@ from .drive import Drive, warm_up
 from .encoder import EncoderChannel
 from .events import Event, EventKind
 from .kernel import TICK_CLOCKS
-from .options import (
-    DriveOptions,
-    EncoderOptions,
-    LoadOptions,
-    MotorOptions,
-    StageSwitches,
-)
+from .options import DriveOptions, EncoderOptions, LoadOptions, MotorOptions, StageSwitches
 from .world import Switches, Truth, World
 
 __all__ = [

@@ -7,8 +7,8 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from ...links.errors import OutOfRange
-from ..truth import GroundTruth
+from ...errors import OutOfRange
+from ..core.ground_truth import GroundTruth
 from .options import FullSteps, MotorOptions
 from .world import Short, Truth, World
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, Self, overload
 
-from ...calc.number_text import plain
+from ...number_text import plain
 from . import kernel as k
 from .options import DriveOptions
 

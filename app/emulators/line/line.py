@@ -12,8 +12,8 @@ from collections.abc import Hashable, Sequence
 from typing import NamedTuple
 
 from ...clock import Clock
-from ...registers.tmcl import Opcode, Status
-from ..noise import cut, flip
+from ...registers.tmcl.commands import Opcode, Status
+from ..core.noise import cut, flip
 from .faults import LineFaults, LinePatch, LineState
 from .framing import TMCL, Framing
 from .module import LineModule

@@ -7,9 +7,9 @@ from dataclasses import asdict
 
 from ...clock import Clock
 from ...links.datagram40 import FRAME_BYTES, Reply, Request
+from ..core.base import ChipFaults, FarEnd
+from ..core.ground_truth import GroundTruth
 from ..drive.bench import ChipFaultsState, ground_truth
-from ..far_end import ChipFaults, FarEnd
-from ..truth import GroundTruth
 from . import world
 from .options import Tmc4361Options, Tmc4361Patch
 from .registers import Chip

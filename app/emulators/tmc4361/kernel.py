@@ -105,17 +105,7 @@ from .layout import (
     X,
 )
 from .output import microstep, send
-from .pins import (
-    XLATCH_DONE,
-    closed,
-    filtered,
-    home_error,
-    latch,
-    levels,
-    stop_pins,
-    track_home,
-    virtual_stops,
-)
+from .pins import XLATCH_DONE, closed, filtered, home_error, latch, levels, stop_pins, track_home, virtual_stops
 from .plan import TRAPEZOID
 from .ramp import count, decide, distance, external_steps, go_on, slow_down
 from .starts import follow, is_due, start, trigger

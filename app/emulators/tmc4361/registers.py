@@ -11,7 +11,7 @@ from collections.abc import Callable
 import numpy as np
 
 from ...registers.model import Register
-from ...registers.tmc4361 import TMC4361
+from ...registers.tmc4361.table import TMC4361
 from ..drive import kernel as motor
 from . import kernel
 from . import layout as c

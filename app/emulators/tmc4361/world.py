@@ -10,14 +10,7 @@ from . import layout as c
 from .feedback.layout import SHAFT_FULLSTEPS
 from .options import Tmc4361Patch
 from .registers import Chip
-from .state import (
-    LevelState,
-    PinsState,
-    RampState,
-    StepOutputState,
-    SwitchesState,
-    Tmc4361State,
-)
+from .state import LevelState, PinsState, RampState, StepOutputState, SwitchesState, Tmc4361State
 
 _PLACES = {
     "left_at_fullsteps": c.LEFT_AT,

@@ -19,14 +19,7 @@ from ..drive.bench import (
     TimeScale,
     Torque,
 )
-from ..drive.options import (
-    DriveOptions,
-    EncoderOptions,
-    FullSteps,
-    LoadOptions,
-    MotorOptions,
-    StageSwitches,
-)
+from ..drive.options import DriveOptions, EncoderOptions, FullSteps, LoadOptions, MotorOptions, StageSwitches
 
 Tmc5xxxModel = Literal["tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160"]
 MODELS: tuple[Tmc5xxxModel, ...] = get_args(Tmc5xxxModel)

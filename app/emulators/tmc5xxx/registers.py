@@ -9,7 +9,7 @@ from collections.abc import Callable
 from functools import partial
 
 from ...registers.model import Access, Register
-from ...registers.tmc5xxx import TABLES
+from ...registers.tmc5xxx.table import TABLES
 from .axis import LIVE, Axis
 from .chips import CHIPS
 from .options import Tmc5xxxModel, Tmc5xxxOptions

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...links.errors import OutOfRange, WrongState
+from ...errors import OutOfRange, WrongState
 from ..drive import Drive
 from ..drive.bench import (
     ChipFaultsState,

@@ -20,7 +20,7 @@ from shutil import disk_usage
 
 import numpy as np
 
-from ...links.errors import StoreUnavailable, UnknownThing, UsageError, WrongState
+from ...errors import StoreUnavailable, UnknownThing, UsageError, WrongState
 from ..document import Document, UnreadableDocument
 from . import file, marks
 from .head import Column, Head, UnreadableRecording

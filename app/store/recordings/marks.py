@@ -10,7 +10,7 @@ from typing import Any
 
 from pydantic import TypeAdapter
 
-from ...devices.marks import MarkKind
+from ...devices.core.marks import MarkKind
 
 SUFFIX = ".marks"
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 import pyarrow as pa
 
-from ...calc.stretches import Stretches, size_for
+from ...calc.signals.min_max_pyramid import Stretches, size_for
 from .file import FloatArray, Rows, decode_head, whole_batches
 from .head import Head, UnreadableRecording
 

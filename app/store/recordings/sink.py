@@ -6,7 +6,7 @@ import errno
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from ...devices.marks import MarkKind
+from ...devices.core.marks import MarkKind
 from .file import FloatArray, RecordingWriter, Rows
 from .library import Library
 from .marks import Mark

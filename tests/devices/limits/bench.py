@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 from typing import cast
 
 from app.clock import Clock, VirtualClock
-from app.devices.config import AxisSettings, DeviceConfig
-from app.devices.device import Device, DeviceEvent, LimitReached
+from app.devices.core.config import AxisSettings, DeviceConfig
+from app.devices.core.device import Device, DeviceEvent, LimitReached
 from app.devices.limits.axis_limits import AxisLimits
 from app.devices.manager import DeviceChange, DeviceManager
 from app.emulators.build import build_emulator, options_of

@@ -9,14 +9,14 @@ import math
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from app.calc.coil_current import CurrentStage
-from app.calc.tmc5xxx_units import acceleration_unit_pps2, velocity_unit_pps
-from app.calc.units import acceleration_hz_s, pulse_rate_hz
+from app.calc.current.coil import CurrentStage
+from app.calc.units.tmc5xxx import acceleration_unit_pps2, velocity_unit_pps
+from app.calc.units.tmc428 import acceleration_hz_s, pulse_rate_hz
 from app.devices.limits.axis_limits import AxisLimits
 from app.links.tmcl import Request
 from app.registers.catalog import MODELS
 from app.registers.model import Register, Space
-from app.registers.tmcl import Opcode
+from app.registers.tmcl.commands import Opcode
 
 CLOCK_HZ = 16e6
 

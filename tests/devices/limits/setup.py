@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from app.devices.device import Device
-from app.devices.start_up import AxisStart
-from app.devices.start_up import start_up as start_ramp
+from app.devices.core.device import Device
 from app.devices.tmc5xxx.start_up import Start as SixPointStart
 from app.devices.tmc5xxx.start_up import start_up as start_sixpoint
+from app.devices.tmc428.start_up import AxisStart
+from app.devices.tmc428.start_up import start_up as start_ramp
 from app.devices.tmc4361.start_up import Start as SRampStart
 from app.devices.tmc4361.start_up import start_up as start_s_ramp
 

@@ -6,19 +6,19 @@ from typing import cast
 
 import pytest
 
-from app.devices.config import AxisSettings, DeviceConfig
-from app.devices.device import Device
+from app.devices.core.config import AxisSettings, DeviceConfig
+from app.devices.core.device import Device
 from app.devices.limits.axis_limits import AxisLimits
 from app.devices.limits.frames import decoder_of, refuse_board
-from app.devices.pd42.driver import Pd42
-from app.emulators.options import EmulatorPatch, FaultsChange
+from app.devices.tmcl.driver import Pd42
+from app.emulators.tmc428.options import EmulatorPatch, FaultsChange
+from app.errors import LinkError, OutOfRange, SoftLimit, UsageError, WrongState
 from app.links import datagram32
 from app.links.datagram_uart import UartForm
-from app.links.errors import LinkError, OutOfRange, SoftLimit, UsageError, WrongState
 from app.links.register_access import LandungsbrueckeAccess, UartAccess
 from app.links.tmcl import Request
 from app.registers.landungsbruecke import BoardOpcode
-from app.registers.tmcl import Opcode
+from app.registers.tmcl.commands import Opcode
 from tests.devices.bench import emulator_of
 from tests.devices.limits.bench import Bench, bench
 from tests.devices.limits.setup import set_up

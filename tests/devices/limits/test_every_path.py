@@ -9,14 +9,14 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from app.devices.device import Device
-from app.devices.results import WriteItem
+from app.devices.core.device import Device
+from app.devices.core.results import WriteItem
+from app.errors import BenchError, SoftLimit
 from app.links import datagram32, datagram40
-from app.links.errors import BenchError, SoftLimit
 from app.links.tmcl import Request
 from app.registers.catalog import MODELS
 from app.registers.model import Register, Space
-from app.registers.tmcl import Opcode
+from app.registers.tmcl.commands import Opcode
 from tests.devices.limits.bench import ALL_MODELS, Bench, bench, limits_of
 from tests.devices.limits.oracle import Oracle
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from app.devices.device import Device
+from app.devices.core.device import Device
+from app.devices.core.results import AxisMove, WriteItem
 from app.devices.limits.axis_limits import AxisLimits
 from app.devices.manager import DeviceChange
-from app.devices.results import AxisMove, WriteItem
-from app.links.errors import SoftLimit
+from app.errors import SoftLimit
 from tests.devices.limits.bench import Bench, bench
 from tests.devices.limits.setup import MOVERS, set_up
 

@@ -7,11 +7,11 @@ import pytest
 from app.clock import VirtualClock
 from app.devices.limits.axis_limits import AxisLimits
 from app.devices.limits.watch import IDLE_S, POLL_S, REACTION_S
+from app.errors import SoftLimit
 from app.links import datagram32, datagram40
-from app.links.errors import SoftLimit
 from app.links.tmcl import Request
-from app.registers.tmcl import Opcode
-from app.tuning.procedures import Procedures
+from app.procedures.procedures import Procedures
+from app.registers.tmcl.commands import Opcode
 from tests.devices.limits.bench import Bench, bench
 from tests.devices.limits.setup import MOVERS, SPEED_PPS, set_up
 

@@ -8,18 +8,18 @@ from dataclasses import dataclass, field
 from typing import cast
 
 from app.clock import Clock, ScaledClock, VirtualClock
-from app.devices.config import DeviceConfig
-from app.devices.device import Device
+from app.devices.core.config import DeviceConfig
+from app.devices.core.device import Device
 from app.devices.manager import DeviceManager
-from app.devices.pd42.driver import Pd42
+from app.devices.tmcl.driver import Pd42
 from app.emulators.build import build_emulator
-from app.emulators.pd42.module import EmulatedModule
-from app.emulators.pd42.options import Pd42Options, Pd42Patch
+from app.emulators.tmcl.module import EmulatedModule
+from app.emulators.tmcl.options import Pd42Options, Pd42Patch
 from app.links.emulator import EmulatorPort
 from app.links.port import FramePort
 from app.links.registry import Link
 from app.links.tmcl import Request
-from app.registers.tmcl import Opcode
+from app.registers.tmcl.commands import Opcode
 
 
 @dataclass

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from app.devices.device import DeviceEvent, MotionCommanded
-from app.links.errors import LinkTimeout, OutOfRange, UnknownThing
-from app.registers.tmcl import Opcode
+from app.devices.core.device import DeviceEvent, MotionCommanded
+from app.errors import LinkTimeout, OutOfRange, UnknownThing
+from app.registers.tmcl.commands import Opcode
 from tests.devices.pd42.bench import bench
 
 

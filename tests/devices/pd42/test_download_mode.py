@@ -10,19 +10,19 @@ from typing import Any, cast
 import pytest
 
 from app.clock import VirtualClock, WallClock
-from app.devices.config import AxisSettings, DeviceConfig
+from app.devices.core.config import AxisSettings, DeviceConfig
+from app.devices.core.results import WriteItem
 from app.devices.limits.axis_limits import AxisLimits
 from app.devices.manager import DeviceChange, DeviceManager
-from app.devices.pd42.driver import Pd42
-from app.devices.results import WriteItem
-from app.emulators.pd42.eeprom import PROGRAM_COMMANDS
-from app.emulators.pd42.module import EmulatedModule
-from app.emulators.pd42.options import Pd42Options
-from app.links.errors import BenchError, DownloadMode, WrongState
+from app.devices.tmcl.driver import Pd42
+from app.emulators.tmcl.eeprom import PROGRAM_COMMANDS
+from app.emulators.tmcl.module import EmulatedModule
+from app.emulators.tmcl.options import Pd42Options
+from app.errors import BenchError, DownloadMode, WrongState
 from app.links.registry import serial_factory
 from app.links.serial_line import LinePort
 from app.links.tmcl import Request
-from app.registers.tmcl import CONTROL_FIRST, Opcode
+from app.registers.tmcl.commands import CONTROL_FIRST, Opcode
 from app.telemetry.hub import TelemetryHub
 from tests.devices.pd42.bench import Bench, bench, state_of
 from tests.links.pty_module import PtyModule, pty_module

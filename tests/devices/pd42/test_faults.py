@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.devices.config import DeviceConfig
-from app.links.errors import BenchError, LinkDown, LinkError, WrongState
+from app.devices.core.config import DeviceConfig
+from app.errors import BenchError, LinkDown, LinkError, WrongState
 from app.links.tmcl import Reply, Request
-from app.registers.tmcl import Opcode
+from app.registers.tmcl.commands import Opcode
 from app.telemetry.hub import TelemetryHub
 from app.telemetry.reader import Reader
 from tests.devices.pd42.bench import MOVERS, Bench, bench, state_of

@@ -9,10 +9,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from app.links.errors import UnknownParameter
+from app.errors import UnknownParameter
+from app.profiles.capture import capture
 from app.registers.model import Space
-from app.registers.pd42 import PD42
-from app.tuning.profiles.capture import capture
+from app.registers.tmcl.pd42 import PD42
 from tests.devices.pd42.bench import Bench, bench, state_of
 
 PARAMETERS = {row.address: row for row in PD42 if row.space is Space.AXIS}

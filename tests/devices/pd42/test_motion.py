@@ -7,12 +7,12 @@ from collections.abc import Awaitable, Callable
 import numpy as np
 import pytest
 
-from app.devices.config import AxisSettings, DeviceConfig
-from app.devices.device import DeviceEvent, MotionStarted
-from app.devices.results import AxisMove
-from app.links.errors import LinkTimeout, OutOfRange, UnknownThing, UsageError, WrongState
+from app.devices.core.config import AxisSettings, DeviceConfig
+from app.devices.core.device import DeviceEvent, MotionStarted
+from app.devices.core.results import AxisMove
+from app.errors import LinkTimeout, OutOfRange, UnknownThing, UsageError, WrongState
 from app.links.tmcl import Request
-from app.registers.tmcl import Opcode
+from app.registers.tmcl.commands import Opcode
 from tests.devices.pd42.bench import MOVERS, Bench, bench
 
 RAMPS = {

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from app.devices.device import DeviceEvent
-from app.devices.results import MotionEnd
+from app.devices.core.device import DeviceEvent
+from app.devices.core.results import MotionEnd
 from tests.devices.pd42.bench import Bench, bench
 
 

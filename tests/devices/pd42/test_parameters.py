@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from app.devices.results import WriteItem
-from app.links.errors import LinkTimeout, OutOfRange, UnknownThing, WriteRefused, WrongState
+from app.devices.core.results import WriteItem
+from app.errors import LinkTimeout, OutOfRange, UnknownThing, WriteRefused, WrongState
 from app.links.tmcl import Reply, Request
 from app.registers.model import Space
-from app.registers.pd42 import PD42
-from app.registers.tmcl import Opcode, Status
+from app.registers.tmcl.commands import Opcode, Status
+from app.registers.tmcl.pd42 import PD42
 from tests.devices.pd42.bench import Tap, bench
 
 

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.devices.pd42.samples import QUANTITIES, values_of
-from app.links.errors import UnknownThing, UsageError
+from app.devices.tmcl.samples import QUANTITIES, values_of
+from app.errors import UnknownThing, UsageError
 from app.links.tmcl import Reply, Request
-from app.registers.tmcl import Opcode
+from app.registers.tmcl.commands import Opcode
 from tests.devices.pd42.bench import bench
 
 EVERY = [f"{quantity}.0" for quantity in QUANTITIES]

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field
 from typing import cast
 
 from app.clock import Clock, VirtualClock
-from app.devices.config import DeviceConfig
-from app.devices.device import DeviceEvent
+from app.devices.core.config import DeviceConfig
+from app.devices.core.device import DeviceEvent
+from app.devices.core.results import AxisState
 from app.devices.manager import DeviceManager
-from app.devices.results import AxisState
 from app.devices.tmc4361.driver import Tmc4361
 from app.devices.tmc4361.start_up import Closed, Start, start_up
 from app.emulators.build import build_emulator

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from app.devices.results import ChipEvents
-from app.devices.timeline import KEPT, Timeline
+from app.devices.core.results import ChipEvents
+from app.devices.core.timeline import KEPT, Timeline
 from app.devices.tmc4361 import rows
 from app.emulators.tmc4361.options import FaultsChange, Tmc4361Patch
-from app.registers.tmc4361_bits import EVENT_MASK, event_names
+from app.registers.tmc4361.bits import EVENT_MASK, event_names
 from tests.devices.tmc4361.bench import bench
 
 EVENTS, CLEAR_CONF = 0x0E, 0x0C

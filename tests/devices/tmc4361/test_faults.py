@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from app.emulators.tmc4361.options import FaultsChange, Tmc4361Patch
-from app.links.errors import BenchError, LinkDown, LinkTimeout
+from app.errors import BenchError, LinkDown, LinkTimeout
 from tests.devices.tmc4361.bench import Bench, bench
 
 XTARGET, VMAX, RAMPMODE = 0x37, 0x24, 0x20

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.devices.device import MotionStarted
-from app.devices.results import AxisMove, MotionEnd, StopMode
+from app.devices.core.device import MotionStarted
+from app.devices.core.results import AxisMove, MotionEnd, StopMode
 from app.devices.tmc4361.start_up import Start
-from app.links.errors import OutOfRange, UsageError, WrongState
+from app.errors import OutOfRange, UsageError, WrongState
 from tests.devices.tmc4361.bench import bench
 
 MODES = {"hold": 4, "trapezoid": 5, "S-ramp": 6}

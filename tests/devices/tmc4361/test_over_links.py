@@ -10,7 +10,7 @@ from typing import cast
 import pytest
 
 from app.clock import Clock, WallClock
-from app.devices.config import DeviceConfig
+from app.devices.core.config import DeviceConfig
 from app.devices.manager import DeviceManager
 from app.devices.tmc4361.driver import Tmc4361
 from app.devices.tmc4361.start_up import start_up

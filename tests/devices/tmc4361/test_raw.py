@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.links.errors import OutOfRange
+from app.errors import OutOfRange
 from tests.devices.tmc4361.bench import bench
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 import pytest
 
 from app.clock import VirtualClock
-from app.devices.config import DeviceConfig
-from app.devices.results import WriteItem
+from app.devices.core.config import DeviceConfig
+from app.devices.core.results import WriteItem
 from app.devices.tmc4361.driver import Tmc4361
-from app.links.errors import OutOfRange, WriteRefused, WrongState
+from app.errors import OutOfRange, WriteRefused, WrongState
 from app.links.port import FramePort
 from tests.devices.tmc4361.bench import bench
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.devices.sample_plan import FloatArray
+from app.devices.core.sample_plan import FloatArray
 from app.devices.tmc4361.samples import QUANTITIES
-from app.links.errors import UnknownThing, UsageError
+from app.errors import UnknownThing, UsageError
 from tests.devices.tmc4361.bench import Bench, bench
 
 

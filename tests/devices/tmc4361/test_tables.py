@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from app.calc.mslut import POWER_ON, decode, encode
+from app.calc.microsteps.mslut import POWER_ON, decode, encode
 from tests.devices.tmc4361.bench import bench
 
 

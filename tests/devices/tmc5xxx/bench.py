@@ -8,10 +8,10 @@ from dataclasses import dataclass, field, replace
 from typing import cast
 
 from app.clock import Clock, VirtualClock
-from app.devices.config import DeviceConfig
-from app.devices.device import DeviceEvent
+from app.devices.core.config import DeviceConfig
+from app.devices.core.device import DeviceEvent
+from app.devices.core.results import AxisState
 from app.devices.manager import DeviceManager
-from app.devices.results import AxisState
 from app.devices.tmc5xxx.driver import Tmc5xxx
 from app.devices.tmc5xxx.start_up import Start, start_up
 from app.emulators.build import build_emulator
@@ -21,7 +21,7 @@ from app.emulators.tmc5xxx.options import AxisChange, SwitchesChange
 from app.links.emulator import EmulatorPort
 from app.links.port import FramePort
 from app.links.registry import Link
-from app.registers.tmc5xxx import AXES
+from app.registers.tmc5xxx.table import AXES
 
 MODELS = ("tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160")
 START = Start(vmax=50_000, amax=200_000, vstart=0, counts_per_rev=40_000)

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.devices.results import ChipEvents
+from app.devices.core.results import ChipEvents
 from app.emulators.drive.options import MotorOptions
 from app.emulators.tmc5xxx import Tmc5xxxPatch
 from app.emulators.tmc5xxx.options import AxisChange
-from app.links.errors import WrongState
-from app.registers.tmc5xxx import AXES
+from app.errors import WrongState
+from app.registers.tmc5xxx.table import AXES
 from tests.devices.tmc5xxx.bench import MODELS, Bench, bench
 
 CLEARS_ON_READ = ("tmc5031", "tmc5062", "tmc5072", "tmc5130")

@@ -6,10 +6,10 @@ from dataclasses import replace
 
 import pytest
 
-from app.devices.results import AxisMove
+from app.devices.core.results import AxisMove
 from app.emulators.drive.bench import ChipFaultsChange
 from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxPatch
-from app.links.errors import BadReply, BenchError, LinkDown, LinkTimeout
+from app.errors import BadReply, BenchError, LinkDown, LinkTimeout
 from tests.devices.tmc5xxx.bench import MODELS, Bench, bench
 
 

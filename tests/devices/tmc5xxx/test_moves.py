@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from app.calc.tmc5xxx_units import VELOCITY_MAX, velocity_unit_pps
-from app.devices.device import MotionStarted
-from app.devices.results import AxisMove, MotionEnd
+from app.calc.units.tmc5xxx import VELOCITY_MAX, velocity_unit_pps
+from app.devices.core.device import MotionStarted
+from app.devices.core.results import AxisMove, MotionEnd
 from app.devices.tmc5xxx.start_up import Start
-from app.links.errors import OutOfRange, UsageError, WrongState
-from app.registers.tmc5xxx import AXES
+from app.errors import OutOfRange, UsageError, WrongState
+from app.registers.tmc5xxx.table import AXES
 from tests.devices.tmc5xxx.bench import MODELS, START, Bench, bench
 
 SIX_POINTS = replace(START, vstart=2_000, v1=20_000, a1=400_000, d1=500_000, dmax=150_000, vstop=4_000)

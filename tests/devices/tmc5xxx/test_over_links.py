@@ -13,9 +13,9 @@ from typing import cast
 import pytest
 
 from app.clock import Clock, WallClock
-from app.devices.config import DeviceConfig
+from app.devices.core.config import DeviceConfig
+from app.devices.core.results import AxisMove
 from app.devices.manager import DeviceManager
-from app.devices.results import AxisMove
 from app.devices.tmc5xxx.driver import Tmc5xxx
 from app.devices.tmc5xxx.start_up import Start, start_up
 from app.emulators.board.build import build_board
@@ -25,18 +25,12 @@ from app.emulators.line.server import serve_pty
 from app.emulators.line.uart import uart_line
 from app.emulators.server import serve_tcp
 from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxModel, Tmc5xxxOptions, Tmc5xxxPatch
+from app.errors import LinkError
 from app.links.emulator import EmulatorPort
-from app.links.errors import LinkError
 from app.links.port import FramePort
-from app.links.registry import (
-    Link,
-    PortFactory,
-    landungsbruecke_factory,
-    tcp_factory,
-    uart_factory,
-)
+from app.links.registry import Link, PortFactory, landungsbruecke_factory, tcp_factory, uart_factory
 from app.links.spidev_port import SpidevPort
-from app.registers.tmc5xxx import AXES
+from app.registers.tmc5xxx.table import AXES
 from app.telemetry.sampling import Sampling
 from tests.links.test_chains import SpiThatIsAChip
 

@@ -7,11 +7,11 @@ from fractions import Fraction
 
 import pytest
 
-from app.calc import mslut
-from app.calc.mslut_waves import Formula, wanted_wave
+from app.calc.microsteps import mslut
+from app.calc.microsteps.mslut_waves import Formula, wanted_wave
 from app.devices.tmc5xxx.start_up import Start, encoder_constant, start_up
-from app.links.errors import OutOfRange, UsageError, WrongState
-from app.registers.tmc5xxx import AXES
+from app.errors import OutOfRange, UsageError, WrongState
+from app.registers.tmc5xxx.table import AXES
 from tests.devices.tmc5xxx.bench import MODELS, START, bench
 
 

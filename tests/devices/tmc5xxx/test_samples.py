@@ -5,13 +5,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from app.devices.counter import PositionSeen
-from app.devices.sample_plan import FloatArray
+from app.devices.core.counter import PositionSeen
+from app.devices.core.sample_plan import FloatArray
 from app.devices.tmc5xxx.rows import rows_of
 from app.devices.tmc5xxx.samples import Samples
 from app.emulators.tmc5xxx import Tmc5xxxPatch
-from app.links.errors import UnknownThing, UsageError
-from app.registers.tmc5xxx import AXES
+from app.errors import UnknownThing, UsageError
+from app.registers.tmc5xxx.table import AXES
 from tests.devices.tmc5xxx.bench import MODELS, Bench, bench
 
 

@@ -15,12 +15,12 @@ from app.emulators.board.build import build_board
 from app.emulators.board.options import BoardPatch
 from app.emulators.board.registers import ChipRegisters
 from app.emulators.tmc4361 import EmulatedTmc4361
+from app.errors import UnknownThing
 from app.links.datagram40 import Request as Datagram
-from app.links.errors import UnknownThing
 from app.links.tmcl import Reply, Request, sound
 from app.registers.landungsbruecke import BoardOpcode
-from app.registers.tmc4361 import TMC4361
-from app.registers.tmcl import Opcode, Status
+from app.registers.tmc4361.table import TMC4361
+from app.registers.tmcl.commands import Opcode, Status
 
 X_ACTUAL, V_MAX, RAMP_MODE, POS_COMP, EVENTS = 0x21, 0x24, 0x20, 0x32, 0x0E
 

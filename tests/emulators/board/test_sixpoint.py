@@ -12,13 +12,13 @@ from app.emulators.board.build import build_board
 from app.emulators.board.options import BoardPatch
 from app.emulators.board.sixpoint import BOARD_IDS
 from app.emulators.tmc5xxx import MODELS, EmulatedTmc5xxx, Tmc5xxxModel
+from app.errors import UsageError
 from app.links.datagram40 import Request as Datagram
-from app.links.errors import UsageError
 from app.links.landungsbruecke import MODELS as ON_BOARDS
 from app.links.tmcl import Reply, Request
 from app.registers.catalog import MODELS as CATALOG
 from app.registers.landungsbruecke import CHANNEL_1_BOARDS, BoardOpcode
-from app.registers.tmcl import Opcode, Status
+from app.registers.tmcl.commands import Opcode, Status
 
 RAMPMODE, XACTUAL, VMAX, XTARGET, AMAX, DMAX, D1, SW_MODE, RAMP_STAT = (
     0x20,

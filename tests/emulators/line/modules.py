@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from app.clock import Clock, ScaledClock
 from app.links import tmcl
-from app.registers.tmcl import Opcode, Status
+from app.registers.tmcl.commands import Opcode, Status
 
 
 @dataclass

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from app.links import tmcl
-from app.registers.tmcl import Opcode
+from app.registers.tmcl.commands import Opcode
 from tests.emulators.line.bench import LineBench
 from tests.emulators.line.modules import gap, sap
 

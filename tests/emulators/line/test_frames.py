@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from app.emulators.line.framing import GAP_S
 from app.links import tmcl
-from app.registers.tmcl import Opcode, Status
+from app.registers.tmcl.commands import Opcode, Status
 from tests.emulators.line.bench import LineBench
 from tests.emulators.line.modules import gap, sap
 

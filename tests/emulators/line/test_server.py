@@ -21,7 +21,7 @@ from app.emulators.line.pty import PtyEnd
 from app.emulators.line.server import LineServer
 from app.emulators.line.tcp import MOST_CLIENTS, TcpEnd
 from app.links import tmcl
-from app.registers.tmcl import Opcode
+from app.registers.tmcl.commands import Opcode
 from tests.emulators.line.modules import SmallModule, gap, sap
 
 SOON_S = 10.0

@@ -9,10 +9,10 @@ import pytest
 from app.clock import VirtualClock
 from app.emulators.line.framing import GAP_S
 from app.emulators.line.line import Line
-from app.emulators.pd42.module import EmulatedModule
-from app.emulators.pd42.options import Pd42Options, Pd42Patch
+from app.emulators.tmcl.module import EmulatedModule
+from app.emulators.tmcl.options import Pd42Options, Pd42Patch
 from app.links import tmcl
-from app.registers.tmcl import Opcode, Status
+from app.registers.tmcl.commands import Opcode, Status
 
 
 class Bench:

@@ -7,10 +7,10 @@ from pathlib import Path
 
 from app.clock import VirtualClock
 from app.emulators.build import build_emulator
-from app.emulators.pd42.options import Pd42Options, Pd42Patch
-from app.emulators.pd42.state import Pd42State
+from app.emulators.tmcl.options import Pd42Options, Pd42Patch
+from app.emulators.tmcl.state import Pd42State
 from app.links.tmcl import Reply, Request
-from app.registers.tmcl import Opcode, Status
+from app.registers.tmcl.commands import Opcode, Status
 
 OK = Status.OK
 FULLSTEP = 256

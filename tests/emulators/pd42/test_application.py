@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from app.emulators.pd42.eeprom import PROGRAM_COMMANDS
+from app.emulators.tmcl.eeprom import PROGRAM_COMMANDS
 from app.links.tmcl import Request
-from app.registers.tmcl import Opcode, Status
+from app.registers.tmcl.commands import Opcode, Status
 from tests.emulators.pd42.bench import Bench
 
 ADD, SUB, MUL, DIV, MOD, AND, OR, XOR, NOT, LOAD, SWAP = range(11)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.registers.tmcl import ExtendedErrors, Opcode
+from app.registers.tmcl.commands import ExtendedErrors, Opcode
 from tests.emulators.pd42.bench import FULLSTEP, Bench
 
 TURN = 200 * FULLSTEP

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from app.links.tmcl import Reply, Request, checksum, sound
-from app.registers.tmcl import BY_OPCODE, Opcode, Status
+from app.registers.tmcl.commands import BY_OPCODE, Opcode, Status
 from tests.emulators.pd42.bench import OK, Bench, frame
 
 pytestmark = pytest.mark.sheet("FM-PD42-1241", "3")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.registers.tmcl import DriverErrors, ExtendedErrors, Opcode
+from app.registers.tmcl.commands import DriverErrors, ExtendedErrors, Opcode
 from tests.emulators.pd42.bench import Bench
 
 

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import pytest
 
-from app.emulators.pd42.eeprom import Eeprom
-from app.links.errors import WrongState
+from app.emulators.tmcl.eeprom import Eeprom
+from app.errors import WrongState
 from app.registers.model import Space
-from app.registers.pd42 import PD42
-from app.registers.tmcl import Opcode, Status
+from app.registers.tmcl.commands import Opcode, Status
+from app.registers.tmcl.pd42 import PD42
 from tests.emulators.pd42.bench import Bench
 
 BANK0 = [row for row in PD42 if row.space is Space.GLOBAL_0]

@@ -9,14 +9,14 @@ from pydantic import ValidationError
 
 from app.clock import VirtualClock
 from app.emulators.build import build_emulator, options_of, warm_up
-from app.emulators.options import EmulatorOptions
-from app.emulators.pd42.module import EmulatedModule
-from app.emulators.pd42.options import Pd42Options, Pd42Patch
-from app.emulators.pd42.state import Pd42State
+from app.emulators.tmc428.options import EmulatorOptions
+from app.emulators.tmcl.module import EmulatedModule
+from app.emulators.tmcl.options import Pd42Options, Pd42Patch
+from app.emulators.tmcl.state import Pd42State
+from app.errors import BadReply, LinkDown, LinkTimeout, OutOfRange, UnknownThing
 from app.links.emulator import EmulatorPort
-from app.links.errors import BadReply, LinkDown, LinkTimeout, OutOfRange, UnknownThing
 from app.links.tmcl import Request, check_reply
-from app.registers.tmcl import Opcode
+from app.registers.tmcl.commands import Opcode
 from tests.emulators.pd42.bench import Bench
 
 POSITION = Request(1, Opcode.GAP, 1).encode()

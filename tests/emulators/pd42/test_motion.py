@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from app.emulators.pd42 import units
-from app.registers.tmcl import Opcode, Status
+from app.emulators.tmcl import units
+from app.registers.tmcl.commands import Opcode, Status
 from tests.emulators.pd42.bench import Bench, frame
 
 EVENT = frame("02 01 80 8A 00 00 00 01 0E")

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.emulators.pd42.defaults import DEFAULTS
-from app.emulators.pd42.parameters import ROWS
+from app.emulators.tmcl.defaults import DEFAULTS
+from app.emulators.tmcl.parameters import ROWS
 from app.registers.model import Register
-from app.registers.tmcl import Opcode, Status, reference_modes
+from app.registers.tmcl.commands import Opcode, Status, reference_modes
 from tests.emulators.pd42.bench import Bench
 
 pytestmark = pytest.mark.sheet("FM-PD42-1241", "4")

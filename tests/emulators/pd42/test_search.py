@@ -6,8 +6,8 @@ from abc import ABC, abstractmethod
 
 import pytest
 
-from app.emulators.pd42 import search
-from app.registers.tmcl import Opcode, reference_modes
+from app.emulators.tmcl import search
+from app.registers.tmcl.commands import Opcode, reference_modes
 from tests.emulators.pd42.bench import FULLSTEP, Bench
 
 pytestmark = pytest.mark.sheet("FM-PD42-1241", "7.1")

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.registers.tmcl import ExtendedErrors, Opcode, Status
+from app.registers.tmcl.commands import ExtendedErrors, Opcode, Status
 from tests.emulators.pd42.bench import FULLSTEP, Bench
 
 RIGHT_AT = 40

@@ -7,8 +7,8 @@ from dataclasses import dataclass, fields
 from app.clock import VirtualClock
 from app.emulators.tmc4361 import EmulatedTmc4361, Tmc4361Options, Tmc4361Patch, Tmc4361State
 from app.links.datagram40 import FETCH, Reply, read, write
-from app.registers.tmc4361 import TMC4361
-from app.registers.tmc4361_bits import EVENTS
+from app.registers.tmc4361.bits import EVENTS
+from app.registers.tmc4361.table import TMC4361
 
 S_POSITION, S_VELOCITY = 6, 2
 TRAPEZOID_POSITION, TRAPEZOID_VELOCITY = 5, 1

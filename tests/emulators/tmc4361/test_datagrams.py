@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from app.links.datagram40 import FETCH, read, write
-from app.registers.tmc4361 import TMC4361
+from app.registers.tmc4361.table import TMC4361
 from tests.emulators.tmc4361.rig import TRAPEZOID_POSITION, Ramp, Rig
 
 RST, TARGET_REACHED, VEL_REACHED = 1 << 31, 1 << 0, 1 << 2

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import pytest
 
-from app.calc.sramp import SRamp, position_plan, velocity_plan
+from app.calc.ramps.sramp import SRamp, position_plan, velocity_plan
 from tests.emulators.tmc4361.moves import random_ramp
 from tests.emulators.tmc4361.rig import (
     HOLD_POSITION,

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from app.clock import VirtualClock
 from app.emulators.build import build_emulator, options_of, warm_up
 from app.emulators.tmc4361 import EmulatedTmc4361, Tmc4361Options
-from app.links.errors import OutOfRange
+from app.errors import OutOfRange
 from tests.emulators.tmc4361.moves import ending
 from tests.emulators.tmc4361.rig import MODES, Ramp, Rig
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from app.clock import VirtualClock
 from app.emulators.tmc5xxx import MODELS, EmulatedTmc5xxx, Tmc5xxxModel, Tmc5xxxOptions, Tmc5xxxPatch, Tmc5xxxState
-from app.registers.tmc5xxx import AXES, TABLES
+from app.registers.tmc5xxx.table import AXES, TABLES
 
 CLOCK_HZ = 16e6
 TURN = 51_200

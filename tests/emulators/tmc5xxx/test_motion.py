@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.calc.sixpoint import SixPoint, position_plan, velocity_plan
+from app.calc.ramps.sixpoint import SixPoint, position_plan, velocity_plan
 from app.emulators.tmc5xxx import MODELS, Tmc5xxxModel
 from tests.emulators.drive.oracle import PlainRamp
 from tests.emulators.tmc5xxx.rig import (

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from app.emulators.tmc5xxx import MODELS, Tmc5xxxModel
 from app.registers.model import Access, Register
-from app.registers.tmc5xxx import TABLES
+from app.registers.tmc5xxx.table import TABLES
 from tests.emulators.tmc5xxx.rig import DUAL, Bench
 
 EVERY_ROW = [(model, row) for model in MODELS for row in TABLES[model] if not row.when]

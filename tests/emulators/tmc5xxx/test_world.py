@@ -8,7 +8,7 @@ from pydantic import ValidationError
 from app.clock import VirtualClock
 from app.emulators.build import EMULATED, build_emulator, options_of
 from app.emulators.tmc5xxx import MODELS, EmulatedTmc5xxx, Tmc5xxxModel, Tmc5xxxOptions, Tmc5xxxPatch
-from app.links.errors import OutOfRange, WrongState
+from app.errors import OutOfRange, WrongState
 from tests.emulators.tmc5xxx.rig import DUAL, FORWARD, PLACES, SINGLE, TURN, Bench, moving
 
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from app.links.errors import StoreUnavailable, UnknownThing
+from app.errors import StoreUnavailable, UnknownThing
 from app.store.recordings import file
 from app.store.recordings import library as library_module
 from app.store.recordings.file import RecordingWriter, Rows

@@ -15,31 +15,31 @@ from typing import Protocol, cast
 
 from pydantic import BaseModel
 
-from app.api.routes.emulator import PATCHES
+from app.api.devices.emulator_routes import PATCHES
 from app.clock import Clock, VirtualClock
-from app.devices import start_up as ramp_chips
-from app.devices.config import DeviceConfig
-from app.devices.device import Device, DeviceEvent
+from app.devices.core.config import DeviceConfig
+from app.devices.core.device import Device, DeviceEvent
+from app.devices.core.register_chip import RegisterChip
+from app.devices.core.results import MoveStarted, StopOutcome
 from app.devices.manager import DeviceManager
-from app.devices.pd42.driver import Pd42
-from app.devices.ramp_stops import RampStops
-from app.devices.register_chip import RegisterChip
-from app.devices.results import MoveStarted, StopOutcome
-from app.devices.start_up import AxisStart
 from app.devices.tmc5xxx import start_up as tmc5xxx
 from app.devices.tmc5xxx.driver import Tmc5xxx
+from app.devices.tmc428 import start_up as ramp_chips
+from app.devices.tmc428.start_up import AxisStart
+from app.devices.tmc428.stops import RampStops
 from app.devices.tmc4361 import start_up as tmc4361
 from app.devices.tmc4361.driver import Tmc4361
+from app.devices.tmcl.driver import Pd42
 from app.emulators.build import build_emulator, options_of
 from app.links.emulator import EmulatorPort
 from app.links.port import FramePort, Wire
 from app.links.registry import Link
 from app.links.tmcl import Request
+from app.positions import EndlessService
+from app.positions.axis import WatchedAxis
+from app.positions.state import ExtendedState
 from app.registers.catalog import MODELS
-from app.registers.tmcl import Opcode
-from app.tuning.endless import EndlessService
-from app.tuning.endless.axis import WatchedAxis
-from app.tuning.endless.state import ExtendedState
+from app.registers.tmcl.commands import Opcode
 
 RAMP = AxisStart(v_max=2047, a_max=500, pulse_div=0, ramp_div=6, stops=False)
 """500 kpps, as fast as these chips get: a counter of 24 bits is round in 34 s."""

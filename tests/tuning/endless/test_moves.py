@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from app.devices.device import DeviceEvent, MotionCommanded
-from app.links.errors import UsageError, WrongState
+from app.devices.core.device import DeviceEvent, MotionCommanded
+from app.errors import UsageError, WrongState
 from tests.tuning.endless.bench import FAMILIES, bench
 
 NEAR = 3000

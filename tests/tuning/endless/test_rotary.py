@@ -6,10 +6,10 @@ from fractions import Fraction
 
 import pytest
 
-from app.calc.extended_position import Counter
-from app.calc.rotary import TurnOffset, Way
-from app.devices.results import RegisterWritten
-from app.links.errors import UsageError, WrongState
+from app.calc.positions.extended import Counter
+from app.calc.positions.rotary import TurnOffset, Way
+from app.devices.core.results import RegisterWritten
+from app.errors import UsageError, WrongState
 from tests.tuning.endless.bench import FAMILIES, Bench, bench
 
 TURN = Fraction(358_400, 3)

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.extended_position import LIMIT, Counter
-from app.devices.counter import CounterLook
-from app.tuning.endless.track import CLOCK_TOLERANCE, SLACK_S, Track
+from app.calc.positions.extended import LIMIT, Counter
+from app.devices.core.counter import CounterLook
+from app.positions.tracker import CLOCK_TOLERANCE, SLACK_S, Track
 
 SPEED_PPS = 1000.0
 counters = st.sampled_from([Counter(16), Counter(24), Counter(32)])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.links.errors import WrongState
+from app.errors import WrongState
 from tests.tuning.endless.bench import FAMILIES, Hardware, bench, patch, server, set_up_axes
 
 COUNTERS = {"tmc428": "x_actual", "tmc4210": "X_ACTUAL", "pd42-1241": "actual_position"}

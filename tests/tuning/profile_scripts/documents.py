@@ -2,14 +2,7 @@
 
 from __future__ import annotations
 
-from app.tuning.profiles.document import (
-    AxisPart,
-    MslutPart,
-    ParameterPart,
-    ProfileDocument,
-    RegisterPart,
-    Tables,
-)
+from app.profiles.document import AxisPart, MslutPart, ParameterPart, ProfileDocument, RegisterPart, Tables
 
 
 def profile_of(model: str, name: str = "tuned", note: str = "") -> ProfileDocument:

@@ -12,10 +12,10 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
-from app.tuning.profile_scripts import c, curl, python, tmcl
-from app.tuning.profile_scripts.plan import Plan, plan_of
-from app.tuning.profile_scripts.readers import commands_of_tmcl, frames_of_c, writes_of_curl
-from app.tuning.profile_scripts.text import c_name, file_stem, one_line
+from app.profiles.scripts import c, curl, python, tmcl
+from app.profiles.scripts.plan import Plan, plan_of
+from app.profiles.scripts.readers import commands_of_tmcl, frames_of_c, writes_of_curl
+from app.profiles.scripts.text import c_name, file_stem, one_line
 from tests.tuning.profile_scripts.documents import profile_of
 
 HOSTILE = (

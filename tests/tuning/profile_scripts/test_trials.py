@@ -7,16 +7,16 @@ from collections.abc import Callable
 
 import pytest
 
-from app.links.errors import WrongState
-from app.tuning.profile_scripts import proof, service
-from app.tuning.profile_scripts.bench import emulated
-from app.tuning.profile_scripts.errors import ScriptFailed
-from app.tuning.profile_scripts.plan import Plan
-from app.tuning.profile_scripts.proof import Language
-from app.tuning.profile_scripts.service import RENDER, Scripts
-from app.tuning.profiles.capture import capture
-from app.tuning.profiles.document import ProfileDocument, RegisterPart
-from app.tuning.profiles.errors import UnreadableProfile
+from app.errors import WrongState
+from app.profiles.capture import capture
+from app.profiles.document import ProfileDocument, RegisterPart
+from app.profiles.errors import UnreadableProfile
+from app.profiles.scripts import proof, service
+from app.profiles.scripts.bench import emulated
+from app.profiles.scripts.errors import ScriptFailed
+from app.profiles.scripts.plan import Plan
+from app.profiles.scripts.proof import Language
+from app.profiles.scripts.service import RENDER, Scripts
 from tests.tuning.profile_scripts.documents import profile_of
 
 IN_PROCESS: tuple[tuple[str, Language], ...] = (
@@ -87,7 +87,7 @@ async def test_without_compiler_or_curl_our_own_reader_takes_the_writes(monkeypa
 
 
 async def test_a_program_that_hangs_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("app.tuning.profile_scripts.process.RUN_WITHIN_S", 0.3)
+    monkeypatch.setattr("app.profiles.scripts.process.RUN_WITHIN_S", 0.3)
     monkeypatch.setitem(RENDER, "curl", lambda plan: "#!/bin/sh\nsleep 600 & wait\n")
     with pytest.raises(ScriptFailed, match="not done after"):
         await Scripts().make(profile_of("tmc5160"), "curl")

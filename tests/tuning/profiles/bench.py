@@ -10,26 +10,26 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 from app.clock import Clock, ScaledClock, VirtualClock
-from app.devices import start_up as start_ramps
-from app.devices.config import DeviceConfig
-from app.devices.device import Device
+from app.devices.core.config import DeviceConfig
+from app.devices.core.device import Device
+from app.devices.core.results import WriteItem
 from app.devices.manager import DeviceManager
-from app.devices.results import WriteItem
 from app.devices.tmc5xxx import start_up as start_5xxx
+from app.devices.tmc428 import start_up as start_ramps
 from app.devices.tmc4361 import start_up as start_4361
 from app.emulators.build import build_emulator, options_of
 from app.emulators.tmc5xxx import EmulatedTmc5xxx
 from app.emulators.tmc4361 import EmulatedTmc4361
+from app.errors import OutOfRange
 from app.links import datagram32, tmcl
 from app.links.emulator import EmulatorPort
-from app.links.errors import OutOfRange
 from app.links.port import FramePort, Wire
 from app.links.registry import Link
+from app.profiles.items import Item, items_of
+from app.profiles.steps import write_of
+from app.profiles.words import Key
 from app.registers.catalog import MODELS
 from app.registers.model import Space, to_raw
-from app.tuning.profiles.items import Item, items_of
-from app.tuning.profiles.steps import write_of
-from app.tuning.profiles.words import Key
 
 EVERY_MODEL = tuple(MODELS)
 FAMILIES = ("tmc428", "tmc4210", "tmc4361", "tmc5160", "tmc5062", "pd42-1241")

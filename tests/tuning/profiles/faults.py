@@ -7,20 +7,20 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
-from app.devices.pd42 import units
-from app.devices.pd42.driver import Pd42
 from app.devices.tmc4361 import rows as tmc4361
 from app.devices.tmc4361.driver import Tmc4361
+from app.devices.tmcl import units
+from app.devices.tmcl.driver import Pd42
 from app.links import datagram32, datagram40, tmcl
+from app.profiles.apply import Transaction
+from app.profiles.capture import as_configured, capture
+from app.profiles.document import ProfileDocument
+from app.profiles.errors import Change, ProfileLeft, ProfileTakenBack
+from app.profiles.items import Item, items_of
+from app.profiles.steps import Step
+from app.profiles.words import Key
 from app.registers.model import Space, to_raw
-from app.registers.tmcl import Opcode
-from app.tuning.profiles.apply import Transaction
-from app.tuning.profiles.capture import as_configured, capture
-from app.tuning.profiles.document import ProfileDocument
-from app.tuning.profiles.errors import Change, ProfileLeft, ProfileTakenBack
-from app.tuning.profiles.items import Item, items_of
-from app.tuning.profiles.steps import Step
-from app.tuning.profiles.words import Key
+from app.registers.tmcl.commands import Opcode
 from tests.tuning.profiles.bench import Bench, TappedWire, bench, change
 
 Fault = Literal[

@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 
 from app.devices.tmc5xxx.driver import Tmc5xxx
 from app.devices.tmc4361.driver import Tmc4361
-from app.links.errors import SoftLimit, WrongState
-from app.tuning.profiles.apply import Transaction
-from app.tuning.profiles.capture import capture
-from app.tuning.profiles.diff import compare, diff
-from app.tuning.profiles.document import ProfileDocument, parse
-from app.tuning.profiles.errors import ProfileMisfit, ProfileTakenBack, UnreadableProfile
+from app.errors import SoftLimit, WrongState
+from app.profiles.apply import Transaction
+from app.profiles.capture import capture
+from app.profiles.diff import compare, diff
+from app.profiles.document import ProfileDocument, parse
+from app.profiles.errors import ProfileMisfit, ProfileTakenBack, UnreadableProfile
 from tests.tuning.profiles.bench import EVERY_MODEL, FAMILIES, Bench, bench, by_place, change
 from tests.tuning.profiles.faults import FAULTS, Fault, Injector, target_of, try_fault
 

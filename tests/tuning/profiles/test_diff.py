@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from app.tuning.profiles.diff import compare, diff
-from app.tuning.profiles.document import ProfileDocument, parse
-from app.tuning.profiles.errors import ProfileMisfit
+from app.profiles.diff import compare, diff
+from app.profiles.document import ProfileDocument, parse
+from app.profiles.errors import ProfileMisfit
 from tests.tuning.profiles.bench import bench
 
 

@@ -7,13 +7,13 @@ from typing import Any
 
 import pytest
 
+from app.profiles.capture import capture
+from app.profiles.document import ProfileDocument, loads, parse, plain, text_of
+from app.profiles.errors import UnreadableProfile
+from app.profiles.items import items_of
+from app.profiles.steps import steps_of
+from app.profiles.words import wants_of
 from app.registers.model import Access
-from app.tuning.profiles.capture import capture
-from app.tuning.profiles.document import ProfileDocument, loads, parse, plain, text_of
-from app.tuning.profiles.errors import UnreadableProfile
-from app.tuning.profiles.items import items_of
-from app.tuning.profiles.steps import steps_of
-from app.tuning.profiles.words import wants_of
 from tests.tuning.profiles.bench import EVERY_MODEL, bench
 
 

@@ -7,13 +7,13 @@ from typing import Any
 
 import pytest
 
-from app.links.errors import WrongState
-from app.tuning.profiles import journal
-from app.tuning.profiles.apply import Transaction
-from app.tuning.profiles.errors import ProfileLeft
-from app.tuning.profiles.journal import FileJournal
-from app.tuning.profiles.service import ProfileService
-from app.tuning.profiles.way_back import way_back
+from app.errors import WrongState
+from app.profiles import journal
+from app.profiles.apply import Transaction
+from app.profiles.errors import ProfileLeft
+from app.profiles.journal import FileJournal
+from app.profiles.rollback import way_back
+from app.profiles.service import ProfileService
 from tests.tuning.profiles.bench import FAMILIES, Bench, bench, by_place
 from tests.tuning.profiles.faults import target_of
 

@@ -74,14 +74,7 @@ from .layout import (
     wrap10,
     wrap32,
 )
-from .regulation import (
-    BACKLOG,
-    CLR_XACT,
-    VELOCITY_MODE_EN,
-    commutate,
-    error_of,
-    pid,
-)
+from .regulation import BACKLOG, CLR_XACT, VELOCITY_MODE_EN, commutate, error_of, pid
 
 CALIBRATION_EN = 24
 """Bit of ENC_IN_CONF."""

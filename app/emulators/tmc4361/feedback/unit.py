@@ -7,7 +7,7 @@ from typing import Final
 
 import numpy as np
 
-from ....registers.tmc4361 import TMC4361
+from ....registers.tmc4361.table import TMC4361
 from ...drive import DriveOptions, World
 from ...drive import kernel as k
 from ...drive.bench import motor_state, truth_state
@@ -17,21 +17,8 @@ from . import layout as c
 from .encoder import position_at, true_place
 from .options import FeedbackOptions
 from .regulation import error_of
-from .state import (
-    EncoderPatch,
-    EncoderState,
-    FeedbackMotor,
-    FeedbackPatch,
-    FeedbackState,
-    PwmState,
-)
-from .words import (
-    circular_period,
-    encoder_scale,
-    microsteps_a_turn,
-    signed32,
-    wave,
-)
+from .state import EncoderPatch, EncoderState, FeedbackMotor, FeedbackPatch, FeedbackState, PwmState
+from .words import circular_period, encoder_scale, microsteps_a_turn, signed32, wave
 
 _KINDS = {"abn": c.ABN, "ssi": c.SSI, "spi": c.SPI}
 _MASK = 0xFFFFFFFF

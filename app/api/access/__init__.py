@@ -1,0 +1,1 @@
+"""Who may come in: named tokens, sessions, logging out."""

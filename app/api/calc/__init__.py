@@ -1,0 +1,1 @@
+"""Calculators over REST: ramps, pmul and pdiv, currents, units, input filters."""

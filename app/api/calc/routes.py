@@ -1,0 +1,95 @@
+"""The calculators. Nothing here touches a device; plain functions, so that a long one runs in a thread."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+
+from ...errors import UsageError
+from ..http.problems import problems
+from ..tables import mslut as mslut_tables
+from ..tables.mslut_schemas import MslutDesign, MslutResult
+from ..tables.schemas import ChainDesign
+from . import calculators, input_filters
+from . import motor as motor_calculators
+from . import ramps as ramp_calculators
+from . import units as unit_calculators
+from .filter_schemas import InputFilter, InputFilterResult, InputFilters
+from .schemas import (
+    AnyMicrostepDesign,
+    ChainRequest,
+    MicrostepResult,
+    PmulPdiv,
+    PmulPdivResult,
+    Ramp,
+    RampInverse,
+    RampInverseResult,
+    RampResult,
+    Units,
+    UnitsResult,
+)
+from .sixpoint_schemas import Chopper, ChopperResult, CoilCurrent, CoilCurrentResult
+
+router = APIRouter(prefix="/calc", tags=["calculators"], responses=problems(UsageError))
+
+
+@router.post("/pmul-pdiv")
+def calculate_pmul_pdiv(body: PmulPdiv) -> PmulPdivResult:
+    """The pair pmul/pdiv for an acceleration, its neighbours with overshoot and settling, limits and warnings."""
+    return calculators.pmul_pdiv(body)
+
+
+@router.post("/ramp-inverse")
+def calculate_ramp_inverse(body: RampInverse) -> RampInverseResult:
+    """Register values for a wanted speed and acceleration, and what they really give."""
+    return calculators.ramp_inverse(body)
+
+
+@router.post("/units")
+def convert_units(body: Units) -> UnitsResult:
+    """Chip units and physical units of one axis, every unit of what is given."""
+    return unit_calculators.units(body)
+
+
+@router.post("/ramp")
+def calculate_ramp(body: Ramp) -> RampResult:
+    """A move over time: bit for bit as a chip makes it, a module's SixPoint ramp, or an ideal trapezoid."""
+    return ramp_calculators.ramp(body)
+
+
+@router.post("/coil-current")
+def calculate_coil_current(body: CoilCurrent) -> CoilCurrentResult:
+    """Motor current of a TMC5xxx from its settings, or the nearest settings for a wanted current, and its delays."""
+    return motor_calculators.coil_current(body)
+
+
+@router.post("/chopper")
+def calculate_chopper(body: Chopper) -> ChopperResult:
+    """Chopper settings of a TMC5xxx to begin with, from a motor's data; each with its reason and source."""
+    return motor_calculators.chopper(body)
+
+
+@router.post("/microstep-table")
+def design_microstep_table(body: AnyMicrostepDesign) -> MicrostepResult | MslutResult:
+    """A microstep table from a formula (or drawn by hand), as it goes to the chip, and its figures.
+
+    For a TMC4361 a wave that cannot be encoded is answered too: with the places and reasons, and the nearest wave.
+    """
+    return mslut_tables.design(body) if isinstance(body, MslutDesign) else calculators.microstep_table(body)
+
+
+@router.post("/driver-chain")
+def design_driver_chain(body: ChainRequest) -> ChainDesign:
+    """A driver chain's RAM, datagrams and frequencies."""
+    return calculators.driver_chain(body)
+
+
+@router.get("/input-filter")
+def list_input_filters() -> InputFilters:
+    """The four input filters of a TMC4361, their pins and fields, and examples of what they do."""
+    return input_filters.input_filters()
+
+
+@router.post("/input-filter")
+def calculate_input_filter(body: InputFilter) -> InputFilterResult:
+    """What one of the filters makes of a waveform, clock by clock, and how it treats any edge and pulse."""
+    return input_filters.input_filter(body)

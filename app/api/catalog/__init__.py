@@ -1,0 +1,1 @@
+"""What models, wires and channels there are."""

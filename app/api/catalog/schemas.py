@@ -1,0 +1,94 @@
+"""Shapes of the catalog: every model with its registers (of a module: parameters) and commands as rows."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from ..schemas import Answer, Space
+
+
+class FieldRow(Answer):
+    name: str
+    lsb: int
+    width: int
+    access: str
+    signed: bool
+    minimum: int
+    maximum: int
+    reset: int | None
+    unit: str
+    help: str
+    values: dict[str, str] = Field(description="names of enumerated values, by value")
+    when: str = Field(default="", description="of a second meaning of the same bits: when it holds")
+    behaviour: str = Field(
+        default="", description="readable and writable, but not acted on by the emulator, and why; empty: acted on"
+    )
+
+
+class RegisterRow(Answer):
+    name: str
+    address: int
+    space: Space = Field(default="register", description="which set of numbers the address counts in")
+    alias: str = Field(default="", description='what the manual calls it, e.g. "AP 4"; empty for registers')
+    axis: int | None
+    group: str
+    access: str
+    width: int
+    signed: bool
+    minimum: int
+    maximum: int
+    reset: int | None
+    unit: str
+    help: str
+    write_note: str
+    volatile: bool
+    stored: Literal["", "auto", "on request"] = Field(
+        default="", description="whether an EEPROM keeps it: with every write, when told to store it, or not at all"
+    )
+    internal_range: list[int] | None = Field(
+        default=None, description="of a parameter in pps: lowest and highest in units of the TMC5160 (AP 255 = 0)"
+    )
+    read_clears: bool = Field(default=False, description="reading it sets it to zero")
+    source: str
+    values: dict[str, str]
+    when: str = Field(default="", description="of a second name of the same word: when it holds")
+    behaviour: str = Field(
+        default="", description="readable and writable, but not acted on by the emulator, and why; empty: acted on"
+    )
+    fields: list[FieldRow]
+
+
+class CommandRow(Answer):
+    """One TMCL command."""
+
+    opcode: int
+    mnemonic: str = Field(description="empty for control commands, which have only numbers")
+    name: str
+    types: dict[str, int] = Field(description="names of the values of the type byte, where they have names")
+    type: str = Field(description="what the type byte means; empty where it has to be 0")
+    motor: str = Field(description="what the field motor/bank means")
+    value: str = Field(description="what the field value means")
+    reply: str = Field(description="what the value of the reply means")
+    direct: bool = Field(description="works when sent by a host; others only inside of a program")
+    moves: bool = Field(description="may set a motor in motion or stop one")
+    reads: bool = Field(description="only reads: asking twice does no harm")
+    help: str
+    source: str
+
+
+class CatalogEntry(Answer):
+    name: str
+    kind: Literal["chip", "module"] = Field(default="chip", description="a module speaks TMCL and has parameters")
+    title: str
+    summary: str
+    axes: int
+    registers: int
+    clock_hz_default: float
+    clock_hz_max: float
+
+
+class CatalogModel(CatalogEntry):
+    rows: list[RegisterRow]
+    commands: list[CommandRow] = Field(description="TMCL commands; none for chips")

@@ -1,0 +1,1 @@
+"""Closed loop operation: calibration, step response, disturbance."""

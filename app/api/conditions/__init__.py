@@ -1,0 +1,1 @@
+"""How every axis stands: one state with its cause, by socket and by REST."""

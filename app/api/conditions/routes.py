@@ -1,0 +1,127 @@
+"""The socket of conditions: how all axes stand, then every change."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+
+from fastapi import APIRouter, WebSocket, WebSocketDisconnect
+from pydantic import ValidationError
+
+from ...clock import BackgroundClock
+from ...conditions.service import ConditionService, Standing
+from ...devices.core.device import Device
+from ..bench import Bench
+from .pages import Pages
+from .schemas import (
+    SUBPROTOCOL,
+    Alive,
+    AxisCondition,
+    ConditionsPage,
+    ConditionsSnapshot,
+    ConditionsText,
+    DeviceRemoved,
+)
+from .views import standing_out
+
+ALIVE_S = 1.0
+"""How long nothing is said at the most: whoever hears nothing for longer knows nothing any more."""
+
+router = APIRouter(tags=["conditions"])
+
+
+@router.websocket("/conditions")
+async def conditions(socket: WebSocket) -> None:
+    """Tell how every axis stands: a snapshot, then what changes, and each second at least a sign of life.
+
+    A page of a session first says whose it is: when the last one of the bench's holder ends, it has left.
+    """
+    offered = socket.scope.get("subprotocols", [])
+    if offered and SUBPROTOCOL not in offered:
+        await socket.close(1002, f"this server speaks {SUBPROTOCOL}")
+        return
+    await socket.accept(SUBPROTOCOL if offered else None)
+    bench: Bench = socket.app.state.bench
+    news = News(bench.conditions)
+    try:
+        tasks = [
+            asyncio.create_task(_send(socket, bench.conditions, news, bench.background), name="conditions socket"),
+            asyncio.create_task(_hear(socket, bench.pages), name="conditions socket hears"),
+        ]
+        try:
+            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+        finally:
+            for task in tasks:
+                task.cancel()
+            for end in await asyncio.gather(*tasks, return_exceptions=True):
+                if isinstance(end, Exception) and not isinstance(end, WebSocketDisconnect):
+                    raise end
+    finally:
+        news.end()
+
+
+class News:
+    """What one reader has not been told yet: of each axis the latest alone, so that a slow reader costs no more."""
+
+    def __init__(self, conditions: ConditionService) -> None:
+        self._waiting: dict[tuple[str, int], Standing | None] = {}
+        self._arrived = asyncio.Event()
+        self.end = conditions.listen(self._hear)
+
+    def _hear(self, device: str, axis: int, standing: Standing | None) -> None:
+        self._waiting.pop((device, axis), None)  # the latest comes last
+        self._waiting[device, axis] = standing
+        self._arrived.set()
+
+    async def next(self) -> list[tuple[str, int, Standing | None]]:
+        """Wait for news; all of it, oldest first."""
+        await self._arrived.wait()
+        self._arrived.clear()
+        waiting, self._waiting = self._waiting, {}
+        return [(device, axis, standing) for (device, axis), standing in waiting.items()]
+
+
+async def _send(socket: WebSocket, conditions: ConditionService, news: News, clock: BackgroundClock) -> None:
+    await _say(socket, ConditionsSnapshot(axes=[_message(*one) for one in conditions.all()]))
+    while True:
+        gone: set[str] = set()
+        try:
+            heard = await asyncio.wait_for(news.next(), ALIVE_S)
+        except TimeoutError:
+            heard = []
+        await clock.turn()  # many wake at once: not all of them before a stop
+        if not heard:
+            await _say(socket, Alive())
+        for device_id, axis, standing in heard:
+            device = conditions.device(device_id)
+            if standing is not None and device is not None:
+                gone.discard(device_id)
+                await _say(socket, _message(device, axis, standing))
+            elif device_id not in gone:
+                gone.add(device_id)
+                await _say(socket, DeviceRemoved(device=device_id))
+
+
+def _message(device: Device, axis: int, standing: Standing) -> AxisCondition:
+    return AxisCondition(device=device.id, axis=axis, **standing_out(device, standing))
+
+
+async def _hear(socket: WebSocket, pages: Pages) -> None:
+    """Return when the reader has gone. A page says whose it is; what else is said means nothing."""
+    with contextlib.ExitStack() as stack:
+        said = False
+        while (message := await socket.receive())["type"] != "websocket.disconnect":
+            if not said and (page := _page(message.get("text"))) is not None:
+                stack.enter_context(pages.page(page.session))
+                said = True
+
+
+def _page(text: str | None) -> ConditionsPage | None:
+    try:
+        return ConditionsPage.model_validate_json(text or "")
+    except ValidationError:
+        return None
+
+
+async def _say(socket: WebSocket, message: ConditionsText) -> None:
+    await socket.send_text(message.model_dump_json())

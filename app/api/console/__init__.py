@@ -1,0 +1,1 @@
+"""TMCL commands by hand."""

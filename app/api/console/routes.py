@@ -1,0 +1,29 @@
+"""TMCL in direct mode: one command to a module, and its answer as it is."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+
+from ...errors import SoftLimit
+from ..abilities import CurrentTmclDevice
+from ..http.problems import DEVICE_PROBLEMS, problems
+from .schemas import TmclCommand, TmclReply
+from .tmcl_text import command_of
+
+router = APIRouter(prefix="/devices/{device}", tags=["tmcl"])
+
+
+@router.post("/tmcl", responses=problems(*DEVICE_PROBLEMS, SoftLimit))
+async def send_tmcl(device: CurrentTmclDevice, body: TmclCommand) -> TmclReply:
+    """Send one command once, as it is. An error status of the module is an answer, not an error of this call."""
+    opcode, type_, motor, value = command_of(body)
+    sent = await device.tmcl(opcode, type_, motor, value)
+    return TmclReply(
+        request=sent.request.hex(),
+        reply=sent.reply.hex() if sent.reply else None,
+        status=sent.status,
+        status_text=sent.status_text,
+        value=sent.value,
+        text=sent.text,
+        took_ms=sent.took_ms,
+    )

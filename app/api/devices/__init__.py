@@ -1,0 +1,1 @@
+"""Connections and the devices behind them, emulated ones with their plant."""

@@ -1,0 +1,304 @@
+"""How connections come in: the kinds of links, each with its own options."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import BaseModel, Discriminator, Field, RootModel, StringConstraints, Tag, model_validator
+
+from ...emulators.tmc5xxx.options import Tmc5xxxOptions
+from ...emulators.tmc428.options import EmulatorOptions
+from ...emulators.tmc4361.options import Tmc4361Options
+from ...emulators.tmcl.options import Pd42Options
+from ..calc.schemas import ClockHz
+from ..links.schemas import Address, Baud
+from ..schemas import AxisConfig, Body, Chip40Name, ChipName, Flag, ModelName, ModuleName, Name, Tmc5xxxName
+
+HOST = (
+    r"^[A-Za-z0-9_]([A-Za-z0-9_-]{0,62})(\.[A-Za-z0-9_-]{1,63})*\.?$|^[0-9A-Fa-f:.]*:[0-9A-Fa-f:.]*(%[A-Za-z0-9_-]+)?$"
+)
+"""A name of labels of up to 63 characters, an IPv4 address (which looks like one), or an IPv6 address."""
+
+Host = Annotated[str, StringConstraints(strict=True, max_length=253, pattern=HOST)]
+TcpPortNumber = Annotated[int, Field(strict=True, ge=1, le=65_535)]
+Seconds = Annotated[float, Field(strict=True, ge=0.001, le=60, allow_inf_nan=False)]
+CanId = Annotated[int, Field(strict=True, ge=1, le=0x7FF)]
+Text = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=200)]
+
+
+class EmulatorLink(EmulatorOptions):
+    """A chip emulated in this server. Without options it gets a motor and a stage on each axis."""
+
+    kind: Literal["emulator"]
+
+
+class Chip40EmulatorLink(Tmc4361Options):
+    """A chip emulated in this server, with a motor, a stage and an encoder."""
+
+    kind: Literal["emulator"]
+
+
+class SixPointEmulatorLink(Tmc5xxxOptions):
+    """A TMC5xxx emulated in this server, with motors, stages and encoders."""
+
+    kind: Literal["emulator"]
+
+
+class TcpLink(Body):
+    """A chip behind a TCP socket: raw frames both ways (TMC428 and TMC4210: 4 bytes, else 5), as by
+    `stepscope emulate`."""
+
+    kind: Literal["tcp"]
+    host: Host = Field(description="name or address of the machine")
+    port: TcpPortNumber
+    timeout_s: Seconds = Field(default=1.0, description="how long to wait for an answer [s]")
+
+
+class ModuleEmulatorLink(Pd42Options):
+    """A module emulated in this server, with a motor, a stage and encoders."""
+
+    kind: Literal["emulator"]
+    eeprom: Annotated[str, StringConstraints(strict=True, pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")] | None = Field(
+        default=None,
+        description="name of its memory in the server's data directory, small letters, digits and dashes; a new "
+        "device without one gets one of its own, so that what it stores outlives the server",
+    )
+
+
+class ModuleTcpLink(Body):
+    """A module behind a TCP socket: 9-byte TMCL frames both ways. Several modules may share the socket."""
+
+    kind: Literal["tcp"]
+    host: Host = Field(description="name or address of the machine")
+    port: TcpPortNumber
+    address: Address = Field(default=1, description="the module's address on the line")
+    timeout_s: Seconds = Field(default=1.0, description="how long to wait for an answer [s]")
+
+
+class ModuleSerialLink(Body):
+    """A module on USB, RS485 or RS232. Several modules may share the line, each by its address."""
+
+    kind: Literal["serial"]
+    port: Text = Field(description="device name, or an address of pyserial: socket://, rfc2217://, spy://")
+    baud: Baud = Field(default=9600, description="without meaning on USB")
+    address: Address = Field(default=1, description="the module's address on the line")
+    timeout_s: Seconds = Field(default=0.25, description="how long to wait for an answer, beyond its own time [s]")
+
+
+class ModuleCanLink(Body):
+    """A module on CAN, through python-can (the extra "can")."""
+
+    kind: Literal["can"]
+    interface: Text = Field(description="of python-can: socketcan, pcan, virtual, ...")
+    channel: Text = Field(description="as the interface calls it: can0, ...")
+    bitrate: Annotated[int, Field(strict=True, ge=10_000, le=1_000_000)] = Field(default=1_000_000, description="bit/s")
+    send_id: CanId = Field(default=1, description="what the module listens to (global parameter 71)")
+    receive_id: CanId = Field(default=2, description="what the module answers under (global parameter 70)")
+    timeout_s: Seconds = Field(default=0.25, description="how long to wait for an answer [s]")
+
+
+class SpidevLink(Body):
+    """A chip at an SPI bus of the server's machine, through Linux's spidev (the extra "spidev")."""
+
+    kind: Literal["spidev"]
+    bus: Annotated[int, Field(strict=True, ge=0, le=255)] = Field(description="B of /dev/spidevB.D")
+    device: Annotated[int, Field(strict=True, ge=0, le=255)] = Field(description="D: the chip select")
+    speed_hz: Annotated[int, Field(strict=True, ge=10_000, le=16_000_000)] = Field(
+        default=1_000_000, description="SPI clock [Hz]; a quarter of the chip's clock is safe"
+    )
+    mode: Annotated[int, Field(strict=True, ge=0, le=3)] = Field(default=3, description="SPI mode")
+
+
+class LandungsbrueckeLink(Body):
+    """A chip on an evaluation board with a base board (Landungsbruecke, Startrampe) on USB."""
+
+    kind: Literal["landungsbruecke"]
+    port: Text = Field(description="device name, or an address of pyserial: socket://, rfc2217://, spy://")
+    baud: Baud = Field(default=115_200, description="without meaning on USB")
+    motor: Annotated[int, Field(strict=True, ge=0, le=15)] = Field(default=0, description="the board's channel")
+    timeout_s: Seconds = Field(default=0.25, description="how long to wait for an answer, beyond its own time [s]")
+
+
+class UartLink(Body):
+    """A TMC5xxx on the single wire of its UART. Several may share the wire, each by its node address."""
+
+    kind: Literal["uart"]
+    port: Text = Field(description="device name, or an address of pyserial: socket://, rfc2217://, spy://")
+    baud: Annotated[int, Field(strict=True, ge=9000, le=4_000_000)] = Field(
+        default=115_200, description="the chip measures it: at most a sixteenth of its clock"
+    )
+    node: Annotated[int, Field(strict=True, ge=0, le=254)] = Field(
+        default=0, description="NODEADDR, plus 1 where NEXTADDR is high; a TMC5062 has none"
+    )
+    echo: Literal["auto", "on", "off"] = Field(
+        default="auto", description="whether what is sent comes back, as on a single wire; auto finds out"
+    )
+    timeout_s: Seconds = Field(default=0.25, description="how long to wait for an answer, beyond its own time [s]")
+
+
+ChipLink = Annotated[EmulatorLink | TcpLink, Field(discriminator="kind")]
+Chip40Link = Annotated[Chip40EmulatorLink | TcpLink | SpidevLink | LandungsbrueckeLink, Field(discriminator="kind")]
+SixPointLink = Annotated[
+    SixPointEmulatorLink | TcpLink | SpidevLink | LandungsbrueckeLink | UartLink, Field(discriminator="kind")
+]
+ModuleLink = Annotated[
+    ModuleEmulatorLink | ModuleTcpLink | ModuleSerialLink | ModuleCanLink, Field(discriminator="kind")
+]
+AnyLink = (
+    EmulatorLink
+    | TcpLink
+    | SpidevLink
+    | LandungsbrueckeLink
+    | UartLink
+    | Chip40EmulatorLink
+    | SixPointEmulatorLink
+    | ModuleEmulatorLink
+    | ModuleTcpLink
+    | ModuleSerialLink
+    | ModuleCanLink
+)
+Axes = Annotated[list[AxisConfig], Field(max_length=8)]
+
+
+class _Create(Body):
+    """Axes that are not given get defaults."""
+
+    name: Name
+    clock_hz: ClockHz | None = Field(default=None, description="the chip's clock [Hz]; null: 16 MHz")
+    axes: Axes | None = None
+    start_up: Flag = Field(
+        default=False,
+        description="of an emulator: set it up whenever it is powered, by the defaults of POST .../start-up, so that "
+        "it can move at once; else it is as after power-on",
+    )
+
+    @model_validator(mode="after")
+    def _only_an_emulator(self) -> Self:
+        link: AnyLink | None = getattr(self, "link", None)
+        if self.start_up and link is not None and link.kind != "emulator":
+            raise ValueError("start_up is for emulators: of hardware look at POST .../start-up with dry_run first")
+        return self
+
+
+class ChipCreate(_Create):
+    """A connection to a chip. Axes that are not given get defaults."""
+
+    model: ChipName
+    link: ChipLink
+
+
+class Chip40Create(_Create):
+    """A connection to a chip of 40-bit datagrams. An axis that is not given gets defaults."""
+
+    model: Chip40Name
+    link: Chip40Link
+
+
+class SixPointCreate(_Create):
+    """A connection to a TMC5xxx. Axes that are not given get defaults."""
+
+    model: Tmc5xxxName
+    link: SixPointLink
+
+
+class ModuleCreate(_Create):
+    """A connection to a module. Axes that are not given get defaults."""
+
+    model: ModuleName
+    link: ModuleLink
+
+
+class DeviceCreate(
+    RootModel[Annotated[ChipCreate | Chip40Create | SixPointCreate | ModuleCreate, Field(discriminator="model")]]
+):
+    """A connection: the model, and a link that suits it."""
+
+
+class ChipTrial(Body):
+    """A link to a chip, to be tried."""
+
+    model: ChipName
+    link: ChipLink
+
+
+class Chip40Trial(Body):
+    """A link to a chip of 40-bit datagrams, to be tried."""
+
+    model: Chip40Name
+    link: Chip40Link
+
+
+class SixPointTrial(Body):
+    """A link to a TMC5xxx, to be tried."""
+
+    model: Tmc5xxxName
+    link: SixPointLink
+
+
+class ModuleTrial(Body):
+    """A link to a module, to be tried."""
+
+    model: ModuleName
+    link: ModuleLink
+
+
+class DeviceTrial(
+    RootModel[Annotated[ChipTrial | Chip40Trial | SixPointTrial | ModuleTrial, Field(discriminator="model")]]
+):
+    """A link to be tried."""
+
+
+EMULATORS: dict[str, type[BaseModel]] = {
+    "emulator": EmulatorOptions,
+    "chip40-emulator": Tmc4361Options,
+    "sixpoint-emulator": Tmc5xxxOptions,
+    "module-emulator": Pd42Options,
+}
+
+
+def _which(link: object) -> str:
+    """Which of the links is meant, where the model is not there to tell: by its kind, then by its options."""
+    if not isinstance(link, dict):
+        return ""
+    kind = link.get("kind")
+    if kind == "emulator":
+        options = set(link) - {"kind"}
+        fits = (tag for tag, known in EMULATORS.items() if options <= known.model_fields.keys())
+        return next(fits, "module-emulator")
+    if kind == "tcp":
+        return "module-tcp" if "address" in link else "tcp"
+    return str(kind)
+
+
+def _any_of(schema: dict[str, Any]) -> None:
+    # A link may fit a chip and a module as well, and "one of" would then say that it fits neither.
+    schema["anyOf"] = schema.pop("oneOf", schema.get("anyOf"))
+
+
+class DeviceChange(Body):
+    """What to change; what is left out stays. The link has to suit the model."""
+
+    name: Name | None = None
+    model: ModelName | None = Field(
+        default=None, description="what really answers there; another model is another connection over the same link"
+    )
+    link: (
+        Annotated[
+            Annotated[EmulatorLink, Tag("emulator")]
+            | Annotated[Chip40EmulatorLink, Tag("chip40-emulator")]
+            | Annotated[SixPointEmulatorLink, Tag("sixpoint-emulator")]
+            | Annotated[TcpLink, Tag("tcp")]
+            | Annotated[SpidevLink, Tag("spidev")]
+            | Annotated[LandungsbrueckeLink, Tag("landungsbruecke")]
+            | Annotated[UartLink, Tag("uart")]
+            | Annotated[ModuleEmulatorLink, Tag("module-emulator")]
+            | Annotated[ModuleTcpLink, Tag("module-tcp")]
+            | Annotated[ModuleSerialLink, Tag("serial")]
+            | Annotated[ModuleCanLink, Tag("can")],
+            Discriminator(_which),
+            Field(json_schema_extra=_any_of),
+        ]
+        | None
+    ) = None
+    clock_hz: ClockHz | None = None
+    axes: Axes | None = None

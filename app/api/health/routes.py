@@ -1,0 +1,40 @@
+"""Is the server there, and how is it."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter, Response
+from prometheus_client import CONTENT_TYPE_LATEST
+
+from ... import __version__
+from ..deps import CurrentBench
+from ..schemas import Health
+from .details import health_of, metrics_text
+from .schemas import HealthDetails
+
+router = APIRouter(tags=["server"])
+metrics = APIRouter(tags=["server"])
+"""What stands outside of the API's base, where Prometheus looks."""
+
+
+@router.get("/health")
+async def get_health() -> Health:
+    """Whether the server answers, and which version it is. Asks for no token."""
+    return Health(version=__version__)
+
+
+@router.get("/health/details")
+async def get_health_details(bench: CurrentBench) -> HealthDetails:
+    """How the server is: storage, descriptors, memory, event loop, links and their queues, sockets."""
+    return await health_of(bench)
+
+
+@metrics.get(
+    "/metrics",
+    response_class=Response,
+    responses={
+        200: {"description": "Prometheus' text format", "content": {"text/plain": {"schema": {"type": "string"}}}}
+    },
+)
+async def get_metrics(bench: CurrentBench) -> Response:
+    """The figures of `/api/v1/health/details` for Prometheus."""
+    return Response(metrics_text(await health_of(bench)), media_type=CONTENT_TYPE_LATEST)

@@ -1,0 +1,106 @@
+"""The schema that clients are generated from: every error documented, the socket's messages with it."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+from fastapi import FastAPI
+from fastapi.openapi.utils import get_openapi
+from fastapi.routing import APIRoute
+
+from ... import __version__
+from ..conditions.schemas import ConditionsMessage
+from ..schemas import AxisProblem, Problem
+from ..telemetry.schemas import TelemetryMessage
+from .errors import BenchNotTaken, BenchTaken, RoleTooLow
+from .lease_gate import Free
+from .problems import FOREIGN, INVALID, TOO_LARGE, UNDECODABLE, Kind, kind_of, problems
+from .roles import Policy
+
+REF = "#/components/schemas/{model}"
+
+
+def operation_id(route: APIRoute) -> str:
+    """The function's name: what generated clients call the call."""
+    return route.name
+
+
+def customise(app: FastAPI, free: Free, policy: Policy) -> None:
+    """Let `app` describe itself as this module says; calls that are not `free` may be refused for want of the lease,
+    those of which `policy` says so for want of the role.
+    """
+    made: list[dict[str, Any]] = []
+
+    def schema() -> dict[str, Any]:
+        if not made:
+            made.append(_schema(app, free, policy))
+        return made[0]
+
+    app.openapi = schema  # type: ignore[method-assign]  # how FastAPI wants it to be replaced
+
+
+def _schema(app: FastAPI, free: Free, policy: Policy) -> dict[str, Any]:
+    schema = get_openapi(
+        title="stepscope",
+        version=__version__,
+        summary="Configure, tune and watch stepper motion controllers",
+        description=(
+            "Errors are RFC 9457 problem documents with a stable `type`. Telemetry is a WebSocket at "
+            "`/api/v1/devices/{device}/telemetry`; its text messages are the schema `TelemetryMessage`, its binary "
+            "frames little-endian: `SSC1`, u32 sequence, u32 rows, u32 columns, u64 rows dropped, then float64 time "
+            "in seconds for each row, then float64 for each row, column after column. `/api/v1/conditions` is a "
+            "WebSocket too: the condition of every axis, then each change (`ConditionsMessage`). A server on a network "
+            "asks for a token (`Authorization: Bearer`): its own, or a named one with a role. `x-required-role` is the "
+            "least role of a call: look, drive or administer; 403 tells where it is higher."
+        ),
+        routes=app.routes,
+    )
+    components = schema.setdefault("components", {}).setdefault("schemas", {})
+    for model in (Problem, AxisProblem, TelemetryMessage, ConditionsMessage):
+        described = model.model_json_schema(ref_template=REF, mode="serialization")
+        components.update(described.pop("$defs", {}))
+        components[model.__name__] = described
+    for name in ("HTTPValidationError", "ValidationError"):
+        components.pop(name, None)
+    for address, path in schema["paths"].items():
+        for method, operation in path.items():
+            needed = operation["x-required-role"] = policy.needs(method.upper(), address)
+            _document_problems(
+                operation, takes_lease=not free.holds(method.upper(), address), any_role=needed == "look"
+            )
+    return schema
+
+
+def _document_problems(operation: dict[str, Any], *, takes_lease: bool, any_role: bool) -> None:
+    """Add the errors that the edge itself gives to those of the route."""
+    kinds: list[Kind] = [FOREIGN] if any_role else [FOREIGN, kind_of(RoleTooLow)]
+    if takes_lease:
+        kinds += [kind_of(BenchTaken), kind_of(BenchNotTaken)]
+    if "requestBody" in operation:
+        kinds += [UNDECODABLE, TOO_LARGE, INVALID]
+    elif operation.get("parameters"):
+        kinds.append(INVALID)
+    responses = operation["responses"]
+    if "HTTPValidationError" in str(responses.get("422")):
+        del responses["422"]
+    for status, answer in problems(*kinds).items():
+        known = responses.setdefault(str(status), answer)
+        if known is not answer:
+            known["description"] = f"{known['description']}; {answer['description']}"
+
+
+def allowed_methods(app: FastAPI) -> Callable[[str], list[str]]:
+    """A function from a path to the methods that the schema has for it: for the Allow header of a 405."""
+    table: list[tuple[re.Pattern[str], list[str]]] = []
+
+    def methods(path: str) -> list[str]:
+        if not table:
+            # Those with fewer parameters first: /profiles/script is no profile's.
+            for template, operations in sorted(app.openapi()["paths"].items(), key=lambda each: each[0].count("{")):
+                pattern = "[^/]+".join(re.escape(part) for part in re.split(r"{[^}]*}", template))
+                table.append((re.compile(f"{pattern}\\Z"), sorted(method.upper() for method in operations)))
+        return next((found for pattern, found in table if pattern.match(path)), [])
+
+    return methods

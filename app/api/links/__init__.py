@@ -1,0 +1,1 @@
+"""Serial ports, wires, their frames and incidents; what is found on them."""

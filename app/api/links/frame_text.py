@@ -1,0 +1,115 @@
+"""What a frame of the log says, for people: TMCL commands, datagrams of 32 bits and of 40, and those of a UART."""
+
+from __future__ import annotations
+
+from ...devices.tmcl.frames import spelled
+from ...errors import BadReply
+from ...links import datagram32, datagram40, datagram_uart, tmcl
+from ...registers.catalog import MODELS
+from ...registers.landungsbruecke import BoardOpcode
+from ...registers.model import Register, RegisterTable
+from ...registers.tmcl.commands import Opcode, Status
+
+
+def frame_text(model: str, tx: bytes, rx: bytes | None) -> str:
+    """One transaction with a `model`: the question, and the answer where there is one."""
+    if len(tx) == tmcl.FRAME_BYTES:
+        return _board(MODELS[model].table, tx, rx) if model in datagram40.MODELS else _tmcl(tx, rx)
+    if len(tx) == datagram40.FRAME_BYTES:
+        return _datagram40(MODELS[model].table, tx, rx)
+    if model in datagram_uart.MODELS:
+        return _uart(model, tx, rx)
+    if len(tx) == datagram32.FRAME_BYTES:
+        return _datagram(MODELS[model].table, tx, rx)
+    return f"{len(tx)} bytes"
+
+
+def _tmcl(tx: bytes, rx: bytes | None) -> str:
+    request = tmcl.Request.decode(tx)
+    asked = spelled(request)
+    if not rx:
+        return asked
+    try:
+        reply = tmcl.check_reply("", tx, rx)
+    except BadReply:
+        return f"{asked} -> ?"
+    if not reply.ok:
+        return f"{asked} -> {reply.status_text} ({reply.status})"
+    if request.opcode == Opcode.GET_VERSION and not tmcl.has_plain_reply(tx) and not tmcl.sound(rx):
+        return f"{asked} -> {tmcl.version_string(rx)}"
+    if reply.status == Status.STORED:
+        return f"{asked} -> {reply.status_text}"
+    return f"{asked} -> {reply.value}"
+
+
+def _datagram40(table: RegisterTable, tx: bytes, rx: bytes | None) -> str:
+    """Pipelined: what comes back belongs to the datagram before, so only its bits are told."""
+    request = datagram40.Request.decode(tx)
+    register = table.at(request.address, write=request.write)
+    name = f"{request.address:#04x}" if register is None else register.name
+    asked = f"{name} := {_shown(register, request.data)}" if request.write else f"read {name}"
+    if rx is None or len(rx) != datagram40.FRAME_BYTES:
+        return asked
+    reply = datagram40.Reply.decode(rx)
+    return f"{asked} (status {reply.status:#04x}, of the datagram before {reply.data:#010x})"
+
+
+def _uart(model: str, tx: bytes, rx: bytes | None) -> str:
+    """A write is answered by the chip's count of writes."""
+    table, form = MODELS[model].table, datagram_uart.form_of(model)
+    if len(tx) not in (form.read_bytes, form.write_bytes):
+        return f"{len(tx)} bytes"
+    write, address = form.is_write(tx), form.register_of(tx)
+    register = table.at(address, write=write)
+    name = f"{address:#04x}" if register is None else register.name
+    asked = f"{name} := {_shown(register, int.from_bytes(tx[-5:-1], 'big'))}" if write else f"read {name}"
+    if not rx:
+        return asked
+    try:
+        data = form.data_of(datagram_uart.IFCNT if write else address, rx)
+    except ValueError:
+        return f"{asked} -> ?"
+    return f"{asked} (write {data & 0xFF} of the chip)" if write else f"{asked} -> {_shown(register, data)}"
+
+
+def _board(table: RegisterTable, tx: bytes, rx: bytes | None) -> str:
+    """Registers through an evaluation board; anything else that is asked of it is TMCL."""
+    request = tmcl.Request.decode(tx)
+    if request.opcode not in (BoardOpcode.READ_MC, BoardOpcode.WRITE_MC):
+        return _tmcl(tx, rx)
+    write = request.opcode == BoardOpcode.WRITE_MC
+    register = table.at(request.type, write=write)
+    name = f"{request.type:#04x}" if register is None else register.name
+    asked = f"{name} := {_shown(register, request.value & datagram40.DATA_MASK)}" if write else f"read {name}"
+    if not rx:
+        return asked
+    try:
+        reply = tmcl.check_reply("", tx, rx)
+    except BadReply:
+        return f"{asked} -> ?"
+    if not reply.ok:
+        return f"{asked} -> {reply.status_text} ({reply.status})"
+    return asked if write else f"{asked} -> {_shown(register, reply.value & datagram40.DATA_MASK)}"
+
+
+def _shown(register: Register | None, data: int) -> str:
+    """A word as a number where it is one, else as its bits."""
+    return f"{data:#010x}" if register is None or register.fields else str(register.decode(data))
+
+
+def _datagram(table: RegisterTable, tx: bytes, rx: bytes | None) -> str:
+    request = datagram32.Request.decode(tx)
+    register = table.at(request.address)
+    if register is None:
+        name = f"{request.address:#04x}"
+    else:
+        name = register.name if register.axis is None else f"{register.name}.{register.axis}"
+
+    def shown(data: int) -> str:
+        return f"{data:#08x}" if register is None or register.fields else str(register.decode(data))
+
+    if not request.read:
+        return f"{name} := {shown(request.data)}"
+    if rx is None or len(rx) != datagram32.FRAME_BYTES:
+        return f"read {name}"
+    return f"read {name} -> {shown(datagram32.Reply.decode(rx).data)}"

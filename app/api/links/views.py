@@ -1,0 +1,82 @@
+"""What the routes tell of a device's wire, out of its queue and its port."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Literal, cast
+
+from ...devices.core.device import Device
+from ...links.incidents import Incidents
+from ...links.port import FramePort
+from ...links.queue import Priority
+from ...links.wire_budget import WireBudget
+from .frame_text import frame_text
+from .schemas import FrameEntry, FrameLog, LinkCounts, LinkIncident, LinkInfo
+
+
+def frame_log(device: Device, after: int, limit: int) -> FrameLog:
+    """The newest `limit` entries from number `after` on, oldest first."""
+    log = device.queue.log
+    page = log.page(max(after, log.next - limit), limit)
+    frames = [
+        FrameEntry(
+            seq=entry.seq,
+            time_unix_s=entry.time_unix_s,
+            priority=cast("Literal['stop', 'command', 'sample']", entry.priority.name.lower()),
+            tx=entry.tx.hex(),
+            rx=entry.rx.hex() if entry.rx else None,
+            took_ms=entry.took_s * 1e3,
+            text=frame_text(device.model, entry.tx, entry.rx),
+            error=entry.error or None,
+        )
+        for entry in page.frames
+    ]
+    return FrameLog(frames=frames, next=page.next, lost=max(page.next - len(frames) - after, 0))
+
+
+def link_info(device: Device, devices: Sequence[Device]) -> LinkInfo:
+    """The wire under `device`; `devices` are all there are, of whom some may share it."""
+    queue, budget, incidents = device.queue, _budget(device.port), _incidents(device.port)
+    sent = queue.counts.frames
+    return LinkInfo(
+        name=device.port.name,
+        kind=str(device.link.get("kind", "")),
+        baud=None if budget is None or budget.calls_per_s_possible is None else budget.baud,
+        calls_per_s_possible=None if budget is None else budget.calls_per_s_possible,
+        calls_per_s=queue.calls_per_s if budget is None else budget.calls_per_s,
+        share=None if budget is None else budget.share,
+        counts=LinkCounts(
+            stops=sent[Priority.STOP],
+            commands=sent[Priority.COMMAND],
+            samples=sent[Priority.SAMPLE],
+            waited=queue.counts.waited,
+            overtaken=queue.counts.overtaken,
+            samples_dropped=queue.counts.samples_dropped,
+            timeouts=queue.counts.timeouts,
+            failures=queue.counts.failures,
+            incidents={} if incidents is None else {str(kind): count for kind, count in incidents.counts.items()},
+        ),
+        incidents=[
+            LinkIncident(time_unix_s=incident.time_unix_s, kind=incident.kind, text=incident.text)
+            for incident in reversed(incidents.list() if incidents is not None else [])
+        ],
+        shared_with=[other.id for other in devices if other is not device and _same_line(other.port, device.port)],
+    )
+
+
+# Only ports of a line have these; an emulator in this process has no wire that could be slow or noisy.
+
+
+def _budget(port: FramePort) -> WireBudget | None:
+    budget = getattr(port, "wire", None)  # an emulator's port calls the emulator so
+    return budget if isinstance(budget, WireBudget) else None
+
+
+def _incidents(port: FramePort) -> Incidents | None:
+    incidents = getattr(port, "incidents", None)
+    return incidents if isinstance(incidents, Incidents) else None
+
+
+def _same_line(one: FramePort, other: FramePort) -> bool:
+    arbiter = getattr(one, "arbiter", None)
+    return arbiter is not None and arbiter is getattr(other, "arbiter", None)

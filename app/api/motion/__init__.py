@@ -1,0 +1,1 @@
+"""Axes: moving, stopping, procedures, limits, events."""

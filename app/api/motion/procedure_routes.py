@@ -1,0 +1,81 @@
+"""What moves an axis on its own for a while: reference search and shuttle. Any other command to the axis ends them."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+
+from ...devices.core.device import Device
+from ...errors import OutOfRange, SoftLimit, UnknownThing, UsageError, WrongState
+from ..deps import CurrentAxis, CurrentBench, CurrentDevice
+from ..http.problems import problems
+from .schemas import ReferenceSearchStart, ReferenceSearchState, ShuttleStart, ShuttleState
+
+router = APIRouter(prefix="/devices/{device}/axes/{axis}", tags=["procedures"])
+
+LOOK = problems(UnknownThing)
+START = problems(UnknownThing, WrongState, UsageError, OutOfRange, SoftLimit)
+
+
+@router.get("/reference-search", responses=LOOK)
+async def get_reference_search(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis) -> ReferenceSearchState:
+    """How far the search is, or how the latest one ended."""
+    return ReferenceSearchState.model_validate(bench.procedures.search_state(device, axis.index))
+
+
+@router.post("/reference-search", responses=START)
+async def start_reference_search(
+    bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis, body: ReferenceSearchStart | None = None
+) -> ReferenceSearchState:
+    """Search a switch at both its edges and set zero to its centre; a module does so by itself, in one of its modes.
+
+    Answers when it has started.
+    """
+    wanted = body or ReferenceSearchStart()
+    _check_family(wanted, device)
+    state = bench.procedures.start_search(
+        device,
+        axis.index,
+        "reference" if wanted.switch == "home" else wanted.switch,
+        wanted.velocity,
+        wanted.max_travel,
+        mode=wanted.mode,
+        search_speed_pps=wanted.search_speed_pps,
+        switch_speed_pps=wanted.switch_speed_pps,
+    )
+    return ReferenceSearchState.model_validate(state)
+
+
+def _check_family(wanted: ReferenceSearchStart, device: Device) -> None:
+    """Raises UsageError for what this family's search does not take: better than not to do what was asked for."""
+    others = ("switch",) if device.family.kind == "module" else ("mode", "search_speed_pps", "switch_speed_pps")
+    given = [name for name in others if name in wanted.model_fields_set and getattr(wanted, name) is not None]
+    if given:
+        way = "by mode, search_speed_pps and switch_speed_pps" if "switch" in given else "by switch and velocity"
+        raise UsageError(f"a {device.family.title} knows no {given[0]}; it searches {way}")
+
+
+@router.delete("/reference-search", responses=LOOK)
+async def abort_reference_search(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis) -> ReferenceSearchState:
+    """End the search and stop the motor."""
+    return ReferenceSearchState.model_validate(await bench.procedures.abort_search(device, axis.index))
+
+
+@router.get("/shuttle", responses=LOOK)
+async def get_shuttle(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis) -> ShuttleState:
+    """Whether the axis shuttles, and how often it did."""
+    return ShuttleState.model_validate(bench.procedures.shuttle_state(device, axis.index))
+
+
+@router.post("/shuttle", responses=START)
+async def start_shuttle(
+    bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis, body: ShuttleStart
+) -> ShuttleState:
+    """Move back and forth between two positions until stopped. Answers when it has started."""
+    state = bench.procedures.start_shuttle(device, axis.index, body.first, body.second, body.dwell_s)
+    return ShuttleState.model_validate(state)
+
+
+@router.delete("/shuttle", responses=LOOK)
+async def stop_shuttle(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis) -> ShuttleState:
+    """End the shuttle and stop the motor."""
+    return ShuttleState.model_validate(await bench.procedures.stop_shuttle(device, axis.index))

@@ -1,0 +1,198 @@
+"""Shapes of one axis: its state, moving and stopping it, and the procedures that do so by themselves."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from ..calc.schemas import Phase
+from ..schemas import Answer, AxisIndex, Body, Flag, Int, Number, Problem, Standing
+
+PositionUnit = Literal["microsteps", "fullsteps", "rev", "deg", "rad", "mm"]
+VelocityUnit = Literal["pps", "chip", "fullsteps_per_s", "rps", "rpm", "rad_per_s", "mm_per_s"]
+
+
+class Switches(Answer):
+    left: bool | None
+    right: bool | None
+    home: bool | None
+
+
+class AxisStateOut(Standing):
+    position: int
+    target_position: int | None
+    velocity_pps: float
+    target_velocity_pps: float | None
+    acceleration_pps2: float | None
+    encoder_position: int | None
+    deviation: float | None = Field(description="encoder minus position, both of one moment [microsteps]")
+    external_encoder_position: int | None = None
+    external_deviation: float | None = None
+    encoder_velocity_pps: float | None = Field(default=None, description="TMC4361: filtered, V_ENC_MEAN")
+    load_angle_deg: float | None = Field(
+        default=None, description="TMC4361: how far the field leads the rotor, electrical; null without an encoder"
+    )
+    position_reached: bool
+    moving: bool
+    mode: str
+    switches: Switches
+    flags: dict[str, bool]
+    time_s: float = Field(description="when it was read: the device's own time for emulators, else the server's [s]")
+
+
+class Move(Body):
+    target: Number
+    relative: Flag = False
+    unit: PositionUnit = "microsteps"
+
+
+class AxisMove(Move):
+    axis: AxisIndex
+
+
+class Moves(Body):
+    """Moves of several axes that start together (DS-TMC428 9.10): all targets in successive datagrams."""
+
+    moves: Annotated[list[AxisMove], Field(min_length=1, max_length=8)]
+
+
+class MoveStarted(Answer):
+    axis: int
+    from_position: int
+    target_position: int
+    started_at_s: float
+    predicted_duration_s: float | None
+    warnings: list[str]
+
+
+HoldSeconds = Annotated[float, Field(strict=True, ge=0.1, le=10, allow_inf_nan=False)]
+
+
+class Rotate(Body):
+    velocity: Number
+    unit: VelocityUnit = "pps"
+    hold_s: HoldSeconds | None = Field(
+        default=None,
+        description="stop by itself after so long unless kept up (PATCH), as a jog button needs; null: on and on",
+    )
+
+
+class KeepRotating(Body):
+    hold_s: HoldSeconds = 1.0
+
+
+class Rotating(Answer):
+    axis: int
+    velocity_chip: int
+    velocity_pps: float
+    warnings: list[str]
+
+
+class Stop(Body):
+    mode: Literal["ramp", "immediate"] = Field(
+        default="ramp", description="ramp: slow down with a_max, position kept; immediate: stop dead, steps may be lost"
+    )
+
+
+class StopResult(Answer):
+    device: str
+    axis: int
+    ok: bool
+    took_ms: float
+    problem: Problem | None
+
+
+class StopReport(Answer):
+    results: list[StopResult]
+
+
+class Prediction(Answer):
+    """The ramp that the calculators expect for the last move, on the device's time."""
+
+    started_at_s: float
+    duration_s: float
+    time_s: list[float]
+    position: list[float]
+    velocity_pps: list[float]
+    phases: list[Phase]
+
+
+SearchSpeed = Annotated[float, Field(strict=True, gt=0, le=8e6, allow_inf_nan=False)]
+SearchMode = Literal[1, 2, 3, 4, 5, 6, 7, 8, 65, 66, 67, 68, 133, 134, 135, 136]
+"""AP 193 of a PD42-1241: 1..8, +64 mirrors 1..4, +128 inverts the home switch of 5..8."""
+
+
+class ReferenceSearchStart(Body):
+    """Chips search `switch` at `velocity`. A PD42-1241 searches by itself, in one of its modes and at two speeds."""
+
+    switch: Literal["left", "right", "reference", "home"] = Field(
+        default="reference", description='"home" is what a TMC4361 calls it (HOME_REF)'
+    )
+    velocity: Annotated[float, Field(strict=True, gt=0, allow_inf_nan=False)] | None = Field(
+        default=None, description="search speed [pps]; default a quarter of v_max"
+    )
+    max_travel: Annotated[int, Field(strict=True, ge=1, lt=1 << 31)] | None = Field(
+        default=None, description="give up a part of the search after that many microsteps; chips: below 2^23"
+    )
+    mode: SearchMode | None = Field(
+        default=None, description="PD42-1241: 1..8, +64 for 1..4 mirrored, +128 for 5..8 with the home switch inverted"
+    )
+    search_speed_pps: SearchSpeed | None = Field(default=None, description="PD42-1241: AP 194; null: as it is set")
+    switch_speed_pps: SearchSpeed | None = Field(default=None, description="PD42-1241: AP 195; null: as it is set")
+
+
+class ReferenceSearchState(Answer):
+    state: Literal["idle", "running", "done", "failed", "aborted"]
+    phase: str
+    progress: float
+    edges: list[int] = Field(description="switch edges found so far [microsteps]")
+    centre: int | None
+    offset: int | None = Field(description="what was subtracted from the position at the end [microsteps]")
+    message: str
+    mode: int | None = Field(default=None, description="PD42-1241: the mode it searches in")
+    distance: int | None = Field(default=None, description="PD42-1241: AP 196, between the end switches [microsteps]")
+    last_position: int | None = Field(
+        default=None, description="PD42-1241: AP 197, where the zero point lay in the old counting [microsteps]"
+    )
+
+
+class ShuttleStart(Body):
+    """Move back and forth between two positions until stopped."""
+
+    first: Int
+    second: Int
+    dwell_s: Annotated[float, Field(strict=True, ge=0, le=60, allow_inf_nan=False)] = 0.3
+
+
+class ShuttleState(Answer):
+    running: bool
+    first: int | None
+    second: int | None
+    dwell_s: float | None
+    cycles: int
+    message: str
+
+
+StopReason = Literal[
+    "target_reached",
+    "stop_command",
+    "left_switch",
+    "right_switch",
+    "stall",
+    "deviation",
+    "driver_error",
+    "lost_link",
+    "unknown",
+]
+
+
+class MotionEnd(Answer):
+    """When, where and why a motor came to rest."""
+
+    axis: int
+    time_s: float = Field(description="device time [s]")
+    unix_s: float = Field(description="Unix time [s]")
+    reason: StopReason
+    position: int | None = Field(description="[microsteps]; null where it could not be read")
+    detail: str

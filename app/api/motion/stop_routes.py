@@ -1,0 +1,28 @@
+"""Stopping. Nothing here waits for anything but the wire: stops overtake every queue."""
+
+from __future__ import annotations
+
+from fastapi import APIRouter
+
+from ..deps import CurrentAxis, CurrentBench, CurrentDevice
+from ..devices.views import stop_result
+from ..http.problems import DEVICE_PROBLEMS, problems
+from .schemas import Stop, StopReport, StopResult
+
+router = APIRouter(tags=["stop"])
+
+
+@router.post("/stop")
+async def stop_everything(bench: CurrentBench, body: Stop | None = None) -> StopReport:
+    """Stop every axis of every device, ahead of all queues. Always answers, within a second; each result tells for
+    itself."""
+    outcomes = await bench.manager.stop_all((body or Stop()).mode)
+    return StopReport(results=[stop_result(outcome) for outcome in outcomes])
+
+
+@router.post("/devices/{device}/axes/{axis}/stop", responses=problems(*DEVICE_PROBLEMS))
+async def stop_axis(
+    bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis, body: Stop | None = None
+) -> StopResult:
+    """Stop one axis, ahead of its device's queue."""
+    return stop_result(await bench.manager.stop_axis(device, axis.index, (body or Stop()).mode))

@@ -1,0 +1,1 @@
+"""Extended positions over REST: beyond a counter's range, and turns."""

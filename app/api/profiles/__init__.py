@@ -1,0 +1,1 @@
+"""Profiles and the programs made of them, over REST."""

@@ -1,0 +1,188 @@
+"""Recordings laid on each other: at one zero, one read off at the other's times, their spectra and figures."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...calc.signals.alignment import REACH, at_times, difference_of, usual_interval_s
+from ...calc.signals.decimation import extremes
+from ...calc.signals.min_max_pyramid import Stretches, size_for
+from ...calc.signals.spectrum import SAMPLES_MAX, Detrend, Window, spectrum
+from ...errors import OutOfRange, UnknownThing, UsageError, WrongState
+from ...store.recordings.file import FloatArray, Rows
+from ...store.recordings.library import Library
+from ...store.recordings.marks import Mark
+from ...store.recordings.opened import Opened
+from . import schemas as out
+from .views import figures_of, nothing_as_null, rows_between, zero_of
+
+ROWS_MAX = 4_000_000
+"""Of all compared recordings together: their rows are read whole, which takes 300 MB at eight channels each."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Side:
+    """One of the recordings: `rows` between the times asked for, counted from its zero."""
+
+    id: str
+    name: str
+    opened: Opened
+    zero_s: float
+    rows: Rows
+
+    def column(self, channel: str) -> FloatArray | None:
+        names = [column.name for column in self.opened.head.columns]
+        return self.rows.columns[names.index(channel)] if channel in names else None
+
+    def unit(self, channel: str) -> str:
+        return next(column.unit for column in self.opened.head.columns if column.name == channel)
+
+
+def compare(library: Library, body: out.CompareWith) -> out.Comparison:
+    """Raises UnknownThing, WrongState for files that cannot be read, UsageError, OutOfRange for too much at once."""
+    if len(set(body.recordings)) < 2:
+        raise UsageError("a comparison is of two recordings at least")
+    notes: list[str] = []
+    sides = _sides(library, body, notes)
+    offered = [column.name for side in sides for column in side.opened.head.columns]
+    wanted = body.channels
+    if wanted is None:
+        wanted = [name for name in dict.fromkeys(offered) if offered.count(name) > 1]
+        if not wanted:
+            notes.append("no channel is in two of these recordings")
+    for name in wanted:
+        if name not in offered:
+            raise UnknownThing("recorded channel", name, sorted(set(offered)))
+    spans = [side.rows.time_s[[0, -1]] for side in sides if len(side.rows.time_s)]
+    return out.Comparison(
+        from_s=float(min((span[0] for span in spans), default=0.0)),
+        to_s=float(max((span[1] for span in spans), default=0.0)),
+        recordings=[_recording(side) for side in sides],
+        channels=[_channel(sides, name, body.points, notes) for name in wanted],
+        notes=notes,
+    )
+
+
+def _sides(library: Library, body: out.CompareWith, notes: list[str]) -> list[_Side]:
+    sides: list[_Side] = []
+    rows = 0
+    for recording in dict.fromkeys(body.recordings):
+        entry, opened, marks = library.entry(recording), library.open(recording), library.marks(recording)
+        name = entry.label.name or recording
+        zero_s = _zero(body.align, opened, marks, name, notes)
+        first, last = rows_between(opened, zero_s, body.from_s, body.to_s)
+        rows += last - first
+        if rows > ROWS_MAX:
+            raise OutOfRange("rows to compare", rows, 0, ROWS_MAX, "rows; compare a part of them: from_s, to_s")
+        read = opened.read(first, last)
+        sides.append(_Side(recording, name, opened, zero_s, Rows(read.time_s - zero_s, read.columns)))
+    return sides
+
+
+def _zero(align: str, opened: Opened, marks: Sequence[Mark], name: str, notes: list[str]) -> float:
+    first_s = opened.first_s or 0.0
+    if align == "start":
+        return first_s
+    if align == "move":
+        for mark in marks:
+            if mark.kind == "move" and mark.time_s >= first_s:
+                return mark.time_s
+        notes.append(f"{name}: no move begins in it, so it is put where its trigger is, else at its start")
+    if align == "trigger" and not any(mark.kind == "trigger" for mark in marks):
+        notes.append(f"{name}: it had no trigger, so its first row is at 0")
+    return zero_of(opened, marks) or 0.0
+
+
+def _recording(side: _Side) -> out.ComparedRecording:
+    head, time_s = side.opened.head, side.rows.time_s
+    return out.ComparedRecording(
+        id=side.id,
+        name=side.name,
+        device=head.device,
+        model=head.model,
+        zero_s=side.zero_s,
+        from_s=float(time_s[0]) if len(time_s) else 0.0,
+        to_s=float(time_s[-1]) if len(time_s) else 0.0,
+        figures=figures_of(head, side.rows),
+    )
+
+
+def _channel(sides: list[_Side], channel: str, points: int, notes: list[str]) -> out.ComparedChannel:
+    having = [(side, values) for side in sides if (values := side.column(channel)) is not None]
+    unit = having[0][0].unit(channel)
+    curves, differences = [], []
+    for side, values in having:
+        if side.unit(channel) != unit:
+            notes.append(f"{side.name}: its {channel} is in {side.unit(channel)}, not {unit}, and is left out")
+            continue
+        at_s, thinned = extremes(side.rows.time_s, values, points)
+        curves.append(out.ComparedCurve(recording=side.id, time_s=at_s.tolist(), values=nothing_as_null(thinned)))
+        if side is not sides[0] and having[0][0] is sides[0]:
+            differences.append(_difference(sides[0], having[0][1], side, values, points))
+    return out.ComparedChannel(channel=channel, unit=unit, curves=curves, differences=differences)
+
+
+def _difference(
+    first: _Side, against: FloatArray, side: _Side, values: FloatArray, points: int
+) -> out.ComparedDifference:
+    wanted_s = first.rows.time_s
+    reach_s = REACH * max(usual_interval_s(side.rows.time_s), usual_interval_s(wanted_s))
+    difference = at_times(side.rows.time_s, values, wanted_s, reach_s) - against
+    at_s, thinned = extremes(wanted_s, difference, points)
+    return out.ComparedDifference(
+        recording=side.id,
+        time_s=at_s.tolist(),
+        values=nothing_as_null(thinned),
+        figures=out.DifferenceOut.model_validate(difference_of(wanted_s, difference)),
+    )
+
+
+def spectrum_of(
+    opened: Opened,
+    marks: Sequence[Mark],
+    channel: str,
+    from_s: float | None,
+    to_s: float | None,
+    window: Window,
+    detrend: Detrend,
+    points: int,
+) -> out.Spectrum:
+    """Raises UnknownThing, OutOfRange for too many samples, WrongState for too few."""
+    names = [column.name for column in opened.head.columns]
+    if channel not in names:
+        raise UnknownThing("recorded channel", channel, names)
+    number = names.index(channel)
+    zero_s = zero_of(opened, marks) or 0.0
+    first, last = rows_between(opened, zero_s, from_s, to_s)
+    if last - first > SAMPLES_MAX:
+        raise OutOfRange("samples of a spectrum", last - first, 8, SAMPLES_MAX, "samples; choose a part: from_s, to_s")
+    rows = opened.read(first, last)
+    try:
+        found = spectrum(rows.time_s - zero_s, rows.columns[number], window=window, detrend=detrend)
+    except ValueError as error:
+        raise WrongState(
+            f"{channel} has no spectrum here: {error}", "choose a longer part, or one without gaps"
+        ) from error
+    lines = Stretches.of_rows(found.frequency_hz, np.stack((found.amplitude, found.density)))
+    shown = lines.joined(size_for(len(lines), points))
+    swinging = found.amplitude[1:]
+    top = int(swinging.argmax()) + 1 if len(swinging) and swinging.max() > 0 else None
+    return out.Spectrum(
+        channel=channel,
+        unit=opened.head.columns[number].unit,
+        frequency_hz=shown.high_s[0].tolist(),
+        amplitude=shown.high[0].tolist(),
+        density=shown.high[1].tolist(),
+        peak_hz=None if top is None else float(found.frequency_hz[top]),
+        peak=None if top is None else float(found.amplitude[top]),
+        line_hz=found.line_hz,
+        resolution_hz=found.resolution_hz,
+        rate_hz=found.rate_hz,
+        samples=found.samples,
+        from_s=found.from_s,
+        to_s=found.to_s,
+        resampled=found.resampled,
+    )

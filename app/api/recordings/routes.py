@@ -1,0 +1,272 @@
+"""Recordings: telemetry that is kept."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from typing import Annotated, Literal, TypeVar
+
+from fastapi import APIRouter, HTTPException, Path, Query
+from fastapi.responses import Response
+
+from ...calc.signals.spectrum import Detrend, Window
+from ...errors import OutOfRange, StoreUnavailable, UnknownThing, UsageError, WrongState
+from ...store.recordings.library import Entry, Label
+from ...telemetry.recorder import Trigger
+from ..deps import CurrentBench
+from ..http.problems import problems
+from .compare import compare, spectrum_of
+from .schemas import (
+    CompareWith,
+    Comparison,
+    LevelTrigger,
+    MoveTrigger,
+    RecordingDetail,
+    RecordingFigures,
+    RecordingInfo,
+    RecordingLabel,
+    RecordingList,
+    RecordingMark,
+    RecordingPlot,
+    RecordingStart,
+    Replay,
+    ReplayStart,
+    Spectrum,
+)
+from .service import axes_of, configuration_of, options_of
+from .views import csv_of, detail, figures_of, info, parquet_of, plot, plot_frame, rows_between, zero_of
+
+router = APIRouter(prefix="/recordings", tags=["recordings"])
+
+RecordingId = Annotated[str, Path(description="as in the list", max_length=60)]
+Since = Annotated[float | None, Query(description="since the zero [s]", allow_inf_nan=False)]
+FRAME = "application/vnd.stepscope.frame"
+T = TypeVar("T")
+ROWS_AS = {"csv": "text/csv", "parquet": "application/vnd.apache.parquet"}
+
+
+async def _aside(work: Callable[[], T]) -> T:
+    # A long recording takes tenths of a second to read: not on the loop that samples and stops motors.
+    return await asyncio.to_thread(work)
+
+
+@router.get("")
+async def list_recordings(
+    bench: CurrentBench,
+    search: Annotated[str, Query(max_length=200, description="words of name, note, device or model")] = "",
+    device: Annotated[str, Query(max_length=200, description="only those of this device")] = "",
+    limit: Annotated[int, Query(ge=1, le=1000, description="how many at the most")] = 100,
+    before: Annotated[str, Query(max_length=60, description="`next` of the page before")] = "",
+) -> RecordingList:
+    """Recordings, the latest first, page by page."""
+    library = bench.desk.library
+    page, free_bytes = await _aside(lambda: (library.page(search, device, limit, before), library.free_bytes))
+    found = [info(entry, bench.desk.course(entry.id)) for entry in page.entries]
+    room_bytes = max(0, free_bytes - bench.desk.reserve_bytes)
+    return RecordingList(
+        recordings=found,
+        next=page.next,
+        total=page.total,
+        size_bytes=page.size_bytes,
+        free_bytes=free_bytes,
+        room_bytes=room_bytes,
+    )
+
+
+@router.post("/compare", responses=problems(UnknownThing, WrongState, UsageError, OutOfRange))
+async def compare_recordings(bench: CurrentBench, body: CompareWith) -> Comparison:
+    """Lay recordings on each other: aligned curves, what each is above the first, their figures side by side."""
+    return await _aside(lambda: compare(bench.desk.library, body))
+
+
+@router.api_route("/compare", methods=["GET", "PUT", "PATCH", "DELETE"], include_in_schema=False)
+async def no_recording_is_called_compare() -> None:
+    """Keep `/recordings/{recording}` from taking this address for a recording."""
+    raise HTTPException(405, headers={"Allow": "POST"})
+
+
+@router.post("", status_code=201, responses=problems(UnknownThing, WrongState, OutOfRange, UsageError))
+async def start_recording(bench: CurrentBench, body: RecordingStart) -> RecordingInfo:
+    """Record channels of a device from now on, or from a trigger on with what was before it."""
+    device = bench.manager.get(body.device)
+    device.require_connected()
+    wanted = body.trigger
+    trigger = Trigger()
+    if isinstance(wanted, MoveTrigger):
+        trigger = Trigger("move", axis=wanted.axis, pre_s=wanted.pre_s)
+    elif isinstance(wanted, LevelTrigger):
+        trigger = Trigger("level", 0, wanted.channel, wanted.level, wanted.rising, wanted.pre_s)
+    configuration, axes = await configuration_of(device), await axes_of(device)
+    label = Label(body.name, body.note)
+    channels = tuple(dict.fromkeys(body.channels))
+    recording = await bench.desk.start(
+        device, channels, body.rate_hz, trigger, body.duration_s, label, configuration, axes
+    )
+    return info(bench.desk.library.entry(recording), bench.desk.course(recording))
+
+
+@router.get(
+    "/{recording}",
+    responses={
+        **problems(UnknownThing, WrongState),
+        200: {"content": {media: {"schema": {"type": "string", "format": "binary"}} for media in ROWS_AS.values()}},
+    },
+)
+async def get_recording(
+    bench: CurrentBench,
+    recording: RecordingId,
+    format: Annotated[Literal["json", "csv", "parquet"], Query(description="json: what it is; else its rows")] = "json",  # noqa: A002
+    figures: Annotated[bool, Query(description="false: without figures, which take a reading of all rows")] = True,
+) -> RecordingDetail:
+    """What a recording is of, its marks and figures; or with `format` all of its rows as a file."""
+    desk = bench.desk
+    opened = await _aside(lambda: desk.library.open(recording))
+    if format != "json":
+        write = csv_of if format == "csv" else parquet_of
+        content = await _aside(lambda: write(opened.head, opened.read(0, opened.rows)))
+        named = {"content-disposition": f'attachment; filename="{recording}.{format}"'}
+        return Response(content, media_type=ROWS_AS[format], headers=named)  # type: ignore[return-value]  # a file is no JSON
+    course = desk.course(recording)
+    return await _aside(
+        lambda: detail(
+            desk.library.entry(recording), course, opened, desk.library.marks(recording), with_figures=figures
+        )
+    )
+
+
+@router.get("/{recording}/info", responses=problems(UnknownThing))
+async def get_recording_info(bench: CurrentBench, recording: RecordingId) -> RecordingInfo:
+    """Its line of the list: how far one is that runs."""
+    entry = await _aside(lambda: bench.desk.library.entry(recording))
+    return info(entry, bench.desk.course(recording))
+
+
+@router.get(
+    "/{recording}/plot",
+    responses={
+        **problems(UnknownThing, WrongState, UsageError),
+        200: {"content": {FRAME: {"schema": {"type": "string", "format": "binary"}}}},
+    },
+)
+async def plot_recording(
+    bench: CurrentBench,
+    recording: RecordingId,
+    channel: Annotated[list[str] | None, Query(description="only these", max_length=64)] = None,
+    from_s: Since = None,
+    to_s: Since = None,
+    points: Annotated[int, Query(description="of each channel, about", ge=8, le=100_000)] = 3000,
+    format: Annotated[  # noqa: A002
+        Literal["json", "frame"],
+        Query(description="frame: a telemetry frame of all channels, times since the zero; what zooms without stutter"),
+    ] = "json",
+) -> RecordingPlot:
+    """What a plot of so many points shows, in full or of a stretch of it."""
+    library = bench.desk.library
+    opened = await _aside(lambda: library.open(recording))
+    marks = await _aside(lambda: library.marks(recording))
+    if format == "frame":
+        if channel:
+            raise UsageError("a frame is of all channels")
+        frame, rows = await _aside(lambda: plot_frame(opened, marks, from_s, to_s, points))
+        return Response(frame, media_type=FRAME, headers={"stepscope-rows": str(rows)})  # type: ignore[return-value]
+    return await _aside(lambda: plot(opened, marks, channel or (), from_s, to_s, points))
+
+
+@router.get("/{recording}/figures", responses=problems(UnknownThing, WrongState))
+async def get_recording_figures(
+    bench: CurrentBench, recording: RecordingId, from_s: Since = None, to_s: Since = None
+) -> RecordingFigures:
+    """Figures of a stretch: of what a plot shows, between two cursors."""
+    library = bench.desk.library
+
+    def figures() -> RecordingFigures:
+        opened = library.open(recording)
+        zero_s = zero_of(opened, library.marks(recording)) or 0.0
+        rows = opened.read(*rows_between(opened, zero_s, from_s, to_s))
+        ends = rows.time_s[[0, -1]] - zero_s if len(rows.time_s) else (0.0, 0.0)
+        return RecordingFigures(from_s=float(ends[0]), to_s=float(ends[1]), figures=figures_of(opened.head, rows))
+
+    return await _aside(figures)
+
+
+@router.get("/{recording}/spectrum", responses=problems(UnknownThing, WrongState, OutOfRange))
+async def get_spectrum(
+    bench: CurrentBench,
+    recording: RecordingId,
+    channel: Annotated[str, Query(max_length=80)],
+    from_s: Since = None,
+    to_s: Since = None,
+    window: Annotated[Window, Query(description="flattop tells amplitudes, none tells close sines apart")] = "hann",
+    detrend: Annotated[
+        Detrend, Query(description="what is taken off first: the mean, the best straight line")
+    ] = "line",
+    points: Annotated[int, Query(description="lines at the most", ge=8, le=100_000)] = 4000,
+) -> Spectrum:
+    """What a channel swings at: amplitudes and power density over frequency."""
+    library = bench.desk.library
+    return await _aside(
+        lambda: spectrum_of(
+            library.open(recording), library.marks(recording), channel, from_s, to_s, window, detrend, points
+        )
+    )
+
+
+@router.patch("/{recording}", responses=problems(UnknownThing, StoreUnavailable))
+async def label_recording(bench: CurrentBench, recording: RecordingId, body: RecordingLabel) -> RecordingInfo:
+    """Another name or note."""
+    library = bench.desk.library
+
+    def relabel() -> Entry:
+        old = library.entry(recording).label
+        library.label(
+            recording,
+            Label(old.name if body.name is None else body.name, old.note if body.note is None else body.note),
+        )
+        return library.entry(recording)
+
+    return info(await _aside(relabel), bench.desk.course(recording))
+
+
+@router.post("/{recording}/stop", responses=problems(UnknownThing))
+async def stop_recording(bench: CurrentBench, recording: RecordingId) -> RecordingInfo:
+    """End it with what is there; one that is over stays as it is."""
+    await bench.desk.stop(recording)
+    return info(bench.desk.library.entry(recording), bench.desk.course(recording))
+
+
+@router.post(
+    "/{recording}/replay", status_code=202, responses=problems(UnknownThing, WrongState, UsageError, OutOfRange)
+)
+async def replay_recording(bench: CurrentBench, recording: RecordingId, body: ReplayStart | None = None) -> Replay:
+    """Live through it once more on an emulator of its own, which takes a fraction of the time; nothing moves here.
+
+    The answer comes at once: GET tells how it goes, and the new recording's id.
+    """
+    asked = body or ReplayStart()
+    options = None
+    if asked.device is not None:
+        device, head = bench.manager.get(asked.device), (await _aside(lambda: bench.desk.library.head(recording)))
+        if not device.emulated or device.model != head.model:
+            raise WrongState(f"{device.name} is no emulated {head.model}", "name one that is, or none")
+        options = options_of(device)
+    return Replay.model_validate(await bench.desk.replay(recording, options, asked.name))
+
+
+@router.get("/{recording}/replay", responses=problems(UnknownThing))
+async def get_replay(bench: CurrentBench, recording: RecordingId) -> Replay | None:
+    """How the latest replay of this recording goes, or went; null where this server has made none."""
+    progress = await _aside(lambda: bench.desk.progress(recording))
+    return None if progress is None else Replay.model_validate(progress)
+
+
+@router.post("/{recording}/marks", responses=problems(UnknownThing, WrongState))
+async def mark_recording(bench: CurrentBench, recording: RecordingId, body: RecordingMark) -> RecordingInfo:
+    """Mark this moment of a recording that runs."""
+    bench.desk.note(recording, body.text)
+    return info(bench.desk.library.entry(recording), bench.desk.course(recording))
+
+
+@router.delete("/{recording}", status_code=204, responses=problems(UnknownThing, WrongState, StoreUnavailable))
+async def delete_recording(bench: CurrentBench, recording: RecordingId) -> None:
+    """Gone for good."""
+    await _aside(lambda: bench.desk.delete(recording))

@@ -1,0 +1,181 @@
+"""Recordings as answers: the list, the figures, what a plot shows, and files for other programs."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.csv
+import pyarrow.parquet
+from numpy.typing import NDArray
+
+from ...calc.signals.statistics import figures
+from ...errors import UnknownThing
+from ...store.recordings.file import TIME, Rows
+from ...store.recordings.head import Head
+from ...store.recordings.library import Entry
+from ...store.recordings.marks import Mark
+from ...store.recordings.opened import Opened
+from ...telemetry.frames import encode_body, encode_header
+from ..schemas import ChannelInfo
+from .schemas import Curve, FiguresOut, MarkOut, RecordingDetail, RecordingInfo, RecordingPlot
+from .service import Course
+
+
+def info(entry: Entry, course: Course | None) -> RecordingInfo:
+    """A line of the list. `course` is how it goes or went, where it ran lately."""
+    head = entry.head
+    return RecordingInfo(
+        id=entry.id,
+        name=entry.label.name,
+        note=entry.label.note,
+        device=head.device if head else None,
+        model=head.model if head else None,
+        channels=[_channel(column.name, column.unit) for column in head.columns] if head else [],
+        rate_hz=head.rate_hz if head else None,
+        started_unix_s=head.started_unix_s if head else None,
+        state=course.state if course else "recording" if entry.recording else "done" if head else "failed",
+        message=entry.problem or (course.message if course else ""),
+        rows=course.rows if course else None,
+        size_bytes=entry.size_bytes,
+    )
+
+
+def detail(
+    entry: Entry, course: Course | None, opened: Opened, marks: Sequence[Mark], *, with_figures: bool = True
+) -> RecordingDetail:
+    """Everything of one recording but its rows. Figures are of all rows, which have to be read for them."""
+    told = info(entry, course).model_dump()
+    told["rows"] = opened.rows
+    head = opened.head
+    return RecordingDetail(
+        **told,
+        time_origin_unix_s=head.time_origin_unix_s,
+        zero_s=zero_of(opened, marks),
+        duration_s=(opened.last_s or 0.0) - (opened.first_s or 0.0),
+        marks=[MarkOut.model_validate(mark) for mark in marks],
+        figures=figures_of(head, opened.read(0, opened.rows)) if with_figures else {},
+        configuration=None if head.configuration is None else dict(head.configuration),
+        replay_of=head.replay_of,
+    )
+
+
+def figures_of(head: Head, rows: Rows) -> dict[str, FiguresOut]:
+    """By channel, and by axis what the motor was away from its planned position."""
+    columns = dict(zip((column.name for column in head.columns), rows.columns, strict=True))
+    for name in list(columns):
+        quantity, _, axis = name.rpartition(".")
+        planned = columns.get(f"predicted_position.{axis}")
+        # The encoder knows where the motor is; without one the chip's own count is the best there is.
+        if planned is not None and (
+            quantity == "encoder_position" or (quantity == "position" and f"encoder_position.{axis}" not in columns)
+        ):
+            columns[f"following_error.{axis}"] = columns[name] - planned
+    return {name: FiguresOut.model_validate(figures(rows.time_s, values)) for name, values in columns.items()}
+
+
+def zero_of(opened: Opened, marks: Sequence[Mark]) -> float | None:
+    """Device time that plots call 0: the trigger's, else the first row's [s]."""
+    return next((mark.time_s for mark in marks if mark.kind == "trigger"), opened.first_s)
+
+
+def rows_between(opened: Opened, zero_s: float, from_s: float | None, to_s: float | None) -> tuple[int, int]:
+    """Numbers of the rows between two times since the zero: (first, behind the last)."""
+    first = 0 if from_s is None else opened.row_at(from_s + zero_s)
+    last = opened.rows if to_s is None else opened.row_at(to_s + zero_s, "right")
+    return first, max(first, last)
+
+
+def plot(
+    opened: Opened,
+    marks: Sequence[Mark],
+    channels: Sequence[str],
+    from_s: float | None,
+    to_s: float | None,
+    points: int,
+) -> RecordingPlot:
+    """`channels` (none: all) between two times since the zero. Raises UnknownThing."""
+    head = opened.head
+    require_channels(head, channels)
+    zero_s = zero_of(opened, marks) or 0.0
+    first, last = rows_between(opened, zero_s, from_s, to_s)
+    # Of a stretch three points may be left: its extremes, and one where a sample is missing. Two more are its ends.
+    stretches = opened.stretches(first, last, points if last - first <= points else max(1, points // 3 - 2))
+    curves = []
+    for number, column in enumerate(head.columns):
+        if not channels or column.name in channels:
+            at_s, values = stretches.points(number)
+            curves.append(
+                Curve(
+                    channel=column.name,
+                    unit=column.unit,
+                    time_s=(at_s - zero_s).tolist(),
+                    values=nothing_as_null(values),
+                )
+            )
+    shown = opened.read(first, first + 1).time_s, opened.read(last - 1, last).time_s
+    return RecordingPlot(
+        zero_s=zero_s,
+        from_s=float(shown[0][0] - zero_s) if last > first else 0.0,
+        to_s=float(shown[1][0] - zero_s) if last > first else 0.0,
+        rows=last - first,
+        thinned=last - first > points,
+        curves=curves,
+    )
+
+
+def plot_frame(
+    opened: Opened, marks: Sequence[Mark], from_s: float | None, to_s: float | None, points: int
+) -> tuple[bytes, int]:
+    """The same for a page that zooms, as one telemetry frame of all channels, and how many rows it stands for.
+
+    Times count from the zero. All channels share them: a stretch is two points, its extremes in their order.
+    """
+    zero_s = zero_of(opened, marks) or 0.0
+    first, last = rows_between(opened, zero_s, from_s, to_s)
+    wanted = points if last - first <= points else points // 2
+    time_s, columns = opened.stretches(first, last, wanted).line()
+    frame = encode_header(0, 0, len(time_s), len(columns)) + encode_body(time_s - zero_s, columns.T)
+    return frame, last - first
+
+
+def require_channels(head: Head, channels: Sequence[str]) -> None:
+    """Raises UnknownThing for one that was not recorded."""
+    names = [column.name for column in head.columns]
+    for name in channels:
+        if name not in names:
+            raise UnknownThing("recorded channel", name, names)
+
+
+def csv_of(head: Head, rows: Rows) -> bytes:
+    """A line a row, device time [s] first; a missing sample is an empty cell."""
+    out = io.BytesIO()
+    pyarrow.csv.write_csv(_table(head, rows, missing_is_null=True), out)
+    return out.getvalue()
+
+
+def parquet_of(head: Head, rows: Rows) -> bytes:
+    """The same for programs; units and the whole head are in the file's metadata."""
+    out = io.BytesIO()
+    pyarrow.parquet.write_table(_table(head, rows), out, compression="zstd")
+    return out.getvalue()
+
+
+def _table(head: Head, rows: Rows, *, missing_is_null: bool = False) -> pa.Table:
+    names = [TIME, *(column.name for column in head.columns)]
+    units = ["s", *(column.unit for column in head.columns)]
+    columns = [pa.array(values, from_pandas=missing_is_null) for values in (rows.time_s, *rows.columns)]
+    fields = [pa.field(name, pa.float64(), metadata={"unit": unit}) for name, unit in zip(names, units, strict=True)]
+    return pa.table(columns, schema=pa.schema(fields, metadata={"stepscope": head.encode()}))
+
+
+def nothing_as_null(values: NDArray[np.float64]) -> list[float | None]:
+    """For JSON, which has no NaN."""
+    return [None if value != value else value for value in values.tolist()]
+
+
+def _channel(name: str, unit: str) -> ChannelInfo:
+    quantity, _, axis = name.rpartition(".")
+    return ChannelInfo(name=name, quantity=quantity, axis=int(axis) if axis.isdecimal() else 0, unit=unit)

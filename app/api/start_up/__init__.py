@@ -1,0 +1,1 @@
+"""Start-up over REST: tried dry, or applied."""

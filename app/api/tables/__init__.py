@@ -1,0 +1,1 @@
+"""Microstep tables and the driver chain's RAM over REST."""

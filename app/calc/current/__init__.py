@@ -1,0 +1,1 @@
+"""Coil current: sense resistors, scales, choppers."""

@@ -1,0 +1,1 @@
+"""Microstep tables: shapes, words, what a table does to current and torque."""

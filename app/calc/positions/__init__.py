@@ -1,0 +1,1 @@
+"""Positions: beyond a counter, within a turn, by an encoder."""

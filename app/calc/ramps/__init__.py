@@ -1,0 +1,1 @@
+"""Ramps of every family: what a chip does with its parameters, and parameters for what is wanted."""

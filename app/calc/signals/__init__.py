@@ -1,0 +1,1 @@
+"""Rows of samples: statistics, spectra, alignment, steps, filters."""

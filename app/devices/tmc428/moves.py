@@ -1,0 +1,229 @@
+"""Moves and rotation: everything is read and judged first, then one datagram starts each axis."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from ...calc.units.tmc428 import pulse_rate_hz
+from ...errors import UsageError, WriteRefused
+from ...links.queue import Priority
+from ...number_text import plain
+from ...registers.model import to_raw
+from ..core.axis_units import one_chip_unit, to_chip_velocity, to_position
+from ..core.device import MotionStarted
+from ..core.motion import Setting, checked_target, distance
+from ..core.register_io import Words
+from ..core.results import AxisMove, MoveStarted, Rotating
+from .axis_rows import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOCITY_MODE, AxisRows
+from .chip import RampChip
+from .prediction import Origin, TickedPrediction
+
+
+@dataclass(slots=True)
+class _Prepared:
+    """One axis of a move, ready to start."""
+
+    axis: int
+    rows: AxisRows
+    setting: Setting
+    x_actual: int
+    v_actual: int
+    target: int
+    warnings: list[str] = field(default_factory=list)
+    started_at_s: float = 0.0
+
+    @property
+    def positioning(self) -> bool:
+        return self.setting.mode in POSITIONING_MODES
+
+    @property
+    def mode(self) -> int:
+        """The ramp mode that the move uses."""
+        return self.setting.mode if self.positioning else RAMP_MODE
+
+
+class RampMoves(RampChip):
+    """`RampChip` that can be sent somewhere."""
+
+    # --- moves ----------------------------------------------------------------------------------
+
+    async def move_together(self, moves: Sequence[AxisMove]) -> list[MoveStarted]:
+        axes = [self.axis(move.axis).index for move in moves]
+        if len(set(axes)) != len(axes):
+            raise UsageError("an axis is named twice in one move")
+        if not axes:
+            raise UsageError("a move of no axis")
+        self.require_connected()
+        async with self.queue.turn(Priority.COMMAND, self.stop_guard(axes)) as turn:
+            words = Words(turn)
+            common = await self._motion_warnings(words)
+            prepared = [await self._prepare(words, move) for move in moves]
+            self._allow_moves(prepared)
+            for one in prepared:
+                if not one.positioning:  # there x_target has no effect yet, and the mode starts the move
+                    await words.put(one.rows.x_target, one.target)
+            for one in prepared:
+                await self._start(words, one)
+            for one in prepared:
+                await self._check_target(words, one)
+        started = []
+        for one in prepared:
+            prediction = self._predict(one)
+            started.append(
+                MoveStarted(
+                    one.axis,
+                    one.x_actual,
+                    one.target,
+                    one.started_at_s,
+                    prediction.duration_s if prediction.ends else None,
+                    common + one.warnings,
+                )
+            )
+            self._tell(MotionStarted(one.axis, one.started_at_s))
+        return started
+
+    async def retarget(self, axis: int, count_target: int) -> MoveStarted:
+        """On the way to a target only the target is written: half the datagrams, and no ramp is worked out ahead."""
+        self.axis(axis)
+        self.require_connected()
+        rows, setting, not_stopped = self.rows[axis], self.setting(axis), self.stop_guard([axis])
+        async with self.queue.turn(Priority.COMMAND, not_stopped) as turn:
+            words = Words(turn)
+            reference = await words.read(rows.reference)
+            v_actual = await words.value(rows.v_actual)
+            x_actual = await words.value(rows.x_actual)
+            positioning = rows.mode.unpack(reference) in POSITIONING_MODES
+            under_way = setting is not None and positioning and v_actual and setting.reference == reference
+            if under_way:
+                assert setting is not None
+                one = _Prepared(axis, rows, setting, x_actual, v_actual, count_target)
+                self._allow_moves([one])
+                await self._start(words, one)
+                await self._check_target(words, one)
+                self._predict(one)
+                self._tell(MotionStarted(axis, one.started_at_s))
+                return MoveStarted(axis, x_actual, count_target, one.started_at_s, None, [])
+        not_stopped()  # from here on a move looks out for itself
+        return await super().retarget(axis, count_target)
+
+    async def _prepare(self, words: Words, move: AxisMove) -> _Prepared:
+        """Read what decides, and refuse what cannot go well. Nothing is written."""
+        rows = self.rows[move.axis]
+        setting = await self._read_setting(words, move.axis)
+        setting.require_motion(move.axis)
+        setting.require_proportionality(move.axis)
+        warnings = setting.proportionality_warnings()
+        left, right = await self._switches(words, move.axis)
+        v_actual = await words.value(rows.v_actual)
+        x_actual = await words.value(rows.x_actual)
+        wanted = to_position(self.mechanics(move.axis), move.target, move.unit)
+        if move.unit == "microsteps" and wanted != move.target:
+            warnings.append(f"rounded to {wanted} microsteps")
+        shown = "" if move.unit == "microsteps" else f"; {plain(move.target)} {move.unit} asked"
+        target = x_actual + wanted if move.relative else wanted
+        if not move.over_the_end:
+            checked_target(move.axis, target, x_actual, shown)
+        switch = setting.blocked(rows, distance(target, x_actual), left, right)
+        if switch:
+            warnings.append(f"the {switch} switch is active and stops motion that way")
+        return _Prepared(move.axis, rows, setting, x_actual, v_actual, target, warnings)
+
+    def _allow_moves(self, prepared: Sequence[_Prepared]) -> None:
+        """Raises SoftLimit before anything of these moves is sent."""
+        if self.limiter is None:
+            return
+        for one in prepared:
+            self.limiter.require_target(one.axis, distance(one.target, 0), one.x_actual)
+            mode = one.rows.with_mode(one.setting.reference, one.mode)
+            target = (one.rows.x_target.address, to_raw(one.target, one.rows.x_target.width))
+            self.limiter.check_writes([target] if one.positioning else [target, (one.rows.reference.address, mode)])
+
+    async def _start(self, words: Words, one: _Prepared) -> None:
+        """Exactly one datagram, which sets the axis in motion."""
+        if one.positioning:
+            await words.put(one.rows.x_target, one.target)
+        else:
+            await words.write(one.rows.reference, one.rows.with_mode(one.setting.reference, RAMP_MODE))
+        one.started_at_s = words.time_s
+        self.commanded(one.axis, "move", target=one.target)
+
+    async def _check_target(self, words: Words, one: _Prepared) -> None:
+        rows = one.rows
+        back = await words.value(rows.x_target)
+        mode = await words.read(rows.reference)
+        self._saw_word(rows.reference, mode)
+        if back != one.target:
+            raise WriteRefused(rows.x_target.name, one.target, back, f"axis {one.axis} may go there: stop it")
+        if rows.mode.unpack(mode) != one.mode:
+            raise WriteRefused(rows.reference.name, one.mode, mode, f"axis {one.axis} did not take RAMP_MODE")
+
+    def _predict(self, one: _Prepared) -> TickedPrediction:
+        return self._books[one.axis].begin(
+            Origin(
+                axis=one.axis,
+                started_at_s=one.started_at_s,
+                position=one.x_actual,
+                distance=distance(one.target, one.x_actual),
+                velocity=one.v_actual,
+                parameters=one.setting.parameters(self.clock_hz, one.mode),
+            )
+        )
+
+    # --- rotation -------------------------------------------------------------------------------
+
+    def _allow_rotation(self, axis: int, setting: Setting, asked: float, chip: int, x_actual: int) -> int:
+        """Raises SoftLimit before anything of a rotation is sent; the velocity in chip units, within the limit.
+
+        `asked` is what was asked for, in chip units and not rounded.
+        """
+        limiter, rows = self.limiter, self.rows[axis]
+        assert limiter is not None
+        unit_pps = pulse_rate_hz(1, setting.pulse_div, self.clock_hz)
+        limiter.require_velocity(axis, asked * unit_pps)
+        limiter.require_way(axis, chip, x_actual)
+        chip = limiter.rounded(axis, chip, unit_pps)
+        target = (rows.v_target.address, to_raw(chip, rows.v_target.width))
+        limiter.check_writes([target, (rows.reference.address, rows.with_mode(setting.reference, VELOCITY_MODE))])
+        return chip
+
+    async def rotate(self, axis: int, velocity: float, unit: str = "pps") -> Rotating:
+        self.axis(axis)
+        self.require_connected()
+        rows = self.rows[axis]
+        async with self.queue.turn(Priority.COMMAND, self.stop_guard([axis])) as turn:
+            words = Words(turn)
+            setting = await self._read_setting(words, axis)
+            setting.require_motion(axis)
+            chip, warnings = to_chip_velocity(
+                self.mechanics(axis), velocity, unit, setting.pulse_div, self.clock_hz, setting.v_max
+            )
+            warnings += await self._motion_warnings(words)
+            left, right = await self._switches(words, axis)
+            switch = setting.blocked(rows, chip, left, right)
+            if switch:
+                warnings.append(f"the {switch} switch is active and stops motion that way")
+            x_actual = await words.value(rows.x_actual)
+            if self.limiter is not None:
+                asked = velocity / one_chip_unit(self.mechanics(axis), unit, setting.pulse_div, self.clock_hz)
+                chip = self._allow_rotation(axis, setting, asked, chip, x_actual)
+            v_actual = await words.value(rows.v_actual)
+            if setting.mode != VELOCITY_MODE:
+                if setting.mode == HOLD_MODE:
+                    # HOLD_MODE ignores v_target, so an old one may still stand there: replace it first.
+                    await words.put(rows.v_target, chip)
+                await words.write(rows.reference, rows.with_mode(setting.reference, VELOCITY_MODE))
+            await words.put(rows.v_target, chip)
+            started_at_s = words.time_s
+            self.commanded(axis, "rotate", velocity=chip)
+            back = await words.value(rows.v_target)
+            reference = await words.read(rows.reference)
+            self._saw_word(rows.reference, reference)
+        if back != chip:
+            raise WriteRefused(rows.v_target.name, chip, back, f"axis {axis} may turn at another speed: stop it")
+        if rows.mode.unpack(reference) != VELOCITY_MODE:
+            raise WriteRefused(rows.reference.name, VELOCITY_MODE, reference, f"axis {axis} did not take VELOCITY_MODE")
+        parameters = setting.parameters(self.clock_hz, VELOCITY_MODE, v_target=chip)
+        self._books[axis].begin(Origin(axis, started_at_s, x_actual, 0, v_actual, parameters))
+        self._tell(MotionStarted(axis, started_at_s))
+        return Rotating(axis, chip, pulse_rate_hz(chip, setting.pulse_div, self.clock_hz), warnings)

@@ -1,0 +1,118 @@
+"""Stops, ahead of everything that waits for the link; and setting the position of an axis that stands."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+from ...errors import BenchError, LinkDown, LinkTimeout, OutOfRange, WriteRefused, WrongState
+from ...links.queue import Priority
+from ..core.motion import POSITION_MAX, POSITION_MIN
+from ..core.register_io import Words
+from ..core.results import StopMode, StopOutcome
+from .axis_rows import HOLD_MODE, VELOCITY_MODE
+from .writes import RampWrites
+
+
+class RampStops(RampWrites):
+    """`RampChip` that can be stopped."""
+
+    # --- stops ----------------------------------------------------------------------------------
+
+    async def _stop_axes(self, axes: Sequence[int], mode: StopMode = "ramp") -> list[StopOutcome]:
+        began = time.perf_counter()
+        for axis in axes:
+            self.stops[axis] += 1  # before anything waits: what is under way for these axes gives up
+            self.commanded(axis, "stop", mode=mode)
+        outcomes: list[StopOutcome] = []
+        lost: BenchError | None = None
+        async with self.queue.turn(Priority.STOP) as turn:
+            words = Words(turn)
+            sent: dict[int, bool | BenchError] = {}
+            for axis in axes:  # all motors first, all checks afterwards
+                how = lost if lost is not None else await self._stop(words, axis, mode)
+                sent[axis] = how
+                if isinstance(how, LinkDown):
+                    lost = how  # the next axis would only wait for the same dead link
+            for axis, how in sent.items():
+                problem = how if isinstance(how, BenchError) else await self._check_stop(words, axis, how)
+                took_ms = (time.perf_counter() - began) * 1e3
+                outcomes.append(StopOutcome(self.id, axis, problem is None, took_ms, problem))
+        return outcomes
+
+    async def _stop(self, words: Words, axis: int, mode: StopMode) -> bool | BenchError:
+        """Send one axis its stop: whether at once (True) or by the ramp (False), or what went wrong."""
+        rows = self.rows[axis]
+        for attempt in (1, 2):  # a stop moves nothing, so it may be sent again
+            try:
+                reference = await words.read(rows.reference)
+                at_once = mode == "immediate" or await words.value(rows.a_max) == 0  # else it would never slow down
+                if at_once:
+                    await words.write(rows.reference, rows.with_mode(reference, HOLD_MODE))
+                    await words.put(rows.v_actual, 0)
+                else:
+                    await words.write(rows.reference, rows.with_mode(reference, VELOCITY_MODE))
+                    await words.put(rows.v_target, 0)
+            except LinkTimeout as error:
+                if attempt == 2:
+                    return error
+            except BenchError as error:
+                return error
+            else:
+                self._books[axis].end(words.time_s, "stop")
+                return at_once
+        raise AssertionError("unreachable")
+
+    async def _check_stop(self, words: Words, axis: int, at_once: bool) -> BenchError | None:
+        rows = self.rows[axis]
+        wanted_mode, register = (HOLD_MODE, rows.v_actual) if at_once else (VELOCITY_MODE, rows.v_target)
+        try:
+            reference = await words.read(rows.reference)
+            self._saw_word(rows.reference, reference)
+            if rows.mode.unpack(reference) != wanted_mode:
+                sent = rows.with_mode(reference, wanted_mode)
+                return WriteRefused(rows.reference.name, sent, reference, "stop again, or cut the power")
+            value = await words.value(register)
+            if value != 0:
+                return WriteRefused(register.name, 0, value, "stop again, or cut the power")
+        except BenchError as error:
+            return error
+        return None
+
+    # --- setting the position -------------------------------------------------------------------
+
+    async def set_position(self, axis: int, position: int) -> int:
+        """Call the place where the motor stands `position`; x_target follows. Returns what was subtracted.
+
+        v_max is 0 meanwhile, as the sheets ask for (DS-TMC428 8.4), so nothing moves. Raises WrongState
+        while the motor turns, OutOfRange outside 24 bits.
+        """
+        self.axis(axis)
+        if not POSITION_MIN <= position <= POSITION_MAX:
+            raise OutOfRange("position", position, POSITION_MIN, POSITION_MAX, "microsteps")
+        self.require_connected()
+        rows = self.rows[axis]
+        if self.limiter is not None:
+            self.limiter.require_target(axis, position)
+        # No guard: a stop that comes between must not leave v_max at 0, and nothing here sets the motor in motion.
+        async with self.queue.turn(Priority.COMMAND) as turn:
+            words = Words(turn)
+            if await words.value(rows.v_actual) != 0:
+                raise WrongState(f"axis {axis} moves", "stop it first")
+            v_max = await words.read(rows.v_max)
+            if self.limiter is not None:  # else it would not come back
+                self.limiter.check_writes([(rows.v_max.address, 0), (rows.v_max.address, v_max)])
+            await words.write(rows.v_max, 0)
+            self.commanded(axis, "set_position", position=position)
+            before = await words.value(rows.x_actual)
+            await words.put(rows.x_target, position)
+            await words.put(rows.x_actual, position)
+            x_actual, x_target = await words.value(rows.x_actual), await words.value(rows.x_target)
+            await words.write(rows.v_max, v_max)
+            back = await words.read(rows.v_max)
+            self._books[axis].end(words.time_s, "the position was set")
+        if x_actual != position or x_target != position:
+            raise WriteRefused(rows.x_actual.name, position, x_actual, f"{rows.x_target.name} is {x_target}")
+        if back != v_max:
+            raise WriteRefused(rows.v_max.name, v_max, back, f"write {rows.v_max.name} again, or axis {axis} stays put")
+        return before - position

@@ -1,0 +1,1 @@
+"""`stepscope emulate`: one emulated chip, module or line behind a socket or a terminal, and its control port."""

@@ -1,0 +1,111 @@
+"""An emulated device as the far end of a wire: seconds, bytes and faults around a chip."""
+
+from __future__ import annotations
+
+import random
+from dataclasses import asdict
+
+from ...clock import Clock
+from ...errors import OutOfRange
+from ...links.datagram32 import FRAME_BYTES
+from ..core.base import ChipFaults, FarEnd
+from ..core.ground_truth import GroundTruth
+from . import stage
+from .options import EmulatorOptions, EmulatorPatch
+from .state import EmulatorState, Faults, Inputs
+from .tmc428 import Tmc428
+from .tmc4210 import Tmc4210
+
+
+class EmulatedDevice(FarEnd):
+    """Bytes in, bytes out, at its own clock's time; safe to use from several threads."""
+
+    def __init__(self, model: str, clock: Clock, options: EmulatorOptions) -> None:
+        super().__init__(clock, options.time_scale)
+        self.model = model
+        self._clock_hz = options.clock_hz
+        self._chip = Tmc428(options) if model == "tmc428" else Tmc4210(options)
+        self._options = options
+        self._faults = ChipFaults()
+        self._noise = random.Random(options.seed)
+
+    def exchange(self, frame: bytes, at_s: float | None = None) -> bytes:
+        """Answer one 4-byte frame at chip time `at_s` [s], by default now; never before the latest time used.
+
+        Raises ValueError for a frame of another length, ConnectionError while unplugged and TimeoutError
+        while silent. A silent chip still obeys: only its answer is lost.
+        """
+        if len(frame) != FRAME_BYTES:
+            raise ValueError(f"a datagram has {FRAME_BYTES} bytes, not {len(frame)}")
+        self._faults.require_plugged(self.model)
+        with self._lock:
+            reply: int = self._chip.exchange(int.from_bytes(frame, "big"), self._clocks(at_s, self._clock_hz))
+            return self._faults.pass_on(self.model, reply.to_bytes(FRAME_BYTES, "big"), self._noise)
+
+    def state(self, at_s: float | None = None) -> EmulatorState:
+        """Everything that GET /emulator answers, at chip time `at_s` [s], by default now."""
+        with self._lock:
+            self._run_until(at_s)
+            return self._describe()
+
+    def patch(self, change: EmulatorPatch, at_s: float | None = None) -> EmulatorState:
+        """Change the world around the chip at chip time `at_s` [s], by default now.
+
+        Raises OutOfRange for an axis that the chip does not have.
+        """
+        chip = self._chip
+        axes = chip.model.axes
+        named = [
+            *(entry.axis for entry in change.switches),
+            *(entry.axis for entry in change.stages),
+            *(entry.axis for entry in change.drivers),
+        ]
+        if named and max(named) >= axes:
+            raise OutOfRange("axis", max(named), 0, axes - 1)
+        if change.drivers and not isinstance(chip, Tmc428):
+            raise OutOfRange("drivers", len(change.drivers), 0, 0, f"a {self.model} has no driver chain")
+        with self._lock:
+            clocks = self._clocks(at_s, self._clock_hz)
+            chip.advance(clocks)
+            if change.power_cycle:
+                chip.power_cycle(clocks)
+            for moved in change.stages:
+                stage.change(chip.axes[moved.axis], moved, chip.stage_units)
+            for forced in change.switches:
+                stage.force(chip.axes[forced.axis], forced)
+            if isinstance(chip, Tmc428):
+                for driver in change.drivers:
+                    chip.driver_status[driver.axis] = driver.status
+            if change.inputs.gp_in is not None:
+                chip.set_general_input(change.inputs.gp_in)
+            chip.refresh()
+            self._faults.change(change.faults)
+            if change.time_scale is not None:
+                self.clock.scale = change.time_scale
+            return self._describe()
+
+    def ground_truth(self, axis: int, at_s: float | None = None) -> GroundTruth:
+        """How it really is with an axis at chip time `at_s` [s], by default now."""
+        with self._lock:
+            self._run_until(at_s)
+            return GroundTruth(stage.describe(axis, self._chip.axes[axis], self._chip.stage_units).position_fullsteps)
+
+    def _run_until(self, at_s: float | None) -> None:
+        self._chip.advance(self._clocks(at_s, self._clock_hz))
+
+    def _describe(self) -> EmulatorState:
+        chip = self._chip
+        return EmulatorState(
+            model="tmc428" if isinstance(chip, Tmc428) else "tmc4210",
+            time_scale=self.clock.scale,
+            chip_time_s=self._latest_s,
+            clock_hz=self._clock_hz,
+            wiring=self._options.wiring if isinstance(chip, Tmc428) else "triple-switch",
+            v_actual_writable=self._options.v_actual_writable,
+            axes=[stage.describe(index, axis, chip.stage_units) for index, axis in enumerate(chip.axes)],
+            inputs=Inputs(gp_in=chip.general_input),
+            faults=Faults(**asdict(self._faults)),
+            powered_down=chip.powered_down,
+            driver_chain=chip.describe_chain() if isinstance(chip, Tmc428) else None,
+            step_dir=chip.describe_step_dir() if isinstance(chip, Tmc4210) else None,
+        )

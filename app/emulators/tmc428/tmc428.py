@@ -1,0 +1,207 @@
+"""The emulated TMC428: driver chain, microstep table and shared switch inputs around three axes."""
+
+from __future__ import annotations
+
+import random
+from functools import partial
+
+from ...registers.catalog import MODELS
+from ...registers.tmc428.tmc428 import RAM_CHAIN, RAM_TABLE, SIGNAL_CODES
+from . import chain
+from . import kernel as k
+from .chain import Datagram, Polarity, Signals
+from .chip import CLK2_DIV_RESET, GLOBAL, SWITCHES, Chip
+from .options import EmulatorOptions
+from .sequencer import increment
+from .state import ChainBit, ChainState, DriverState
+
+STAGE_UNITS = 64
+"""Stage positions are kept in 1/64 full steps, the finest microstep."""
+LOW_WORD, HIGH_WORD, COVER, COVER_DATAGRAM = 0x30, 0x31, 0x32, 0x33
+CURRENT = 0x8
+_WIRINGS = {"left-only": k.LEFT_ONLY, "two-one-null": k.TWO_ONE_NULL, "multiplexed": k.MULTIPLEXED}
+_LONGEST_COVER = 24
+
+
+class Tmc428(Chip):
+    """The chip, its three drivers and their stages."""
+
+    kind = k.TMC428_KIND
+
+    def __init__(self, options: EmulatorOptions) -> None:
+        self.ram = [0] * 128
+        self.driver_status = [chain.DRIVER_STATUS_HEALTHY] * chain.DRIVERS_ON_BOARD
+        super().__init__(MODELS["tmc428"], options, STAGE_UNITS)
+
+    def _reset(self) -> None:
+        noise = random.Random(f"{self.options.seed} {self.power_cycles}")
+        self.ram = [noise.getrandbits(6) for _ in range(128)]  # not initialised by power-on (DS-TMC428 7.3)
+        self._shift = 0
+        self._cover_pos_stored = 0
+        self._last: Datagram | None = None
+        self._last_count = 0
+        self._captured: Datagram | None = None
+        self.axes[:, k.INC] = increment(0)
+        self.chip[k.WIRING] = _WIRINGS[self.options.wiring]
+        self._write_global(CLK2_DIV_RESET)
+
+    def _map_registers(self) -> None:
+        super()._map_registers()
+        for index in range(self.model.axes):
+            self._writers[index << 4 | CURRENT] = partial(self._write_current, index)
+        self._readers[LOW_WORD] = partial(self._read_reply, 0)
+        self._readers[HIGH_WORD] = partial(self._read_reply, 24)
+        self._readers[COVER] = self._read_cover
+        self._readers[SWITCHES] = self._read_switches
+        self._writers[LOW_WORD] = self._writers[HIGH_WORD] = self._arm_capture
+        self._writers[COVER] = self._write_cover
+        self._writers[COVER_DATAGRAM] = self._write_cover_datagram
+        self._writers[GLOBAL] = self._write_global
+        for address in range(RAM_CHAIN, 0x80):
+            self._readers[address] = partial(self._read_ram, address)
+            self._writers[address] = partial(self._write_ram, address)
+
+    # --- axis registers of its own ---------------------------------------------------------------
+
+    def _write_current(self, index: int, data: int) -> None:
+        self._words[index << 4 | CURRENT] = data
+        axis = self.axes[index]
+        axis[k.ATH] = data & 0x7FF
+        axis[k.ISV0] = data >> 12 & 7
+        axis[k.ISAL] = data >> 16 & 7
+        axis[k.ISAG] = data >> 20 & 7
+
+    def _microstep(self, index: int) -> None:
+        """By usrs, how far a step moves the wave index and the motor; the index itself stays (DS-TMC428 12.1)."""
+        width = increment(self._words[index << 4 | 0xC] & 7)
+        turned = self._words[GLOBAL] >> 4 & 1
+        self.axes[index, k.INC] = width
+        # The sheet: inverting the phase bits turns the motor round (DS-TMC428 9.7).
+        self.axes[index, k.MINC] = -width if turned else width
+
+    # --- global registers ------------------------------------------------------------------------
+
+    def _read_switches(self) -> int:
+        bits = 0
+        for index in range(self.model.axes):
+            bits |= (self._get(index, k.SR) | self._get(index, k.SL) << 1) << 2 * index
+        return bits
+
+    def _write_global(self, data: int) -> None:
+        self._settle_datagrams()
+        self._words[GLOBAL] = data
+        self.chip[k.IDLE] = 1 - (data >> 2 & 1)
+        self.chip[k.CU] = data >> 16 & 1
+        self.chip[k.REFMUX] = data >> 20 & 1
+        self.chip[k.MOT1R] = data >> 21 & 1
+        for index in range(self.model.axes):
+            self._microstep(index)
+        self._configure_chain()
+
+    def _read_ram(self, address: int) -> int:
+        cell = 2 * (address - RAM_CHAIN)
+        return self.ram[cell] | self.ram[cell + 1] << 8
+
+    def _write_ram(self, address: int, data: int) -> None:
+        self._settle_datagrams()
+        cell = 2 * (address - RAM_CHAIN)
+        self.ram[cell] = data & 0x3F
+        self.ram[cell + 1] = data >> 8 & 0x3F
+        self._configure_chain()
+
+    # --- driver chain ----------------------------------------------------------------------------
+
+    def _configure_chain(self) -> None:
+        word = self._words[GLOBAL]
+        self._places = chain.walk(self.ram, word & 3)
+        duration = chain.duration_clocks(self._places, word >> 8 & 0xFF)
+        self.chip[k.DURATION] = duration
+        if self.chip[k.BUSY] and self.chip[k.BUSY_UNTIL] >= k.NEVER > duration:
+            # A datagram without end meets an NxM bit at last.
+            self.chip[k.BUSY_UNTIL] = self.chip[k.CLOCK] + duration
+
+    def _compose(self, snapshot: int) -> Datagram:
+        """The datagram whose signals stand at `snapshot` of the kernel's array, with today's RAM."""
+        cells = self.chip[snapshot : snapshot + 3 * k.SNAP_WIDTH + 1].tolist()
+        motors = [Signals(*cells[at : at + k.SNAP_WIDTH]) for at in range(0, 3 * k.SNAP_WIDTH, k.SNAP_WIDTH)]
+        word = self._words[GLOBAL]
+        length = min(self._words[COVER] & 0x1F, _LONGEST_COVER)
+        cover = (self._cover_pos_stored - 1, length, self._words[COVER_DATAGRAM]) if cells[-1] else None
+        polarity = Polarity(ph=word >> 4 & 1, fd=word >> 5 & 1, dac=word >> 6 & 1)
+        table = self.ram[2 * (RAM_TABLE - RAM_CHAIN) :]
+        return chain.compose(self._places, motors, table, polarity, cover)
+
+    def _settle_datagrams(self) -> None:
+        """Compose what was sent so far, before something that it is made of changes; take in its reply.
+
+        The kernel keeps only the signals of the last datagram and of the captured one: bits are made
+        when somebody wants them.
+        """
+        if self.chip[k.SENT_COUNT] != self._last_count:
+            self._last_count = int(self.chip[k.SENT_COUNT])
+            self._last = self._compose(k.SNAP)
+        capture = self.chip[k.CAPTURE]
+        if capture < 2:
+            return
+        if self._captured is None:
+            self._captured = self._compose(k.CAPTURED)
+        if capture == 3:
+            for bit in chain.reply_bits(self._captured.bits, self.driver_status):
+                self._shift = (self._shift << 1 | bit) & 0xFFFF_FFFF_FFFF
+            self._captured = None
+            self.chip[k.CAPTURE] = 0
+
+    def _read_reply(self, shift: int) -> int:
+        self._settle_datagrams()
+        return self._shift >> shift & 0xFF_FFFF
+
+    def _arm_capture(self, _data: int) -> None:
+        """Clears both words and waits for the next reply of the chain (DS-TMC428 9.1)."""
+        self._settle_datagrams()
+        self._shift = 0
+        self.chip[k.CAPTURE] = 1
+
+    def _read_cover(self) -> int:
+        # The chip keeps cover_pos + 1 (DS-TMC428 9.2), in six bits.
+        waits = 1 if self.chip[k.CW] else 0
+        return self._words[COVER] & 0x1F | self._cover_pos_stored << 8 | waits << 23
+
+    def _write_cover(self, data: int) -> None:
+        self._settle_datagrams()
+        self._words[COVER] = data
+        self._cover_pos_stored = (data >> 8 & 0x3F) + 1 & 0x3F
+
+    def _write_cover_datagram(self, data: int) -> None:
+        """Covers the next datagram, and asks for one; its reply is captured too (DS-TMC428 9.1, 9.3)."""
+        self._settle_datagrams()
+        self._words[COVER_DATAGRAM] = data
+        self.chip[k.CW] = 1
+        self.chip[k.CAPTURE] = 1
+        self.chip[k.REQ] = 1
+
+    def describe_chain(self) -> ChainState:
+        """The chain as the API tells it."""
+        self._settle_datagrams()
+        last = self._last
+        duration = int(self.chip[k.DURATION])
+        drivers = []
+        for driver, state in enumerate(last.coils if last else ()):
+            bits = (
+                [
+                    ChainBit(signal=SIGNAL_CODES.get(place.code, "One"), value=bit)
+                    for place, bit in zip(last.places, last.bits, strict=True)
+                    if place.driver == driver
+                ]
+                if last
+                else []
+            )
+            drivers.append(DriverState(driver=driver, bits=bits, **state._asdict(), status=self.driver_status[driver]))
+        return ChainState(
+            datagrams_sent=int(self.chip[k.SENT_COUNT]),
+            busy=bool(self.chip[k.BUSY]),
+            endless=duration >= k.NEVER,
+            duration_us=None if duration >= k.NEVER else duration / self.options.clock_hz * 1e6,
+            last_bits="".join(map(str, last.bits)) if last else "",
+            covered=bool(self.chip[k.COVERED]),
+            drivers=drivers,
+        )

@@ -1,0 +1,140 @@
+"""The module's firmware: frames in, answers out, and what it does by itself (FM-PD42-1241 3).
+
+Open in all sources, and decided here (what is about one command: see `commands`):
+- an answer bears the addresses that held when the command came, so a new address begins with the next command;
+  whether answers are suppressed (parameter 255) counts from the very command that changes it;
+- a frame whose checksum is wrong is answered with command 0 and value 0, for nothing in it can be trusted.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Collection
+
+from ...registers.tmcl.commands import CONTROL_FIRST, Opcode, Status
+from ..drive import Drive
+from .application import Application, wrapped
+from .axis import Axis
+from .commands import MOTOR_BITS, Commands, NoAnswer, Special
+from .coordinates import Coordinates
+from .eeprom import Eeprom
+from .global_parameters import ADDRESS, AUTOSTART, HEARTBEAT, HOST, PAUSE, SECONDARY, GlobalParameters
+from .ports import Ports
+from .refused import Refused
+
+_BODY = struct.Struct(">BBBBi")
+ALWAYS_ANSWERED = frozenset({Opcode.GAP, Opcode.GGP, Opcode.GIO})
+"""Commands that parameter 255 does not silence."""
+
+
+class Firmware:
+    """One module between two power-offs. Time is the drive's; whoever calls has run it to the present."""
+
+    def __init__(self, drive: Drive, eeprom: Eeprom, delivered: dict[int, int], unknown: Collection[int] = ()) -> None:
+        """`delivered` as of `GlobalParameters`; `unknown` are axis parameters that this firmware does not have."""
+        self.drive = drive
+        self.eeprom = eeprom
+        self.axis = Axis(drive, unknown)
+        self.application = Application(eeprom)
+        self.globals = GlobalParameters(eeprom, self.application, delivered)
+        self.globals.milliseconds = self._milliseconds
+        self.ports = Ports(lambda: drive.switches.home, lambda: drive.world.supply_v, lambda: drive.world.temperature_c)
+        self.axis.arrived = self._arrived
+        self.events: list[tuple[int, bytes]] = []
+        """Position reached events that nobody fetched yet: (time [clocks], frame)."""
+        self._clocks_per_ms = round(drive.options.clock_hz / 1000)
+        self.coordinates = Coordinates(eeprom, self.globals)
+        commands = Commands(
+            self.axis, self.globals, self.ports, self.application, self.coordinates, restart=self.power_on
+        )
+        self._handlers = commands.table()
+        self._start()
+
+    def power_on(self) -> None:
+        """Restart the CPU and all it controls; the EEPROM and the mechanics stay."""
+        self.drive.power_cycle()
+        self.axis.power_on()
+        self._start()
+
+    def _start(self) -> None:
+        self.events.clear()
+        self.globals.power_on()
+        self.ports.power_on()
+        self.application.power_on(autostart=bool(self.globals.configuration[AUTOSTART]))
+        self.coordinates.power_on()
+        self._started = self.drive.clocks
+        self._heard: int | None = self.drive.clocks
+        """When the latest command came [clocks]; None since the heartbeat failed."""
+
+    # --- time ------------------------------------------------------------------------------------
+
+    def run(self, until_clocks: int) -> None:
+        """Let time pass to `until_clocks`; events and a missing heartbeat are dealt with as they come."""
+        drive = self.drive
+        while drive.clocks < until_clocks:
+            silent_at = self._silent_at(until_clocks)
+            event = drive.advance(min(until_clocks, silent_at))
+            if event is not None:
+                self.axis.happened(event)
+            elif silent_at <= drive.clocks:
+                self._heard = None
+                self.axis.stop_search()
+                self.axis.stop()
+
+    def _silent_at(self, else_at: int) -> int:
+        """When the heartbeat (parameter 68) runs out [clocks]; `else_at` where none is awaited."""
+        limit_ms = self.globals.configuration[HEARTBEAT]
+        if not limit_ms or self._heard is None:
+            return else_at + 1
+        return max(self._heard + limit_ms * self._clocks_per_ms, self.drive.clocks)
+
+    def _milliseconds(self) -> int:
+        return (self.drive.clocks - self._started) // self._clocks_per_ms
+
+    def _arrived(self, clocks: int) -> None:
+        configuration = self.globals.configuration
+        frame = _pack(configuration[HOST], configuration[ADDRESS], Status.EVENT, Opcode.REQUEST_EVENT, MOTOR_BITS)
+        self.events.append((clocks, frame))
+
+    # --- frames ----------------------------------------------------------------------------------
+
+    def receive(self, frame: bytes) -> bytes | None:
+        """Obey one 9-byte frame. None: not for this module, or a command or setting without answer."""
+        configuration = self.globals.configuration
+        address, opcode, type_, motor, value = _BODY.unpack_from(frame)
+        mine = configuration[ADDRESS]
+        if address != mine and (address != configuration[SECONDARY] or address == 0):
+            return None
+        host = configuration[HOST]
+        if sum(frame) - frame[8] & 0xFF != frame[8]:
+            if address != mine or self.globals.suppress:
+                return None
+            return _pack(host, mine, Status.WRONG_CHECKSUM, 0, 0)
+        self._heard = self.drive.clocks
+        try:
+            if self.application.downloading and opcode < CONTROL_FIRST:
+                self.application.store(frame[1:8])
+                reply = _pack(host, mine, Status.STORED, opcode, value)
+            else:
+                reply = _pack(host, mine, Status.OK, opcode, self._handlers[opcode](type_, motor, value))
+        except Refused as refusal:
+            reply = _pack(host, mine, refusal.status, opcode, value)
+        except NoAnswer:
+            return None
+        except Special as answer:
+            reply = bytes((host,)) + answer.content
+        if address != mine or (self.globals.suppress and opcode not in ALWAYS_ANSWERED):
+            return None
+        return reply
+
+    # --- what others ask --------------------------------------------------------------------------
+
+    @property
+    def pause_s(self) -> float:
+        """How long an answer waits before it is sent [s] (parameter 75)."""
+        return self.globals.configuration[PAUSE] / 1000
+
+
+def _pack(host: int, module: int, status: int, opcode: int, value: int) -> bytes:
+    body = _BODY.pack(host, module, status, opcode, wrapped(value))
+    return body + bytes((sum(body) & 0xFF,))

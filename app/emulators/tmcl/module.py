@@ -1,0 +1,169 @@
+"""An emulated PD42-1241 as the far end of a wire: seconds, frames and faults around its firmware."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+from ...clock import Clock
+from ...errors import WrongState
+from ...links.tmcl import FRAME_BYTES
+from ..core.base import FarEnd
+from ..core.ground_truth import GroundTruth
+from ..drive import Drive
+from ..drive.bench import ground_truth
+from . import world
+from .eeprom import Eeprom
+from .faults import UNDERVOLTAGE_V, Faults
+from .firmware import Firmware
+from .global_parameters import ADDRESS, BAUD
+from .options import Pd42Options, Pd42Patch
+from .refused import Refused
+from .state import Pd42State
+
+MODEL = "pd42-1241"
+
+
+class EmulatedModule(FarEnd):
+    """Frames of nine bytes in and out, at its own clock's time; safe to use from several threads.
+
+    The module never runs by itself: whoever asks makes it catch up first. Behind a serial line `receive` and
+    `unsolicited` are its wire, and the line does to the bytes what `faults` says; without one `exchange` is.
+    """
+
+    def __init__(self, clock: Clock, options: Pd42Options | None = None, eeprom: Path | None = None) -> None:
+        """A module that has just been switched on and lives by `clock`; `eeprom` is the file of its memory."""
+        self.options = options or Pd42Options()
+        super().__init__(clock, self.options.time_scale)
+        self.faults = Faults()
+        delivered = {ADDRESS: self.options.address, BAUD: self.options.baud_code}
+        self._drive = Drive(self.options.drive())
+        self._firmware = Firmware(self._drive, Eeprom(eeprom), delivered, self.options.unknown_parameters)
+        self._clock_hz = self._drive.options.clock_hz
+        self._supply_v = self.options.supply_v
+        self._noise = random.Random(self.options.seed)
+
+    @property
+    def model(self) -> str:
+        """The name in the catalog."""
+        return MODEL
+
+    @property
+    def reply_pause_s(self) -> float:
+        """How long an answer waits before it is sent [s]: telegram pause time, global parameter 75."""
+        return self._firmware.pause_s
+
+    # --- frames ----------------------------------------------------------------------------------
+
+    def receive(self, frame: bytes, at_s: float | None = None) -> bytes | None:
+        """Obey one frame at chip time `at_s` [s], by default now; never before the latest time used.
+
+        None where there is no answer: another address, suppressed answers, commands 137 and 255. Faults on the
+        wire do not show here. Raises ValueError for a frame of another length.
+        """
+        if len(frame) != FRAME_BYTES:
+            raise ValueError(f"a TMCL frame has {FRAME_BYTES} bytes, not {len(frame)}")
+        with self._lock:
+            self._run_until(at_s)
+            return self._firmware.receive(frame)
+
+    def unsolicited(self, at_s: float | None = None) -> list[tuple[float, bytes]]:
+        """Position reached events that came up by `at_s` [s] and were not fetched yet: (chip time [s], frame)."""
+        with self._lock:
+            self._run_until(at_s)
+            events = self._firmware.events
+            if not events:
+                return []
+            told = [(clocks / self._clock_hz, frame) for clocks, frame in events]
+            events.clear()
+            return told
+
+    def exchange(self, frame: bytes, at_s: float | None = None) -> bytes:
+        """`receive` for a port in the same process, faults included: there the frame is the whole wire.
+
+        Raises ValueError for a frame of another length, ConnectionError while unplugged, and TimeoutError where no
+        answer comes, because none is due or because of a fault. A late answer counts as none: the frame is obeyed.
+        """
+        faults = self.faults
+        if faults.unplugged:
+            raise ConnectionError(f"emulated {MODEL} is unplugged")
+        reply = self.receive(frame, at_s)
+        if reply is None:
+            raise TimeoutError(f"emulated {MODEL} does not answer this")
+        if faults.silence or faults.late_reply_s:
+            raise TimeoutError(f"emulated {MODEL} is silent")
+        if faults.bit_error_rate or faults.half_frame_rate:
+            return faults.spoil(reply, self._noise)
+        return reply
+
+    # --- the world around ------------------------------------------------------------------------
+
+    def state(self, at_s: float | None = None) -> Pd42State:
+        """Everything that GET .../emulator answers, at chip time `at_s` [s], by default now."""
+        with self._lock:
+            self._run_until(at_s)
+            return self._describe()
+
+    def patch(self, change: Pd42Patch, at_s: float | None = None) -> Pd42State:
+        """Change the world around the module at chip time `at_s` [s], by default now.
+
+        Raises OutOfRange for switches that would change places, WrongState where factory settings cannot be written.
+        """
+        with self._lock:
+            self._run_until(at_s)
+            world.check(self._drive, change)
+            if change.factory_default:
+                self._erase()
+            if change.factory_default or change.power_cycle:
+                self._firmware.power_on()
+            world.change(self._drive, change)
+            self._change_inputs(change)
+            self.faults.change(change.faults)
+            if change.supply_v is not None:
+                self._supply_v = change.supply_v
+            self._drive.world.supply_v = UNDERVOLTAGE_V if self.faults.undervoltage else self._supply_v
+            if change.step_dir is not None:
+                self._firmware.axis.feed_pulses(change.step_dir.pulses, change.step_dir.rate_hz)
+            if change.time_scale is not None:
+                self.clock.scale = change.time_scale
+            return self._describe()
+
+    def ground_truth(self, axis: int, at_s: float | None = None) -> GroundTruth:
+        """How it really is with the axis, which is the only one, at chip time `at_s` [s], by default now."""
+        with self._lock:
+            self._run_until(at_s)
+            return ground_truth(self._drive.truth, self._drive.world)
+
+    # --- within ----------------------------------------------------------------------------------
+
+    def _run_until(self, at_s: float | None) -> None:
+        if at_s is None:
+            at_s = self.clock.now()
+        if at_s > self._latest_s:
+            self._latest_s = at_s
+            self._firmware.run(int(at_s * self._clock_hz + 0.5))
+
+    def _erase(self) -> None:
+        try:
+            self._firmware.globals.factory_default()
+        except Refused as error:
+            path = self._firmware.eeprom.path
+            raise WrongState(f"the EEPROM's file {path} cannot be written", "see to the disk and its rights") from error
+
+    def _change_inputs(self, change: Pd42Patch) -> None:
+        ports, inputs = self._firmware.ports, change.inputs
+        for number, level in ((1, inputs.in1), (2, inputs.in2)):
+            if level is not None:
+                ports.driven[number] = None if level == "open" else level
+        if inputs.analog is not None:
+            ports.analog = inputs.analog
+
+    def _describe(self) -> Pd42State:
+        return world.describe(
+            self._drive,
+            self._firmware,
+            self.options,
+            self.faults.describe(),
+            time_scale=self.clock.scale,
+            chip_time_s=self._latest_s,
+        )

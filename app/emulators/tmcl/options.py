@@ -1,0 +1,134 @@
+"""What an emulated PD42-1241 can be asked for when it is made, and changed in while it runs."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from ..drive.bench import (
+    Closed,
+    Flag,
+    Forced,
+    Friction,
+    MotorChange,
+    Rate,
+    Seed,
+    StageChange,
+    Supply,
+    TimeScale,
+    Torque,
+)
+from ..drive.options import DriveOptions, EncoderOptions, FullSteps, LoadOptions, MotorOptions, StageSwitches
+
+Level = Flag | Literal["open"]
+
+
+class Pd42Options(Closed):
+    """How an emulated module, its motor and its stage are made: the `link` of an emulated device."""
+
+    time_scale: TimeScale = Field(default=1.0, description="how fast the module's time passes; 0 stands still")
+    address: Annotated[int, Field(strict=True, ge=1, le=255)] = Field(
+        default=1, description="serial address at delivery; what its EEPROM holds comes first"
+    )
+    baud_code: Annotated[int, Field(strict=True, ge=0, le=11)] = Field(
+        default=0, description="code of the baud rate at delivery (global parameter 65); 0 is 9600, 7 is 115200"
+    )
+    motor: MotorOptions = Field(default_factory=MotorOptions)
+    load: LoadOptions = Field(default_factory=LoadOptions)
+    stage: StageSwitches = Field(default_factory=StageSwitches)
+    encoders: EncoderOptions = Field(default_factory=EncoderOptions)
+    supply_v: Supply = Field(default=24.0, description="motor supply [V]")
+    start_fullsteps: FullSteps = Field(default=0.0, description="where the rotor stands at first [full steps]")
+    unknown_parameters: Annotated[list[Annotated[int, Field(strict=True, ge=0, le=255)]], Field(max_length=256)] = (
+        Field(
+            default_factory=list,
+            description="axis parameters that its firmware, as another version, does not have: answered with status 3",
+        )
+    )
+    seed: Seed = Field(default=1241, description="of the noise in the load value and of faults on the wire")
+
+    def drive(self) -> DriveOptions:
+        """The part that the motor and its driver chip are made with."""
+        return DriveOptions(
+            motor=self.motor,
+            load=self.load,
+            stage=self.stage,
+            encoders=self.encoders,
+            supply_v=self.supply_v,
+            start_fullsteps=self.start_fullsteps,
+            seed=self.seed,
+        )
+
+
+class SwitchesChange(Closed):
+    """Forces switches, or gives them back to the stage with "auto"."""
+
+    left: Forced | None = None
+    right: Forced | None = None
+    home: Forced | None = None
+
+
+class EncoderChange(Closed):
+    slip_fullsteps: FullSteps | None = Field(
+        default=None, description="one shot: lets the built-in encoder's magnet slip on the shaft by so much"
+    )
+    external_slip_fullsteps: FullSteps | None = Field(default=None, description="one shot: the same, external encoder")
+    eccentricity_deg: Annotated[float, Field(strict=True, ge=0, le=10, allow_inf_nan=False)] | None = Field(
+        default=None, description="once-a-turn error of the built-in encoder [deg of the shaft]"
+    )
+
+
+class InputsChange(Closed):
+    in1: Level | None = Field(default=None, description='level on IN1, or "open"')
+    in2: Level | None = Field(default=None, description='level on IN2, or "open"')
+    analog: Annotated[int, Field(strict=True, ge=0, le=4095)] | None = Field(
+        default=None, description="counts of the analog input AIN0; IN3 is 1 from 2048 on"
+    )
+
+
+class StepDirChange(Closed):
+    """Pulses on the step input, as from a pulse generator. They count while axis parameter 254 is 1."""
+
+    pulses: Annotated[int, Field(strict=True, ge=-(2**24), le=2**24)] = Field(
+        description="so many more; negative: direction left"
+    )
+    rate_hz: Annotated[float, Field(strict=True, ge=1, le=1e6, allow_inf_nan=False)] = Field(
+        default=1000.0, description="pulses a second"
+    )
+
+
+class FaultsChange(Closed):
+    """Faults on the wire and of the supply."""
+
+    silence: Flag | None = Field(default=None, description="commands are obeyed, answers are lost")
+    late_reply_s: Annotated[float, Field(strict=True, ge=0, le=60, allow_inf_nan=False)] | None = Field(
+        default=None, description="answers come this much later [s]; without a real line they count as lost"
+    )
+    bit_error_rate: Rate | None = Field(default=None, description="probability that a bit of an answer is flipped")
+    half_frame_rate: Rate | None = Field(default=None, description="probability that an answer breaks off half way")
+    unplugged: Flag | None = Field(default=None, description="the line is gone: nothing is heard, nothing answered")
+    undervoltage: Flag | None = Field(
+        default=None, description="motor supply below what the driver needs: bridges off, motor free"
+    )
+
+
+class Pd42Patch(Closed):
+    """A change to a running module; what is left out stays. A power cycle or factory default comes first."""
+
+    time_scale: TimeScale | None = None
+    motor: MotorChange = Field(default_factory=MotorChange)
+    load_torque_nm: Torque | None = Field(
+        default=None, description="constant, like a weight: a positive one pulls to negative positions [N m]"
+    )
+    blocked: Flag | None = Field(default=None, description="clamps the shaft where it is")
+    friction: Friction | None = Field(default=None, description="friction on top of the motor's own [N m]")
+    supply_v: Supply | None = Field(default=None, description="motor supply [V]; the driver needs 8")
+    stage: StageChange = Field(default_factory=StageChange)
+    switches: SwitchesChange = Field(default_factory=SwitchesChange)
+    encoder: EncoderChange = Field(default_factory=EncoderChange)
+    inputs: InputsChange = Field(default_factory=InputsChange)
+    step_dir: StepDirChange | None = None
+    faults: FaultsChange = Field(default_factory=FaultsChange)
+    power_cycle: Flag = Field(default=False, description="off and on again; motor and stage stay where they are")
+    factory_default: Flag = Field(default=False, description="erases the EEPROM, then power cycles")

@@ -1,0 +1,163 @@
+"""Where one axis is, beyond its counter, and whether that can be trusted: fed with looks, and with what went wrong.
+
+What a look leaves open is told, and from then on the position is a best guess: it goes on with the counter, so that
+it can be shown and, by who knows better, confirmed. Only `set_actual` and `confirm` make it trusted again, or, after a
+link was lost, a look that proves that nothing was missed.
+
+The counter's own number is never written for this. `position` is the number that the user has given to the place, and
+differs from what the counter counts by a whole number of microsteps, `origin`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..calc.positions.extended import LIMIT, Counter, ExtendedPosition, TooLate, checked_position
+from ..devices.core.counter import CounterLook
+
+CLOCK_TOLERANCE = 1.02
+"""How much faster than its settings say a chip may run: its clock, and the one that looks are timed with."""
+SLACK_S = 0.02
+"""By how much the times of two looks may be wrong against each other [s]."""
+SAY = 'say where it is: PUT {"actual": n}, or {"confirm": true} where what is shown is right'
+
+
+@dataclass(frozen=True, slots=True)
+class Doubt:
+    """Why a position is not trusted, and the way out."""
+
+    reason: str
+    way_out: str = SAY
+
+
+class Track:
+    """One axis. Times are device time [s]; `count` and `position` belong together at `asked_s`."""
+
+    def __init__(self, counter: Counter, count: int, asked_s: float, position: int) -> None:
+        self.counter = counter
+        self._followed = ExtendedPosition(counter, count, asked_s)
+        self._reached = count
+        self.count = count
+        """What the counter showed at the latest look."""
+        self.asked_s = asked_s
+        """When that look was asked: the counter cannot have been read before."""
+        self.origin = position - count
+        self.doubt: Doubt | None = None
+        """Why the position is not trusted; stays until somebody says where it is."""
+        self.away: Doubt | None = None
+        """Why it cannot be looked at now."""
+        self._proven = position
+        """Where the axis was at the latest look that came with word of resets."""
+        self._rebase = False
+
+    @property
+    def followed(self) -> int:
+        """The counter without its end: what the counter shows are the lowest bits of this."""
+        return self._reached
+
+    @property
+    def position(self) -> int:
+        """Where the axis is, as far as is known [microsteps]."""
+        return self._reached + self.origin
+
+    @property
+    def trusted(self) -> bool:
+        return self.doubt is None and self.away is None
+
+    # --- looks ----------------------------------------------------------------------------------
+
+    def seen(self, count: int, asked_s: float, heard_s: float, speed_limit_pps: float) -> None:
+        """The counter showed `count` at some time from `asked_s` to `heard_s` [s], by whoever asked.
+
+        Looks from before the latest one are no news. While the axis is away, or after somebody wrote the counter, only
+        `returned` counts.
+        """
+        if self.away is None and not self._rebase:
+            self._seen(count, asked_s, heard_s, speed_limit_pps)
+
+    def _seen(self, count: int, asked_s: float, heard_s: float, speed_limit_pps: float) -> None:
+        if asked_s < self.asked_s:
+            return
+        before, elapsed_s = self._reached, heard_s - self.asked_s
+        way = self.counter.way(count, self.count)
+        speed_pps = speed_limit_pps * CLOCK_TOLERANCE
+        try:
+            self._reached = self._followed.look(count, heard_s, speed_pps)
+        except TooLate as late:
+            self._doubt(f"looked at too late: {_late(late)}")
+            self._reached = before + way
+            self._followed.set(self._reached, count, asked_s)
+        else:
+            # The next look counts from when this one may have been taken at the earliest.
+            self._followed.time_s = asked_s
+            if abs(way) > speed_pps * (elapsed_s + SLACK_S) + 1:
+                self.origin -= way  # no motor did that: the place is the same, and the counter shows another number
+                self._doubt(
+                    f"the counter went on by {way} microsteps in {elapsed_s:.3g} s, faster than the chip can:"
+                    " somebody else wrote it, or the chip was reset"
+                )
+        self.count, self.asked_s = count, asked_s
+        self._check_range()
+
+    def returned(self, look: CounterLook, heard_s: float, speed_limit_pps: float) -> None:
+        """The service's own look, which also tells of resets; what was away is back with it."""
+        was_away, self.away = self.away, None
+        if look.reset_seen:
+            # Others' looks since may be from before the reset or from behind it, and nobody can tell.
+            self.origin += self._proven - self.position
+            self._doubt("the chip was reset, and its counter with it")
+        if look.reset_seen or self._rebase:
+            self._restart(look.count, look.asked_at_s)
+        else:
+            self._seen(look.count, look.asked_at_s, heard_s, speed_limit_pps)
+        if was_away is not None and look.reset_seen is None:
+            self._doubt(f"{was_away.reason}; and this chip cannot tell whether it was reset meanwhile")
+        self._proven = self.position
+
+    def lost_sight(self, reason: str, way_out: str) -> None:
+        """It cannot be looked at: trusted again when a look has shown that nothing was missed."""
+        self.away = Doubt(reason, way_out)
+
+    def counter_written(self, what: str) -> None:
+        """Somebody writes the counter: where the axis was just before is not known to the microstep."""
+        self._doubt(f"somebody wrote the position counter ({what})")
+        self._rebase = True
+
+    def distrust(self, reason: str) -> None:
+        """For what only others can know."""
+        self._doubt(reason)
+
+    # --- by somebody who knows ------------------------------------------------------------------
+
+    def set_actual(self, position: int) -> None:
+        """The axis is at `position` right now: at the latest look. Raises ValueError beyond 64 bits."""
+        self.origin = checked_position(position) - self._reached
+        self.confirm()
+
+    def confirm(self) -> None:
+        """What `position` says is right."""
+        self.doubt = None
+        self._proven = self.position
+        self._check_range()
+
+    # --- inside ---------------------------------------------------------------------------------
+
+    def _restart(self, count: int, asked_s: float) -> None:
+        """The counter shows another number for the same place."""
+        position, self._rebase = self.position, False
+        self._followed.set(count, count, asked_s)
+        self._reached = self.count = count
+        self.asked_s, self.origin = asked_s, position - count
+
+    def _doubt(self, reason: str) -> None:
+        if self.doubt is None:  # the first is the cause of the others
+            self.doubt = Doubt(reason)
+
+    def _check_range(self) -> None:
+        if not -LIMIT <= self.position < LIMIT:
+            self._doubt("the position has left 64 bits")
+
+
+def _late(late: TooLate) -> str:
+    half_round = f"at the chip's greatest speed the counter is half round in {late.allowed_s:.4g} s"
+    return f"after {late.elapsed_s:.4g} s, and {half_round}"

@@ -1,0 +1,120 @@
+"""What all procedures share: one task, one axis, and the rule that anybody else's command ends it."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+
+from ..clock import Clock
+from ..devices.core.device import Device, DeviceEvent, MotionCommanded, motion_owner
+from ..devices.limits.watch import RangeWatch
+from ..errors import BenchError
+
+log = logging.getLogger("stepscope.tuning")
+
+POLL_S = 0.01
+"""How often a procedure looks at its axis [s]; what has to be exact, the chip latches."""
+
+
+class Failed(Exception):
+    """The procedure cannot reach its aim; the text is for people."""
+
+
+class Procedure(ABC):
+    """Moves one axis until done, failed or aborted. A stop or any other command to the axis aborts it."""
+
+    kind: str
+
+    def __init__(self, device: Device, axis: int, clock: Clock) -> None:
+        self.device = device
+        self.axis = device.axis(axis).index
+        self.clock = clock
+        self.message = ""
+        self._task: asyncio.Task[None] | None = None
+        self._unlisten: Callable[[], None] | None = None
+        self._taken_over = ""
+        self._aborting = False
+
+    @property
+    def running(self) -> bool:
+        return self._task is not None and not self._task.done()
+
+    def start(self) -> None:
+        """Begin. Once only."""
+        self._unlisten = self.device.listen(self._heard)
+        self._task = asyncio.create_task(self._main(), name=f"{self.kind} {self.device.id}.{self.axis}")
+
+    async def abort(self, why: str) -> None:
+        """End it and stop the motor by its ramp; returns when that is done. Does nothing when it is over."""
+        if self.running and self._task is not None and not self._taken_over and not self._aborting:
+            self._aborting = True
+            self.message = why
+            self._task.cancel()
+        await self.wait()
+
+    async def wait(self) -> None:
+        """Return when it is over."""
+        if self._task is not None:
+            with contextlib.suppress(asyncio.CancelledError):
+                await asyncio.shield(self._task)
+
+    def _heard(self, event: DeviceEvent) -> None:
+        if (
+            isinstance(event, MotionCommanded)
+            and event.axis == self.axis
+            and event.by is not self
+            and self.running
+            and not self._taken_over
+            and not self._aborting
+        ):
+            self._taken_over = event.what
+            # The watch over soft limits says why; of others only what they have sent is known.
+            why = event.by.why if isinstance(event.by, RangeWatch) else ""
+            self.message = f"ended: {why}" if why else f"ended by another command to this axis: {event.what}"
+            assert self._task is not None
+            self._task.cancel()
+
+    async def _main(self) -> None:
+        motion_owner.set(self)
+        try:
+            await self._run()
+        except asyncio.CancelledError:
+            if not self._taken_over:  # whoever took over has the motor now; else nobody has
+                await self._stop()
+            self._over("aborted")
+        except (Failed, BenchError) as error:
+            self.message = str(error)
+            await self._stop()
+            self._over("failed")
+        except Exception as error:  # a mistake of ours must not leave a motor running
+            log.exception("%s failed", self.kind)
+            self.message = f"failed by a mistake in stepscope: {error!r}"
+            await self._stop()
+            self._over("failed")
+        else:
+            self._over("done")
+        finally:
+            # Whatever ended it: settings that it only borrowed go back, as far as the link allows.
+            with contextlib.suppress(BenchError):
+                await self._give_back()
+            if self._unlisten is not None:
+                self._unlisten()
+
+    async def _stop(self) -> None:
+        with contextlib.suppress(BenchError):
+            await self.device.stop(self.axis)
+
+    @abstractmethod
+    async def _run(self) -> None:
+        """The procedure itself. Raises Failed or BenchError."""
+
+    @abstractmethod
+    def _over(self, how: str) -> None:
+        """It ended: "done", "failed" or "aborted"."""
+
+    @abstractmethod
+    async def _give_back(self) -> None:
+        """Undo changes of settings. Raises BenchError."""

@@ -1,0 +1,297 @@
+"""Which procedure runs on which axis: one at a time, started, looked at and ended from here."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Sequence
+from typing import TypeVar
+
+from ..clock import Clock
+from ..devices.core.device import Device
+from ..devices.core.results import Rotating
+from ..devices.tmc5xxx.driver import Tmc5xxx
+from ..devices.tmc428.stops import RampStops
+from ..devices.tmc4361.driver import Tmc4361
+from ..devices.tmcl.driver import Pd42
+from ..errors import WrongState
+from . import search as searches
+from . import shuttle
+from .closed_loop import Calibration
+from .closed_loop_state import NOT_CALIBRATED, NOT_RECORDED, CalibrationState, Load, ResponseState
+from .edges import Switch
+from .hold import Hold, check_hold
+from .procedure import Procedure
+from .search import ReferenceSearchState, Search
+from .shuttle import Shuttle, ShuttleState
+from .step_response import Disturbance, RecordedChip, Response, Shape, StepResponse
+from .tmc5xxx.search import SwitchSearch
+from .tmc428.search import ReferenceSearch
+from .tmc4361.search import LatchSearch
+from .tmcl.search import ModuleSearch
+
+P = TypeVar("P", bound=Procedure)
+
+
+class Procedures:
+    """All procedures of this server. `clock` is the server's."""
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._latest: dict[Device, dict[tuple[int, str], Procedure]] = {}
+
+    def sync(self, devices: Sequence[Device]) -> None:
+        """These are all devices now. What runs on another one ends with its next command, which is refused."""
+        for device in self._latest.keys() - set(devices):
+            del self._latest[device]
+
+    def running(self, device: Device, axis: int | None = None) -> list[Procedure]:
+        """What runs on that axis, or on any axis of the device."""
+        return [
+            procedure
+            for (at, _), procedure in self._latest.get(device, {}).items()
+            if procedure.running and axis in (None, at)
+        ]
+
+    async def cancel(self, device: Device, axis: int | None = None, why: str = "aborted") -> None:
+        """End what runs on that axis, or on the device, and stop its motor."""
+        await asyncio.gather(*(procedure.abort(why) for procedure in self.running(device, axis)))
+
+    async def close(self) -> None:
+        """End everything. For the end of the program."""
+        await asyncio.gather(*(self.cancel(device, why="the server ends") for device in list(self._latest)))
+
+    # --- reference search -----------------------------------------------------------------------
+
+    def start_search(
+        self,
+        device: Device,
+        axis: int,
+        switch: Switch = "reference",
+        velocity_pps: float | None = None,
+        max_travel: int | None = None,
+        *,
+        mode: int | None = None,
+        search_speed_pps: float | None = None,
+        switch_speed_pps: float | None = None,
+    ) -> ReferenceSearchState:
+        """For a chip `switch` at `velocity_pps`; for a module, which searches by itself, `mode` and its two speeds.
+
+        Raises WrongState while another procedure runs there, OutOfRange for what cannot be.
+        """
+        if device.limiter is not None:
+            device.limiter.require_target(device.axis(axis).index, 0, what="a search calls its reference 0")
+        search: Search
+        if isinstance(device, Pd42):
+            search = ModuleSearch(
+                device, axis, self._clock, mode, search_speed_pps or velocity_pps, switch_speed_pps, max_travel
+            )
+        elif isinstance(device, Tmc5xxx):
+            search = SwitchSearch(device, axis, self._clock, switch, velocity_pps, max_travel)
+        elif isinstance(device, Tmc4361):
+            search = LatchSearch(device, axis, self._clock, switch, velocity_pps, max_travel)
+        else:
+            search = ReferenceSearch(_ramp_chip(device), axis, self._clock, switch, velocity_pps, max_travel)
+        return self._start(search).state
+
+    def search_state(self, device: Device, axis: int) -> ReferenceSearchState:
+        """The present search, or the latest. Raises UnknownThing for the axis."""
+        latest = self._latest_search(device, axis)
+        return searches.IDLE if latest is None else latest.state
+
+    async def abort_search(self, device: Device, axis: int) -> ReferenceSearchState:
+        """End it and stop the motor; the state afterwards."""
+        latest = self._latest_search(device, axis)
+        if latest is not None:
+            await latest.abort("aborted on request")
+        return self.search_state(device, axis)
+
+    def _latest_search(self, device: Device, axis: int) -> Search | None:
+        found = self._latest.get(device, {}).get((device.axis(axis).index, Search.kind))
+        return found if isinstance(found, Search) else None
+
+    # --- shuttle --------------------------------------------------------------------------------
+
+    def start_shuttle(self, device: Device, axis: int, first: int, second: int, dwell_s: float = 0.3) -> ShuttleState:
+        """Raises WrongState while another procedure runs there, OutOfRange for what cannot be."""
+        begun = Shuttle(device, axis, self._clock, first, second, dwell_s)
+        if device.limiter is not None:
+            for target in (first, second):
+                device.limiter.require_target(begun.axis, target)
+        return self._start(begun).state
+
+    def shuttle_state(self, device: Device, axis: int) -> ShuttleState:
+        """The present shuttle, or the latest. Raises UnknownThing for the axis."""
+        latest = self._find(device, axis, Shuttle)
+        return shuttle.IDLE if latest is None else latest.state
+
+    async def stop_shuttle(self, device: Device, axis: int) -> ShuttleState:
+        """End it and stop the motor; the state afterwards."""
+        latest = self._find(device, axis, Shuttle)
+        if latest is not None:
+            await latest.abort("stopped on request")
+        return self.shuttle_state(device, axis)
+
+    # --- held rotation --------------------------------------------------------------------------
+
+    async def rotate_held(self, device: Device, axis: int, velocity: float, unit: str, hold_s: float) -> Rotating:
+        """Rotate, and stop by itself in `hold_s` [s] unless `keep_rotating` is called. Raises what `rotate` does."""
+        check_hold(hold_s)
+        rotating = await device.rotate(axis, velocity, unit)
+        for ended in self.running(device, axis):  # by this very rotation; their last words must not stop it
+            await ended.wait()
+        self._start(Hold(device, axis, self._clock, rotating, hold_s))
+        return rotating
+
+    def keep_rotating(self, device: Device, axis: int, hold_s: float) -> Rotating:
+        """Let a held rotation go on; never begins one, so that it cannot overtake a stop. Raises WrongState."""
+        held = self._find(device, axis, Hold)
+        if held is None or not held.running:
+            raise WrongState(f"nothing is held on axis {axis} of {device.name}", "begin with rotate and hold_s")
+        return held.keep(hold_s)
+
+    # --- closed loop ----------------------------------------------------------------------------
+
+    def start_calibration(
+        self,
+        device: Device,
+        axis: int,
+        velocity_pps: float = 10_000.0,
+        settle_s: float = 0.1,
+        *,
+        switch_on: bool = True,
+    ) -> CalibrationState:
+        """Raises WrongState where there is no closed loop or another procedure runs, OutOfRange."""
+        chip = _closed_loop_chip(device)
+        return self._start(Calibration(chip, axis, self._clock, velocity_pps, settle_s, switch_on=switch_on)).state
+
+    def calibration_state(self, device: Device, axis: int) -> CalibrationState:
+        """The present calibration, or the latest. Raises UnknownThing for the axis."""
+        latest = self._find(device, axis, Calibration)
+        return NOT_CALIBRATED if latest is None else latest.state
+
+    async def abort_calibration(self, device: Device, axis: int) -> CalibrationState:
+        """End it, regulation off, and stop the motor; the state afterwards."""
+        latest = self._find(device, axis, Calibration)
+        if latest is not None:
+            await latest.abort("aborted on request")
+        return self.calibration_state(device, axis)
+
+    def start_step_response(
+        self,
+        device: Device,
+        axis: int,
+        distance: int,
+        *,
+        shape: Shape = "ramp",
+        seconds: float = 1.0,
+        before_s: float = 0.05,
+        rate_hz: float = 1000.0,
+        band: float = 50.0,
+    ) -> ResponseState:
+        """Raises WrongState where there is no encoder channel or another procedure runs, OutOfRange."""
+        step = StepResponse(
+            _recorded_chip(device, axis),
+            axis,
+            self._clock,
+            distance,
+            shape,
+            seconds=seconds,
+            before_s=before_s,
+            rate_hz=rate_hz,
+            band=band,
+        )
+        return self._start(step).state
+
+    def step_response_state(self, device: Device, axis: int) -> ResponseState:
+        """The present step response, or the latest. Raises UnknownThing for the axis."""
+        return self._response_state(device, axis, StepResponse)
+
+    async def abort_step_response(self, device: Device, axis: int) -> ResponseState:
+        """End it and stop the motor; the state afterwards."""
+        return await self._abort_response(device, axis, StepResponse)
+
+    def start_disturbance(
+        self,
+        device: Device,
+        axis: int,
+        load: Load | None,
+        *,
+        load_s: float | None = None,
+        seconds: float = 1.0,
+        before_s: float = 0.05,
+        rate_hz: float = 1000.0,
+        band: float = 50.0,
+    ) -> ResponseState:
+        """Raises WrongState where there is no encoder channel or another procedure runs, OutOfRange."""
+        disturbance = Disturbance(
+            _recorded_chip(device, axis),
+            axis,
+            self._clock,
+            load,
+            load_s=load_s,
+            seconds=seconds,
+            before_s=before_s,
+            rate_hz=rate_hz,
+            band=band,
+        )
+        return self._start(disturbance).state
+
+    def disturbance_state(self, device: Device, axis: int) -> ResponseState:
+        """The present disturbance, or the latest. Raises UnknownThing for the axis."""
+        return self._response_state(device, axis, Disturbance)
+
+    async def abort_disturbance(self, device: Device, axis: int) -> ResponseState:
+        """End it and take the load away; the state afterwards."""
+        return await self._abort_response(device, axis, Disturbance)
+
+    def _response_state(self, device: Device, axis: int, kind: type[Response]) -> ResponseState:
+        latest = self._find(device, axis, kind)
+        return NOT_RECORDED if latest is None else latest.state
+
+    async def _abort_response(self, device: Device, axis: int, kind: type[Response]) -> ResponseState:
+        latest = self._find(device, axis, kind)
+        if latest is not None:
+            await latest.abort("aborted on request")
+        return self._response_state(device, axis, kind)
+
+    # --- inside ---------------------------------------------------------------------------------
+
+    def _start(self, procedure: P) -> P:
+        device, axis = procedure.device, procedure.axis
+        device.require_connected()
+        others = self.running(device, axis)
+        if others:
+            raise WrongState(f"a {others[0].kind} runs on axis {axis} of {device.name}", "stop it first")
+        self._latest.setdefault(device, {})[axis, procedure.kind] = procedure
+        procedure.start()
+        return procedure
+
+    def _find(self, device: Device, axis: int, kind: type[P]) -> P | None:
+        found = self._latest.get(device, {}).get((device.axis(axis).index, kind.kind))
+        return found if isinstance(found, kind) else None
+
+
+def _ramp_chip(device: Device) -> RampStops:
+    if not isinstance(device, RampStops):
+        raise WrongState(f"a {device.family.title} has no position latch to search with")
+    return device
+
+
+def _closed_loop_chip(device: Device) -> Tmc4361:
+    if not isinstance(device, Tmc4361):
+        raise WrongState(f"a {device.family.title} has no closed loop", "a TMC4361 has one")
+    return device
+
+
+def _recorded_chip(device: Device, axis: int) -> RecordedChip:
+    """A chip whose encoder can be recorded. Raises WrongState."""
+    index = device.axis(axis).index
+    if isinstance(device, Tmc4361):
+        return device
+    if isinstance(device, Tmc5xxx) and device.rows(index).x_enc is not None:
+        if device.counts_encoder(index):
+            return device
+        raise WrongState(
+            "nobody has set what a count of the encoder is", "write ENC_CONST, or start the axis up with it"
+        )
+    raise WrongState(f"a {device.family.title} has no encoder to record", "a TMC4361 and most TMC5xxx have one")

@@ -1,0 +1,1 @@
+"""Procedures that are the TMC428 family's own."""

@@ -1,0 +1,1 @@
+"""Procedures that are the TMC4361's own."""

@@ -1,0 +1,1 @@
+"""Procedures that are the TMC5xxx's own."""

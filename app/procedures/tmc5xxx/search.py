@@ -1,0 +1,43 @@
+"""Reference search of a TMC5xxx by its stop switches and XLATCH."""
+
+from __future__ import annotations
+
+from ...clock import Clock
+from ...devices.tmc5xxx.driver import Tmc5xxx
+from ...errors import WrongState
+from ..edges import Switch
+from ..stop_search import Latching, StopSearch
+
+
+class SwitchSearch(StopSearch):
+    """As `StopSearch`, of one axis of the chip. Raises WrongState for "reference", a switch that these chips lack."""
+
+    latching = Latching(
+        latch="XLATCH",
+        switches="SW_MODE",
+        sides={
+            "left": ("stop_l_enable", "latch_l_active", "latch_l_inactive"),
+            "right": ("stop_r_enable", "latch_r_active", "latch_r_inactive"),
+        },
+        # A stop by StallGuard would keep RAMP_STAT from being read, and with it the switches.
+        off=("en_softstop", "sg_stop"),
+    )
+
+    def __init__(
+        self,
+        device: Tmc5xxx,
+        axis: int,
+        clock: Clock,
+        switch: Switch = "left",
+        velocity_pps: float | None = None,
+        max_travel: int | None = None,
+    ) -> None:
+        if switch == "reference":
+            raise WrongState(
+                f"a {device.family.title} has no reference switch of its own", "search for the left or the right switch"
+            )
+        if switch == "right" and not device.has_right_switch():
+            raise WrongState(
+                "encoder 2 has the pins of the right switches", "search for the left one, or write GCONF.enc2_enable 0"
+            )
+        super().__init__(device, device, axis, clock, switch, velocity_pps, max_travel)

@@ -1,0 +1,1 @@
+"""Procedures that a TMCL module runs by itself."""

@@ -1,0 +1,233 @@
+"""A profile into a device as one transaction: all of it, or as it was before, or told exactly what is left.
+
+The motor stands, and is kept from having anywhere to go. All writes are known and checked before the first. Each
+register is read again right before it is written (it has to hold what the comparison saw: then nobody else writes here,
+and no flipped bit of a reading decides what the way back would write), read back after it, and at the end everything
+is read once more. The first thing that goes wrong ends it, and what was written is written back in reverse order.
+Nothing is tried a second time but readings.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from ..devices.core.device import Device, DeviceEvent, MotionCommanded, motion_owner
+from ..devices.core.results import AxisState
+from ..errors import WriteRefused, WrongState
+from .capture import Held, read_held, read_item
+from .diff import Diff, difference_of, require_fit
+from .document import ProfileDocument
+from .errors import Change, ProfileLeft, ProfileTakenBack
+from .preconditions import hold_still, require_rest
+from .rollback import WayBack
+from .steps import Step, steps_between
+from .words import Key, Want, wants_of
+from .writing import Progress, change_of, told_of, unexpected, write_item
+
+
+class Journal(Protocol):
+    """What outlives a crash of this process in the middle of it."""
+
+    async def begin(self, steps: Sequence[Step]) -> None:
+        """These will be written, in this order: on disk when this returns."""
+        ...
+
+    def reached(self, index: int) -> None:
+        """Step `index` is about to be written."""
+        ...
+
+    async def end(self, left: Sequence[Change]) -> None:
+        """It is over; `left` is not as it was."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Applied:
+    """A profile is in the device. `written` says what changed, `prepared` what was done so that nothing moves."""
+
+    diff: Diff
+    written: list[Change]
+    prepared: list[str]
+
+
+class _Failed(Exception):
+    """Something went wrong on the way; `step` is None where it belongs to no single one."""
+
+    def __init__(self, error: Exception, step: Step | None, index: int, *, sent: bool) -> None:
+        super().__init__(str(error))
+        self.error, self.step, self.index, self.sent = error, step, index, sent
+
+
+@dataclass(slots=True)
+class Transaction:
+    """One profile into one device, once."""
+
+    device: Device
+    document: ProfileDocument
+    progress: Progress = field(default_factory=Progress)
+    journal: Journal | None = None
+    encoders: Mapping[int, str] = field(default_factory=dict)
+    """By axis: the counter of an encoder that is set to the position before the encoder's own settings change."""
+    _disturbed: str = ""
+    _now: dict[Key, int] = field(default_factory=dict)
+    """What was read back of the registers that are written; a module may hold a number that is a little off."""
+
+    async def run(self) -> Applied:
+        """Apply it.
+
+        Raises ProfileMisfit, UnreadableProfile, WrongState (the motor moves) and SoftLimit before anything is written;
+        ProfileTakenBack or ProfileLeft afterwards; BenchError where the device cannot be read to begin with.
+        """
+        device = self.device
+        device.require_connected()
+        require_fit(device, self.document)
+        wants = wants_of(self.document)
+        states = await require_rest(device)
+        held = await read_held(device)
+        difference = difference_of(device, held, self.document, wants)
+        keys = _keys(difference, wants)
+        steps = steps_between(held, wants, keys)
+        if not steps:
+            self.progress.phase = "over"
+            return Applied(difference, [], [])
+        await device.check_writes([step.write() for step in steps])
+        self.progress.total = len(steps)
+        owner = motion_owner.set(self)
+        unlisten = device.listen(self._heard)
+        try:
+            prepared = await hold_still(device, states, steps)
+            prepared += await self._align(states, steps)
+            written = await self._all(held, steps, prepared)
+        finally:
+            unlisten()
+            motion_owner.reset(owner)
+            self.progress.phase = "over"
+        return Applied(difference, written, prepared)
+
+    async def _align(self, states: Mapping[int, AxisState], steps: Sequence[Step]) -> list[str]:
+        told = []
+        for axis, counter in self.encoders.items():
+            resolved = any(step.register.group == "encoder" and step.register.axis == axis for step in steps)
+            if resolved and (await self.device.read(counter, axis)).value != states[axis].position:
+                await self.device.write(counter, axis, states[axis].position)
+                told.append(f"axis {axis}: {counter} shows the position, {states[axis].position}")
+        return told
+
+    def _heard(self, event: DeviceEvent) -> None:
+        if isinstance(event, MotionCommanded) and event.by is not self:
+            self._disturbed = f"axis {event.axis} was commanded by somebody else ({event.what})"
+
+    # --- the way there ----------------------------------------------------------------------------
+
+    async def _all(self, held: Held, steps: Sequence[Step], prepared: list[str]) -> list[Change]:
+        if self.journal is not None:
+            await self.journal.begin(steps)
+        try:
+            await self._forward(held, steps)
+        except _Failed as failure:
+            reached = steps[: failure.index + failure.sent]
+            back = WayBack(self.device, reached, failure.step if failure.sent else None, self._now, self.progress)
+            left = await back.run(held)
+            if self.journal is not None:
+                await self.journal.end(left)
+            raise self._told(failure, steps, prepared, left, back.unchecked) from failure.error
+        if self.journal is not None:
+            await self.journal.end([])
+        return [change_of(step, self._now[step.item.key]) for step in steps]
+
+    async def _forward(self, held: Held, steps: Sequence[Step]) -> None:
+        """Write all of it. Raises _Failed."""
+        self.progress.phase = "writing"
+        for index, step in enumerate(steps):
+            self.progress.done, self.progress.place = index, step.place
+            sent = False
+            try:
+                self._require_undisturbed()
+                await self._still_as_it_was(step)
+                if self.journal is not None:
+                    self.journal.reached(index)
+                sent = True
+                word = await write_item(self.device, step.item, step.write(), step.word, step.mask)
+                self._now[step.item.key] = word
+            except Exception as error:
+                raise _Failed(told_of(error, step), step, index, sent=sent) from error
+        self.progress.done, self.progress.phase, self.progress.place = len(steps), "checking", ""
+        try:
+            await self._check(held, steps)
+        except Exception as error:
+            raise _Failed(told_of(error, None), None, len(steps), sent=False) from error
+
+    def _require_undisturbed(self) -> None:
+        if self._disturbed:
+            raise WrongState(self._disturbed, "leave the axis alone until the profile is applied")
+
+    async def _still_as_it_was(self, step: Step) -> None:
+        if not step.steady:
+            return
+        now = await read_item(self.device, step.item)
+        if now is None or step.was is None or not (now ^ step.was) & step.item.mask:
+            return
+        row = step.register
+        raise WrongState(
+            f"{step.place} holds {row.decode(now)} and held {row.decode(step.was)} a moment ago",
+            "somebody else writes here, or the line flips bits",
+        )
+
+    async def _check(self, held: Held, steps: Sequence[Step]) -> None:
+        """Whether all is as it should be: what was written, and what was not."""
+        expected = {**held.words, **self._now}
+        restated = any(not step.steady for step in steps)
+        after = await read_held(self.device)
+        for item, was, is_ in await unexpected(self.device, expected, after):
+            if restated and item.row.internal_range is not None:
+                continue  # the module shows it in other units now
+            raise WriteRefused(item.row.name, was, is_, "it changed while other registers were written")
+
+    def _told(
+        self, failure: _Failed, steps: Sequence[Step], prepared: list[str], left: list[Change], unchecked: str
+    ) -> ProfileTakenBack:
+        step = failure.step
+        failed = (
+            Change("", None, None, None, None, 0, str(failure.error))
+            if step is None
+            else Change(
+                step.register.name,
+                step.register.axis,
+                step.item.table,
+                None if step.was is None else step.register.decode(step.was),
+                None,
+                step.value,
+                str(failure.error),
+            )
+        )
+        where = step.place if step is not None else "the check of all registers"
+        done, of = failure.index, len(steps)
+        text = f"{where} failed after {done} of {of} writes: {failure.error}"
+        if unchecked:
+            text = f"{text}; {unchecked}"
+        if not left:
+            back = "all that was written is as it was before" if unchecked else "all is as it was before"
+            return ProfileTakenBack(f"not applied, {back}: {text}", failed, done, of, prepared)
+        names = ", ".join(place for place in (_place(change) for change in left[:4])) + ", ..." * (len(left) > 4)
+        return ProfileLeft(
+            f"not applied, and {len(left)} registers are not as they were ({names}): {text}",
+            failed,
+            done,
+            of,
+            prepared,
+            left,
+        )
+
+
+def _keys(difference: Diff, wants: Mapping[Key, Want]) -> list[Key]:
+    differing = {(entry.name, entry.axis) for entry in difference.differences if entry.kind not in SETTINGS}
+    return [key for key, want in wants.items() if (want.item.row.name, want.item.row.axis) in differing]
+
+
+SETTINGS = frozenset({"mechanics", "limits", "clock"})
+
+
+def _place(change: Change) -> str:
+    return change.name if change.axis is None else f"{change.name} of axis {change.axis}"

@@ -1,0 +1,139 @@
+"""What a device holds of its configuration, and a profile of it."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+
+from ..devices.core.config import AxisSettings
+from ..devices.core.device import Device
+from ..devices.core.register_chip import RegisterChip
+from ..devices.tmc428.axis_rows import POSITIONING_MODES
+from ..devices.tmc428.chip import RampChip
+from ..devices.tmc428.tmc428 import Tmc428
+from ..devices.tmc4361.driver import Tmc4361
+from ..devices.tmcl.driver import Pd42
+from ..devices.tmcl.refusals import unit_of
+from ..registers.model import Register, to_raw
+from .document import AxisPart, Limits, ProfileDocument
+from .items import Item, items_by_key
+from .words import Key, parameter_parts, register_parts, tables_of, unknown_parts
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """A device's configuration as it was read.
+
+    words : bits of each register, as one would have to write them, inside its item's mask; None where it cannot be
+        read and nobody knows
+    state : bits that are no configuration at present: the ramp mode, while it is that of a rotation or a stop
+    """
+
+    model: str
+    words: Mapping[Key, int | None]
+    state: Mapping[Key, int]
+
+    def word(self, item: Item) -> int | None:
+        """What the register of `item` holds."""
+        return self.words.get(item.key)
+
+
+async def read_held(device: Device) -> Held:
+    """Ask for all of it. Nothing is written. Raises BenchError."""
+    device.require_connected()
+    for axis in device.axes:
+        await device.axis_state(axis.index)  # tells of a reset, after which more is known than can be read
+    items = items_by_key(device.model)
+    words: dict[Key, int | None] = dict.fromkeys(items)
+    for reading in await device.read_all():
+        item = _item_of(device, reading.name, reading.axis)
+        if item is not None:
+            words[item.key] = as_configured(device, item, reading.raw)
+    for key, item in items.items():
+        if words[key] is None and not item.row.access.readable:
+            words[key] = unread(device, item)
+    return Held(device.model, words, state_bits(device, words))
+
+
+async def read_item(device: Device, item: Item) -> int | None:
+    """One register as `read_held` has it. Raises BenchError."""
+    if not item.row.access.readable:
+        return unread(device, item)
+    reading = await device.read(item.row.name, item.row.axis)
+    return as_configured(device, item, reading.raw)
+
+
+def as_configured(device: Device, item: Item, raw: int) -> int:
+    """What was read, as its user has set it and as one would have to write it again."""
+    if isinstance(device, Tmc428 | Tmc4361):
+        raw = device.as_set(item.row, raw)
+    elif isinstance(device, Pd42):
+        raw = to_raw(device.as_set(item.row, item.row.decode(raw)), item.row.width)
+    return raw & item.mask
+
+
+def unread(device: Device, item: Item) -> int | None:
+    """What a register that cannot be read holds, as far as anybody knows."""
+    if isinstance(device, Tmc4361):
+        word = device.word_unread(item.row)
+    else:
+        word = device.kept_word(item.row) if isinstance(device, RegisterChip) else None
+    return None if word is None else word & item.mask
+
+
+def state_bits(device: Device, words: Mapping[Key, int | None]) -> dict[Key, int]:
+    """Bits that are what the motor was last told to do, though at other times they are configuration."""
+    found = {}
+    if isinstance(device, RampChip):
+        for rows in device.rows:
+            key = (rows.reference.space, rows.reference.address)
+            word = words.get(key)
+            if word is not None and rows.mode.unpack(word) not in POSITIONING_MODES:
+                found[key] = rows.mode.mask
+    return found
+
+
+def _item_of(device: Device, name: str, axis: int | None) -> Item | None:
+    found = device.family.table.find(name, axis)
+    if found is None or found[1] is not None:
+        return None
+    item = items_by_key(device.model).get((found[0].space, found[0].address))
+    return item if item is not None and item.row is found[0] else None
+
+
+async def capture(device: Device, name: str = "", note: str = "", unix_s: float | None = None) -> ProfileDocument:
+    """The device's whole configuration as a document, called `name` (by default as the device). Raises BenchError."""
+    return document_of(device, await read_held(device), name, note, time.time() if unix_s is None else unix_s)
+
+
+def document_of(device: Device, held: Held, name: str, note: str, unix_s: float) -> ProfileDocument:
+    """What was read, as a document."""
+
+    def unit(row: Register) -> str:
+        return unit_of(row, device.unit_mode) if isinstance(device, Pd42) else row.unit
+
+    return ProfileDocument.model_validate(
+        {
+            "name": name or device.name,
+            "note": note,
+            "model": device.model,
+            "clock_hz": device.clock_hz,
+            "device": device.name,
+            "firmware": device.firmware if isinstance(device, Pd42) else "",
+            "captured_unix_s": round(unix_s, 3),
+            "axes": [axis_part(axis.settings) for axis in device.axes],
+            "registers": register_parts(device.model, held.word, but=held.state),
+            "parameters": parameter_parts(device.model, held.word, unit),
+            "tables": tables_of(device.model, held.word),
+            "unknown": unknown_parts(device.model, held.word),
+        }
+    )
+
+
+def axis_part(settings: AxisSettings) -> AxisPart:
+    """Mechanics and limits of an axis."""
+    # What is judged of its condition is how the axis is watched, and no configuration of the device.
+    plain = {name: value for name, value in asdict(settings).items() if name in AxisPart.model_fields}
+    limits = {name: value for name, value in plain.pop("limits").items() if value is not None}
+    return AxisPart(**plain, limits=Limits(**limits) if limits else Limits())

@@ -1,0 +1,37 @@
+"""An emulated device that nothing but a script's frames has touched, behind our own driver."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
+
+from ...clock import Clock, WallClock
+from ...devices.core.config import DeviceConfig
+from ...devices.core.device import Device
+from ...devices.manager import DeviceManager
+from ...emulators.build import build_emulator, options_of
+from ...links.emulator import EmulatorPort
+from ...links.port import FramePort
+from ...links.registry import Link
+
+NAME = "trial"
+
+
+def emulator_link(model: str, clock_hz: float) -> Mapping[str, object]:
+    """The `link` of an emulated `model` at that clock; a module has the one clock that it has."""
+    return {"kind": "emulator", **({"clock_hz": clock_hz} if "clock_hz" in options_of(model).model_fields else {})}
+
+
+@asynccontextmanager
+async def emulated(model: str, clock_hz: float) -> AsyncIterator[Device]:
+    """A device that was switched on a moment ago, connected. In this process, without a socket."""
+    manager = DeviceManager({"emulator": _port}, WallClock())
+    try:
+        yield await manager.add(DeviceConfig(NAME, model, dict(emulator_link(model, clock_hz)), clock_hz))
+    finally:
+        await manager.close()
+
+
+def _port(model: str, link: Link, clock: Clock) -> FramePort:
+    options = {name: value for name, value in link.items() if name != "kind"}
+    return EmulatorPort(build_emulator(model, clock, options_of(model).model_validate(options)))

@@ -1,0 +1,87 @@
+"""What a script does so that no register that it writes sets a motor off: the axis has nowhere to go meanwhile.
+
+That is motion, not configuration, and stays: as when the server applies a profile (`profiles.standing`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from ...registers.catalog import MODELS
+from ...registers.model import Field, Register, Space
+from ..items import Item, family_of
+from ..steps import GATES
+from ..words import Key, Want
+
+POSITIONING = {"tmc4361": ("RAMPMODE", "OPERATION_MODE", 1), "tmc5xxx": ("RAMPMODE", "", 0)}
+"""By family: register, field and value of positioning. In velocity mode VMAX is the speed that it turns at."""
+TARGET: Mapping[str, str] = {
+    "tmc428": "x_target",
+    "tmc4210": "X_TARGET",
+    "tmc4361": "XTARGET",
+    "tmc5xxx": "XTARGET",
+}
+"""By family: the register that gets the position at which the motor stands."""
+
+
+@dataclass(frozen=True, slots=True)
+class Busy:
+    """Something that has to be 0 before anything is written: `field` of it, or all of it."""
+
+    register: str
+    axis: int | None
+    field: str
+    why: str
+
+
+BUSY: Mapping[str, tuple[Busy, ...]] = {
+    "tmc4361": (Busy("ENC_IN_CONF", 0, "regulation_modus", "the closed loop is on: switch it off first"),),
+    "pd42-1241": (Busy("tmcl_application_status", None, "", "a program runs on the module: stop it first"),),
+}
+
+
+def target_of(model: str) -> str:
+    """The register that gets the position; empty for a module, whose motor has to stand at its target."""
+    return TARGET.get(family_of(model), "")
+
+
+def busy_of(model: str) -> tuple[Busy, ...]:
+    """What has to be 0."""
+    return BUSY.get(family_of(model), ())
+
+
+def ready_of(model: str, wants: Mapping[Key, Want]) -> list[Want]:
+    """What is written before everything else: nothing waits for a start signal, and each axis holds a position."""
+    return [*_open_gates(model, wants), *_positioning(model)]
+
+
+def kept_ready(want: Want) -> Want:
+    """A write of the profile that leaves the axis in its position mode, which a TMC4361 has beside the ramp's shape."""
+    row = want.item.row
+    mode = row.field_named("OPERATION_MODE") if row.name == "RAMPMODE" else None
+    if mode is None:
+        return want
+    item = replace(want.item, mask=want.item.mask | mode.mask, fields=(mode, *want.item.fields))
+    return Want(item, mode.pack(1, want.word), want.mask | mode.mask, want.place)
+
+
+def _positioning(model: str) -> list[Want]:
+    name, field, value = POSITIONING.get(family_of(model), ("", "", 0))
+    rows = (row for row in MODELS[model].table if row.name == name)
+    return [_alone(row, row.field_named(field) if field else None, value) for row in rows]
+
+
+def _alone(row: Register, part: Field | None, value: int) -> Want:
+    """A write of one field, or of a register that no profile holds."""
+    mask = row.mask if part is None else part.mask
+    item = Item(row, mask, () if part is None else (part,), None, (0, 0, 0, 0))
+    return Want(item, value if part is None else part.pack(value), mask, row.name)
+
+
+def _open_gates(model: str, wants: Mapping[Key, Want]) -> list[Want]:
+    if model != "tmc4361":
+        return []
+    start = MODELS[model].table.get("START_CONF", 0)
+    want = wants.get((Space.REGISTER, start.address))
+    return [] if want is None else [replace(want, word=want.word & ~GATES)]

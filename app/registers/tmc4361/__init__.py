@@ -1,0 +1,1 @@
+"""Table of the TMC4361, by subject."""

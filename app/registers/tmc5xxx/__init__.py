@@ -1,0 +1,1 @@
+"""Tables of the TMC5xxx, by subject."""

@@ -1,0 +1,77 @@
+"""What the emulated TMC5xxx keep without acting on it, and why: in one place, since rows are shared by chips."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..model import Register
+
+NO_DCSTEP = "the emulated driver has no DcStep"
+LAG = "the emulated chopper is a lag of first order"
+NO_PINS = "nothing is connected to the pins of the emulated chip that show this"
+NO_STEP_DIR = "the emulated motors follow the ramp generators alone"
+NO_FULL_STEPS = "the emulated driver makes microsteps at every velocity, and does not change its chopper"
+REGULATED = "the emulated StealthChop regulates the current ideally"
+NO_SHORTS = "nothing is ever shorted"
+NO_FUSES = "the emulated chip has no fuses"
+OWN_CLOCK = "the emulated clock is as exact as the bench sets it"
+OWN_SCALE = "the bench sets the emulated full scale"
+TWO_PHASES = "the emulated motor has two phases"
+FACTORY = "for the factory alone"
+
+_CHOPPER = ("hstrt", "tfd_2_0", "hend", "offset", "fd3", "disfdcc", "rndtf", "chm", "tbl", "sync", "tpfd")
+_DIAGNOSTICS = (
+    *("diag0_error", "diag0_otpw", "diag0_stall", "diag0_step", "diag1_stall", "diag1_dir", "diag1_index"),
+    *("diag1_onstate", "diag1_steps_skipped", "diag0_int_pushpull", "diag1_poscomp_pushpull", "stop_enable"),
+)
+_STEALTH = ("PWM_AMPL", "PWM_OFS", "PWM_GRAD", "pwm_freq", "pwm_autoscale", "pwm_autograd", "pwm_symmetric")
+REGISTERS = {
+    "VDCMIN": NO_DCSTEP,
+    "DCCTRL": NO_DCSTEP,
+    "SHORT_CONF": NO_SHORTS,
+    "DRV_CONF": LAG,
+    "OTP_PROG": NO_FUSES,
+    "FACTORY_CONF": OWN_CLOCK,
+    "TEST_SEL": FACTORY,
+    "ENCM_CTRL": FACTORY,
+}
+"""By name; of such a register no field does anything."""
+FIELDS = {
+    "GCONF": {
+        **dict.fromkeys(_DIAGNOSTICS, NO_PINS),
+        **dict.fromkeys(("stepdir1_enable", "stepdir2_enable", "small_hysteresis", "multistep_filt"), NO_STEP_DIR),
+        **dict.fromkeys(("test_mode", "enc_commutation"), FACTORY),
+        **dict.fromkeys(("I_scale_analog", "internal_Rsense", "recalibrate"), OWN_SCALE),
+        "single_driver": "each emulated driver has a motor of its own",
+        "direct_mode": NO_STEP_DIR,
+        "dc_sync": NO_DCSTEP,
+    },
+    "CHOPCONF": {
+        **dict.fromkeys(_CHOPPER, LAG),
+        **dict.fromkeys(("vhighfs", "vhighchm"), NO_FULL_STEPS),
+        **dict.fromkeys(("diss2g", "diss2vs"), NO_SHORTS),
+        **dict.fromkeys(("ph3sel", "hyst", "nosd3ph", "csync"), TWO_PHASES),
+        "dedge": NO_STEP_DIR,
+    },
+    "PWMCONF": {
+        **dict.fromkeys(_STEALTH, REGULATED),
+        **dict.fromkeys(("PWM_REG", "PWM_LIM"), REGULATED),
+    },
+    "SLAVECONF": {"TEST_SEL": FACTORY},
+    "OUTPUT": {"OUTPUT_PIN_POLARITY": NO_PINS},
+}
+"""Register, field: why."""
+ACTS = {("tmc5072", "PWMCONF", "PWM_AMPL")}
+"""Exceptions: of a TMC5072 it switches StealthChop on."""
+
+
+def with_behaviour(model: str, row: Register) -> Register:
+    """`row`, told of what the emulated `model` does not do."""
+    reasons = FIELDS.get(row.name, {})
+    fields = tuple(
+        replace(part, behaviour=reasons[part.name])
+        if part.name in reasons and (model, row.name, part.name) not in ACTS
+        else part
+        for part in row.fields
+    )
+    return replace(row, fields=fields, behaviour=REGISTERS.get(row.name, row.behaviour))

@@ -1,0 +1,1 @@
+"""TMCL: commands, and the parameters of modules."""
