@@ -116,7 +116,7 @@ async def test_another_model_or_clock_is_refused_with_the_reason(client: httpx.A
 
 
 async def test_what_is_wrong_with_a_document_is_told_with_its_place(client: httpx.AsyncClient) -> None:
-    """Every kind of mistake is in tests/tuning/profiles; here, how one arrives."""
+    """Every kind of mistake is in tests/profiles; here, how one arrives."""
     document = await profile_of(client)
     before = await value(client, "v_max")
     for change, words in (

@@ -1,6 +1,6 @@
 """Applying a profile with a fault at every step: `python -m tests.bench --only profiles`.
 
-Every model, every fault (`tests.tuning.profiles.faults`) at every step that writes, at the write itself and at the
+Every model, every fault (`tests.profiles.faults`) at every step that writes, at the write itself and at the
 frames behind it. Demanded: always applied, taken back whole, or told exactly what is left, as the far end's own
 registers have it. Registers that cannot be read are spared only what no link can show: a chip that does not take what
 has arrived.
@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from app.profiles.document import ProfileDocument
 from app.registers.catalog import MODELS
 from tests.bench.table import Row, render
-from tests.tuning.profiles.faults import FAULTS, NEEDS_READING, Fault, Report, target_of, try_fault
+from tests.profiles.faults import FAULTS, NEEDS_READING, Fault, Report, target_of, try_fault
 
 FRAMES = (0, 1)
 """Frames of a step that are spoiled: the write, and what follows it."""

@@ -1,0 +1,195 @@
+"""A start-up of every model, from power-on: tried dry, applied, taken back where a write fails, and then a move."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import pytest
+
+from app.devices.core.config import AxisSettings
+from app.devices.core.device import Device
+from app.devices.core.start_up import Figures
+from app.devices.limits.axis_limits import AxisLimits
+from app.devices.manager import DeviceChange
+from app.errors import OutOfRange, SoftLimit, UsageError, WrongState
+from app.profiles.errors import ProfileTakenBack
+from app.profiles.items import items_by_key
+from app.profiles.service import ProfileService
+from app.profiles.start_up import Motor, StartUp, Wish, dry_run, start_up
+from app.registers.catalog import MODELS
+
+from .bench import Bench, bench
+
+CURRENTS = ["tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160"]
+
+
+async def nothing(*_: object) -> None:
+    """No settings of an axis change here."""
+
+
+def service(tmp_path: Path) -> ProfileService:
+    return ProfileService(tmp_path, lambda _: "", nothing)
+
+
+async def value(device: Device, name: str, axis: int | None = None) -> int:
+    return (await device.read(name, axis)).value
+
+
+async def cannot_move(device: Device) -> None:
+    """From power-on only a module moves: its speed goes to 0 first."""
+    if device.family.kind == "module":
+        await device.write("maximum_positioning_speed", value=0)
+    for axis in device.axes:
+        with pytest.raises(WrongState, match=r"cannot move|would not move|cannot change its speed"):
+            await device.move(axis.index, 1000)
+
+
+async def settled(b: Bench, axis: int) -> int:
+    for _ in range(40):
+        await b.clock.advance(0.1)
+        state = await b.device.axis_state(axis)
+        if not state.moving and state.position_reached:
+            return state.position
+    raise AssertionError("it does not arrive")
+
+
+@pytest.mark.parametrize("model", MODELS)
+async def test_a_model_from_power_on_moves_after_its_start_up(model: str, tmp_path: Path) -> None:
+    async with bench(model, started=False) as b:
+        await cannot_move(b.device)
+        before = b.truth()
+        tried = await dry_run(b.device, Wish())
+        assert b.truth() == before, "a dry run writes nothing"
+        assert (tried.written, tried.axes) == (None, [axis.index for axis in b.device.axes])
+        done = await start_up(service(tmp_path), b.device, Wish())
+        names = {(each.name, each.axis) for each in tried.diff.differences}
+        assert {(each.name, each.axis) for each in done.written or ()} == names
+        items = items_by_key(model)
+        after = b.truth()
+        for change in done.written or ():
+            (key,) = [key for key, it in items.items() if (it.row.name, it.row.axis) == (change.name, change.axis)]
+            assert items[key].row.decode(after[key]) == pytest.approx(change.wanted, abs=2), change
+        for axis in b.device.axes:
+            started = await b.device.move(axis.index, 2_000)
+            assert started.warnings == []
+            assert await settled(b, axis.index) == 2_000
+        again = await start_up(service(tmp_path), b.device, Wish())
+        assert again.written == []
+
+
+@pytest.mark.parametrize("model", MODELS)
+async def test_a_write_that_fails_in_the_middle_is_taken_back(model: str, tmp_path: Path) -> None:
+    async with bench(model, started=False) as b:
+        await cannot_move(b.device)
+        before = b.truth()
+        steps = (await dry_run(b.device, Wish())).diff.writes
+        write, done = b.device.write, 0
+
+        async def refusing(*args: object, **kwargs: object) -> object:
+            nonlocal done
+            done += 1
+            if done == max(2, steps // 2):
+                raise WrongState("not this one")
+            return await write(*args, **kwargs)  # type: ignore[arg-type]
+
+        b.device.write = refusing  # type: ignore[method-assign, assignment]
+        with pytest.raises(ProfileTakenBack) as caught:
+            await start_up(service(tmp_path), b.device, Wish())
+        assert (type(caught.value), caught.value.left) == (ProfileTakenBack, [])
+        assert done > steps // 2
+        assert b.truth() == before
+
+
+async def test_one_axis_alone_is_set_up(tmp_path: Path) -> None:
+    async with bench("tmc5072", started=False) as b:
+        done = await start_up(service(tmp_path), b.device, Wish(axes=[1]))
+        assert done.axes == [1]
+        assert {each.axis for each in done.written or ()} <= {None, 1}
+        with pytest.raises(WrongState):
+            await b.device.move(0, 100)
+        await b.device.move(1, 100)
+        assert await settled(b, 1) == 100
+
+
+@pytest.mark.parametrize("model", CURRENTS)
+async def test_amperes_become_scales_by_the_sense_resistor(model: str, tmp_path: Path) -> None:
+    """0.5 A of a coil by 0.22 ohm, a tenth at rest; the figures by the formula of each sheet, not below nor above."""
+    async with bench(model, started=False) as b:
+        motor = Motor(rated_current_a=0.5, sense_resistor_ohm=0.22)
+        await start_up(service(tmp_path), b.device, Wish([0], Figures(hold_current_a=0.05), motor))
+        chopconf = (await b.device.read("CHOPCONF", 0)).fields
+        held = b.device.kept(0, ("current",))
+        current = next(each for each in held if each.name.startswith("IHOLD_IRUN"))
+        if model == "tmc5160":
+            scaler = next(each.value for each in b.device.kept(0) if each.name.startswith("GLOBAL_SCALER")) or 256
+            full_a = 0.325 / 0.22 / math.sqrt(2) * scaler / 256
+        else:
+            volts = 0.18 if chopconf["vsense"] else (0.325 if model == "tmc5130" else 0.32)
+            full_a = volts / (0.22 + 0.02) / math.sqrt(2)
+        run_a, hold_a = (full_a * (current.fields[name] + 1) / 32 for name in ("IRUN", "IHOLD"))
+        assert 0.47 < run_a <= 0.5
+        assert hold_a == pytest.approx(0.05, abs=full_a / 32)
+
+
+async def test_figures_and_motor_are_what_the_device_is_set_to(tmp_path: Path) -> None:
+    async with bench("pd42-1241", started=False) as b:
+        figures = Figures(velocity_pps=20_000.0, acceleration_pps2=40_000.0, microsteps=16, run_scale=99, hold_scale=9)
+        done = await start_up(service(tmp_path), b.device, Wish(figures=figures, motor=Motor(full_steps_per_rev=400)))
+        wanted = {"maximum_positioning_speed": 20_000, "maximum_acceleration": 40_000, "microstep_resolution": 4}
+        wanted |= {"maximum_current": 99, "standby_current": 9, "motor_fullstep_resolution": 400}
+        for name, number in wanted.items():
+            assert await value(b.device, name) == pytest.approx(number, abs=5), name
+        assert [each.name for each in done.settings] == ["full_steps_per_rev"]
+        assert done.chosen == []
+
+
+async def test_an_encoder_shows_the_position_when_its_resolution_is_set(tmp_path: Path) -> None:
+    async with bench("tmc4361", started=False) as b:
+        await b.device.write("ENC_POS", 0, 700)
+        done = await start_up(service(tmp_path), b.device, Wish(figures=Figures(counts_per_rev=40_000)))
+        assert any("ENC_POS" in told for told in done.prepared)
+        assert await value(b.device, "ENC_POS", 0) == 0
+
+
+@pytest.mark.parametrize(
+    ("model", "figures", "error", "told"),
+    [
+        ("tmc5031", Figures(microsteps=16), UsageError, "256"),
+        ("tmc5031", Figures(counts_per_rev=4000), UsageError, "encoder"),
+        ("tmc428", Figures(microsteps=256), UsageError, "64"),
+        ("tmc428", Figures(run_scale=0), OutOfRange, "1..8"),
+        ("tmc428", Figures(velocity_pps=5e6), UsageError, "unreachable"),
+        ("tmc4210", Figures(run_current_a=1.0), UsageError, "driver sets the current"),
+        ("tmc4361", Figures(run_scale=3), UsageError, "power stage"),
+        ("tmc5160", Figures(run_current_a=1.0), UsageError, "sense_resistor_ohm"),
+        ("tmc5160", Figures(run_scale=32), OutOfRange, "0..31"),
+        ("pd42-1241", Figures(counts_per_rev=4000), UsageError, "encoder"),
+    ],
+)
+async def test_what_a_device_cannot_be_set_to_is_refused_before_anything_is_written(
+    model: str, figures: Figures, error: type[UsageError], told: str, tmp_path: Path
+) -> None:
+    async with bench(model, started=False) as b:
+        before = b.truth()
+        for attempt in (
+            dry_run(b.device, Wish(figures=figures)),
+            start_up(service(tmp_path), b.device, Wish(figures=figures)),
+        ):
+            with pytest.raises(error, match=told):
+                await attempt
+        assert b.truth() == before
+
+
+@pytest.mark.parametrize("model", MODELS)
+async def test_defaults_stay_within_the_soft_limits_and_wishes_beyond_are_refused(model: str, tmp_path: Path) -> None:
+    async with bench(model, started=False) as b:
+        limits = AxisLimits(velocity_max_pps=3_000.0, acceleration_max_pps2=10_000.0)
+        axes = tuple(AxisSettings(limits=limits) for _ in b.device.axes)
+        await b.manager.edit(b.device.id, DeviceChange(axes=axes))
+        with pytest.raises(SoftLimit):
+            await dry_run(b.device, Wish(figures=Figures(velocity_pps=100_000.0)))
+        told: StartUp = await start_up(service(tmp_path), b.device, Wish())
+        assert {each.name for each in told.chosen} >= {"velocity_pps", "acceleration_pps2"}
+        await b.device.move(0, 1_000)
+        assert await settled(b, 0) == 1_000
