@@ -59,6 +59,12 @@ def test_every_reference_leads_somewhere_and_nothing_is_left_of_the_frameworks_e
     assert "HTTPValidationError" not in text
 
 
+def test_models_are_named_by_what_they_are_and_not_by_where_they_lie(schema: dict[str, Any]) -> None:
+    names = schema["components"]["schemas"]
+    assert {"TmclSwitchesState", "Tmc4361SwitchesState", "Tmc5xxxSwitchesState"} <= set(names)
+    assert not [name for name in names if "__" in name]
+
+
 def test_the_sockets_messages_are_in_it(schema: dict[str, Any]) -> None:
     known = schema["components"]["schemas"]
     union = known["TelemetryMessage"]["oneOf"]

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import re
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
@@ -35,7 +36,7 @@ def customise(app: FastAPI, free: Free, policy: Policy) -> None:
 
     def schema() -> dict[str, Any]:
         if not made:
-            made.append(_schema(app, free, policy))
+            made.append(_named(_schema(app, free, policy)))
         return made[0]
 
     app.openapi = schema  # type: ignore[method-assign]  # how FastAPI wants it to be replaced
@@ -71,6 +72,19 @@ def _schema(app: FastAPI, free: Free, policy: Policy) -> dict[str, Any]:
                 operation, takes_lease=not free.holds(method.upper(), address), any_role=needed == "look"
             )
     return schema
+
+
+_FULL_NAME = re.compile(r"\b[a-z]+__\w+?__(?P<room>[a-z0-9]+)\w*__(?P<model>[A-Z]\w*)\b")
+"""Of a model that shares its name with another one: by its module, from the package on."""
+
+
+def _named(schema: dict[str, Any]) -> dict[str, Any]:
+    """The schema with such models called by their room: `TmclStageChange`. Where a module lies is nobody's business."""
+    text = json.dumps(schema)
+    short = {name[0]: f"{name['room'].capitalize()}{name['model']}" for name in _FULL_NAME.finditer(text)}
+    if len({*short.values(), *schema["components"]["schemas"]}) < len(short) + len(schema["components"]["schemas"]):
+        raise AssertionError(f"two models of one name: {sorted(short.values())}")
+    return cast("dict[str, Any]", json.loads(_FULL_NAME.sub(lambda name: short[name[0]], text)))
 
 
 def _document_problems(operation: dict[str, Any], *, takes_lease: bool, any_role: bool) -> None:

@@ -2093,9 +2093,9 @@ export interface components {
              * @description friction on top of the motor's own [N m]
              */
             friction?: number | null;
-            stage?: components["schemas"]["app__emulators__drive__bench__StageChange"];
-            switches?: components["schemas"]["app__emulators__tmc5xxx__options__SwitchesChange"];
-            encoder?: components["schemas"]["app__emulators__tmc5xxx__options__EncoderChange"];
+            stage?: components["schemas"]["DriveStageChange"];
+            switches?: components["schemas"]["Tmc5xxxSwitchesChange"];
+            encoder?: components["schemas"]["Tmc5xxxEncoderChange"];
         };
         /**
          * AxisConfig
@@ -2497,7 +2497,7 @@ export interface components {
             moving: boolean;
             /** Mode */
             mode: string;
-            switches: components["schemas"]["app__api__schemas_axes__Switches"];
+            switches: components["schemas"]["MotionSwitches"];
             /** Flags */
             flags: {
                 [key: string]: boolean;
@@ -2623,7 +2623,7 @@ export interface components {
         /** ChainDesign */
         ChainDesign: {
             /** Bits */
-            bits: components["schemas"]["app__api__schemas_tables__ChainBit"][];
+            bits: components["schemas"]["TablesChainBit"][];
             /**
              * Ram Words
              * @description 64 cells of 6 bits
@@ -2704,7 +2704,7 @@ export interface components {
          */
         ChainTable: {
             /** Bits */
-            bits: components["schemas"]["app__api__schemas_tables__ChainBit"][];
+            bits: components["schemas"]["TablesChainBit"][];
             /**
              * Ram Words
              * @description 64 cells of 6 bits
@@ -3842,7 +3842,7 @@ export interface components {
             /** Driver */
             driver: number;
             /** Bits */
-            bits: components["schemas"]["app__emulators__state__ChainBit"][];
+            bits: components["schemas"]["Tmc428ChainBit"][];
             /** Dac A */
             dac_a: number;
             /** Dac B */
@@ -3941,9 +3941,9 @@ export interface components {
             /** Switches */
             switches?: components["schemas"]["SwitchChange"][];
             /** Stages */
-            stages?: components["schemas"]["app__emulators__options__StageChange"][];
-            inputs?: components["schemas"]["app__emulators__options__InputsChange"];
-            faults?: components["schemas"]["app__emulators__options__FaultsChange"];
+            stages?: components["schemas"]["Tmc428StageChange"][];
+            inputs?: components["schemas"]["Tmc428InputsChange"];
+            faults?: components["schemas"]["Tmc428FaultsChange"];
             /** Drivers */
             drivers?: components["schemas"]["DriverChange"][];
             /**
@@ -3975,7 +3975,7 @@ export interface components {
              */
             v_actual_writable: "hold-mode" | "velocity-mode";
             /** Axes */
-            axes: components["schemas"]["app__emulators__state__AxisState"][];
+            axes: components["schemas"]["Tmc428AxisState"][];
             inputs: components["schemas"]["Inputs"];
             faults: components["schemas"]["Faults"];
             /** Powered Down */
@@ -6506,12 +6506,12 @@ export interface components {
              * @description motor supply [V]; the driver needs 8
              */
             supply_v?: number | null;
-            stage?: components["schemas"]["app__emulators__drive__bench__StageChange"];
-            switches?: components["schemas"]["app__emulators__pd42__options__SwitchesChange"];
-            encoder?: components["schemas"]["app__emulators__pd42__options__EncoderChange"];
-            inputs?: components["schemas"]["app__emulators__pd42__options__InputsChange"];
-            step_dir?: components["schemas"]["app__emulators__pd42__options__StepDirChange"] | null;
-            faults?: components["schemas"]["app__emulators__pd42__options__FaultsChange"];
+            stage?: components["schemas"]["DriveStageChange"];
+            switches?: components["schemas"]["TmclSwitchesChange"];
+            encoder?: components["schemas"]["TmclEncoderChange"];
+            inputs?: components["schemas"]["TmclInputsChange"];
+            step_dir?: components["schemas"]["TmclStepDirChange"] | null;
+            faults?: components["schemas"]["TmclFaultsChange"];
             /**
              * Power Cycle
              * @description off and on again; motor and stage stay where they are
@@ -6565,9 +6565,9 @@ export interface components {
              * @description motor supply [V]
              */
             supply_v: number;
-            stage: components["schemas"]["app__emulators__drive__bench__StageState"];
-            switches: components["schemas"]["app__emulators__pd42__state__SwitchesState"];
-            encoder: components["schemas"]["app__emulators__pd42__state__EncoderState"];
+            stage: components["schemas"]["DriveStageState"];
+            switches: components["schemas"]["TmclSwitchesState"];
+            encoder: components["schemas"]["TmclEncoderState"];
             inputs: components["schemas"]["InputsState"];
             faults: components["schemas"]["FaultsState"];
             application: components["schemas"]["ApplicationState"];
@@ -9562,11 +9562,11 @@ export interface components {
              * @description motor supply [V]; the driver needs 8
              */
             supply_v?: number | null;
-            stage?: components["schemas"]["app__emulators__drive__bench__StageChange"];
-            switches?: components["schemas"]["app__emulators__tmc4361__options__SwitchesChange"];
-            pins?: components["schemas"]["app__emulators__tmc4361__options__PinsChange"];
+            stage?: components["schemas"]["DriveStageChange"];
+            switches?: components["schemas"]["Tmc4361SwitchesChange"];
+            pins?: components["schemas"]["Tmc4361PinsChange"];
             encoder?: components["schemas"]["EncoderPatch"];
-            step_dir?: components["schemas"]["app__emulators__tmc4361__options__StepDirChange"] | null;
+            step_dir?: components["schemas"]["Tmc4361StepDirChange"] | null;
             faults?: components["schemas"]["ChipFaultsChange"];
             /**
              * Power Cycle
@@ -9612,10 +9612,10 @@ export interface components {
              * @description motor supply [V]
              */
             supply_v: number;
-            stage: components["schemas"]["app__emulators__drive__bench__StageState"];
-            switches: components["schemas"]["app__emulators__tmc4361__state__SwitchesState"];
-            pins: components["schemas"]["app__emulators__tmc4361__state__PinsState"];
-            encoder: components["schemas"]["app__emulators__tmc4361__feedback__state__EncoderState"];
+            stage: components["schemas"]["DriveStageState"];
+            switches: components["schemas"]["Tmc4361SwitchesState"];
+            pins: components["schemas"]["Tmc4361PinsState"];
+            encoder: components["schemas"]["Tmc4361EncoderState"];
             pwm: components["schemas"]["PwmState"] | null;
             ramp: components["schemas"]["RampState"];
             step_output: components["schemas"]["StepOutputState"];
@@ -9643,7 +9643,7 @@ export interface components {
              * @description motor supply [V]; the driver needs 8
              */
             supply_v?: number | null;
-            pins?: components["schemas"]["app__emulators__tmc5xxx__options__PinsChange"];
+            pins?: components["schemas"]["Tmc5xxxPinsChange"];
             faults?: components["schemas"]["ChipFaultsChange"];
             /**
              * Power Cycle
@@ -9676,11 +9676,11 @@ export interface components {
             /** Supply V */
             supply_v: number;
             /** Axes */
-            axes: components["schemas"]["app__emulators__tmc5xxx__state__AxisState"][];
+            axes: components["schemas"]["Tmc5xxxAxisState"][];
             /** @description of motor 1 */
             position_compare: components["schemas"]["PositionCompareState"];
             uart: components["schemas"]["UartState"] | null;
-            pins: components["schemas"]["app__emulators__tmc5xxx__state__PinsState"];
+            pins: components["schemas"]["Tmc5xxxPinsState"];
             faults: components["schemas"]["ChipFaultsState"];
         };
         /**
@@ -10311,7 +10311,7 @@ export interface components {
             samples_dropped: number;
         };
         /** Switches */
-        app__api__schemas_axes__Switches: {
+        MotionSwitches: {
             /** Left */
             left: boolean | null;
             /** Right */
@@ -10320,7 +10320,7 @@ export interface components {
             home: boolean | null;
         };
         /** ChainBit */
-        app__api__schemas_tables__ChainBit: {
+        TablesChainBit: {
             /** Position */
             position: number;
             /** Motor */
@@ -10342,7 +10342,7 @@ export interface components {
          * StageChange
          * @description Moves switches of the stage, or turns the shaft as by hand [full steps of the rotor].
          */
-        app__emulators__drive__bench__StageChange: {
+        DriveStageChange: {
             /** Left At Fullsteps */
             left_at_fullsteps?: number | null;
             /** Right At Fullsteps */
@@ -10361,7 +10361,7 @@ export interface components {
          * StageState
          * @description Where switches and carriage are [full steps of the rotor].
          */
-        app__emulators__drive__bench__StageState: {
+        DriveStageState: {
             /** Left At Fullsteps */
             left_at_fullsteps: number;
             /** Right At Fullsteps */
@@ -10380,7 +10380,7 @@ export interface components {
          * FaultsChange
          * @description Faults between the chip and us.
          */
-        app__emulators__options__FaultsChange: {
+        Tmc428FaultsChange: {
             /**
              * Silence
              * @description frames get no answer
@@ -10398,7 +10398,7 @@ export interface components {
             bit_error_rate?: number | null;
         };
         /** InputsChange */
-        app__emulators__options__InputsChange: {
+        Tmc428InputsChange: {
             /**
              * Gp In
              * @description TMC4210: level of the general purpose input
@@ -10409,7 +10409,7 @@ export interface components {
          * StageChange
          * @description Moves switches of one stage, or the carriage itself as by hand. Full steps.
          */
-        app__emulators__options__StageChange: {
+        Tmc428StageChange: {
             /** Axis */
             axis: number;
             /** Left At Fullsteps */
@@ -10426,158 +10426,8 @@ export interface components {
              */
             position_fullsteps?: number | null;
         };
-        /** EncoderChange */
-        app__emulators__pd42__options__EncoderChange: {
-            /**
-             * Slip Fullsteps
-             * @description one shot: lets the built-in encoder's magnet slip on the shaft by so much
-             */
-            slip_fullsteps?: number | null;
-            /**
-             * External Slip Fullsteps
-             * @description one shot: the same, external encoder
-             */
-            external_slip_fullsteps?: number | null;
-            /**
-             * Eccentricity Deg
-             * @description once-a-turn error of the built-in encoder [deg of the shaft]
-             */
-            eccentricity_deg?: number | null;
-        };
-        /**
-         * FaultsChange
-         * @description Faults on the wire and of the supply.
-         */
-        app__emulators__pd42__options__FaultsChange: {
-            /**
-             * Silence
-             * @description commands are obeyed, answers are lost
-             */
-            silence?: boolean | null;
-            /**
-             * Late Reply S
-             * @description answers come this much later [s]; without a real line they count as lost
-             */
-            late_reply_s?: number | null;
-            /**
-             * Bit Error Rate
-             * @description probability that a bit of an answer is flipped
-             */
-            bit_error_rate?: number | null;
-            /**
-             * Half Frame Rate
-             * @description probability that an answer breaks off half way
-             */
-            half_frame_rate?: number | null;
-            /**
-             * Unplugged
-             * @description the line is gone: nothing is heard, nothing answered
-             */
-            unplugged?: boolean | null;
-            /**
-             * Undervoltage
-             * @description motor supply below what the driver needs: bridges off, motor free
-             */
-            undervoltage?: boolean | null;
-        };
-        /** InputsChange */
-        app__emulators__pd42__options__InputsChange: {
-            /**
-             * In1
-             * @description level on IN1, or "open"
-             */
-            in1?: boolean | "open" | null;
-            /**
-             * In2
-             * @description level on IN2, or "open"
-             */
-            in2?: boolean | "open" | null;
-            /**
-             * Analog
-             * @description counts of the analog input AIN0; IN3 is 1 from 2048 on
-             */
-            analog?: number | null;
-        };
-        /**
-         * StepDirChange
-         * @description Pulses on the step input, as from a pulse generator. They count while axis parameter 254 is 1.
-         */
-        app__emulators__pd42__options__StepDirChange: {
-            /**
-             * Pulses
-             * @description so many more; negative: direction left
-             */
-            pulses: number;
-            /**
-             * Rate Hz
-             * @description pulses a second
-             * @default 1000
-             */
-            rate_hz?: number;
-        };
-        /**
-         * SwitchesChange
-         * @description Forces switches, or gives them back to the stage with "auto".
-         */
-        app__emulators__pd42__options__SwitchesChange: {
-            /** Left */
-            left?: boolean | "auto" | null;
-            /** Right */
-            right?: boolean | "auto" | null;
-            /** Home */
-            home?: boolean | "auto" | null;
-        };
-        /** EncoderState */
-        app__emulators__pd42__state__EncoderState: {
-            /**
-             * Absolute
-             * @description place of the built-in encoder in its turn, 0..1023
-             */
-            absolute: number;
-            /**
-             * Counts
-             * @description built-in encoder, since the start
-             */
-            counts: number;
-            /**
-             * External Counts
-             * @description external encoder, since the start: four a line
-             */
-            external_counts: number;
-            /**
-             * Slip Fullsteps
-             * @description how far the built-in encoder's magnet has slipped in all
-             */
-            slip_fullsteps: number;
-            /** External Slip Fullsteps */
-            external_slip_fullsteps: number;
-            /**
-             * Eccentricity Deg
-             * @description once-a-turn error of the built-in encoder [deg of the shaft]
-             */
-            eccentricity_deg: number;
-        };
-        /** SwitchState */
-        app__emulators__pd42__state__SwitchState: {
-            /**
-             * Active
-             * @description pressed: polarity and swapping by axis parameters do not enter
-             */
-            active: boolean;
-            /**
-             * Forced
-             * @description null while the switch follows the stage
-             */
-            forced: boolean | null;
-        };
-        /** SwitchesState */
-        app__emulators__pd42__state__SwitchesState: {
-            left: components["schemas"]["app__emulators__pd42__state__SwitchState"];
-            right: components["schemas"]["app__emulators__pd42__state__SwitchState"];
-            home: components["schemas"]["app__emulators__pd42__state__SwitchState"];
-        };
         /** AxisState */
-        app__emulators__state__AxisState: {
+        Tmc428AxisState: {
             /** Axis */
             axis: number;
             /**
@@ -10585,14 +10435,14 @@ export interface components {
              * @description where the carriage really is [full steps]
              */
             position_fullsteps: number;
-            stage: components["schemas"]["app__emulators__state__StageState"];
-            switches: components["schemas"]["app__emulators__state__Switches"];
+            stage: components["schemas"]["Tmc428StageState"];
+            switches: components["schemas"]["Tmc428Switches"];
         };
         /**
          * ChainBit
          * @description One bit of a driver's part of the datagram.
          */
-        app__emulators__state__ChainBit: {
+        Tmc428ChainBit: {
             /** Signal */
             signal: string;
             /** Value */
@@ -10602,7 +10452,7 @@ export interface components {
          * StageState
          * @description Where the switches stand [full steps].
          */
-        app__emulators__state__StageState: {
+        Tmc428StageState: {
             /** Left At Fullsteps */
             left_at_fullsteps: number;
             /** Right At Fullsteps */
@@ -10613,7 +10463,7 @@ export interface components {
             ref_to_fullsteps: number;
         };
         /** SwitchState */
-        app__emulators__state__SwitchState: {
+        Tmc428SwitchState: {
             /** Active */
             active: boolean;
             /**
@@ -10623,13 +10473,13 @@ export interface components {
             forced: boolean | null;
         };
         /** Switches */
-        app__emulators__state__Switches: {
-            left: components["schemas"]["app__emulators__state__SwitchState"];
-            right: components["schemas"]["app__emulators__state__SwitchState"];
-            reference: components["schemas"]["app__emulators__state__SwitchState"];
+        Tmc428Switches: {
+            left: components["schemas"]["Tmc428SwitchState"];
+            right: components["schemas"]["Tmc428SwitchState"];
+            reference: components["schemas"]["Tmc428SwitchState"];
         };
         /** EncoderState */
-        app__emulators__tmc4361__feedback__state__EncoderState: {
+        Tmc4361EncoderState: {
             /**
              * Kind
              * @enum {string}
@@ -10669,7 +10519,7 @@ export interface components {
          * PinsChange
          * @description Levels from outside: true is high. "auto" gives START its inactive level, and leaves NFREEZE high.
          */
-        app__emulators__tmc4361__options__PinsChange: {
+        Tmc4361PinsChange: {
             /**
              * Start
              * @description level at START
@@ -10685,7 +10535,7 @@ export interface components {
          * StepDirChange
          * @description Pulses at STPIN, as from a pulse generator. They count while sdin_mode is not 0.
          */
-        app__emulators__tmc4361__options__StepDirChange: {
+        Tmc4361StepDirChange: {
             /**
              * Pulses
              * @description so many more; negative: DIRIN says so
@@ -10702,7 +10552,7 @@ export interface components {
          * SwitchesChange
          * @description Forces switches, or gives them back to the stage with "auto".
          */
-        app__emulators__tmc4361__options__SwitchesChange: {
+        Tmc4361SwitchesChange: {
             /**
              * Left
              * @description level at STOPL: true is high
@@ -10723,7 +10573,7 @@ export interface components {
          * PinsState
          * @description Pins besides those of the switches, as levels: true is high.
          */
-        app__emulators__tmc4361__state__PinsState: {
+        Tmc4361PinsState: {
             /** @description START as an input */
             start: components["schemas"]["LevelState"];
             /** @description NFREEZE */
@@ -10760,13 +10610,13 @@ export interface components {
             standby: boolean;
         };
         /** SwitchesState */
-        app__emulators__tmc4361__state__SwitchesState: {
+        Tmc4361SwitchesState: {
             left: components["schemas"]["LevelState"];
             right: components["schemas"]["LevelState"];
             home: components["schemas"]["LevelState"];
         };
         /** EncoderChange */
-        app__emulators__tmc5xxx__options__EncoderChange: {
+        Tmc5xxxEncoderChange: {
             /**
              * Slip Fullsteps
              * @description one shot: lets the encoder slip on the shaft by so much
@@ -10777,7 +10627,7 @@ export interface components {
          * PinsChange
          * @description Levels from outside: true is high.
          */
-        app__emulators__tmc5xxx__options__PinsChange: {
+        Tmc5xxxPinsChange: {
             /**
              * Drv Enn
              * @description level at DRV_ENN: high switches all bridges off
@@ -10793,7 +10643,7 @@ export interface components {
          * SwitchesChange
          * @description Forces switches, or gives them back to the stage with "auto".
          */
-        app__emulators__tmc5xxx__options__SwitchesChange: {
+        Tmc5xxxSwitchesChange: {
             /**
              * Left
              * @description level at REFL: true is high, as a pressed switch is
@@ -10806,7 +10656,7 @@ export interface components {
             right?: boolean | "auto" | null;
         };
         /** AxisState */
-        app__emulators__tmc5xxx__state__AxisState: {
+        Tmc5xxxAxisState: {
             /** Axis */
             axis: number;
             motor: components["schemas"]["MotorState"];
@@ -10819,14 +10669,14 @@ export interface components {
              * @description friction on top of the motor's own [N m]
              */
             friction: number;
-            stage: components["schemas"]["app__emulators__drive__bench__StageState"];
-            switches: components["schemas"]["app__emulators__tmc5xxx__state__SwitchesState"];
+            stage: components["schemas"]["DriveStageState"];
+            switches: components["schemas"]["Tmc5xxxSwitchesState"];
             /** @description null: the chip has none */
-            encoder: components["schemas"]["app__emulators__tmc5xxx__state__EncoderState"] | null;
+            encoder: components["schemas"]["Tmc5xxxEncoderState"] | null;
             truth: components["schemas"]["TruthState"];
         };
         /** EncoderState */
-        app__emulators__tmc5xxx__state__EncoderState: {
+        Tmc5xxxEncoderState: {
             /**
              * Counts
              * @description since the start, not wrapped: what no register tells
@@ -10854,7 +10704,7 @@ export interface components {
          * PinsState
          * @description Levels: true is high.
          */
-        app__emulators__tmc5xxx__state__PinsState: {
+        Tmc5xxxPinsState: {
             /** Drv Enn */
             drv_enn: boolean;
             /** Nextaddr */
@@ -10866,7 +10716,7 @@ export interface components {
             interrupt: boolean;
         };
         /** SwitchState */
-        app__emulators__tmc5xxx__state__SwitchState: {
+        Tmc5xxxSwitchState: {
             /**
              * Active
              * @description the pin is high: polarity and swapping by SW_MODE do not enter
@@ -10879,9 +10729,159 @@ export interface components {
             forced: boolean | null;
         };
         /** SwitchesState */
-        app__emulators__tmc5xxx__state__SwitchesState: {
-            left: components["schemas"]["app__emulators__tmc5xxx__state__SwitchState"];
-            right: components["schemas"]["app__emulators__tmc5xxx__state__SwitchState"];
+        Tmc5xxxSwitchesState: {
+            left: components["schemas"]["Tmc5xxxSwitchState"];
+            right: components["schemas"]["Tmc5xxxSwitchState"];
+        };
+        /** EncoderChange */
+        TmclEncoderChange: {
+            /**
+             * Slip Fullsteps
+             * @description one shot: lets the built-in encoder's magnet slip on the shaft by so much
+             */
+            slip_fullsteps?: number | null;
+            /**
+             * External Slip Fullsteps
+             * @description one shot: the same, external encoder
+             */
+            external_slip_fullsteps?: number | null;
+            /**
+             * Eccentricity Deg
+             * @description once-a-turn error of the built-in encoder [deg of the shaft]
+             */
+            eccentricity_deg?: number | null;
+        };
+        /**
+         * FaultsChange
+         * @description Faults on the wire and of the supply.
+         */
+        TmclFaultsChange: {
+            /**
+             * Silence
+             * @description commands are obeyed, answers are lost
+             */
+            silence?: boolean | null;
+            /**
+             * Late Reply S
+             * @description answers come this much later [s]; without a real line they count as lost
+             */
+            late_reply_s?: number | null;
+            /**
+             * Bit Error Rate
+             * @description probability that a bit of an answer is flipped
+             */
+            bit_error_rate?: number | null;
+            /**
+             * Half Frame Rate
+             * @description probability that an answer breaks off half way
+             */
+            half_frame_rate?: number | null;
+            /**
+             * Unplugged
+             * @description the line is gone: nothing is heard, nothing answered
+             */
+            unplugged?: boolean | null;
+            /**
+             * Undervoltage
+             * @description motor supply below what the driver needs: bridges off, motor free
+             */
+            undervoltage?: boolean | null;
+        };
+        /** InputsChange */
+        TmclInputsChange: {
+            /**
+             * In1
+             * @description level on IN1, or "open"
+             */
+            in1?: boolean | "open" | null;
+            /**
+             * In2
+             * @description level on IN2, or "open"
+             */
+            in2?: boolean | "open" | null;
+            /**
+             * Analog
+             * @description counts of the analog input AIN0; IN3 is 1 from 2048 on
+             */
+            analog?: number | null;
+        };
+        /**
+         * StepDirChange
+         * @description Pulses on the step input, as from a pulse generator. They count while axis parameter 254 is 1.
+         */
+        TmclStepDirChange: {
+            /**
+             * Pulses
+             * @description so many more; negative: direction left
+             */
+            pulses: number;
+            /**
+             * Rate Hz
+             * @description pulses a second
+             * @default 1000
+             */
+            rate_hz?: number;
+        };
+        /**
+         * SwitchesChange
+         * @description Forces switches, or gives them back to the stage with "auto".
+         */
+        TmclSwitchesChange: {
+            /** Left */
+            left?: boolean | "auto" | null;
+            /** Right */
+            right?: boolean | "auto" | null;
+            /** Home */
+            home?: boolean | "auto" | null;
+        };
+        /** EncoderState */
+        TmclEncoderState: {
+            /**
+             * Absolute
+             * @description place of the built-in encoder in its turn, 0..1023
+             */
+            absolute: number;
+            /**
+             * Counts
+             * @description built-in encoder, since the start
+             */
+            counts: number;
+            /**
+             * External Counts
+             * @description external encoder, since the start: four a line
+             */
+            external_counts: number;
+            /**
+             * Slip Fullsteps
+             * @description how far the built-in encoder's magnet has slipped in all
+             */
+            slip_fullsteps: number;
+            /** External Slip Fullsteps */
+            external_slip_fullsteps: number;
+            /**
+             * Eccentricity Deg
+             * @description once-a-turn error of the built-in encoder [deg of the shaft]
+             */
+            eccentricity_deg: number;
+        };
+        /** SwitchState */
+        TmclSwitchState: {
+            /**
+             * Active
+             * @description pressed: polarity and swapping by axis parameters do not enter
+             */
+            active: boolean;
+            /**
+             * Forced
+             * @description null while the switch follows the stage
+             */
+            forced: boolean | null;
+        };
+        /** SwitchesState */
+        TmclSwitchesState: {
+            left: components["schemas"]["TmclSwitchState"];
+            right: components["schemas"]["TmclSwitchState"];
+            home: components["schemas"]["TmclSwitchState"];
         };
         /**
          * AxisProblem
