@@ -51,7 +51,7 @@ def test_a_filter_is_chosen_by_what_it_does_and_written(filters: Page, chip: Loo
     expect(filters.get_by_test_id("passed").first).to_be_attached()
     assert chip.register("INPUT_FILT_CONF") == 0, "nothing is written before Apply"
     filters.get_by_role("button", name="Apply", exact=True).click()
-    expect(filters.get_by_text("1 verified")).to_be_visible(timeout=PATIENCE_MS)
+    expect(filters.get_by_text("last apply: 1 read back")).to_be_visible(timeout=PATIENCE_MS)
     assert chip.register("INPUT_FILT_CONF") == 5 << 12 | 3 << 8
 
 

@@ -157,7 +157,7 @@ def test_a_wave_goes_to_the_chip_and_the_motor_shows_it(page: Page, api: httpx.C
     expect(page.get_by_text(re.compile(r"\d+ of 256 values differ"))).to_be_visible()
     send.click()
     expect(page.get_by_text("Ten registers written")).to_be_visible()
-    expect(page.get_by_text("holds this wave")).to_be_visible()
+    expect(page.get_by_text("this wave was written")).to_be_visible()
     held = api.get(chip).raise_for_status().json()
     assert held["written"] is True
     assert held["values"] == list(wanted_wave(Formula(exponent=1.1, grid="whole_step")).wave.values)
@@ -173,7 +173,7 @@ def test_what_the_chip_holds_comes_back_to_the_page(page: Page, api: httpx.Clien
     page.goto("/microsteps")
     expect(page.get_by_text(re.compile(r"\d+ of 256 values differ"))).to_be_visible()
     page.get_by_role("button", name="Read from chip").click()
-    expect(page.get_by_text("holds this wave")).to_be_visible()
+    expect(page.get_by_text("this wave was written")).to_be_visible()
     assert decode(POWER_ON).values != wave.values
 
 

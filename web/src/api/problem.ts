@@ -11,18 +11,20 @@ export class ApiError extends Error {
   }
 }
 
-/** A problem out of whatever a failed call gave: our own JSON, or no answer at all. */
+/** What a problem may leave out (RFC 9457): one from a proxy, or of another version of the server, does. */
+const LEFT_OUT = { way_out: null, facts: {}, remedies: [], instance: null };
+
+/** A whole problem out of whatever a failed call gave: a problem+json, or no answer at all. */
 export function problemOf(error: unknown): Problem {
   if (error instanceof ApiError) return error.problem;
-  if (typeof error === "object" && error !== null && "detail" in error && "title" in error) return error as Problem;
+  if (typeof error === "object" && error !== null && "detail" in error && "title" in error)
+    return { ...LEFT_OUT, ...(error as Problem) };
   return {
+    ...LEFT_OUT,
     type: "/problems/no-answer",
     title: "The server does not answer",
     status: 0,
     detail: error instanceof Error ? error.message : String(error),
     way_out: "Check that stepscope is still running; this page reconnects by itself.",
-    facts: {},
-    remedies: [],
-    instance: null,
   };
 }

@@ -16,8 +16,6 @@ function notSent(request: Request): Response {
     status: 409,
     detail: "You are only looking: the bench is as it was.",
     way_out: "Take the bench, above, and do it again.",
-    facts: {},
-    remedies: [],
     instance: new URL(request.url).pathname,
   };
   return new Response(JSON.stringify(problem), {
