@@ -64,27 +64,32 @@ function WithDevice({ profile, device }: { profile: Detail; device: Device }) {
       {device.name} is {device.state}: connect it to see what this profile would change.
     </Text>
   );
-  // An apply that was under way when the device fell silent still has to say what became of it.
+  // An apply that the device's silence cut off still has to say so: once there is a difference, it stays here.
   if (away && dry.data === undefined) return away;
   if (dry.isPending) return <Comparing />;
-  if (dry.isError && !away)
-    return <ProblemAlert error={dry.error} doing={`Comparing with ${device.name}`} retry={() => void dry.refetch()} />;
-  if (dry.data === undefined) return away;
+  const failed = dry.isError && !away && (
+    <ProblemAlert error={dry.error} doing={`Comparing with ${device.name}`} retry={() => void dry.refetch()} />
+  );
+  if (dry.data === undefined) return away || failed;
   return (
     <>
-      {away}
-      <Apply key="apply" profile={profile.document} device={device} dry={dry.data} />
-      <DiffTable diff={dry.data} profile={profile.document} axisNames={device.axes.map(({ name }) => name)} />
-      <Button
-        mt={6}
-        size="compact-xs"
-        variant="subtle"
-        leftSection={<IconRefresh size={13} aria-hidden />}
-        loading={dry.isFetching}
-        onClick={() => void dry.refetch()}
-      >
-        Compare again
-      </Button>
+      {away || failed}
+      <Apply key="apply" profile={profile.document} device={device} dry={dry.data} outdated={dry.isError} />
+      {failed ? null : (
+        <>
+          <DiffTable diff={dry.data} profile={profile.document} axisNames={device.axes.map(({ name }) => name)} />
+          <Button
+            mt={6}
+            size="compact-xs"
+            variant="subtle"
+            leftSection={<IconRefresh size={13} aria-hidden />}
+            loading={dry.isFetching}
+            onClick={() => void dry.refetch()}
+          >
+            Compare again
+          </Button>
+        </>
+      )}
     </>
   );
 }

@@ -14,6 +14,8 @@ interface Props {
   profile: Profile;
   device: Device;
   dry: Applied;
+  /** `dry` is from before: the last comparison has failed */
+  outdated: boolean;
 }
 
 const PHASES: Readonly<Record<NonNullable<Schemas["ApplyProgress"]["phase"]>, string>> = {
@@ -25,7 +27,7 @@ const PHASES: Readonly<Record<NonNullable<Schemas["ApplyProgress"]["phase"]>, st
 };
 
 /** The profile into the device, as one transaction: what it would write, how far it is, and what came of it. */
-export function Apply({ profile, device, dry }: Props) {
+export function Apply({ profile, device, dry, outdated }: Props) {
   const apply = useApply(device.id);
   const state = useApplyState(device.id, apply.isPending);
   const [limits, setLimits] = useState(false);
@@ -39,7 +41,7 @@ export function Apply({ profile, device, dry }: Props) {
       <div className={css.applyBar}>
         <Button
           size="xs"
-          disabled={writes === 0 || unfinished !== null || device.state !== "connected"}
+          disabled={writes === 0 || outdated || unfinished !== null || device.state !== "connected"}
           loading={running}
           onClick={() => apply.mutate({ profile, limits })}
         >
