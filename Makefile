@@ -36,8 +36,8 @@ test: lint web-check chromium  ## everything that CI holds: linters, types, UI t
 	@# One after the other: two browsers starve each other on two cores.
 	$(BIN)/pytest -m e2e $(ARGS) $(NONE_IS_WELL)
 
-test-fast: $(STAMPS)/app $(STAMPS)/tools  ## Python tests without a browser
-	$(BIN)/pytest -n $(WORKERS) -m "not e2e" $(ARGS)
+test-fast: $(STAMPS)/app $(STAMPS)/tools  ## Python tests that are quick: no browser, no server, nothing marked slow
+	$(BIN)/pytest -n $(WORKERS) -m "not e2e and not slow" $(ARGS)
 
 lint: $(STAMPS)/app $(STAMPS)/tools  ## ruff, mypy --strict, import directions, biome, tsc, stale generated files
 	$(BIN)/ruff check .
