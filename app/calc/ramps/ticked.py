@@ -1,6 +1,6 @@
 """The exact ramp of TMC428 and TMC4210: every step of a move as the chip's integers make it.
 
-`exact_ramp` is the prediction that the scope draws over a measured move; the law is in `ramp_kernel`.
+`exact_ramp` is the prediction that the scope draws over a measured move; the law is in `ticked_kernel`.
 """
 
 from __future__ import annotations

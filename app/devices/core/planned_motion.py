@@ -27,7 +27,7 @@ class Moment(Protocol):
 
 
 class Plan(Protocol):
-    """What the planners answer: `calc.sixpoint_plan.MotionPlan`, `calc.sramp_plan.SRampPlan`."""
+    """What the planners answer: `calc.ramps.sixpoint_plan.MotionPlan`, `calc.ramps.sramp_plan.SRampPlan`."""
 
     @property
     def duration_s(self) -> float: ...

@@ -1,6 +1,6 @@
 """TMC5xxx: what their registers mean. Speeds and accelerations count in units of the clock (DS-TMC5160 12.1), currents
 in
-scales of what the sense resistor makes of them (`calc.coil_current`).
+scales of what the sense resistor makes of them (`calc.current.coil`).
 
 Most of these registers cannot be read: where one was set before this connection, a limit of its quantity lets no motion
 begin until it is written. V1 and the thresholds of the driver are no speeds that an axis gets to by them, and not

@@ -5,7 +5,7 @@ events     EVENTS read so that nothing is lost, as a timeline
 moves      positioning and rotation, and what is expected of them
 stops      stops; setting the position
 writes     what a write by hand does to a motion
-looks      the axis now, and why it came to rest
+polling    the axis now, and why it came to rest
 encoder    what sets an encoder right whose resolution is set wrong
 samples    telemetry
 raw        single datagrams

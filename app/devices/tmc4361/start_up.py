@@ -66,8 +66,8 @@ class Start:
 async def start_up(device: Device, start: Start, full_steps_per_rev: int | None = None) -> None:
     """Set a chip up after power-on, ready for `move` and `rotate` on S-ramps.
 
-    Closed loop is prepared, not switched on: `tuning.closed_loop` does that. Raises BenchError at the first write that
-    the chip did not take, with the rest not tried; UsageError for numbers that its registers cannot hold.
+    Closed loop is prepared, not switched on: `procedures.closed_loop` does that. Raises BenchError at the first write
+    that the chip did not take, with the rest not tried; UsageError for numbers that its registers cannot hold.
     """
     for item in _items(device, start, full_steps_per_rev or device.axes[0].settings.full_steps_per_rev):
         await device.write(item.name, item.axis, item.value, item.fields)

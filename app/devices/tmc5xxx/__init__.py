@@ -6,7 +6,7 @@ events      GSTAT and RAMP_STAT read so that nothing is lost, as a timeline
 moves       positioning and rotation, and what is expected of them
 stops       stops; setting the position
 writes      what a write by hand does to a motion
-looks       the axes now, and why they came to rest
+polling     the axes now, and why they came to rest
 encoder     what sets an encoder right whose resolution is set wrong
 samples     telemetry
 raw         single datagrams

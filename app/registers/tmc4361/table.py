@@ -2,7 +2,7 @@
 
 At many addresses a reading and a writing reach different registers, and some words mean something
 else with another driver, encoder or regulation: `RegisterTable.at` and `when` tell them apart. Where
-the rows' sources come from stands in `tmc4361_rows`; by subject they are in the files beside this one.
+the rows' sources come from stands in `rows`; by subject they are in the files beside this one.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 All have the same ramp generator and nearly the same driver. Of the chips with two axes the second has its own copy of
 the ramp, switches and encoder 0x20 above the first, of the driver 0x10 and of StealthChop 0x08 above; the TMC5072 has
-one microstep table for both. Rows by subject are in the files beside this one, sources in `tmc5xxx_rows`.
+one microstep table for both. Rows by subject are in the files beside this one, sources in `rows`.
 """
 
 from __future__ import annotations
