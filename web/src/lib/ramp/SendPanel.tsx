@@ -8,6 +8,7 @@ import type { Device } from "../../api/queries";
 import { fixed } from "../format";
 import { ProblemAlert } from "../ProblemAlert";
 import { Section } from "../Section";
+import { useWork } from "../useWork";
 import { changedOf, type Difference, writesFor } from "./differences";
 import classes from "./ramp.module.css";
 
@@ -62,23 +63,21 @@ export function SendPanel(props: Props) {
     return answer.failed === null && answer.done.every((entry) => entry.verified !== false);
   }
 
-  const send = useMutation({ mutationFn: write });
-  const move = useMutation({
-    mutationFn: async () => {
-      if (!(await write())) return null;
-      if (rotation !== null) {
-        const started = await motion.rotate(at, rotation);
-        return {
-          text: `Rotates at ${fixed(started.velocity_pps)} pps until it is stopped.`,
-          warnings: started.warnings,
-        };
-      }
-      const started = await motion.move(at, { target: distance, relative: true, unit: "microsteps" });
+  const send = useWork(write);
+  const move = useWork(async () => {
+    if (!(await write())) return null;
+    if (rotation !== null) {
+      const started = await motion.rotate(at, rotation);
       return {
-        text: `Moves from ${fixed(started.from_position)} to ${fixed(started.target_position)} µsteps.`,
+        text: `Rotates at ${fixed(started.velocity_pps)} pps until it is stopped.`,
         warnings: started.warnings,
       };
-    },
+    }
+    const started = await motion.move(at, { target: distance, relative: true, unit: "microsteps" });
+    return {
+      text: `Moves from ${fixed(started.from_position)} to ${fixed(started.target_position)} µsteps.`,
+      warnings: started.warnings,
+    };
   });
   const shuttle = useQuery({
     queryKey: ["shuttle", id, axis],
@@ -88,8 +87,8 @@ export function SendPanel(props: Props) {
     refetchInterval: 1000,
   });
   const runs = shuttle.data?.running === true;
-  const back = useMutation({
-    mutationFn: async () => {
+  const back = useWork(
+    async () => {
       if (runs) await motion.endShuttle(at);
       else if (await write()) {
         const state = unwrap(await api.GET("/api/v1/devices/{device}/axes/{axis}", { params: { path: at } }));
@@ -97,8 +96,8 @@ export function SendPanel(props: Props) {
         await motion.shuttle(at, { first: first + distance, second: first, dwell_s: DWELL_S });
       }
     },
-    onSettled: () => queries.invalidateQueries({ queryKey: ["shuttle", id, axis] }),
-  });
+    { onSettled: () => queries.invalidateQueries({ queryKey: ["shuttle", id, axis] }) },
+  );
   const stop = useMutation({ mutationFn: async () => motion.stop(at, "ramp") });
 
   const busy = send.isPending || move.isPending || back.isPending;

@@ -1,10 +1,11 @@
 import { Button, Group, Loader, Modal, Stack, Text } from "@mantine/core";
-import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useSyncExternalStore } from "react";
 import { api, unwrap } from "../../api/client";
 import { compact, fixed } from "../format";
 import { ProblemAlert } from "../ProblemAlert";
 import { RegisterName } from "../rows/parts";
+import { useWork } from "../useWork";
 import { linesOf, type Report } from "./changes";
 import css from "./startup.module.css";
 import { onWantedStartUp, type StartUpWanted, wantedStartUp, wantStartUp } from "./wanted";
@@ -49,8 +50,7 @@ function Body({ device, axes, axisNames, close, onDone }: StartUpWanted & { clos
     gcTime: 0,
     refetchOnWindowFocus: false,
   });
-  const apply = useMutation({
-    mutationFn: () => ask(device, axes, false),
+  const apply = useWork(() => ask(device, axes, false), {
     onSuccess: () => onDone?.(),
     onSettled: () => queries.invalidateQueries({ predicate: ({ queryKey }) => queryKey[0] !== "start-up" }),
   });

@@ -1,13 +1,14 @@
 import { Button, CopyButton, Select, Switch } from "@mantine/core";
 import { useSessionStorage } from "@mantine/hooks";
 import { IconCopy, IconDownload, IconPlus, IconTrash, IconUpload } from "@tabler/icons-react";
-import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useMemo, useState } from "react";
 import { api, type Schemas, unwrap } from "../../api/client";
 import { type Device, useDevices } from "../../api/queries";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Page, Section } from "../../lib/Section";
 import { useCalc } from "../../lib/useCalc";
+import { useWork } from "../../lib/useWork";
 import { useSelection } from "../../live/selection";
 import { BitDetail } from "./BitDetail";
 import classes from "./Chain.module.css";
@@ -93,19 +94,21 @@ function Editor({ device }: { device: Device | undefined }) {
     async (body, signal) => unwrap(await api.POST("/api/v1/calc/driver-chain", { body, signal })),
   );
 
-  const send = useMutation({
-    mutationFn: async () =>
+  const send = useWork(
+    async () =>
       unwrap(
         await api.PUT("/api/v1/devices/{device}/driver-chain", {
           params: { path: { device: id } },
           body: { drivers: request(drivers) },
         }),
       ),
-    onSuccess: (table) => {
-      queries.setQueryData(["driver-chain", id], table);
-      void queries.invalidateQueries({ queryKey: ["registers", id] });
+    {
+      onSuccess: (table) => {
+        queries.setQueryData(["driver-chain", id], table);
+        void queries.invalidateQueries({ queryKey: ["registers", id] });
+      },
     },
-  });
+  );
 
   const different = useMemo(() => (result && held ? differing(result, held) : NONE), [result, held]);
   const sentMatches = send.data && result ? differing(send.data, result).size === 0 : null;

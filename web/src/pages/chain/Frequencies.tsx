@@ -1,10 +1,11 @@
 import { Button, Slider } from "@mantine/core";
-import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useQueryClient } from "@tanstack/react-query";
 import { api, type Schemas, unwrap } from "../../api/client";
 import { frequency } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Section } from "../../lib/Section";
+import { useWork } from "../../lib/useWork";
 import classes from "./Chain.module.css";
 
 interface Props {
@@ -23,16 +24,16 @@ interface Props {
 export function Frequencies(props: Props) {
   const { design, stale, clk2Div, onClk2Div, rampDivs, onRampDivs, chipClk2Div, device } = props;
   const queries = useQueryClient();
-  const send = useMutation({
-    mutationFn: async () =>
+  const send = useWork(
+    async () =>
       unwrap(
         await api.PUT("/api/v1/devices/{device}/registers/{name}", {
           params: { path: { device: device ?? "", name: "stepper_motor_global_parameter_register" } },
           body: { fields: { clk2_div: clk2Div } },
         }),
       ),
-    onSettled: () => queries.invalidateQueries({ queryKey: ["registers", device] }),
-  });
+    { onSettled: () => queries.invalidateQueries({ queryKey: ["registers", device] }) },
+  );
   const cells: [name: string, value: number | null | undefined, note: string][] = [
     ["SPI clock", design?.spi_clock_hz, "fCLK / (2 · (clk2_div + 1))"],
     ["datagrams", design?.datagram_hz, "at most, back to back"],

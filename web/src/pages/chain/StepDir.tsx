@@ -1,7 +1,7 @@
 import { Button, Slider, Switch } from "@mantine/core";
 import { useElementSize } from "@mantine/hooks";
 import { IconUpload } from "@tabler/icons-react";
-import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
+import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { api, type Schemas, unwrap } from "../../api/client";
 import type { Device } from "../../api/queries";
@@ -9,6 +9,7 @@ import { duration, fixed, withUnit } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Section } from "../../lib/Section";
+import { useWork } from "../../lib/useWork";
 import classes from "./Chain.module.css";
 import { pulseLength, stepRateMax } from "./chain";
 
@@ -150,8 +151,8 @@ export function StepDir({ device }: { device: Device }) {
   const changed = (Object.keys(edits) as Field[]).filter((field) => edits[field] !== held?.settings[field]);
   const set = (field: Field, value: number) => setEdits({ ...edits, [field]: value });
 
-  const send = useMutation({
-    mutationFn: async () => {
+  const send = useWork(
+    async () => {
       const fields = (register: string) =>
         Object.fromEntries(
           changed
@@ -168,11 +169,13 @@ export function StepDir({ device }: { device: Device }) {
         }),
       );
     },
-    onSuccess: (answer) => {
-      if (answer.failed === null) setEdits({});
+    {
+      onSuccess: (answer) => {
+        if (answer.failed === null) setEdits({});
+      },
+      onSettled: () => queries.invalidateQueries({ queryKey: ["registers", device.id] }),
     },
-    onSettled: () => queries.invalidateQueries({ queryKey: ["registers", device.id] }),
-  });
+  );
 
   const pulse = pulseLength(settings.STPDIV_4210, device.clock_hz);
   const most = stepRateMax(settings.STPDIV_4210, device.clock_hz);

@@ -1,5 +1,5 @@
 import { Button, Checkbox, Group, Progress, Text } from "@mantine/core";
-import { useMutation, useQueryClient } from "@tanstack/react-query";
+import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { api, unwrap } from "../../api/client";
 import type { AxisAddress } from "../../api/motion";
@@ -8,6 +8,7 @@ import { NumberField } from "../../lib/NumberField";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import css from "../../lib/rows/rows.module.css";
 import { Section } from "../../lib/Section";
+import { useWork } from "../../lib/useWork";
 import { degrees } from "./angle";
 import classes from "./closedloop.module.css";
 import type { Calibrating, CalibrationState } from "./useProcedures";
@@ -134,8 +135,8 @@ interface OfferProps {
 function EncoderOffer({ at, found, disabled }: OfferProps) {
   const queries = useQueryClient();
   const writes = Object.entries(found.writes);
-  const write = useMutation({
-    mutationFn: async () => {
+  const write = useWork(
+    async () => {
       for (const [name, fields] of writes)
         unwrap(
           await api.PUT("/api/v1/devices/{device}/registers/{name}", {
@@ -144,8 +145,8 @@ function EncoderOffer({ at, found, disabled }: OfferProps) {
           }),
         );
     },
-    onSettled: () => queries.invalidateQueries(),
-  });
+    { onSettled: () => queries.invalidateQueries() },
+  );
   const counts = found.writes.ENC_IN_RES?.ENC_IN_RES;
   const words = [
     ...(counts === undefined ? [] : [`${fixed(counts)} counts a turn`]),

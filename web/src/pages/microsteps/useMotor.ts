@@ -2,6 +2,7 @@ import { type UseMutationResult, type UseQueryResult, useMutation, useQuery } fr
 import { api, type Schemas, unwrap } from "../../api/client";
 import { type AxisAddress, motion } from "../../api/motion";
 import type { Device } from "../../api/queries";
+import { useWork, type Work } from "../../lib/useWork";
 
 const LIVE_MS = 200;
 const TURNS = 2;
@@ -9,7 +10,7 @@ const TURNS = 2;
 export interface Motor {
   at: AxisAddress;
   live: UseQueryResult<Schemas["AxisStateOut"]>;
-  run: UseMutationResult<unknown, Error, void>;
+  run: Work<unknown>;
   stop: UseMutationResult<unknown, Error, void>;
   connected: boolean;
   turns: number;
@@ -27,14 +28,12 @@ export function useMotor(device: Device | undefined, axis: number): Motor {
     enabled: connected,
     refetchInterval: LIVE_MS,
   });
-  const run = useMutation({
-    mutationFn: async () => {
-      const info = device?.axes[axis];
-      const here = live.data?.position ?? 0;
-      const way = TURNS * (info?.full_steps_per_rev ?? 200) * (info?.microsteps_per_full_step ?? 64);
-      // towards zero, where a stage has its middle or its start: away from it there may be a switch
-      return motion.shuttle(at, { first: here, second: here > 0 ? here - way : here + way, dwell_s: 0.2 });
-    },
+  const run = useWork(async () => {
+    const info = device?.axes[axis];
+    const here = live.data?.position ?? 0;
+    const way = TURNS * (info?.full_steps_per_rev ?? 200) * (info?.microsteps_per_full_step ?? 64);
+    // towards zero, where a stage has its middle or its start: away from it there may be a switch
+    return motion.shuttle(at, { first: here, second: here > 0 ? here - way : here + way, dwell_s: 0.2 });
   });
   const stop = useMutation({
     mutationFn: async () => {
