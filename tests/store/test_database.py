@@ -178,17 +178,19 @@ def test_the_steps_are_in_the_wheel(tmp_path: Path) -> None:
     from hatchling.builders.wheel import WheelBuilder
 
     builder = WheelBuilder(str(ROOT))
-    packed = {file.distribution_path for file in builder.recurse_included_files()}
-    steps = {f"app/store/migrations/{path.relative_to(MIGRATIONS).as_posix()}" for path in MIGRATIONS.rglob("*.py")}
+    packed = {file.distribution_path: Path(file.path) for file in builder.recurse_included_files()}
+    steps = {
+        f"stepscope/store/migrations/{path.relative_to(MIGRATIONS).as_posix()}" for path in MIGRATIONS.rglob("*.py")
+    }
     assert len(steps) >= 4
-    assert steps <= packed
+    assert steps <= packed.keys()
     # Installed is unpacked: only what the wheel has, elsewhere, in a program of its own.
-    for name in packed:
-        if name.startswith("app/") and name.endswith(".py"):
+    for name, source in packed.items():
+        if name.startswith("stepscope/") and name.endswith(".py"):
             target = tmp_path / "installed" / name
             target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_bytes((ROOT / name).read_bytes())
-    program = "from pathlib import Path; from app.store.database import Database, MIGRATIONS; import sys\n"
+            target.write_bytes(source.read_bytes())
+    program = "from pathlib import Path; from stepscope.store.database import Database, MIGRATIONS; import sys\n"
     program += "d = Database(Path('data')); d.open(); print(MIGRATIONS, d.problem)"
     done = subprocess.run(
         [sys.executable, "-W", "error", "-c", program],
@@ -199,7 +201,7 @@ def test_the_steps_are_in_the_wheel(tmp_path: Path) -> None:
         timeout=60,
         check=True,
     )
-    assert done.stdout.split() == [str(tmp_path / "installed/app/store/migrations"), "None"]
+    assert done.stdout.split() == [str(tmp_path / "installed/stepscope/store/migrations"), "None"]
 
 
 # --- what goes wrong ----------------------------------------------------------------------------
