@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 from hypothesis import settings
 
@@ -12,6 +14,48 @@ settings.register_profile("stepscope", deadline=None)
 settings.load_profile("stepscope")
 
 
+HERE = Path(__file__).parent
+SLOW = (
+    "api",  # a server each
+    "client",
+    "docker",
+    "peers",
+    "twin",
+    "conditions/test_encoder_trace.py",  # a second a test, and more
+    "conditions/test_watching.py",
+    "conformance/test_sections.py",
+    "calc/test_microstep_metrics.py",
+    "calc/test_ramp.py",
+    "calc/test_sixpoint_against_drive.py",
+    "calc/test_sramp_many.py",
+    "devices/limits/test_every_path.py",
+    "devices/limits/test_watch.py",
+    "devices/test_register_writes.py",
+    "devices/tmc4361/test_over_links.py",
+    "devices/tmcl/test_missing_parameters.py",
+    "emulators/test_oracle.py",
+    "emulators/test_process_end.py",
+    "emulators/tmcl/test_search.py",
+    "links/test_emulated_process.py",
+    "links/test_landungsbruecke.py",
+    "links/test_staying_in_step.py",
+    "procedures/test_reference_search.py",
+    "profiles/scripts/test_trials.py",
+    "store/test_damaged_directory.py",
+    "store/test_hand_edited.py",
+    "store/test_noise_in_database.py",
+    "store/test_private.py",
+    "telemetry/test_feed.py",
+    "test_house.py",
+    "test_wheel.py",
+)
+"""What `make test-fast` leaves to `make test`."""
+
+
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Refuse `sheet` marks that name no section of a data sheet."""
+    """Refuse `sheet` marks that name no section of a data sheet, and mark what is slow."""
     sections.check(items)
+    for item in items:
+        place = item.path.relative_to(HERE).as_posix() if item.path.is_relative_to(HERE) else ""
+        if place.startswith(SLOW):
+            item.add_marker(pytest.mark.slow)
