@@ -44,6 +44,13 @@ def shown(page: Page, test_id: str) -> float:
     return float(text) if re.fullmatch(r"[\d.]+", text) else float("nan")
 
 
+def sweep_of(page: Page, *, speeds: int, each_s: float) -> None:
+    for label, value in (("From rpm", 60), ("To rpm", 180), ("Speeds", speeds), ("Each for s", each_s)):
+        field = page.get_by_label(label, exact=True)
+        field.fill(str(value))
+        field.press("Enter")
+
+
 def over(page: Page, plot: str) -> Locator:
     """The part of a plot that is drawn on, without its axes."""
     return page.get_by_role("img", name=plot).locator(".u-over")
@@ -52,10 +59,7 @@ def over(page: Page, plot: str) -> Locator:
 def test_a_sweep_fills_the_plot_and_ends(load: Page, motor: Motor) -> None:
     load.get_by_test_id("clear-speed").click()
     wait_for(lambda: samples(load) == 0, "cleared: the page brings the samples of the last minutes with it")
-    for label, value in (("From rpm", "60"), ("To rpm", "180"), ("Speeds", "2"), ("Each for s", "0.5")):
-        field = load.get_by_label(label, exact=True)
-        field.fill(value)
-        field.press("Enter")
+    sweep_of(load, speeds=2, each_s=0.5)
     load.get_by_test_id("sweep").click()
     wait_for(lambda: motor.axis()["velocity_pps"] > 0, "it turns")
     wait_for(lambda: motor.axis()["velocity_pps"] < 0, "and back")
@@ -79,6 +83,7 @@ def test_a_sweep_ends_with_its_button_and_with_the_page(load: Page, motor: Motor
 
 def test_a_sweep_goes_on_behind_another_page_and_is_told_there(load: Page, motor: Motor) -> None:
     told = load.get_by_test_id("run-under-way")
+    sweep_of(load, speeds=8, each_s=3)  # long enough for a slow browser to go there and back
     load.get_by_test_id("sweep").click()
     wait_for(lambda: motor.axis()["moving"], "it turns")
     expect(told).to_have_count(0)
