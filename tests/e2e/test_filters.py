@@ -68,8 +68,11 @@ def test_figures_of_the_data_sheet_are_drawn_with_their_settings(filters: Page) 
 
 
 def test_a_waveform_is_drawn_by_hand_and_with_the_keys(filters: Page) -> None:
-    filters.get_by_label("Length of Reference switches, filt_l_ref").select_option("3")
     waves = filters.get_by_test_id("waveforms")
+    with filters.expect_response(lambda answer: answer.url.endswith("/calc/input-filter"), timeout=PATIENCE_MS):
+        filters.get_by_label("Length of Reference switches, filt_l_ref").select_option("3")
+    # What is counted below is what that length does, not what the length before it did.
+    expect(filters.locator("[data-stale=false]").filter(has=waves).last).to_be_attached(timeout=PATIENCE_MS)
     box = waves.bounding_box()
     assert box is not None
     before = filters.get_by_test_id("stopped").count()
