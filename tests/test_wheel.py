@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from app.store.database import MIGRATIONS
+
 ROOT = Path(__file__).parent.parent
 
 
@@ -38,6 +40,7 @@ def run(installed: Path, folder: Path, *arguments: str) -> str:
         env={**os.environ, "PYTHONPATH": str(installed)},
         capture_output=True,
         text=True,
+        timeout=60,
         check=False,
     )
     assert done.returncode == 0, done.stderr
@@ -81,3 +84,13 @@ def test_everything_in_it_can_be_imported(installed: Path, tmp_path: Path) -> No
 
 def test_the_command_line_runs(installed: Path, tmp_path: Path) -> None:
     assert "stepscope 0." in run(installed, tmp_path, "-m", "stepscope.cli", "--version")
+
+
+def test_a_database_is_made_by_the_steps_that_the_wheel_brings(installed: Path, tmp_path: Path) -> None:
+    migrations = installed / "stepscope" / "store" / "migrations"
+    steps = {path.relative_to(MIGRATIONS) for path in MIGRATIONS.rglob("*.py")}
+    assert len(steps) >= 4
+    assert steps <= {path.relative_to(migrations) for path in migrations.rglob("*.py")}
+    program = "from pathlib import Path; from stepscope.store.database import Database, MIGRATIONS\n"
+    program += "d = Database(Path('data')); d.open(); print(MIGRATIONS, d.problem)"
+    assert run(installed, tmp_path, "-W", "error", "-c", program).split() == [str(migrations), "None"]

@@ -6,7 +6,6 @@ import logging
 import multiprocessing
 import os
 import sqlite3
-import subprocess
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -172,36 +171,6 @@ def test_a_step_that_fails_leaves_the_file_as_it_was(tmp_path: Path) -> None:
         assert now.execute("SELECT version_num FROM alembic_version").fetchall() == [(STEPS[0],)]
     now.close()
     assert len(before) == len((tmp_path / FILE_NAME).read_bytes())
-
-
-def test_the_steps_are_in_the_wheel(tmp_path: Path) -> None:
-    from hatchling.builders.wheel import WheelBuilder
-
-    builder = WheelBuilder(str(ROOT))
-    packed = {file.distribution_path: Path(file.path) for file in builder.recurse_included_files()}
-    steps = {
-        f"stepscope/store/migrations/{path.relative_to(MIGRATIONS).as_posix()}" for path in MIGRATIONS.rglob("*.py")
-    }
-    assert len(steps) >= 4
-    assert steps <= packed.keys()
-    # Installed is unpacked: only what the wheel has, elsewhere, in a program of its own.
-    for name, source in packed.items():
-        if name.startswith("stepscope/") and name.endswith(".py"):
-            target = tmp_path / "installed" / name
-            target.parent.mkdir(parents=True, exist_ok=True)
-            target.write_bytes(source.read_bytes())
-    program = "from pathlib import Path; from stepscope.store.database import Database, MIGRATIONS; import sys\n"
-    program += "d = Database(Path('data')); d.open(); print(MIGRATIONS, d.problem)"
-    done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", program],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(tmp_path / "installed")},
-        capture_output=True,
-        text=True,
-        timeout=60,
-        check=True,
-    )
-    assert done.stdout.split() == [str(tmp_path / "installed/stepscope/store/migrations"), "None"]
 
 
 # --- what goes wrong ----------------------------------------------------------------------------
