@@ -2,16 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Mapping
 from functools import partial
 
+from ...calc.positions.extended import Counter
 from ...registers.model import Access
 from ...registers.tmcl.commands import DriverErrors, ExtendedErrors
 from ..drive import Drive, Event, EventKind
 from ..drive.world import UNDERVOLTAGE_V
 from . import units
 from .application import wrapped
-from .parameters import ROWS, SEARCH_MODE, SEARCH_SPEED, SPEED, STEP_DIR, SWITCH_SPEED, TARGET_SPEED, Parameters
+from .models import Played
+from .parameters import (
+    ACCELERATION,
+    RAMP_MODE,
+    SEARCH_MODE,
+    SEARCH_SPEED,
+    SPEED,
+    STEP_DIR,
+    SWITCH_SPEED,
+    TARGET_SPEED,
+    Configuration,
+)
 from .refused import invalid_value, wrong_type
 from .search import PHASE_TEXTS, RIGHT, WATCHED, Phase, Search
 
@@ -24,17 +36,31 @@ _FASTEST = 0xFFFF
 _ALWAYS_WATCHED = EventKind.STALL_STOP | EventKind.DEVIATION_INTERNAL | EventKind.DEVIATION_EXTERNAL
 LAST_TARGET, ACTUAL_POSITION = 0, 1
 """Values of parameter 127."""
-INT32_MIN, INT32_MAX = -(1 << 31), (1 << 31) - 1
+RELATIVE_TO = 127
+IN_POSITION, IN_VELOCITY = 0, 2
+"""Values of parameter 138."""
 _TURN = 1024
 
 
 class Axis:
     """One axis. Commands come as method calls, GAP through `readers`, news of the drive through `happened`."""
 
-    def __init__(self, drive: Drive, unknown: Collection[int] = ()) -> None:
-        """`unknown` are parameters that this firmware does not have."""
+    def __init__(
+        self,
+        played: Played,
+        drive: Drive,
+        configuration: Configuration,
+        kept: Mapping[int, int],
+        unknown: Collection[int] = (),
+    ) -> None:
+        """`kept` are parameters that the EEPROM holds; `unknown` are those that this firmware does not have."""
         self.drive = drive
-        self.parameters = Parameters(drive, lambda: None if self.search is None else self.search.stops)
+        self.parameters = played.parameters(
+            played.module, drive, lambda: None if self.search is None else self.search.stops, configuration
+        )
+        self._kept = kept
+        self._counter = Counter(played.module.position_bits)
+        self._also_watched = EventKind(0)
         self.search: Search | None = None
         self.errors = 0
         """Axis parameter 207."""
@@ -54,7 +80,14 @@ class Axis:
         self.end_switch_distance = self.last_reference = 0
         self.event_wanted = self.event_every = self.event_due = False
         self.parameters.positioning = False
-        self.parameters.power_on()
+        rows = self.parameters.rows
+        self.parameters.power_on(
+            {
+                number: value
+                for number, value in self._kept.items()
+                if number in rows and rows[number].stored and rows[number].minimum <= value <= rows[number].maximum
+            }
+        )
         self._rest()
         self._watch()
 
@@ -73,8 +106,8 @@ class Axis:
         self._turn(self.parameters.in_chip_units(TARGET_SPEED))
 
     def move(self, target: int) -> None:
-        """MVP and parameter 0. Raises Refused (status 4) where `target` has more than 32 bits."""
-        if not INT32_MIN <= target <= INT32_MAX:
+        """MVP and parameter 0. Raises Refused (status 4) where `target` is beyond the counter."""
+        if self._counter.shows(target) != target:
             raise invalid_value()
         if not self._begin():
             return
@@ -86,8 +119,10 @@ class Axis:
             self._arrive()
 
     def relative_base(self) -> int:
-        """What MVP REL counts from (parameter 127)."""
-        return self.position if self.parameters.values[127] == ACTUAL_POSITION else self.drive.read("XTARGET")
+        """What MVP REL counts from: parameter 127, and without that the position."""
+        if self.parameters.values.get(RELATIVE_TO, ACTUAL_POSITION) == ACTUAL_POSITION:
+            return self.position
+        return self.target
 
     def request_event(self, every: bool, on: bool) -> None:
         """Command 138: tell when the next MVP, or every one from now on, has arrived."""
@@ -142,7 +177,9 @@ class Axis:
             self.rotate(value)
         elif number == 209:
             self.drive.internal.position = value
-        elif number == 210:
+        elif number == RAMP_MODE:
+            self._switch_mode(value)
+        elif number == 210 and self.parameters.NULL_SWITCH:
             self.drive.internal.clear_on_null = bool(value)
         elif number == 216:
             self.drive.external.position = value
@@ -151,10 +188,23 @@ class Axis:
                 self._switch_step_dir(bool(value))
             self.parameters.write(number, value)
 
+    def storable(self, number: int) -> int:
+        """What STAP keeps of a parameter. Raises Refused (status 3) for one that cannot be kept."""
+        row = self.parameters.rows.get(number)
+        reader = self.readers[number]
+        if row is None or reader is None or row.stored != "on request":
+            raise wrong_type()
+        return reader()
+
     @property
     def position(self) -> int:
-        """XACTUAL."""
-        return self.drive.read("XACTUAL")
+        """As the module's counter shows it, which may have fewer bits than the drive's."""
+        return self._counter.shows(self.drive.read("XACTUAL"))
+
+    @property
+    def target(self) -> int:
+        """The same of the latest target."""
+        return self._counter.shows(self.drive.read("XTARGET"))
 
     @property
     def standing(self) -> bool:
@@ -196,6 +246,12 @@ class Axis:
         if self.search is not None:
             self._advance_search()
 
+    def also_watch(self, kinds: EventKind) -> None:
+        """Have the drive stop at these events as well."""
+        if kinds != self._also_watched:
+            self._also_watched = kinds
+            self._watch()
+
     def stop(self) -> None:
         """Slow down to a stop, whatever the axis does: MST, or a heartbeat that failed to come."""
         if self._begin():
@@ -228,7 +284,8 @@ class Axis:
     def _go(self, target: int, velocity: int) -> None:
         """Positioning mode, at most `velocity` [ramp units]."""
         self.parameters.positioning = True
-        self.drive.write("XTARGET", target)
+        here = self.drive.read("XACTUAL")
+        self.drive.write("XTARGET", wrapped(here + self._counter.way(target, here)))
         self.drive.write("VMAX", velocity)
         self.drive.write("RAMPMODE", POSITIONING)
 
@@ -277,12 +334,19 @@ class Axis:
 
     def _watch(self) -> None:
         """Be woken only for what somebody waits for: an event ends a stretch of compiled time."""
-        watch = _ALWAYS_WATCHED
+        watch = _ALWAYS_WATCHED | self._also_watched
         if self.event_due:
             watch |= EventKind.POSITION_REACHED
         if self.search is not None:
             watch |= WATCHED
         self.drive.watch = watch
+
+    def _switch_mode(self, mode: int) -> None:
+        """Parameter 138 by hand: towards the latest target, or at the latest target speed."""
+        if mode == IN_VELOCITY:
+            self.rotate(self.parameters.shown[TARGET_SPEED])
+        else:  # the soft mode's exponential approach is not made
+            self.move(self.target)
 
     def _switch_step_dir(self, on: bool) -> None:
         """Into step/direction mode the motor stops; out of it the ramp is the parameters' again."""
@@ -298,8 +362,8 @@ class Axis:
         drive, parameters, read = self.drive, self.parameters, self.drive.read
         table: list[Reader | None] = [None] * 256
         live: dict[int, Reader] = {
-            0: lambda: read("XTARGET"),
-            1: lambda: read("XACTUAL"),
+            0: lambda: self.target,
+            1: lambda: self.position,
             2: partial(self._shown, TARGET_SPEED),
             3: lambda: parameters.speed_shown(read("VACTUAL")),
             8: lambda: int(read("XACTUAL") == read("XTARGET")),  # RAMP_STAT has it too, and costs three times as much
@@ -307,6 +371,8 @@ class Axis:
             10: lambda: read("RAMP_STAT") >> 1 & 1,
             11: lambda: read("RAMP_STAT") & 1,
             29: self._measured_speed,
+            135: self._acceleration,
+            RAMP_MODE: lambda: IN_POSITION if parameters.positioning else IN_VELOCITY,
             180: lambda: read("DRV_STATUS") >> 16 & 0x1F,
             189: lambda: read("PWM_SCALE") & 0xFF,
             190: lambda: read("DRV_STATUS") >> 14 & 1,
@@ -315,17 +381,19 @@ class Axis:
             206: lambda: read("DRV_STATUS") & 0x3FF,
             207: self._read_errors,
             208: self._driver_errors,
-            209: lambda: drive.internal.position,
+            209: lambda: self._counter.shows(drive.internal.position),
             210: lambda: int(drive.internal.clear_on_null),
             215: lambda: drive.internal.absolute * _TURN // drive.options.encoders.internal_counts,
-            216: lambda: drive.external.position,
+            216: lambda: self._counter.shows(drive.external.position),
         }
-        for number, row in ROWS.items():
+        if not parameters.NULL_SWITCH:
+            del live[210]
+        for number, row in parameters.rows.items():
             if number in live:
                 table[number] = live[number]
             elif row.access is Access.R:
                 raise KeyError(f"nobody tells axis parameter {number}")
-            elif row.internal_range is not None:
+            elif parameters.counts(number):
                 table[number] = partial(self._shown, number)
             else:
                 table[number] = partial(parameters.values.__getitem__, number)
@@ -338,6 +406,11 @@ class Axis:
         return self.parameters.speed_shown(
             units.measured_velocity(self.drive.read("TSTEP"), self.parameters.microsteps)
         )
+
+    def _acceleration(self) -> int:
+        """What it accelerates or brakes by now: nothing at rest and at the speed that it is to have."""
+        speed = abs(self.drive.read("VACTUAL"))
+        return 0 if speed in (0, self.drive.read("VMAX")) else self.parameters.shown[ACCELERATION]
 
     def _read_errors(self) -> int:
         errors, self.errors = self.errors, 0

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ...registers.tmcl.commands import COMMANDS, COORDINATES_IN_EEPROM, MAGIC, Opcode, Status
-from ...registers.tmcl.pd42 import MODULE
+from ...registers.tmcl.description import TmclModule
 from .application import Application
 from .axis import Axis
 from .coordinates import Coordinates
@@ -23,9 +23,6 @@ from .global_parameters import PROTECTION, GlobalParameters
 from .ports import Ports
 from .refused import Refused, invalid_value, wrong_type
 
-VERSION_MAJOR, VERSION_MINOR = 1, 44
-VERSION_STRING = b"%04dV%d%02d" % (MODULE, VERSION_MAJOR, VERSION_MINOR)
-VERSION_BINARY = MODULE << 16 | VERSION_MAJOR << 8 | VERSION_MINOR
 MOTOR_BITS = 1
 """Motors that there are, as bits of command 138."""
 _ABSOLUTE, _RELATIVE, _COORDINATE = 0, 1, 2
@@ -52,6 +49,7 @@ class Commands:
 
     def __init__(
         self,
+        module: TmclModule,
         axis: Axis,
         parameters: GlobalParameters,
         ports: Ports,
@@ -59,12 +57,15 @@ class Commands:
         coordinates: Coordinates,
         restart: Callable[[], None],
     ) -> None:
+        self._module = module
         self._axis = axis
         self._globals = parameters
         self._ports = ports
         self._application = application
         self._coordinates = coordinates
         self._restart = restart
+        self.waits: Callable[[], bool] = lambda: False
+        """Whether the program waits."""
 
     def table(self) -> list[Handler]:
         """A handler for each of the 256 opcodes."""
@@ -78,6 +79,9 @@ class Commands:
         table[Opcode.MVP] = self._mvp
         table[Opcode.SAP] = self._sap
         table[Opcode.GAP] = self._gap
+        if self._module.stores_axis:
+            table[Opcode.STAP] = self._stap
+            table[Opcode.RSAP] = self._rsap
         table[Opcode.SGP] = self._sgp
         table[Opcode.GGP] = self._ggp
         table[Opcode.STGP] = self._stgp
@@ -159,6 +163,19 @@ class Commands:
         self._axis.set(number, self._application.accumulator)
         return value
 
+    def _stap(self, number: int, motor: int, value: int) -> int:
+        _only_motor(motor)
+        self._globals.eeprom.axis[number] = self._axis.storable(number)
+        self._globals.eeprom.save()
+        return value
+
+    def _rsap(self, number: int, motor: int, value: int) -> int:
+        """What was never stored is as it was delivered."""
+        _only_motor(motor)
+        self._axis.storable(number)
+        self._axis.set(number, self._globals.eeprom.axis.get(number, self._axis.parameters.defaults[number]))
+        return value
+
     def _rfs(self, type_: int, motor: int, value: int) -> int:
         _only_motor(motor)
         if type_ == _START:
@@ -238,15 +255,15 @@ class Commands:
     # --- calculation, interrupts, application ----------------------------------------------------
 
     def _calc(self, operation: int, motor: int, value: int) -> int:
-        self._application.calc(operation, value)
+        self._application.execute(Opcode.CALC, operation, value)
         return value
 
     def _calcx(self, operation: int, motor: int, value: int) -> int:
-        self._application.calcx(operation)
+        self._application.execute(Opcode.CALCX, operation)
         return value
 
     def _cle(self, flag: int, motor: int, value: int) -> int:
-        self._application.clear_errors(flag)
+        self._application.execute(Opcode.CLE, flag)
         return value
 
     def _ei(self, number: int, motor: int, value: int) -> int:
@@ -286,13 +303,14 @@ class Commands:
         raise Special(command + bytes((sum(command) & 0xFF,)))
 
     def _get_status(self, type_: int, motor: int, value: int) -> int:
-        return self._application.told(type_)
+        return self._application.told(type_, self.waits())
 
     def _get_version(self, type_: int, motor: int, value: int) -> int:
         if type_ == 0:
-            raise Special(VERSION_STRING)
+            raise Special(b"%04dV%d%02d" % (self._module.number, *self._module.version))
         if type_ == 1:
-            return VERSION_BINARY
+            major, minor = self._module.version
+            return self._module.number << 16 | major << 8 | minor
         raise wrong_type()
 
     def _factory_default(self, type_: int, motor: int, value: int) -> int:

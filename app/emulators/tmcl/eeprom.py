@@ -13,24 +13,23 @@ import os
 import shutil
 from pathlib import Path
 
-from ...registers.tmcl.commands import Status
+from ...registers.tmcl.commands import PROGRAM_COMMANDS, Status
 from .refused import Refused
 
 log = logging.getLogger("stepscope.emulators")
 
-PROGRAM_COMMANDS = 2048
-"""Length of the program memory [commands]: what the family's header and older manuals say."""
 COMMAND_BYTES = 7
 _FORMAT = 1
 
 
 class Eeprom:
-    """Global parameters of bank 0, user variables, coordinates and the program."""
+    """Global parameters of bank 0, axis parameters, user variables, coordinates and the program."""
 
     def __init__(self, path: Path | None = None) -> None:
         """An EEPROM in `path`, created with the first write. A file that cannot be read counts as erased."""
         self.path = path
         self.globals: dict[int, int] = {}
+        self.axis: dict[int, int] = {}
         self.variables: dict[int, int] = {}
         self.coordinates: dict[int, int] = {}
         self.program: dict[int, bytes] = {}
@@ -55,6 +54,7 @@ class Eeprom:
             {
                 "format": _FORMAT,
                 "globals": _keys(self.globals),
+                "axis": _keys(self.axis),
                 "variables": _keys(self.variables),
                 "coordinates": _keys(self.coordinates),
                 "program": {str(at): command.hex() for at, command in sorted(self.program.items())},
@@ -77,6 +77,7 @@ class Eeprom:
 
     def _forget(self) -> None:
         self.globals.clear()
+        self.axis.clear()
         self.variables.clear()
         self.coordinates.clear()
         self.program.clear()
@@ -86,10 +87,11 @@ class Eeprom:
             raise ValueError(f"format {kept['format']} is not {_FORMAT}")
         for name, numbers in (
             ("globals", self.globals),
+            ("axis", self.axis),
             ("variables", self.variables),
             ("coordinates", self.coordinates),
         ):
-            part = kept[name]
+            part = kept.get(name, {}) if name == "axis" else kept[name]  # files of before had none
             if not isinstance(part, dict):
                 raise TypeError(f"{name} is no object")
             numbers.update({int(number): int(value) for number, value in part.items()})

@@ -19,6 +19,8 @@ from .commands import MOTOR_BITS, Commands, NoAnswer, Special
 from .coordinates import Coordinates
 from .eeprom import Eeprom
 from .global_parameters import ADDRESS, AUTOSTART, HEARTBEAT, HOST, PAUSE, SECONDARY, GlobalParameters
+from .interpreter import Interpreter
+from .models import Played
 from .ports import Ports
 from .refused import Refused
 
@@ -30,29 +32,54 @@ ALWAYS_ANSWERED = frozenset({Opcode.GAP, Opcode.GGP, Opcode.GIO})
 class Firmware:
     """One module between two power-offs. Time is the drive's; whoever calls has run it to the present."""
 
-    def __init__(self, drive: Drive, eeprom: Eeprom, delivered: dict[int, int], unknown: Collection[int] = ()) -> None:
-        """`delivered` as of `GlobalParameters`; `unknown` are axis parameters that this firmware does not have."""
+    def __init__(
+        self,
+        played: Played,
+        drive: Drive,
+        eeprom: Eeprom,
+        delivered: dict[int, int],
+        command_s: float,
+        unknown: Collection[int] = (),
+    ) -> None:
+        """`delivered` as of `GlobalParameters`; a command of a program takes `command_s` [s].
+
+        `unknown` are axis parameters that this firmware does not have.
+        """
         self.drive = drive
         self.eeprom = eeprom
-        self.axis = Axis(drive, unknown)
         self.application = Application(eeprom)
-        self.globals = GlobalParameters(eeprom, self.application, delivered)
+        self.globals = GlobalParameters(played.module, eeprom, self.application, delivered)
         self.globals.milliseconds = self._milliseconds
-        self.ports = Ports(lambda: drive.switches.home, lambda: drive.world.supply_v, lambda: drive.world.temperature_c)
+        self.axis = Axis(played, drive, lambda number: self.globals.configuration[number], eeprom.axis, unknown)
+        self.globals.changed = self.axis.parameters.configured
+        self.ports = Ports(
+            played.module, lambda: drive.switches.home, lambda: drive.world.supply_v, lambda: drive.world.temperature_c
+        )
         self.axis.arrived = self._arrived
         self.events: list[tuple[int, bytes]] = []
         """Position reached events that nobody fetched yet: (time [clocks], frame)."""
         self._clocks_per_ms = round(drive.options.clock_hz / 1000)
         self.coordinates = Coordinates(eeprom, self.globals)
         commands = Commands(
-            self.axis, self.globals, self.ports, self.application, self.coordinates, restart=self.power_on
+            played.module,
+            self.axis,
+            self.globals,
+            self.ports,
+            self.application,
+            self.coordinates,
+            restart=self.power_on,
         )
         self._handlers = commands.table()
+        self.interpreter = Interpreter(
+            self.application, self.axis, self.ports, self.globals, drive, self._handlers, command_s
+        )
+        commands.waits = lambda: self.interpreter.waits
         self._start()
 
     def power_on(self) -> None:
         """Restart the CPU and all it controls; the EEPROM and the mechanics stay."""
         self.drive.power_cycle()
+        self.globals.power_on()
         self.axis.power_on()
         self._start()
 
@@ -61,6 +88,7 @@ class Firmware:
         self.globals.power_on()
         self.ports.power_on()
         self.application.power_on(autostart=bool(self.globals.configuration[AUTOSTART]))
+        self.interpreter.power_on()
         self.coordinates.power_on()
         self._started = self.drive.clocks
         self._heard: int | None = self.drive.clocks
@@ -73,9 +101,10 @@ class Firmware:
         drive = self.drive
         while drive.clocks < until_clocks:
             silent_at = self._silent_at(until_clocks)
-            event = drive.advance(min(until_clocks, silent_at))
+            event = drive.advance(self.interpreter.run_to(min(until_clocks, silent_at)))
             if event is not None:
                 self.axis.happened(event)
+                self.interpreter.happened(event)
             elif silent_at <= drive.clocks:
                 self._heard = None
                 self.axis.stop_search()

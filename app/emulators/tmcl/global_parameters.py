@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from ...registers.model import Register, Space, to_signed
 from ...registers.tmcl.commands import BAUD_RATES
-from ...registers.tmcl.pd42 import PD42
+from ...registers.tmcl.description import TmclModule
 from ...registers.tmcl.pd42_globals import VARIABLES, VARIABLES_STORED
 from .application import PROTECT_READ, Application
 from .eeprom import Eeprom
@@ -23,37 +23,39 @@ _FASTER_BAUDS = {8: 230_400, 9: 250_000, 10: 500_000, 11: 1_000_000}
 """Codes that only the sister module's table has."""
 
 
-def _rows(space: Space) -> dict[int, Register]:
-    return {row.address: row for row in PD42 if row.space is space}
-
-
-_BANK0 = _rows(Space.GLOBAL_0)
-_BANK3 = _rows(Space.GLOBAL_3)
-_DEFAULTS = {number: row.reset or 0 for number, row in _BANK0.items() if _FIRST_STORED <= number <= _LAST_STORED}
-
-
 class GlobalParameters:
     """What SGP, GGP, STGP and RSGP reach. `milliseconds` tells the module's time since power-on [ms]."""
 
-    def __init__(self, eeprom: Eeprom, application: Application, delivered: dict[int, int]) -> None:
+    def __init__(self, module: TmclModule, eeprom: Eeprom, application: Application, delivered: dict[int, int]) -> None:
         """`delivered` are settings of bank 0 that an erased EEPROM has other than by the table."""
+        self._bank0, self._bank3 = module.rows(Space.GLOBAL_0), module.rows(Space.GLOBAL_3)
+        self._defaults = {
+            number: row.reset or 0 for number, row in self._bank0.items() if _FIRST_STORED <= number <= _LAST_STORED
+        }
         self.eeprom = eeprom
         self._application = application
+        self._variables = application.variables
         self._delivered = delivered
         self.milliseconds: Callable[[], int] = lambda: 0
+        self.timer_set: Callable[[int], None] = lambda number: None
+        """Hears the number of each setting of bank 3 that was written."""
+        self.changed: Callable[[int], None] = lambda number: None
+        """Hears the number of each setting of bank 0 that was written."""
         self.power_on()
 
     def power_on(self) -> None:
         """Everything as after switching on (FM-PD42-1241 5.1, 5.3, 8.4)."""
-        known = {number: value for number, value in self.eeprom.globals.items() if _allowed(_BANK0.get(number), value)}
-        self.configuration = {**_DEFAULTS, **self._delivered, **known}
+        known = {
+            number: value for number, value in self.eeprom.globals.items() if _allowed(self._bank0.get(number), value)
+        }
+        self.configuration = {**self._defaults, **self._delivered, **known}
         self.baud_in_force = baud_of(self.configuration[BAUD])
         self.suppress = 0
-        self.variables = [0] * VARIABLES
+        self._variables[:] = 0
         if not self.configuration[FORGET_VARIABLES]:
             for number, value in self.eeprom.variables.items():
-                self.variables[number % VARIABLES] = value
-        self.interrupt_setup = {number: row.reset or 0 for number, row in _BANK3.items()}
+                self._variables[number % VARIABLES] = value
+        self.interrupt_setup = {number: row.reset or 0 for number, row in self._bank3.items()}
         self._ticks_from = 0
         self._random = 1
 
@@ -69,7 +71,7 @@ class GlobalParameters:
     def read(self, number: int, bank: int) -> int:
         """GGP. Raises Refused: status 3 for a parameter that there is not, 4 for another bank."""
         if bank == USER_VARIABLES:
-            return self.variables[number]
+            return int(self._variables[number])
         if bank == CONFIGURATION:
             if number in self.configuration:
                 return self.configuration[number]
@@ -83,11 +85,11 @@ class GlobalParameters:
     def write(self, number: int, bank: int, value: int) -> None:
         """SGP, AGP. Raises Refused: status 3 where it cannot be written, 4 for the value or the bank."""
         if bank == USER_VARIABLES:
-            self.variables[number] = value
+            self._variables[number] = value
         elif bank == CONFIGURATION:
             self._write_configuration(number, value)
         elif bank == INTERRUPT_SETUP:
-            row = _BANK3.get(number)
+            row = self._bank3.get(number)
             if row is None:
                 raise wrong_type()
             if row.maximum >= 1 << 31:  # periods use all 32 bits without a sign
@@ -95,6 +97,7 @@ class GlobalParameters:
             if not _allowed(row, value):
                 raise invalid_value()
             self.interrupt_setup[number] = to_signed(value & 0xFFFF_FFFF, 32)
+            self.timer_set(number)
         else:
             raise invalid_value()
 
@@ -103,7 +106,7 @@ class GlobalParameters:
         if bank == USER_VARIABLES:
             if number >= VARIABLES_STORED:
                 raise wrong_type()
-            self.eeprom.variables[number] = self.variables[number]
+            self.eeprom.variables[number] = int(self._variables[number])
             self.eeprom.save()
         elif bank != CONFIGURATION:
             raise invalid_value()
@@ -115,7 +118,7 @@ class GlobalParameters:
         if bank == USER_VARIABLES:
             if number >= VARIABLES_STORED:
                 raise wrong_type()
-            self.variables[number] = self.eeprom.variables.get(number, 0)
+            self._variables[number] = self.eeprom.variables.get(number, 0)
         elif bank != CONFIGURATION:
             raise invalid_value()
         elif number not in self.configuration:
@@ -123,6 +126,8 @@ class GlobalParameters:
 
     def _read_live(self, number: int) -> int:
         application = self._application
+        if number not in self._bank0:
+            raise wrong_type()
         if number == STATUS:
             return application.status
         if number == DOWNLOADING:
@@ -130,7 +135,7 @@ class GlobalParameters:
         if number == COUNTER:
             return application.counter
         if number == LAST_ERROR:
-            return 0  # nothing executes programs, so none has failed
+            return application.last_error
         if number == TICKS:
             return (self.milliseconds() - self._ticks_from) % _TICKS_WRAP
         if number == RANDOM:
@@ -142,7 +147,7 @@ class GlobalParameters:
         raise wrong_type()
 
     def _write_configuration(self, number: int, value: int) -> None:
-        row = _BANK0.get(number)
+        row = self._bank0.get(number)
         if row is None or not row.access.writable:
             raise wrong_type()
         if not _allowed(row, value):
@@ -156,10 +161,11 @@ class GlobalParameters:
         else:
             unprotected = number == PROTECTION and self.configuration[PROTECTION] & PROTECT_READ and not value & 1
             if unprotected:  # else the protection would be none
-                self.eeprom.program.clear()
+                self._application.erase()
             self.configuration[number] = value
             self.eeprom.globals[number] = value
             self.eeprom.save()
+            self.changed(number)
 
 
 def baud_of(code: int) -> int:

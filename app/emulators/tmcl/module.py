@@ -1,4 +1,4 @@
-"""An emulated PD42-1241 as the far end of a wire: seconds, frames and faults around its firmware."""
+"""An emulated TMCL module as the far end of a wire: seconds, frames and faults around its firmware."""
 
 from __future__ import annotations
 
@@ -17,11 +17,10 @@ from .eeprom import Eeprom
 from .faults import UNDERVOLTAGE_V, Faults
 from .firmware import Firmware
 from .global_parameters import ADDRESS, BAUD
-from .options import Pd42Options, Pd42Patch
+from .models import PLAYED
+from .options import TmclOptions, TmclPatch
 from .refused import Refused
-from .state import Pd42State
-
-MODEL = "pd42-1241"
+from .state import TmclState
 
 
 class EmulatedModule(FarEnd):
@@ -31,14 +30,25 @@ class EmulatedModule(FarEnd):
     `unsolicited` are its wire, and the line does to the bytes what `faults` says; without one `exchange` is.
     """
 
-    def __init__(self, clock: Clock, options: Pd42Options | None = None, eeprom: Path | None = None) -> None:
+    def __init__(
+        self, model: str, clock: Clock, options: TmclOptions | None = None, eeprom: Path | None = None
+    ) -> None:
         """A module that has just been switched on and lives by `clock`; `eeprom` is the file of its memory."""
-        self.options = options or Pd42Options()
+        played = PLAYED[model]
+        self._model = model
+        self.options = options or TmclOptions()
         super().__init__(clock, self.options.time_scale)
         self.faults = Faults()
         delivered = {ADDRESS: self.options.address, BAUD: self.options.baud_code}
-        self._drive = Drive(self.options.drive())
-        self._firmware = Firmware(self._drive, Eeprom(eeprom), delivered, self.options.unknown_parameters)
+        self._drive = Drive(self.options.drive(played.full_scale_a))
+        self._firmware = Firmware(
+            played,
+            self._drive,
+            Eeprom(eeprom),
+            delivered,
+            self.options.command_us / 1e6,
+            self.options.unknown_parameters,
+        )
         self._clock_hz = self._drive.options.clock_hz
         self._supply_v = self.options.supply_v
         self._noise = random.Random(self.options.seed)
@@ -46,7 +56,7 @@ class EmulatedModule(FarEnd):
     @property
     def model(self) -> str:
         """The name in the catalog."""
-        return MODEL
+        return self._model
 
     @property
     def reply_pause_s(self) -> float:
@@ -86,25 +96,25 @@ class EmulatedModule(FarEnd):
         """
         faults = self.faults
         if faults.unplugged:
-            raise ConnectionError(f"emulated {MODEL} is unplugged")
+            raise ConnectionError(f"emulated {self._model} is unplugged")
         reply = self.receive(frame, at_s)
         if reply is None:
-            raise TimeoutError(f"emulated {MODEL} does not answer this")
+            raise TimeoutError(f"emulated {self._model} does not answer this")
         if faults.silence or faults.late_reply_s:
-            raise TimeoutError(f"emulated {MODEL} is silent")
+            raise TimeoutError(f"emulated {self._model} is silent")
         if faults.bit_error_rate or faults.half_frame_rate:
             return faults.spoil(reply, self._noise)
         return reply
 
     # --- the world around ------------------------------------------------------------------------
 
-    def state(self, at_s: float | None = None) -> Pd42State:
+    def state(self, at_s: float | None = None) -> TmclState:
         """Everything that GET .../emulator answers, at chip time `at_s` [s], by default now."""
         with self._lock:
             self._run_until(at_s)
             return self._describe()
 
-    def patch(self, change: Pd42Patch, at_s: float | None = None) -> Pd42State:
+    def patch(self, change: TmclPatch, at_s: float | None = None) -> TmclState:
         """Change the world around the module at chip time `at_s` [s], by default now.
 
         Raises OutOfRange for switches that would change places, WrongState where factory settings cannot be written.
@@ -136,12 +146,15 @@ class EmulatedModule(FarEnd):
 
     # --- within ----------------------------------------------------------------------------------
 
-    def _run_until(self, at_s: float | None) -> None:
-        if at_s is None:
-            at_s = self.clock.now()
-        if at_s > self._latest_s:
-            self._latest_s = at_s
-            self._firmware.run(int(at_s * self._clock_hz + 0.5))
+    def _run(self, until_s: float) -> None:
+        if until_s > self._latest_s:
+            self._latest_s = until_s
+            self._firmware.run(int(until_s * self._clock_hz + 0.5))
+
+    @property
+    def _quiet(self) -> bool:
+        # a heartbeat that runs out only stops what stands
+        return self._drive.quiet and not self._firmware.interpreter.active
 
     def _erase(self) -> None:
         try:
@@ -150,7 +163,7 @@ class EmulatedModule(FarEnd):
             path = self._firmware.eeprom.path
             raise WrongState(f"the EEPROM's file {path} cannot be written", "see to the disk and its rights") from error
 
-    def _change_inputs(self, change: Pd42Patch) -> None:
+    def _change_inputs(self, change: TmclPatch) -> None:
         ports, inputs = self._firmware.ports, change.inputs
         for number, level in ((1, inputs.in1), (2, inputs.in2)):
             if level is not None:
@@ -158,12 +171,14 @@ class EmulatedModule(FarEnd):
         if inputs.analog is not None:
             ports.analog = inputs.analog
 
-    def _describe(self) -> Pd42State:
+    def _describe(self) -> TmclState:
         return world.describe(
+            self._model,
             self._drive,
             self._firmware,
             self.options,
             self.faults.describe(),
             time_scale=self.clock.scale,
             chip_time_s=self._latest_s,
+            time_skipped_s=self.clock.skipped_s,
         )

@@ -24,7 +24,7 @@ from ..drive.options import DriveOptions, EncoderOptions, FullSteps, LoadOptions
 Level = Flag | Literal["open"]
 
 
-class Pd42Options(Closed):
+class TmclOptions(Closed):
     """How an emulated module, its motor and its stage are made: the `link` of an emulated device."""
 
     time_scale: TimeScale = Field(default=1.0, description="how fast the module's time passes; 0 stands still")
@@ -46,16 +46,20 @@ class Pd42Options(Closed):
             description="axis parameters that its firmware, as another version, does not have: answered with status 3",
         )
     )
+    command_us: Annotated[float, Field(strict=True, ge=1, le=1e6, allow_inf_nan=False)] = Field(
+        default=100.0, description="how long a command of a program takes [us of the module's time]; no source tells it"
+    )
     seed: Seed = Field(default=1241, description="of the noise in the load value and of faults on the wire")
 
-    def drive(self) -> DriveOptions:
-        """The part that the motor and its driver chip are made with."""
+    def drive(self, full_scale_a: float) -> DriveOptions:
+        """The part that the motor and its driver chip, of that peak coil current, are made with."""
         return DriveOptions(
             motor=self.motor,
             load=self.load,
             stage=self.stage,
             encoders=self.encoders,
             supply_v=self.supply_v,
+            full_scale_a=full_scale_a,
             start_fullsteps=self.start_fullsteps,
             seed=self.seed,
         )
@@ -113,7 +117,7 @@ class FaultsChange(Closed):
     )
 
 
-class Pd42Patch(Closed):
+class TmclPatch(Closed):
     """A change to a running module; what is left out stays. A power cycle or factory default comes first."""
 
     time_scale: TimeScale | None = None

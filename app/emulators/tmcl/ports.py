@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ...registers.model import Space
-from ...registers.tmcl.pd42 import PD42
+from ...registers.tmcl.description import TmclModule
 from .refused import invalid_value, wrong_type
 
 DIGITAL, ANALOG, OUTPUT = 0, 1, 2
@@ -19,13 +19,20 @@ ALL = 255
 AIN0, SUPPLY, TEMPERATURE = 0, 8, 9
 _PULL_UP_HOME, _PULL_UP_OTHERS = 1, 2
 _ANALOG_HALF = 2048
-OUTPUTS = sum(1 for row in PD42 if row.space is Space.OUTPUT)
 
 
 class Ports:
     """Three callables tell what lies outside: the home switch, the supply [V] and the temperature [deg C]."""
 
-    def __init__(self, home: Callable[[], bool], supply_v: Callable[[], float], celsius: Callable[[], float]) -> None:
+    def __init__(
+        self,
+        module: TmclModule,
+        home: Callable[[], bool],
+        supply_v: Callable[[], float],
+        celsius: Callable[[], float],
+    ) -> None:
+        self._outputs = len(module.rows(Space.OUTPUT))
+        self._has_pull_ups = bool(module.rows(Space.PULL_UP))
         self._home, self._supply_v, self._celsius = home, supply_v, celsius
         self.driven: dict[int, bool | None] = {1: None, 2: None}
         """Levels put on IN1 and IN2; None leaves them open."""
@@ -34,7 +41,7 @@ class Ports:
 
     def power_on(self) -> None:
         """Outputs off, pull-ups on."""
-        self.outputs = [0] * OUTPUTS
+        self.outputs = [0] * self._outputs
         self.pull_ups = _PULL_UP_HOME | _PULL_UP_OTHERS
 
     def read(self, port: int, bank: int) -> int:
@@ -53,7 +60,7 @@ class Ports:
             if port == TEMPERATURE:
                 return round(self._celsius())
         elif bank == OUTPUT:
-            if port < OUTPUTS:
+            if port < self._outputs:
                 return self.outputs[port]
         else:
             raise invalid_value()
@@ -62,7 +69,7 @@ class Ports:
     def write(self, port: int, bank: int, value: int, accumulator: int) -> None:
         """SIO: bank 2 the outputs (port 255 all of them as bits, -1 takes the accumulator), bank 0 the pull-ups."""
         if bank == DIGITAL:
-            if port != 0:
+            if port != 0 or not self._has_pull_ups:
                 raise wrong_type()
             if not 0 <= value <= (_PULL_UP_HOME | _PULL_UP_OTHERS):
                 raise invalid_value()
@@ -71,8 +78,8 @@ class Ports:
             raise invalid_value()
         elif port == ALL:
             bits = accumulator if value == -1 else value
-            self.outputs = [bits >> place & 1 for place in range(OUTPUTS)]
-        elif port >= OUTPUTS:
+            self.outputs = [bits >> place & 1 for place in range(self._outputs)]
+        elif port >= self._outputs:
             raise wrong_type()
         elif value not in (0, 1):
             raise invalid_value()

@@ -6,6 +6,7 @@ from typing import Literal
 
 from pydantic import BaseModel, Field
 
+from ...registers.names import ModuleName
 from ..drive.bench import MotorState, StageState, TruthState
 
 
@@ -48,7 +49,7 @@ class FaultsState(BaseModel):
 
 
 class ApplicationState(BaseModel):
-    """The program in the module. It is stored and its run state kept; nothing executes it."""
+    """The program in the module, and the registers of its interpreter."""
 
     status: Literal["stopped", "runs", "steps"]
     counter: int = Field(description="command that would come next")
@@ -56,6 +57,11 @@ class ApplicationState(BaseModel):
     commands: int = Field(description="commands in program memory")
     accumulator: int
     x: int
+    flags: list[str] = Field(description="flags that are set")
+    stack: list[int] = Field(description="addresses that subroutines return to, the innermost last")
+    waits: bool = Field(description="a WAIT is not met yet")
+    interrupted: bool = Field(description="an interrupt is being served")
+    error: int = Field(description="status of the latest command of a program that was refused; 0 for none")
 
 
 class SearchState(BaseModel):
@@ -63,12 +69,15 @@ class SearchState(BaseModel):
     phase: str = Field(description="what the reference search does; empty while none runs")
 
 
-class Pd42State(BaseModel):
+class TmclState(BaseModel):
     """Everything that GET .../emulator answers for a PD42-1241."""
 
-    model: Literal["pd42-1241"] = "pd42-1241"
+    model: ModuleName
     time_scale: float
     chip_time_s: float
+    time_skipped_s: float = Field(
+        description="how long it stood still because more had to be worked out than this machine can in time [s]"
+    )
     address: int = Field(description="serial address now")
     baud: int = Field(description="baud rate in force: a change waits for the next power-on")
     motor: MotorState

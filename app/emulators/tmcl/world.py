@@ -16,28 +16,28 @@ from ..drive.bench import (
     truth_state,
 )
 from .firmware import Firmware
-from .options import Pd42Options, Pd42Patch
+from .options import TmclOptions, TmclPatch
 from .parameters import SEARCH_MODE
 from .state import (
     ApplicationState,
     EncoderState,
     FaultsState,
     InputsState,
-    Pd42State,
     SearchState,
     SwitchesState,
     SwitchState,
+    TmclState,
 )
 
 _STATUS: tuple[Literal["stopped", "runs", "steps"], ...] = ("stopped", "runs", "steps")
 
 
-def check(drive: Drive, wanted: Pd42Patch) -> None:
+def check(drive: Drive, wanted: TmclPatch) -> None:
     """Raises OutOfRange for what cannot be done to this bench."""
     check_stage(places_of(drive.world), wanted.stage)
 
 
-def change(drive: Drive, wanted: Pd42Patch) -> None:
+def change(drive: Drive, wanted: TmclPatch) -> None:
     """Everything that is not the firmware's; the stage has been checked."""
     world = drive.world
     change_motor(world, wanted.motor)
@@ -64,22 +64,26 @@ def change(drive: Drive, wanted: Pd42Patch) -> None:
 
 
 def describe(
+    model: str,
     drive: Drive,
     firmware: Firmware,
-    options: Pd42Options,
+    options: TmclOptions,
     faults: FaultsState,
     *,
     time_scale: float,
     chip_time_s: float,
-) -> Pd42State:
+    time_skipped_s: float,
+) -> TmclState:
     """The module and its bench as the API tells them."""
     world, truth, switches = drive.world, drive.truth, drive.switches
     ports, application, axis = firmware.ports, firmware.application, firmware.axis
     levels = ports.levels()
     path = firmware.eeprom.path
-    return Pd42State(
+    return TmclState(
+        model=model,
         time_scale=time_scale,
         chip_time_s=chip_time_s,
+        time_skipped_s=time_skipped_s,
         address=firmware.globals.address,
         baud=firmware.globals.baud_in_force,
         motor=motor_state(world, options.motor),
@@ -112,6 +116,11 @@ def describe(
             commands=len(firmware.eeprom.program),
             accumulator=application.accumulator,
             x=application.x,
+            flags=application.flags,
+            stack=application.stack,
+            waits=firmware.interpreter.waits,
+            interrupted=firmware.interpreter.serves,
+            error=application.last_error,
         ),
         search=SearchState(mode=axis.parameters.values[SEARCH_MODE], phase=axis.phase_text),
         truth=truth_state(truth),

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from pathlib import Path
 
 from app.clock import VirtualClock
-from app.emulators.build import build_emulator
-from app.emulators.tmcl.options import Pd42Options, Pd42Patch
-from app.emulators.tmcl.state import Pd42State
+from app.emulators.tmcl.family import FAMILY
+from app.emulators.tmcl.options import TmclOptions, TmclPatch
+from app.emulators.tmcl.state import TmclState
 from app.links.tmcl import Reply, Request
 from app.registers.tmcl.commands import Opcode, Status
 
@@ -20,9 +20,11 @@ FULLSTEP = 256
 class Bench:
     """One module, obeyed at once, and a clock that only the test moves."""
 
-    def __init__(self, options: dict[str, object] | None = None, eeprom: Path | None = None) -> None:
+    def __init__(
+        self, options: dict[str, object] | None = None, eeprom: Path | None = None, model: str = "pd42-1241"
+    ) -> None:
         self.clock = VirtualClock()
-        self.module = build_emulator("pd42-1241", self.clock, Pd42Options.model_validate(options or {}), eeprom)
+        self.module = FAMILY.make(model, self.clock, TmclOptions.model_validate(options or {}), eeprom)
         self.address = self.module.options.address
 
     def ask(self, opcode: int, type_: int = 0, motor: int = 0, value: int = 0) -> Reply:
@@ -71,11 +73,11 @@ class Bench:
     def events(self) -> list[tuple[float, bytes]]:
         return self.module.unsolicited()
 
-    def patch(self, **change: object) -> Pd42State:
-        return self.module.patch(Pd42Patch.model_validate(change))
+    def patch(self, **change: object) -> TmclState:
+        return self.module.patch(TmclPatch.model_validate(change))
 
     @property
-    def state(self) -> Pd42State:
+    def state(self) -> TmclState:
         return self.module.state()
 
     def power_cycle(self) -> None:

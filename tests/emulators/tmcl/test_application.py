@@ -1,12 +1,11 @@
-"""The program side: memory, run state, accumulator and flags; nothing executes a program yet."""
+"""The program side: memory, run state, accumulator and flags. What programs do: `test_programs`."""
 
 from __future__ import annotations
 
 import pytest
 
-from app.emulators.tmcl.eeprom import PROGRAM_COMMANDS
 from app.links.tmcl import Request
-from app.registers.tmcl.commands import Opcode, Status
+from app.registers.tmcl.commands import PROGRAM_COMMANDS, Opcode, Status
 from tests.emulators.tmcl.bench import Bench
 
 ADD, SUB, MUL, DIV, MOD, AND, OR, XOR, NOT, LOAD, SWAP = range(11)
@@ -207,20 +206,17 @@ def test_protected_memory() -> None:
 # --- run state ------------------------------------------------------------------------------------
 
 
-def test_run_stop_step_and_reset_show_in_the_status() -> None:
+def test_run_stop_and_reset_show_in_the_status() -> None:
     bench = Bench()
     _download(bench, 0, PROGRAM)
-    bench.do(Opcode.RUN_APPLICATION, 1, 0, 2)
-    assert (bench.ggp(128), bench.ggp(130), bench.state.application.status) == (1, 2, "runs")
-    assert bench.do(Opcode.GET_STATUS, 1) == 1 << 24 | 2
+    bench.do(Opcode.RUN_APPLICATION, 1, 0, 1)
+    assert (bench.ggp(128), bench.ggp(130), bench.state.application.status) == (1, 1, "runs")
     bench.run(1.0)
-    assert (bench.ggp(130), bench.gap(1)) == (2, 0)  # nothing executes it, and nothing pretends to
+    assert bench.do(Opcode.GET_STATUS, 1) == 1 << 24 | 1 << 16 | 1  # it waits
     bench.do(Opcode.STOP_APPLICATION)
-    assert (bench.ggp(128), bench.ggp(130)) == (0, 2)
-    bench.do(Opcode.STEP_APPLICATION)
-    assert (bench.ggp(128), bench.ggp(130)) == (2, 2)
+    assert (bench.ggp(128), bench.ggp(130)) == (0, 1)
     bench.do(Opcode.RUN_APPLICATION)
-    assert (bench.ggp(128), bench.ggp(130)) == (1, 2)
+    assert (bench.ggp(128), bench.ggp(130)) == (1, 1)
     _load(bench, 5)
     bench.do(Opcode.CALCX, LOAD)
     bench.do(Opcode.RESET_APPLICATION)
@@ -229,15 +225,6 @@ def test_run_stop_step_and_reset_show_in_the_status() -> None:
     assert bench.ask(Opcode.RUN_APPLICATION, 2).status == Status.WRONG_TYPE
     assert bench.ask(Opcode.GET_STATUS, 4).status == Status.WRONG_TYPE
     assert bench.ggp(131) == 0
-
-
-def test_automatic_start() -> None:
-    bench = Bench()
-    bench.power_cycle()
-    assert bench.ggp(128) == 0
-    bench.sgp(77, 1)
-    bench.power_cycle()
-    assert bench.ggp(128) == 1
 
 
 def test_versions() -> None:

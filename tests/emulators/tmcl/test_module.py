@@ -10,9 +10,10 @@ from pydantic import ValidationError
 from app.clock import VirtualClock
 from app.emulators.build import build_emulator, options_of, warm_up
 from app.emulators.tmc428.options import EmulatorOptions
+from app.emulators.tmcl.family import FAMILY
 from app.emulators.tmcl.module import EmulatedModule
-from app.emulators.tmcl.options import Pd42Options, Pd42Patch
-from app.emulators.tmcl.state import Pd42State
+from app.emulators.tmcl.options import TmclOptions, TmclPatch
+from app.emulators.tmcl.state import TmclState
 from app.errors import BadReply, LinkDown, LinkTimeout, OutOfRange, UnknownThing
 from app.links.emulator import EmulatorPort
 from app.links.tmcl import Request, check_reply
@@ -24,13 +25,13 @@ POSITION = Request(1, Opcode.GAP, 1).encode()
 
 def test_the_factory_knows_models_by_their_options() -> None:
     clock = VirtualClock()
-    assert options_of("pd42-1241") is Pd42Options
+    assert options_of("pd42-1241") is TmclOptions
     assert options_of("tmc428") is EmulatorOptions
     assert isinstance(build_emulator("pd42-1241", clock), EmulatedModule)
     model: str = "pd42-1241"
-    assert build_emulator(model, clock, Pd42Options(address=7)).state().address == 7
+    assert FAMILY.make(model, clock, TmclOptions(address=7)).state().address == 7
     with pytest.raises(TypeError):
-        build_emulator("tmc428", clock, Pd42Options())
+        build_emulator("tmc428", clock, TmclOptions())
     with pytest.raises(TypeError):
         build_emulator(model, clock, EmulatorOptions())
     with pytest.raises(UnknownThing, match="pd42-1241"):
@@ -53,7 +54,7 @@ def test_the_factory_knows_models_by_their_options() -> None:
 )
 def test_wrong_options_are_refused(options: dict[str, object]) -> None:
     with pytest.raises(ValidationError):
-        Pd42Options.model_validate(options)
+        TmclOptions.model_validate(options)
 
 
 @pytest.mark.parametrize(
@@ -71,7 +72,7 @@ def test_wrong_options_are_refused(options: dict[str, object]) -> None:
 )
 def test_wrong_changes_are_refused(change: dict[str, object]) -> None:
     with pytest.raises(ValidationError):
-        Pd42Patch.model_validate(change)
+        TmclPatch.model_validate(change)
 
 
 def test_switches_cannot_change_places() -> None:
@@ -326,7 +327,7 @@ def test_every_field_of_the_state_is_there_as_json() -> None:
     bench.move(10_000)
     bench.run(0.4)
     state = bench.state
-    assert Pd42State.model_validate_json(state.model_dump_json()) == state
+    assert TmclState.model_validate_json(state.model_dump_json()) == state
     assert state.model == "pd42-1241"
     assert state.motor.fullsteps_per_turn == 200
     assert state.truth.rotor_fullsteps == state.stage.position_fullsteps

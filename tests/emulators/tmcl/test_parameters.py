@@ -6,15 +6,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from app.emulators.tmcl.defaults import DEFAULTS
-from app.emulators.tmcl.parameters import ROWS
-from app.registers.model import Register
+from app.emulators.tmcl.sixpoint import SixPointParameters
+from app.registers.model import Register, Space
 from app.registers.tmcl.commands import Opcode, Status, reference_modes
+from app.registers.tmcl.modules import MODULES
 from tests.emulators.tmcl.bench import Bench
 
 pytestmark = pytest.mark.sheet("FM-PD42-1241", "4")
 
 MOVING = {0, 2}
+ROWS = MODULES["pd42-1241"].rows(Space.AXIS)
+DEFAULTS = SixPointParameters.defaults_of(ROWS)
 WRITABLE = [row for row in ROWS.values() if row.access.writable]
 READ_ONLY = [row for row in ROWS.values() if not row.access.writable]
 

@@ -1,0 +1,1 @@
+"""Programs that a device executes by itself."""

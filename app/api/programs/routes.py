@@ -1,0 +1,109 @@
+"""Programs in the memory of a device: assembled, stored, read back, run, stopped, stepped and looked at."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query
+
+from ...calc.tmcl.assembler import Assembly
+from ...calc.tmcl.disassembler import disassemble, listing
+from ...errors import SoftLimit, UsageError, WriteRefused
+from ..abilities import CurrentProgram
+from ..audit import wording
+from ..http.problems import DEVICE_PROBLEMS, problems
+from ..policy import policy
+from .schemas import (
+    AssembledProgram,
+    ProgramListing,
+    ProgramProblem,
+    ProgramRun,
+    ProgramSource,
+    ProgramStart,
+    StoredProgram,
+)
+
+router = APIRouter(prefix="/devices/{device}/program", tags=["programs"])
+
+PROBLEMS_TOLD = 10
+VariablesQuery = Annotated[
+    list[Annotated[int, Query(ge=0, le=255)]] | None,
+    Query(alias="variable", description="user variables to read, by number", max_length=64),
+]
+FirstQuery = Annotated[int, Query(ge=0, le=65_535, description="address of the first command")]
+CountQuery = Annotated[int, Query(ge=1, le=65_536, description="how many commands")]
+
+
+@router.post("/assemble", responses=problems(*DEVICE_PROBLEMS))
+@policy(lease="free", role="look", audit="silent")
+async def assemble_program(program: CurrentProgram, body: ProgramSource) -> AssembledProgram:
+    """The commands of a program, or everything that is wrong with it. Nothing is sent."""
+    made = program.assemble(body.text, body.files, body.name)
+    if made.problems:
+        told = [ProgramProblem.model_validate(problem) for problem in made.problems]
+        return AssembledProgram(problems=told, commands=0, labels={}, listing="")
+    return AssembledProgram(
+        problems=[],
+        commands=len(made.commands),
+        labels=made.labels,
+        listing=listing(made, program.instructions),
+    )
+
+
+@router.put("", responses=problems(*DEVICE_PROBLEMS, SoftLimit, WriteRefused))
+@policy(words=wording.plain("download program", "name"))
+async def write_program(program: CurrentProgram, body: ProgramSource) -> StoredProgram:
+    """Assemble a program, store it in the device and read it back. One that runs is stopped; the motor has to rest."""
+    made = program.assemble(body.text, body.files, body.name)
+    _require_right(made)
+    stored = await program.download(made.commands)
+    return StoredProgram(commands=stored.commands, labels=made.labels, sent_again=stored.sent_again)
+
+
+@router.get("", responses=problems(*DEVICE_PROBLEMS))
+async def read_program(program: CurrentProgram, address: FirstQuery = 0, count: CountQuery = 64) -> ProgramListing:
+    """What the memory holds, as text that assembles to the same commands."""
+    commands = await program.read_program(address, count)
+    return ProgramListing(address=address, commands=count, text=disassemble(commands, program.instructions))
+
+
+@router.post("/run", status_code=204, responses=problems(*DEVICE_PROBLEMS))
+@policy(audit="told by drivers", words=wording.plain("run program", "address"))
+async def run_program(program: CurrentProgram, body: ProgramStart | None = None) -> None:
+    """Run the program from an address, or from where it stopped. It may move the motor."""
+    await program.run_program((body or ProgramStart()).address)
+
+
+@router.post("/stop", status_code=204, responses=problems(*DEVICE_PROBLEMS))
+@policy(stops=True, audit="told by drivers", words=wording.done("stop program"))
+async def stop_program(program: CurrentProgram) -> None:
+    """Stop the program. The motor goes on as it was told last: a stop of the axis ends both."""
+    await program.stop_program()
+
+
+@router.post("/step", status_code=204, responses=problems(*DEVICE_PROBLEMS))
+@policy(audit="told by drivers", words=wording.done("step program"))
+async def step_program(program: CurrentProgram) -> None:
+    """Do one command of the program."""
+    await program.step_program()
+
+
+@router.post("/reset", status_code=204, responses=problems(*DEVICE_PROBLEMS))
+@policy(audit="told by drivers", words=wording.done("reset program"))
+async def reset_program(program: CurrentProgram) -> None:
+    """Stop the program and go to its start; registers are cleared."""
+    await program.reset_program()
+
+
+@router.get("/state", responses=problems(*DEVICE_PROBLEMS))
+async def program_state(program: CurrentProgram, variables: VariablesQuery = None) -> ProgramRun:
+    """What the interpreter does now: counter, registers, and those user variables that are asked for."""
+    return ProgramRun.model_validate(await program.program_state(variables or ()))
+
+
+def _require_right(made: Assembly) -> None:
+    """Raises UsageError with what is wrong."""
+    if made.problems:
+        told = "; ".join(str(problem) for problem in made.problems[:PROBLEMS_TOLD])
+        more = len(made.problems) - PROBLEMS_TOLD
+        raise UsageError(f"the program is not right: {told}{f'; and {more} more' if more > 0 else ''}")

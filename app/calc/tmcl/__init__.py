@@ -1,0 +1,1 @@
+"""TMCL programs as text and as bytes."""

@@ -1,0 +1,189 @@
+"""Programs of the manual and of others, with the bytes that they are published with or that follow from the tables."""
+
+from __future__ import annotations
+
+FIRST = """\
+    ROL 0, 51200 // Rotate motor 0
+    WAIT TICKS, 0, 500
+    MST 0
+    ROR 0, 51200
+    WAIT TICKS, 0, 500
+    MST 0
+
+    SAP 4, 0, 51200 //Set max. Velocity
+    SAP 5, 0, 51200 // Set max. Acceleration
+Loop:
+    MVP ABS, 0, 512000
+    WAIT POS, 0, 0
+    MVP ABS, 0, -512000
+    WAIT POS, 0, 0
+    JA Loop
+"""
+"""FM-PD42-1241 2.4."""
+TIMER = """\
+    VECT 0, Timer0Irq
+    SGP 0, 3, 1000
+    EI 0
+    EI 255
+Loop:
+    SIO 3, 2, 1
+    WAIT TICKS, 0, 50
+    SIO 3, 2, 0
+    WAIT TICKS, 0, 50
+    JA Loop
+Timer0Irq:
+    GIO 0, 2
+    JC NZ, Out0Off
+    SIO 0, 2, 1
+    RETI
+Out0Off:
+    SIO 0, 2, 0
+    RETI
+"""
+"""FM-PD42-1241 3.5.6.4."""
+SYMBOLS = """\
+#include TMCLParam.tmc
+MaxSpeed = 50000
+MaxAcc = 10000
+Position0 = 0
+Position1 = 500000
+    SAP APMaxPositioningSpeed, Motor0, MaxSpeed
+    SAP APMaxAcceleration, Motor0, MaxAcc
+MainLoop:
+    MVP ABS, Motor0, Position1
+    WAIT POS, Motor0, 0
+    MVP ABS, Motor0, Position0
+    WAIT POS, Motor0, 0
+    JA MainLoop
+"""
+"""FM-PD42-1241 8.3."""
+MAIN_LOOP = """\
+    SAP 4, 0, 50000
+    SAP 5, 0, 10000
+MainLoop:
+    MVP ABS, 0, 5000
+    WAIT POS, 0, 0
+    MVP ABS, 0, 0
+    WAIT POS, 0, 0
+    JA MainLoop
+"""
+"""FM-PD42-1241 8.2."""
+VARIABLES = """\
+MyVariable = 42
+    SGP MyVariable, 2, 1234
+    GGP MyVariable, 2
+    CALC MUL, 2
+    AGP MyVariable, 2
+"""
+"""FM-PD42-1241 8.4."""
+SUBROUTINE = """\
+Loop:
+    MVP ABS, 0, 10000
+    CSUB SubW
+    MVP ABS, 0, 0
+    CSUB SubW
+    JA Loop
+SubW:
+    WAIT POS, 0, 0
+    WAIT TICKS, 0, 50
+    RSUB
+"""
+"""FM-PD42-1241 3.6.18."""
+ROUTINES = """\
+Func1: JA Func1Start
+Func2: JA Func2Start
+Func3: JA Func3Start
+Func1Start:
+    MVP ABS, 0, 1000
+    WAIT POS, 0, 0
+    MVP ABS, 0, 0
+    WAIT POS, 0, 0
+    STOP
+Func2Start:
+    ROL 0, 500
+    WAIT TICKS, 0, 100
+    MST 0
+    STOP
+Func3Start:
+    ROR 0, 1000
+    WAIT TICKS, 0, 700
+    MST 0
+    STOP
+"""
+"""FM-PD42-1241 8.6."""
+POTENTIOMETER = """\
+Start:
+    GIO 0,1
+    CALC MUL, 4
+    AAP 0,0
+    JA Start
+"""
+"""FM-PD42-1241 3.6.27."""
+STEP_DIRECTION = """\
+SAP 6, 0, 200 // Set run current
+SAP 7, 0, 8
+SAP 254, 0, 1
+STOP
+"""
+"""FM-PD42-1241 6.4."""
+PY_TEST = """\
+    VECT 3, IrqA
+    EI 3
+    EI 255
+    MVP REL, 0, 51200
+Loop: JA Loop
+IrqA: VECT 3, IrqB
+    MVP REL, 0, -51200
+    RETI
+IrqB: VECT 3, IrqA
+    MVP REL, 0, 51200
+    RETI
+"""
+"""What `examples/tools/test.bin` of PyTrinamic means; the names of the labels are ours."""
+PY_TEST_BINARY = bytes.fromhex(
+    "25030000000005 2D 19030000000000 1C 19FF0000000000 18 0401000000C800 CD 16000000000004 1A 25030000000008 30"
+    "040100FFFF3800 3B 26000000000000 26 25030000000005 2D 0401000000C800 CD 26000000000000 26"
+)
+"""The whole of that file, which the maker's assembler wrote."""
+HELLO = """\
+SAP 6, 0, 200
+SAP 5, 0, 100
+LOOP:
+    ROR 0, 50
+    WAIT TICKS, 0, 500
+    MST 0
+    WAIT TICKS, 0, 500
+    ROL 0, 50
+    WAIT TICKS, 0, 500
+    MST 0
+    WAIT TICKS, 0, 500
+JA LOOP
+STOP
+"""
+"""What `assembler/testdata/hello-world.bin` of github.com/raceresult/go-tmcl means, for a TMCM-351."""
+HELLO_BINARY = bytes.fromhex(
+    "05060000 0000c8d3 05050000 0000646e 01000000 00003233 1b000000 0001f410 03000000 00000003 1b000000 0001f410"
+    "02000000 00003234 1b000000 0001f410 03000000 00000003 1b000000 0001f410 16000000 00000218 1c000000 0000001c"
+)
+BYTES = {
+    "2.4": (FIRST, ("02000000 00C800CA 1B000000 0001F410 03000000 00000003 01000000 00C800C9 1B000000 0001F410"
+                   "03000000 00000003 05040000 00C800D1 05050000 00C800D2 04000000 07D000DB 1B010000 0000001C"
+                   "040000FF F830002B 1B010000 0000001C 16000000 0000081E")),
+    "3.5.6.4": (TIMER, ("25000000 0000092E 09000300 0003E8F7 19000000 00000019 19FF0000 00000018 0E030200 00000114"
+                       "1B000000 0000324D 0E030200 00000013 1B000000 0000324D 16000000 0000041A 0F000200 00000011"
+                       "15010000 00000D23 0E000200 00000111 26000000 00000026 0E000200 00000010 26000000 00000026")),
+    "8.3": (SYMBOLS, ("05040000 00C3501C 05050000 00271041 04000000 07A120CC 1B010000 0000001C 04000000 00000004"
+                     "1B010000 0000001C 16000000 00000218")),
+    "8.2": (MAIN_LOOP, ("05040000 00C3501C 05050000 00271041 04000000 0013889F 1B010000 0000001C 04000000 00000004"
+                       "1B010000 0000001C 16000000 00000218")),
+    "8.4": (VARIABLES, "092A0200 0004D20B 0A2A0200 00000036 13020000 00000217 232A0200 0000004F"),
+    "3.6.18": (SUBROUTINE, ("04000000 0027103B 17000000 0000051C 04000000 00000004 17000000 0000051C 16000000 00000016"
+                           "1B010000 0000001C 1B000000 0000324D 18000000 00000018")),
+    "8.6": (ROUTINES, ("16000000 00000319 16000000 0000081E 16000000 00000C22 04000000 0003E8EF 1B010000 0000001C"
+                      "04000000 00000004 1B010000 0000001C 1C000000 0000001C 02000000 0001F4F7 1B000000 0000647F"
+                      "03000000 00000003 1C000000 0000001C 01000000 0003E8EC 1B000000 0002BCD9 03000000 00000003"
+                      "1C000000 0000001C")),
+    "3.6.27": (POTENTIOMETER, "0F000100 00000010 13020000 00000419 22000000 00000022 16000000 00000016"),
+    "6.4": (STEP_DIRECTION, "05060000 0000C8D3 05070000 00000814 05FE0000 00000104 1C000000 0000001C"),
+}  # fmt: skip
+"""By section: the program, and its file in hexadecimal as the tables of opcodes and fields make it."""
