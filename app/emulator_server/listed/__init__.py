@@ -1,0 +1,1 @@
+"""Listed modules on an emulated line, and their control port."""

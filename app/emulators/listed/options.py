@@ -1,0 +1,75 @@
+"""What a plain emulated module can be asked for when it is made, changed in while it runs, and what it tells."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import BaseModel, Field
+
+from ..drive.bench import Closed, Flag, Rate, Seed, TimeScale
+
+PLAIN = (
+    "plain: parameters hold what was written, and axes move by their own speed and acceleration; no motor, no driver"
+)
+
+
+class ListedOptions(Closed):
+    """How a plain emulated module is made: the `link` of an emulated device."""
+
+    time_scale: TimeScale = Field(default=1.0, description="how fast the module's time passes; 0 stands still")
+    address: Annotated[int, Field(strict=True, ge=1, le=255)] = Field(default=1, description="serial address")
+    unknown_parameters: Annotated[list[Annotated[int, Field(strict=True, ge=0, le=255)]], Field(max_length=256)] = (
+        Field(
+            default_factory=list,
+            description="axis parameters that its firmware, as another version, does not have: answered with status 3",
+        )
+    )
+    seed: Seed = Field(default=1241, description="of the noise that faults on the wire make")
+
+
+class ListedFaultsChange(Closed):
+    """Faults on the wire."""
+
+    silence: Flag | None = Field(default=None, description="commands are obeyed, answers are lost")
+    late_reply_s: Annotated[float, Field(strict=True, ge=0, le=60, allow_inf_nan=False)] | None = Field(
+        default=None, description="answers come this much later [s]; without a real line they count as lost"
+    )
+    bit_error_rate: Rate | None = Field(default=None, description="probability that a bit of an answer is flipped")
+    half_frame_rate: Rate | None = Field(default=None, description="probability that an answer breaks off half way")
+    unplugged: Flag | None = Field(default=None, description="the line is gone: nothing is heard, nothing answered")
+
+
+class ListedPatch(Closed):
+    """A change to a plain emulated module; what is left out stays. A power cycle comes first."""
+
+    time_scale: TimeScale | None = None
+    faults: ListedFaultsChange = Field(default_factory=ListedFaultsChange)
+    power_cycle: Flag = Field(default=False, description="off and on again; what was stored comes back")
+
+
+class ListedFaultsState(BaseModel):
+    silence: bool
+    late_reply_s: float
+    bit_error_rate: float
+    half_frame_rate: float
+    unplugged: bool
+
+
+class ListedAxisState(BaseModel):
+    position: float = Field(description="where the axis is, in the module's counts")
+    velocity: float = Field(description="how fast it goes [counts/s]")
+
+
+class ListedState(BaseModel):
+    """Everything that GET .../emulator answers for a module of which only names are known."""
+
+    model: str
+    depth: str = Field(description="what is emulated, and what is not")
+    time_scale: float
+    chip_time_s: float
+    time_skipped_s: float = Field(
+        description="how long it stood still because more had to be worked out than this machine can in time [s]"
+    )
+    address: int
+    plain_axes: list[ListedAxisState]
+    faults: ListedFaultsState

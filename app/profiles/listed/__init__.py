@@ -1,0 +1,1 @@
+"""Profiles of modules of which only names are known."""

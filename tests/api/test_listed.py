@@ -1,0 +1,111 @@
+"""Listed modules by REST: the catalog has them, a connection to one works, and what is not known of them is said."""
+
+from __future__ import annotations
+
+import httpx
+import pytest
+
+from app.clock import VirtualClock
+from app.registers import catalog
+from app.registers.listed import package
+from app.registers.listed.modules import role_of
+
+LISTED = catalog.listings()
+MODEL = LISTED[0]
+SEVERAL = next(model for model in LISTED if model.axes > 1)
+
+
+def named(role: str) -> str:
+    return next(row.name for row in catalog.find_model(SEVERAL.name).table if role_of(row) == role)
+
+
+@pytest.fixture
+async def module(client: httpx.AsyncClient) -> str:
+    """An emulated module of several axes: the address of its device."""
+    body = {"name": "Module", "model": SEVERAL.name, "link": {"kind": "emulator"}, "start_up": True}
+    answer = await client.post("devices", json=body)
+    assert answer.status_code == 201, answer.text
+    assert (answer.json()["state"], answer.json()["model"]) == ("connected", SEVERAL.name)
+    assert len(answer.json()["axes"]) == SEVERAL.axes
+    assert any("names are known" in note for note in answer.json()["notes"])
+    return "devices/module"
+
+
+async def test_the_catalog_lists_them_behind_those_that_are_known_well(client: httpx.AsyncClient) -> None:
+    entries = (await client.get("catalog")).json()
+    assert [entry["name"] for entry in entries] == [*catalog.MODELS, *(model.name for model in LISTED)]
+    assert {entry["tier"] for entry in entries[len(catalog.MODELS) :]} == {"names"}
+    assert {entry["tier"] for entry in entries[: len(catalog.MODELS)]} == {"full"}
+    assert all(entry["title"] and entry["summary"] and entry["axes"] for entry in entries)
+
+
+async def test_one_is_read_when_it_is_asked_for(client: httpx.AsyncClient) -> None:
+    opened = (await client.get(f"catalog/{MODEL.name}")).json()
+    assert opened["registers"] == len(opened["rows"]) == len(catalog.find_model(MODEL.name).table)
+    assert {row["reset"] for row in opened["rows"]} == {None}
+    assert opened["commands"]
+
+
+async def test_parameters_motion_and_stop(client: httpx.AsyncClient, module: str, clock: VirtualClock) -> None:
+    limit = named("max_speed")
+    written = (await client.put(f"{module}/registers/{limit}?axis=1", json={"value": 1234})).json()
+    assert (written["value"], written["verified"]) == (1234, True)
+    assert (await client.get(f"{module}/registers/{limit}?axis=0")).json()["value"] != 1234
+    assert (await client.post(f"{module}/axes/1/move", json={"target": 2000})).status_code == 200
+    await clock.advance(10.0)
+    state = (await client.get(f"{module}/axes/1")).json()
+    assert (state["position"], state["position_reached"]) == (2000, True)
+    assert (await client.post(f"{module}/axes/0/rotate", json={"velocity": 50})).status_code == 200
+    stopped = await client.post(f"{module}/axes/0/stop")
+    assert stopped.status_code == 200, stopped.text
+    told = (await client.get(f"{module}/emulator")).json()
+    assert told["depth"].startswith("plain")
+    assert told["plain_axes"][1]["position"] == 2000
+
+
+async def test_the_emulator_can_be_disturbed(client: httpx.AsyncClient, module: str) -> None:
+    assert (await client.patch(f"{module}/emulator", json={"faults": {"silence": True}})).status_code == 200
+    assert (await client.get(f"{module}/registers/{named('max_speed')}?axis=0")).status_code >= 500
+    assert (await client.patch(f"{module}/emulator", json={"faults": {"silence": False}})).status_code == 200
+    assert (await client.patch(f"{module}/emulator", json={"supply_v": 12})).status_code in (400, 422)
+
+
+async def test_a_link_is_tried_and_one_that_does_not_suit_is_refused(client: httpx.AsyncClient) -> None:
+    tried = await client.post("devices/test", json={"model": MODEL.name, "link": {"kind": "emulator"}})
+    assert tried.json()["ok"], tried.text
+    for link in ({"kind": "spidev", "bus": 0, "device": 0}, {"kind": "emulator", "supply_v": 12}):
+        refused = await client.post("devices", json={"name": "No", "model": MODEL.name, "link": link})
+        assert refused.status_code == 422, refused.text
+
+
+async def test_a_connection_is_changed_to_a_listed_model_and_back(client: httpx.AsyncClient) -> None:
+    body = {"name": "Module", "model": "pd42-1241", "link": {"kind": "tcp", "host": "127.0.0.1", "port": 1}}
+    assert (await client.post("devices", json=body)).status_code == 201
+    for model in (MODEL.name, "pd42-1241"):
+        changed = await client.patch("devices/module", json={"model": model})
+        assert (changed.status_code, changed.json()["model"]) == (200, model)
+
+
+async def test_what_is_not_known_is_said(client: httpx.AsyncClient, module: str) -> None:
+    profile = await client.get(f"{module}/profile")
+    assert (profile.status_code, profile.json()["type"].split("/")[-1]) == (409, "wrong-state"), profile.text
+    assert "no profile" in profile.json()["detail"]
+    started = await client.post(f"{module}/start-up", json={"dry_run": True})
+    assert started.status_code == 422
+    assert "parameters" in started.json()["detail"]
+
+
+async def test_without_the_package_the_cure_is_told(client: httpx.AsyncClient, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(package, "PACKAGE", "no_such_package_as_this")
+    package.listings.cache_clear()
+    package.version.cache_clear()
+    try:
+        body = {"name": "Module", "model": "tmcm-0000", "link": {"kind": "emulator"}}
+        refused = await client.post("devices", json=body)
+        assert refused.status_code == 422
+        assert "pip install" in refused.text
+        assert [entry["tier"] for entry in (await client.get("catalog")).json()] == ["full"] * len(catalog.MODELS)
+    finally:
+        monkeypatch.undo()
+        package.listings.cache_clear()
+        package.version.cache_clear()
