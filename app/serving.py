@@ -16,6 +16,7 @@ from urllib.parse import urlencode
 
 import uvicorn
 from fastapi import FastAPI
+from uvicorn.supervisors import ChangeReload
 
 from .api.app import build_routes
 from .api.http.access import is_stop
@@ -147,9 +148,18 @@ def serve_with_reload(settings: Settings, environment: MutableMapping[str, str])
     # The UI comes from Vite on another port of this machine, whose pages are ours here.
     environment["STEPSCOPE_ALLOWED_HOSTS"] = ",".join({*settings.allowed_hosts, "localhost", "127.0.0.1", "::1"})
     environment["STEPSCOPE_ALLOWED_PORTS"] = ",".join(settings.allowed_ports)
-    listen(settings.host, settings.port).close()
     sources = [str(Path(__file__).parent)]
-    uvicorn.run(f"{__package__}.main:create_app", factory=True, reload=True, reload_dirs=sources, **_options(settings))  # type: ignore[arg-type]
+    config = uvicorn.Config(f"{__package__}.main:create_app", reload=True, reload_dirs=sources, **_options(settings))  # type: ignore[arg-type]
+    with listen(settings.host, settings.port) as listener:
+        ChangeReload(config, target=serve_reloaded, sockets=[listener]).run()
+
+
+def serve_reloaded(sockets: list[socket.socket] | None = None) -> None:
+    """Serve in this process, which was started for it, with settings from variables."""
+    settings = Settings()
+    app = create_app(settings)
+    build_routes(app)
+    BenchServer(app, settings, on_ready=lambda: None).run(sockets)
 
 
 def _options(settings: Settings) -> dict[str, object]:

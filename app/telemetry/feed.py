@@ -17,9 +17,10 @@ import numpy as np
 
 from ..clock import Clock
 from ..devices.core.changes import RegisterChanged
-from ..devices.core.device import Device, DeviceEvent, MotionCommanded, MotionStarted, StateChanged
+from ..devices.core.device import Device
+from ..devices.core.events import DeviceEvent, MotionCommanded, MotionStarted, StateChanged
 from ..devices.core.results import ChipEvents, MotionEnd
-from ..errors import BenchError, OutOfRange
+from ..errors import BenchError, OutOfRange, WrongState
 from .group import PUMP_S, FloatArray, Group, Subscription, WireUse
 from .history import HISTORY_RATE_HZ, REST_RATE_HZ, SHARED_RATE_HZ, SHARED_SHARE, History
 from .reader import QUEUED_ROWS_LEAST, QUEUED_S, Gap, MoveSeen, Reader
@@ -41,7 +42,7 @@ RATE_LIMITS_HZ = (1.0, 1000.0)
 BATCH_LIMITS_HZ = (1.0, 60.0)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Joined:
     """What a reader gets first: how its stream will be, and the past in the same columns."""
 
@@ -53,18 +54,34 @@ class Joined:
     history_time_s: FloatArray
     history: FloatArray
 
+    @property
+    def history_bytes(self) -> int:
+        """Memory that the past takes."""
+        return self.history_time_s.nbytes + self.history.nbytes
+
+    def forget_history(self) -> None:
+        """It was sent."""
+        self.history_time_s, self.history = self.history_time_s[:0].copy(), self.history[:0].copy()
+
 
 class Feed:
     """Samples one device as long as it is connected."""
 
     def __init__(
-        self, device: Device, clock: Clock, history_minutes: float, unix_s: Callable[[], float] = time.time
+        self,
+        device: Device,
+        clock: Clock,
+        history_minutes: float,
+        unix_s: Callable[[], float] = time.time,
+        stretch: Callable[[], float] = lambda: 1.0,
     ) -> None:
+        """`stretch` tells how much rarer frames are than their readers would like."""
         self.device = device
         self._clock = clock
         self._unix_s = unix_s
+        self._stretch = stretch
         self._groups: dict[Subscription, Group] = {}
-        channels = device.channels()
+        channels = device.telemetry.channels()
         self._history = History([channel.name for channel in channels], history_minutes)
         self._tells_motion = [
             index
@@ -101,17 +118,37 @@ class Feed:
         """Begin to pump. Needs a running event loop."""
         self._restart_pump()
 
-    def join(self, channels: tuple[str, ...], rate_hz: float, batch_hz: float, history_s: float) -> Joined:
-        """A new reader. Raises UnknownThing for a channel and OutOfRange for a rate or batch rate."""
+    @property
+    def subscriptions(self) -> int:
+        """How many different ones its readers have: each is chosen, decimated and encoded by itself."""
+        return len(self._groups)
+
+    @property
+    def frames_per_s(self) -> float:
+        """How many all its readers would like."""
+        return sum(group.frames_per_s for group in self._groups.values())
+
+    def join(
+        self, channels: tuple[str, ...], rate_hz: float, batch_hz: float, history_s: float, *, alone: bool = True
+    ) -> Joined:
+        """A new reader; with `alone` its subscription may be one that nobody else has.
+
+        Raises UnknownThing for a channel, OutOfRange for a rate or batch rate, WrongState for a subscription too many.
+        """
         for name, value, (low, high) in (("rate_hz", rate_hz, RATE_LIMITS_HZ), ("batch_hz", batch_hz, BATCH_LIMITS_HZ)):
             if not low <= value <= high:
                 raise OutOfRange(name, value, low, high)
         device = self.device
-        plan = device.sample_plan(channels)
-        granted_hz = min(rate_hz, device.sample_rate_max_hz(plan))
+        plan = device.telemetry.sample_plan(channels)
+        granted_hz = min(rate_hz, device.telemetry.sample_rate_max_hz(plan))
+        subscription = Subscription(channels, granted_hz, batch_hz)
+        if not alone and subscription not in self._groups:
+            raise WrongState(
+                "telemetry is read in as many different ways as this server samples at once",
+                "ask for the channels, rate_hz and batch_hz of another reader of this device, or let some of them end",
+            )
         self.flush()
         now_s = self._clock.now()
-        subscription = Subscription(channels, granted_hz, batch_hz)
         group = self._groups.setdefault(subscription, Group(subscription, now_s))
         reader = Reader(len(channels), max(QUEUED_ROWS_LEAST, round(granted_hz * QUEUED_S)))
         group.readers.append(reader)
@@ -119,7 +156,9 @@ class Feed:
         self._restart_pump()
         device_s = device.device_time_s()
         past_s, past = self._history.since(device_s - history_s if history_s > 0 else float("inf"), channels)
-        return Joined(reader, plan.units, granted_hz, device.chip_timed, self._unix_s() - device_s, past_s, past)
+        return Joined(
+            reader, plan.units, granted_hz, device.session.chip_timed, self._unix_s() - device_s, past_s, past
+        )
 
     def leave(self, reader: Reader) -> None:
         """A reader has gone. One that is not here changes nothing."""
@@ -151,7 +190,7 @@ class Feed:
             self._pause()
         else:
             self._resume()
-            port = self.device.sampling_port
+            port = self.device.session.sampling_port
             if port is not None:
                 try:
                     port.run_due_samples()
@@ -160,11 +199,12 @@ class Feed:
         self._take_history()
         if self._live is not None:
             block = self._live.take()
-            if self.device.shares_rows and len(block.time_s):
+            if self.device.telemetry.shares_rows and len(block.time_s):
                 self._history.append_shared(block, self._live.channels)
             self._hand_out(block, now_s, device_s)
+        stretch = self._stretch()
         for group in self._groups.values():
-            group.flush(now_s)
+            group.flush(now_s, stretch=stretch)
             group.report(now_s, self._use)
 
     def close(self, reason: str) -> None:
@@ -252,10 +292,12 @@ class Feed:
         device = self.device
         spread_s = 0.0 if self._live is None else self._live.spread_s
         sampled_per_s = 0.0
-        if device.chip_timed:  # samples that the far end takes by itself do not pass the queue
+        if device.session.chip_timed:  # samples that the far end takes by itself do not pass the queue
             both = (self._live, self._history_sampling)
             sampled_per_s = sum(sampling.rate_hz * sampling.questions for sampling in both if sampling is not None)
-        return WireUse(device.calls_per_s + sampled_per_s, device.calls_per_s_possible, spread_s * 1e3)
+        return WireUse(
+            device.telemetry.calls_per_s + sampled_per_s, device.telemetry.calls_per_s_possible, spread_s * 1e3
+        )
 
     # --- the history, at its full rate and at rest ------------------------------------------------
 
@@ -294,7 +336,7 @@ class Feed:
 
     def _remember(self) -> None:
         """Sample for the history, but not where that would take the wire from readers: then they share rows."""
-        if self.device.shares_rows and self._groups:
+        if self.device.telemetry.shares_rows and self._groups:
             self._end_history()
             return
         wanted_hz = HISTORY_RATE_HZ if self._lively else REST_RATE_HZ
@@ -304,8 +346,8 @@ class Feed:
         self._end_history()
         self._history_wanted_hz = rate_hz = wanted_hz
         channels = self._history.channels
-        if self.device.shares_rows:
-            most_hz = self.device.sample_rate_max_hz(self.device.sample_plan(channels))
+        if self.device.telemetry.shares_rows:
+            most_hz = self.device.telemetry.sample_rate_max_hz(self.device.telemetry.sample_plan(channels))
             rate_hz = min(rate_hz, SHARED_RATE_HZ, SHARED_SHARE * most_hz)
         self._history_sampling = self._sampling(channels, rate_hz)
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .frames import encode_body
 from .reader import Body, Event, Reader, Status
 from .sampling import Block
 
@@ -88,16 +87,20 @@ class Group:
             self.add(np.array([time_s]), np.full((1, len(self.subscription.channels)), np.nan), now_s)
         self._last_time_s = np.nan  # the interval across the gap says nothing about jitter
 
-    def flush(self, now_s: float, *, at_once: bool = False) -> None:
-        """Give the readers a frame, if it is time for one."""
+    @property
+    def frames_per_s(self) -> float:
+        """How many all its readers would like."""
+        return len(self.readers) * self.subscription.batch_hz
+
+    def flush(self, now_s: float, *, at_once: bool = False, stretch: float = 1.0) -> None:
+        """Give the readers a frame, if it is time for one; frames are that much rarer and longer."""
         # Half a beat of the pump early is on time, and beats are counted from the one before: a pump that
         # is now late, now punctual, must not cost every second frame.
-        period_s = 1 / self.subscription.batch_hz
+        period_s = stretch / self.subscription.batch_hz
         if not self._times_s or (not at_once and now_s < self._flush_due_s - PUMP_S / 2):
             return
         self._flush_due_s = max(self._flush_due_s, now_s - period_s) + period_s
-        time_s = np.concatenate(self._times_s)
-        body = Body(len(time_s), encode_body(time_s, np.concatenate(self._samples)), self._oldest_s)
+        body = Body(np.concatenate(self._times_s), np.concatenate(self._samples), self._oldest_s)
         self._times_s.clear()
         self._samples.clear()
         for reader in self.readers:

@@ -9,9 +9,10 @@ from __future__ import annotations
 import asyncio
 from collections import deque
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from ..devices.core.results import ChipEvents, MotionEnd
-from .frames import encode_header
+from .frames import FloatArray, encode_body, encode_header
 
 QUEUED_S = 2.0
 """How much a reader may be behind [s] before it loses samples."""
@@ -19,13 +20,35 @@ QUEUED_ROWS_LEAST = 64
 EVENTS_QUEUED = 64
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Body:
-    """Encoded rows, shared by all readers of one subscription. `oldest_s` is server time of the first row [s]."""
+    """Rows, shared by all readers of one subscription: `time_s` [rows], `samples` [rows, columns], NaN where a value is
+    missing. `oldest_s` is server time of the first row [s]."""
 
-    rows: int
-    data: bytes
+    time_s: FloatArray
+    samples: FloatArray
     oldest_s: float
+
+    @property
+    def rows(self) -> int:
+        return len(self.time_s)
+
+    @cached_property
+    def data(self) -> bytes:
+        """As they go over a socket: encoded once, and only where there is one."""
+        return encode_body(self.time_s, self.samples)
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """Rows as a reader in this process takes them: `time_s` [rows], `columns` [columns, rows].
+
+    dropped : rows that were lost so far
+    """
+
+    dropped: int
+    time_s: FloatArray
+    columns: FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,12 +146,21 @@ class Reader:
 
     def take(self, now_s: float) -> bytes | None:
         """The next frame, or None where nothing waits. `now_s` [s] is server time, for the latency."""
+        body = self._next(now_s)
+        return None if body is None else self.frame(body.rows, body.data)
+
+    def take_rows(self, now_s: float) -> Rows | None:
+        """The same for who reads in this process: nothing is encoded."""
+        body = self._next(now_s)
+        return None if body is None else Rows(self.dropped, body.time_s, body.samples.T)
+
+    def _next(self, now_s: float) -> Body | None:
         if not self._bodies:
             return None
         body = self._bodies.popleft()
         self._rows -= body.rows
         self.latency_s = max(self.latency_s, now_s - body.oldest_s)
-        return self.frame(body.rows, body.data)
+        return body
 
     def frame(self, rows: int, body: bytes) -> bytes:
         """Rows under this reader's own header; also for history, which never waits in the queue."""

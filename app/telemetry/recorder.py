@@ -18,14 +18,15 @@ import numpy as np
 
 from ..clock import Clock
 from ..devices.core.changes import RegisterChanged
-from ..devices.core.device import Device, DeviceEvent, MotionCommanded
+from ..devices.core.device import Device
+from ..devices.core.events import DeviceEvent, MotionCommanded
 from ..devices.core.marks import MarkKind
 from ..devices.core.results import ChipEvents, MotionEnd
 from ..errors import OutOfRange, UnknownThing
 from .feed import Joined
-from .frames import FloatArray, Frame, decode
+from .frames import FloatArray
 from .hub import TelemetryHub
-from .reader import Gap, MoveSeen
+from .reader import Gap, MoveSeen, Rows
 
 BEATS_HZ = 10.0
 """How often rows go to the file: what a crash costs is a tenth of a second."""
@@ -96,7 +97,7 @@ class Recorder:
         self.rows = 0
         self.zero_s: float | None = None
         """Device time of the trigger, or of the first row [s]."""
-        self._before: deque[Frame] = deque()
+        self._before: deque[Rows] = deque()
         self._last = np.nan
         self._dropped = 0
         self._sink: Sink | None = None
@@ -163,44 +164,44 @@ class Recorder:
                 elif isinstance(event, Gap):
                     self.mark(event.reason, "gap")
             while self.state in ("waiting", "recording"):
-                data = reader.take(self._clock.now())
-                if data is None:
+                rows = reader.take_rows(self._clock.now())
+                if rows is None:
                     break
-                self._rows(decode(data))
+                self._rows(rows)
         except OSError as error:
             self._fail(error)
         if reader.closed is not None and self.state in ("waiting", "recording"):
             self.state, self.message = "done", reader.closed
 
-    def _rows(self, frame: Frame) -> None:
-        if frame.dropped > self._dropped:
-            self.mark(f"{frame.dropped - self._dropped} rows were lost here", "gap", None, float(frame.time_s[0]))
-            self._dropped = frame.dropped
+    def _rows(self, rows: Rows) -> None:
+        if rows.dropped > self._dropped:
+            self.mark(f"{rows.dropped - self._dropped} rows were lost here", "gap", None, float(rows.time_s[0]))
+            self._dropped = rows.dropped
         if self.state == "waiting":
-            self._before.append(frame)
+            self._before.append(rows)
             if self._trigger.kind == "now":
-                self._triggered(float(frame.time_s[0]), told=False)
+                self._triggered(float(rows.time_s[0]), told=False)
             elif self._trigger.kind == "level":
-                crossed_s = self._crossing(frame)
+                crossed_s = self._crossing(rows)
                 if crossed_s is not None:
                     self._triggered(crossed_s)
             if self.state == "waiting":
-                newest_s = float(frame.time_s[-1])
+                newest_s = float(rows.time_s[-1])
                 while len(self._before) > 1 and self._before[1].time_s[0] < newest_s - self._trigger.pre_s:
                     self._before.popleft()
             return
-        self._write(frame)
+        self._write(rows)
 
-    def _crossing(self, frame: Frame) -> float | None:
-        """When the trigger's channel crosses its level in this frame [s]; None: not in this one."""
-        values = frame.columns[self._channels.index(self._trigger.channel)]
+    def _crossing(self, rows: Rows) -> float | None:
+        """When the trigger's channel crosses its level in these rows [s]; None: not in these."""
+        values = rows.columns[self._channels.index(self._trigger.channel)]
         values = values if self._trigger.rising else -values
         level = self._trigger.level if self._trigger.rising else -self._trigger.level
         before = np.concatenate(([self._last if self._trigger.rising else -self._last], values[:-1]))
         last = values[-1] if self._trigger.rising else -values[-1]
         self._last = float(last)
         crossed = np.flatnonzero((before < level) & (values >= level))
-        return float(frame.time_s[crossed[0]]) if len(crossed) else None
+        return float(rows.time_s[crossed[0]]) if len(crossed) else None
 
     def _triggered(self, at_s: float, *, told: bool = True) -> None:
         """From here on rows are written, those of just before first."""
@@ -208,14 +209,14 @@ class Recorder:
         if told:
             self.mark("trigger", "trigger", None, at_s)
         before, self._before = list(self._before), deque()
-        for frame in before:
-            wanted = frame.time_s >= at_s - self._trigger.pre_s
-            self._write(Frame(frame.sequence, frame.dropped, frame.time_s[wanted], frame.columns[:, wanted]))
+        for rows in before:
+            wanted = rows.time_s >= at_s - self._trigger.pre_s
+            self._write(Rows(rows.dropped, rows.time_s[wanted], rows.columns[:, wanted]))
 
-    def _write(self, frame: Frame) -> None:
+    def _write(self, rows: Rows) -> None:
         assert self._sink is not None
         assert self.zero_s is not None
-        time_s, columns = frame.time_s, frame.columns
+        time_s, columns = rows.time_s, rows.columns
         if self._duration_s is not None:
             wanted = time_s <= self.zero_s + self._duration_s
             if not wanted.all():

@@ -56,8 +56,8 @@ class Sampling:
         self._device = device
         self._clock = clock
         self._on_failure = on_failure
-        self._plan = device.sample_plan(self.channels)
-        self.rate_hz = min(rate_hz, device.sample_rate_max_hz(self._plan))
+        self._plan = device.telemetry.sample_plan(self.channels)
+        self.rate_hz = min(rate_hz, device.telemetry.sample_rate_max_hz(self._plan))
         self._times_s: list[float] = []
         self._replies: list[bytes] = []
         self._taken = 0
@@ -65,7 +65,7 @@ class Sampling:
         self._ended = False
         self._asleep = False
         self._end: Callable[[], None] | None = None
-        port = device.sampling_port
+        port = device.session.sampling_port
         if port is not None:
             self._end = port.start_sampling(self._plan.frames, 1 / self.rate_hz, self._sink)
         else:
@@ -113,20 +113,20 @@ class Sampling:
     def _sink(self, time_s: float, replies: bytes) -> None:
         if len(replies) != self._plan.row_bytes:
             # Some answer broke off: nobody can tell which bytes are whose, so the row is as good as lost.
-            name = self._device.port.name
+            name = self._device.session.port.name
             self._on_failure(BadReply(name, f"{len(replies)} bytes instead of {self._plan.row_bytes}", replies))
             return
         self._times_s.append(time_s)
         self._replies.append(replies)
 
     async def _pace(self) -> None:
-        rows = self._device.rows_at_once(self._plan, self.rate_hz)
+        rows = self._device.telemetry.rows_at_once(self._plan, self.rate_hz)
         period_s = rows / self.rate_hz
         due_s = self._clock.now()
         while not self._ended:
             pause_s = 0.0
             try:
-                taken = await self._device.take_samples(self._plan, rows)
+                taken = await self._device.telemetry.take_samples(self._plan, rows)
             except SampleDropped:
                 pass  # counted by the queue; the next beat may find it free
             except BenchError as error:

@@ -27,7 +27,7 @@ class Rig:
 
     @property
     def emulator(self) -> EmulatedDevice:
-        port = self.device.port
+        port = self.device.session.port
         assert isinstance(port, EmulatorPort)
         assert isinstance(port.wire, EmulatedDevice)
         return port.wire
@@ -41,9 +41,9 @@ async def make_rig(clock: Clock, history_minutes: float = 10.0) -> tuple[DeviceM
     manager = DeviceManager({"emulator": emulator_port}, clock, on_change=lambda: hub.sync(manager.devices))
     device = await manager.add(DeviceConfig("chip", "tmc428", {"kind": "emulator"}))
     for name, value in (("v_max", 1000), ("a_max", 500), ("v_min", 1)):
-        await device.write(name, 0, value)
-    await device.write("pulse_div_ramp_div_usrs", 0, fields={"pulse_div": 4, "ramp_div": 6, "usrs": 4})
-    await device.write("pmul_pdiv", 0, fields={"pmul": 100, "pdiv": 6})
+        await device.registers.write(name, 0, value)
+    await device.registers.write("pulse_div_ramp_div_usrs", 0, fields={"pulse_div": 4, "ramp_div": 6, "usrs": 4})
+    await device.registers.write("pmul_pdiv", 0, fields={"pmul": 100, "pdiv": 6})
     return manager, hub, device
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from app.devices.core.config import DeviceConfig
-from app.errors import OutOfRange, UnknownThing
+from app.errors import OutOfRange, UnknownThing, WrongState
 from app.telemetry.feed import CROWDED_S, LATE_S, Joined
 from app.telemetry.frames import FloatArray, decode
 from app.telemetry.history import REST_RATE_HZ
@@ -50,7 +50,7 @@ async def test_samples_come_on_the_chips_own_beat(rig: Rig, rate_hz: float) -> N
 
 async def test_a_move_is_seen_as_the_chip_makes_it(rig: Rig) -> None:
     joined = rig.hub.join("chip", ("position.0", "velocity.0", "residual.0"), 1000.0)
-    await rig.device.move(0, 4000)
+    await rig.device.motion.move(0, 4000)
     time_s, samples = await run(rig, joined, 3.0)
     position, velocity, residual = samples.T
     assert position[-1] == 4000
@@ -64,8 +64,8 @@ async def test_a_move_is_seen_as_the_chip_makes_it(rig: Rig) -> None:
 async def test_readers_share_one_beat_and_each_gets_its_own_columns_and_rate(rig: Rig) -> None:
     fast = rig.hub.join("chip", ("position.0",), 1000.0)
     slow = rig.hub.join("chip", ("velocity.0", "position.0"), 100.0)
-    await rig.device.move(0, 4000)
-    frames_before = rig.device.queue.counts.frames[:]
+    await rig.device.motion.move(0, 4000)
+    frames_before = rig.device.session.queue.counts.frames[:]
     for _ in range(4):
         await rig.clock.advance(0.25)
     fast_s, fast_rows = taken(fast.reader)
@@ -77,7 +77,7 @@ async def test_readers_share_one_beat_and_each_gets_its_own_columns_and_rate(rig
         dict(zip(fast_s, fast_rows[:, 0], strict=True)).items()
         >= dict(zip(slow_s, slow_rows[:, 1], strict=True)).items()
     )
-    assert rig.device.queue.counts.frames[2] == frames_before[2], "an emulator samples itself"
+    assert rig.device.session.queue.counts.frames[2] == frames_before[2], "an emulator samples itself"
 
 
 async def test_a_reader_that_comes_or_goes_costs_the_others_no_sample(rig: Rig) -> None:
@@ -107,13 +107,13 @@ async def test_nobody_reads_and_nothing_but_the_history_is_sampled(rig: Rig) -> 
 
 
 async def test_a_page_that_is_reloaded_has_its_history(rig: Rig) -> None:
-    await rig.device.rotate(0, 1000)
+    await rig.device.motion.rotate(0, 1000)
     await rig.clock.advance(20.0)
     joined = rig.hub.join("chip", ("position.0", "velocity.1"), 1000.0, history_s=15.0)
     past_s, past = joined.history_time_s, joined.history
     assert len(past_s) == pytest.approx(15 * 50, abs=2)
     np.testing.assert_allclose(np.diff(past_s), 0.02, atol=1e-9)
-    assert past[-1, 0] == pytest.approx((await rig.device.axis_state(0)).position, abs=25)
+    assert past[-1, 0] == pytest.approx((await rig.device.monitor.axis_state(0)).position, abs=25)
     assert past[-1, 1] == 0
     live_s, _ = await run(rig, joined, 1.0)
     assert live_s[0] >= past_s[-1], "the past and the present do not overlap"
@@ -122,12 +122,62 @@ async def test_a_page_that_is_reloaded_has_its_history(rig: Rig) -> None:
     assert len(without.history_time_s) == 0
 
 
+async def test_readers_want_only_so_many_different_things(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("app.telemetry.hub.SUBSCRIPTIONS_MAX", 3)
+    joined = [rig.hub.join("chip", ("position.0",), 100.0 + number) for number in range(3)]
+    rig.hub.join("chip", ("position.0",), 102.0)  # as one that is there: it costs next to nothing
+    with pytest.raises(WrongState, match="different ways"):
+        rig.hub.join("chip", ("position.0",), 103.0)
+    assert rig.hub.readers == 4
+    rig.hub.leave(joined[0].reader)
+    rig.hub.join("chip", ("position.0",), 103.0)
+
+
+async def test_many_readers_get_rarer_frames_with_all_their_rows(rig: Rig, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("app.telemetry.hub.FRAMES_PER_S_MAX", 60.0)
+    many = [rig.hub.join("chip", ("position.0",), 200.0, 20.0) for _ in range(12)]  # 240 frames a second wanted
+
+    async def frames_and_rows() -> tuple[int, int]:
+        frames = []
+        await rig.clock.advance(2.0)
+        for reader in [joined.reader for joined in many]:
+            while (data := reader.take(rig.clock.now())) is not None:
+                frames.append(len(decode(data).time_s))
+        return len(frames), sum(frames)
+
+    await frames_and_rows()
+    frames, rows = await frames_and_rows()
+    assert frames == pytest.approx(2 * 60, rel=0.2)
+    assert rows == pytest.approx(12 * 2 * 200, rel=0.2)
+    for joined in many[3:]:
+        rig.hub.leave(joined.reader)
+    del many[3:]
+    await frames_and_rows()
+    assert (await frames_and_rows())[0] == pytest.approx(2 * 60, rel=0.2)  # three get what they like: 20 a second
+
+
+async def test_a_history_that_was_sent_is_forgotten_and_only_so_much_is_on_its_way(
+    rig: Rig, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    await rig.clock.advance(5.0)
+    joined = rig.hub.join("chip", ("position.0",), 100.0, history_s=5.0)
+    assert joined.history_bytes > 100
+    monkeypatch.setattr("app.telemetry.hub.HISTORY_BYTES_MAX", 100)
+    rig.hub.require_history_room()
+    with rig.hub.handing_over(joined):
+        with pytest.raises(WrongState, match="on their way"):
+            rig.hub.require_history_room()
+        assert len(joined.history_time_s)
+    assert joined.history_bytes == 0
+    rig.hub.require_history_room()
+
+
 async def test_the_history_of_what_rests_is_thin_and_of_what_moves_is_not(rig: Rig) -> None:
     await rig.clock.advance(60.0)
     rest_s = rig.hub.join("chip", ("position.0",), 100.0, history_s=30.0).history_time_s
     assert len(rest_s) == pytest.approx(30 * REST_RATE_HZ, abs=1)
     began_s = rig.device.device_time_s()
-    await rig.device.move(0, 4000)
+    await rig.device.motion.move(0, 4000)
     await rig.clock.advance(30.0)
     joined = rig.hub.join("chip", ("position.0",), 100.0, history_s=30.0)
     time_s, position = joined.history_time_s, joined.history[:, 0]
@@ -147,7 +197,7 @@ async def test_a_history_comes_back_to_its_full_rate_where_nobody_here_commanded
 
 
 async def test_a_machine_with_too_much_to_do_gets_a_thin_history(rig: Rig) -> None:
-    await rig.device.rotate(0, 1000)
+    await rig.device.motion.rotate(0, 1000)
     await rig.clock.advance(10.0)
     rig.clock.set(rig.clock.now() + 2 * LATE_S)  # every timer is late
     await rig.clock.advance(1.0)
@@ -206,7 +256,7 @@ async def test_a_disconnected_device_gives_nothing_until_it_is_connected(rig: Ri
 
 async def test_a_move_is_told_to_all_readers(rig: Rig) -> None:
     readers = [rig.hub.join("chip", (name,), 100.0).reader for name in ("position.0", "velocity.1")]
-    started = await rig.device.move(0, 1000)
+    started = await rig.device.motion.move(0, 1000)
     for reader in readers:
         moves = [event for event in reader.take_events() if isinstance(event, MoveSeen)]
         assert moves == [MoveSeen(0, started.started_at_s)]

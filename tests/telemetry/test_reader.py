@@ -5,13 +5,13 @@ from collections.abc import Callable
 
 import numpy as np
 
-from app.telemetry.frames import decode, encode_body
+from app.telemetry.frames import decode
 from app.telemetry.reader import Body, Gap, MoveSeen, Reader, Status
 
 
 def body(first: int, rows: int, oldest_s: float = 0.0) -> Body:
     time_s = np.arange(first, first + rows, dtype=float)
-    return Body(rows, encode_body(time_s, time_s[:, None]), oldest_s)
+    return Body(time_s, time_s[:, None], oldest_s)
 
 
 def test_a_slow_reader_loses_the_oldest_rows_and_they_are_counted() -> None:
@@ -72,3 +72,16 @@ def test_the_latency_is_that_of_the_oldest_row_in_the_worst_frame() -> None:
     reader.take(10.6)
     reader.take(10.6)
     assert round(reader.latency_s, 6) == 0.6
+
+
+def test_a_reader_in_this_process_takes_the_rows_as_they_are() -> None:
+    reader = Reader(columns=1, rows_max=1000)
+    shared = body(0, 3)
+    reader.push(shared)
+    taken = reader.take_rows(1.0)
+    assert taken is not None
+    assert taken.time_s is shared.time_s
+    assert np.shares_memory(taken.columns, shared.samples)
+    assert "data" not in vars(shared), "nobody has a socket: nothing is encoded"
+    assert reader.latency_s == 1.0
+    assert reader.take_rows(1.0) is None

@@ -11,14 +11,15 @@ import pytest
 
 from app.clock import Clock, VirtualClock
 from app.devices.core.config import DeviceConfig
+from app.devices.core.device import Device
 from app.devices.manager import DeviceManager
-from app.devices.tmcl.driver import Pd42
-from app.emulators.build import build_emulator
+from app.emulators.tmcl.family import FAMILY
 from app.emulators.tmcl.module import EmulatedModule
-from app.emulators.tmcl.options import Pd42Options
+from app.emulators.tmcl.options import TmclOptions
+from app.errors import LinkDown
 from app.links.arbiter import Arbiter
 from app.links.incidents import Incidents
-from app.links.port import Answer, Batch, FramePort
+from app.links.port import Answer, Batch, FramePort, PortTraits
 from app.links.registry import Link
 from app.links.wire_budget import WireBudget
 from app.registers.tmcl.commands import Opcode
@@ -37,6 +38,7 @@ class TimedPort:
 
     def __init__(self, clock: Clock, module: EmulatedModule) -> None:
         self.name = "timed line"
+        self.traits = PortTraits(batches=self)
         self.module = module
         self.arbiter = Arbiter()
         self.wire = WireBudget(BAUD, 18, now=clock.now)
@@ -75,6 +77,10 @@ class TimedPort:
         self.wire.count(len(batch.replies), self.last_exchange_s - batch.started_s)
         return batch.replies
 
+    def on_down(self, listener: Callable[[LinkDown], None]) -> Callable[[], None]:
+        del listener
+        return lambda: None
+
     def on_event(self, listener: Callable[[bytes], None]) -> Callable[[], None]:
         del listener
         return lambda: None
@@ -87,12 +93,12 @@ class TimedPort:
 class Rig:
     clock: VirtualClock
     hub: TelemetryHub
-    device: Pd42
+    device: Device
     port: TimedPort
 
     async def turning(self) -> None:
         """Send the motor on its way, which takes time on this wire."""
-        rotating = asyncio.create_task(self.device.rotate(0, 50_000))
+        rotating = asyncio.create_task(self.device.motion.rotate(0, 50_000))
         await self.clock.advance(0.2)
         await rotating
 
@@ -106,7 +112,7 @@ async def rig() -> AsyncIterator[Rig]:
     ports: list[TimedPort] = []
 
     def timed(model: str, link: Link, clock: Clock) -> FramePort:
-        ports.append(TimedPort(clock, build_emulator("pd42-1241", clock, Pd42Options())))
+        ports.append(TimedPort(clock, FAMILY.make("pd42-1241", clock, TmclOptions())))
         return ports[-1]
 
     hub = TelemetryHub(clock, 1.0)
@@ -114,7 +120,6 @@ async def rig() -> AsyncIterator[Rig]:
     device = await manager.add(DeviceConfig("module", "pd42-1241", {"kind": "timed"}), wait=False)
     await clock.advance(1.0)
     assert device.state == "connected"
-    assert isinstance(device, Pd42)
     yield Rig(clock, hub, device, ports[0])
     await hub.close()
     await manager.close()
@@ -123,7 +128,7 @@ async def rig() -> AsyncIterator[Rig]:
 @pytest.mark.parametrize("channels", [("position.0",), ("position.0", "velocity.0", "deviation.0")])
 async def test_the_wire_is_used_to_nine_tenths(rig: Rig, channels: tuple[str, ...]) -> None:
     joined = rig.hub.join("module", channels, 1000.0)
-    questions = len(rig.device.sample_plan(channels).frames)
+    questions = len(rig.device.telemetry.sample_plan(channels).frames)
     assert joined.rate_hz == pytest.approx(640 / questions)
     await rig.clock.advance(1.0)
     calls = len(rig.port.first_bytes_s)

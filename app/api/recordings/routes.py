@@ -11,10 +11,13 @@ from fastapi.responses import Response
 
 from ...calc.signals.spectrum import Detrend, Window
 from ...errors import OutOfRange, StoreUnavailable, UnknownThing, UsageError, WrongState
+from ...recording.service import axes_of, configuration_of, options_of
 from ...store.recordings.library import Entry, Label
 from ...telemetry.recorder import Trigger
+from ..audit import wording
 from ..deps import CurrentBench
 from ..http.problems import problems
+from ..policy import policy
 from .compare import compare, spectrum_of
 from .schemas import (
     CompareWith,
@@ -33,13 +36,14 @@ from .schemas import (
     ReplayStart,
     Spectrum,
 )
-from .service import axes_of, configuration_of, options_of
 from .views import csv_of, detail, figures_of, info, parquet_of, plot, plot_frame, rows_between, zero_of
 
 router = APIRouter(prefix="/recordings", tags=["recordings"])
 
 RecordingId = Annotated[str, Path(description="as in the list", max_length=60)]
 Since = Annotated[float | None, Query(description="since the zero [s]", allow_inf_nan=False)]
+READ_WITHIN_S = 0.05
+"""How long a page of the list reads files that were never read [s]."""
 FRAME = "application/vnd.stepscope.frame"
 T = TypeVar("T")
 ROWS_AS = {"csv": "text/csv", "parquet": "application/vnd.apache.parquet"}
@@ -58,15 +62,18 @@ async def list_recordings(
     limit: Annotated[int, Query(ge=1, le=1000, description="how many at the most")] = 100,
     before: Annotated[str, Query(max_length=60, description="`next` of the page before")] = "",
 ) -> RecordingList:
-    """Recordings, the latest first, page by page."""
+    """Recordings, the latest first, page by page; a page ends early where files have to be read for too long."""
     library = bench.desk.library
-    page, free_bytes = await _aside(lambda: (library.page(search, device, limit, before), library.free_bytes))
+    page, free_bytes = await _aside(
+        lambda: (library.page(search, device, limit, before, READ_WITHIN_S), library.free_bytes)
+    )
     found = [info(entry, bench.desk.course(entry.id)) for entry in page.entries]
     room_bytes = max(0, free_bytes - bench.desk.reserve_bytes)
     return RecordingList(
         recordings=found,
         next=page.next,
         total=page.total,
+        unread=page.unread,
         size_bytes=page.size_bytes,
         free_bytes=free_bytes,
         room_bytes=room_bytes,
@@ -74,6 +81,7 @@ async def list_recordings(
 
 
 @router.post("/compare", responses=problems(UnknownThing, WrongState, UsageError, OutOfRange))
+@policy(lease="free", role="look", audit="silent")
 async def compare_recordings(bench: CurrentBench, body: CompareWith) -> Comparison:
     """Lay recordings on each other: aligned curves, what each is above the first, their figures side by side."""
     return await _aside(lambda: compare(bench.desk.library, body))
@@ -86,10 +94,11 @@ async def no_recording_is_called_compare() -> None:
 
 
 @router.post("", status_code=201, responses=problems(UnknownThing, WrongState, OutOfRange, UsageError))
+@policy(lease="free", words=wording.named("start recording"))
 async def start_recording(bench: CurrentBench, body: RecordingStart) -> RecordingInfo:
     """Record channels of a device from now on, or from a trigger on with what was before it."""
     device = bench.manager.get(body.device)
-    device.require_connected()
+    device.session.require_connected()
     wanted = body.trigger
     trigger = Trigger()
     if isinstance(wanted, MoveTrigger):
@@ -212,6 +221,7 @@ async def get_spectrum(
 
 
 @router.patch("/{recording}", responses=problems(UnknownThing, StoreUnavailable))
+@policy(lease="free", words=wording.named("edit recording"))
 async def label_recording(bench: CurrentBench, recording: RecordingId, body: RecordingLabel) -> RecordingInfo:
     """Another name or note."""
     library = bench.desk.library
@@ -228,6 +238,7 @@ async def label_recording(bench: CurrentBench, recording: RecordingId, body: Rec
 
 
 @router.post("/{recording}/stop", responses=problems(UnknownThing))
+@policy(lease="free", words=wording.named("stop recording"))
 async def stop_recording(bench: CurrentBench, recording: RecordingId) -> RecordingInfo:
     """End it with what is there; one that is over stays as it is."""
     await bench.desk.stop(recording)
@@ -237,6 +248,7 @@ async def stop_recording(bench: CurrentBench, recording: RecordingId) -> Recordi
 @router.post(
     "/{recording}/replay", status_code=202, responses=problems(UnknownThing, WrongState, UsageError, OutOfRange)
 )
+@policy(lease="free", words=wording.named("replay recording"))
 async def replay_recording(bench: CurrentBench, recording: RecordingId, body: ReplayStart | None = None) -> Replay:
     """Live through it once more on an emulator of its own, which takes a fraction of the time; nothing moves here.
 
@@ -246,7 +258,7 @@ async def replay_recording(bench: CurrentBench, recording: RecordingId, body: Re
     options = None
     if asked.device is not None:
         device, head = bench.manager.get(asked.device), (await _aside(lambda: bench.desk.library.head(recording)))
-        if not device.emulated or device.model != head.model:
+        if not device.session.emulated or device.model != head.model:
             raise WrongState(f"{device.name} is no emulated {head.model}", "name one that is, or none")
         options = options_of(device)
     return Replay.model_validate(await bench.desk.replay(recording, options, asked.name))
@@ -260,6 +272,7 @@ async def get_replay(bench: CurrentBench, recording: RecordingId) -> Replay | No
 
 
 @router.post("/{recording}/marks", responses=problems(UnknownThing, WrongState))
+@policy(lease="free", words=wording.named("mark recording"))
 async def mark_recording(bench: CurrentBench, recording: RecordingId, body: RecordingMark) -> RecordingInfo:
     """Mark this moment of a recording that runs."""
     bench.desk.note(recording, body.text)
@@ -267,6 +280,7 @@ async def mark_recording(bench: CurrentBench, recording: RecordingId, body: Reco
 
 
 @router.delete("/{recording}", status_code=204, responses=problems(UnknownThing, WrongState, StoreUnavailable))
+@policy(words=wording.named("delete recording"))
 async def delete_recording(bench: CurrentBench, recording: RecordingId) -> None:
     """Gone for good."""
     await _aside(lambda: bench.desk.delete(recording))

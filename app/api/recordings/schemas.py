@@ -87,7 +87,10 @@ class RecordingInfo(Answer):
 class RecordingList(Answer):
     recordings: list[RecordingInfo]
     next: str | None = Field(description="`before` of the next page; null where this is the last one")
-    total: int = Field(description="how many were found, on all pages")
+    total: int = Field(description="how many were found so far, on all pages")
+    unread: int = Field(
+        description="how many a search has not looked into yet, soon after the start: ask again, or go on with `next`"
+    )
     size_bytes: int | None = Field(
         description="of all recordings, found or not [bytes]; null for a moment after the start with thousands of them"
     )

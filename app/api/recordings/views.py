@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...calc.signals.statistics import figures
 from ...errors import UnknownThing
+from ...recording.service import Course
 from ...store.recordings.file import TIME, Rows
 from ...store.recordings.head import Head
 from ...store.recordings.library import Entry
@@ -21,7 +22,6 @@ from ...store.recordings.opened import Opened
 from ...telemetry.frames import encode_body, encode_header
 from ..schemas import ChannelInfo
 from .schemas import Curve, FiguresOut, MarkOut, RecordingDetail, RecordingInfo, RecordingPlot
-from .service import Course
 
 
 def info(entry: Entry, course: Course | None) -> RecordingInfo:

@@ -6,6 +6,7 @@ that was copied in from another machine is there at the next look; one that cann
 
 from __future__ import annotations
 
+import math
 import os
 import re
 import secrets
@@ -78,14 +79,16 @@ class Entry:
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """Some of the list. `next` is the id to go on before, None at the end; `total` counts all that were looked for.
+    """Some of the list. `next` is the id to go on before, None at the end; `total` counts all that were found so far.
 
+    unread : recordings that a search could not look into yet; 0 without a search
     size_bytes : of all recordings, found or not, as in `Library.size_bytes`
     """
 
     entries: list[Entry]
     next: str | None
     total: int
+    unread: int
     size_bytes: int | None
 
 
@@ -161,28 +164,46 @@ class Library:
         self._known(recording)
         marks.add(self._folder / f"{recording}{marks.SUFFIX}", mark)
 
-    def page(self, search: str = "", device: str = "", limit: int | None = None, before: str = "") -> Page:
+    def page(
+        self, search: str = "", device: str = "", limit: int | None = None, before: str = "", within_s: float = math.inf
+    ) -> Page:
         """The latest first, `limit` of those that are older than the id `before`.
 
-        `search` is looked for in name, note, device and model, without regard to case. Blocks: a search reads every
-        file that was never read (`read_all` does it before), a page without one only its own.
+        `search` is looked for in name, note, device and model, without regard to case. Blocks. Files that were never
+        read (`read_all` does it before) are read for `within_s`; then the page ends early, with `next` where it ended.
         """
         with self._looking:
             ids, size_bytes = self._scan(), self._sum()
-        wanted = search.casefold().split()
-        if wanted or device:
-            # What the page shows is looked at once more; of the others what was read of them has to do.
-            known = (self._entries.get(each) or self._read(each) for each in ids)
-            ids = [
-                one.entry.id
-                for one in known
-                if (not device or (one.entry.head is not None and one.entry.head.device == device))
-                and all(word in one.words for word in wanted)
-            ]
-        older = [each for each in ids if each < before] if before else ids
-        shown = older[:limit]
-        following = shown[-1] if len(shown) < len(older) else None
-        return Page([self._entry(each) for each in shown], following, len(ids), size_bytes)
+        words = search.casefold().split()
+
+        def is_found(one: _Known) -> bool:
+            if device and (one.entry.head is None or one.entry.head.device != device):
+                return False
+            return all(word in one.words for word in words)
+
+        entries: list[Entry] = []
+        following, looked = None, ""
+        until_s = time.monotonic() + within_s
+        for each in (one for one in ids if one < before) if before else ids:
+            known = self._entries.get(each)
+            if len(entries) == limit:
+                if known is None or is_found(known):
+                    following = entries[-1].id
+                    break
+                continue
+            if known is None:
+                if looked and time.monotonic() > until_s:
+                    following = looked
+                    break
+                known = self._read(each)
+            looked = each
+            if is_found(known):  # of others what was read of them has to do; what is shown is looked at once more
+                entries.append(self._entry(each))
+        if not words and not device:
+            return Page(entries, following, len(ids), 0, size_bytes)
+        all_known = [self._entries.get(each) for each in ids]
+        total = sum(1 for one in all_known if one is not None and is_found(one))
+        return Page(entries, following, total, all_known.count(None), size_bytes)
 
     def read_all(self, ended: threading.Event) -> None:
         """Read what was never read, so that the first search need not. Blocks, for seconds where there are thousands;

@@ -177,6 +177,41 @@ def test_a_search_that_reads_thousands_keeps_nobody_from_a_page(folder: Path, mo
     assert len(shown) == 5
 
 
+@pytest.mark.parametrize(("search", "device"), [("OTHER", ""), ("", "other"), ("", ""), ("nowhere", "")])
+def test_a_page_reads_for_so_long_and_the_next_goes_on_where_it_ended(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, search: str, device: str
+) -> None:
+    fill(folder, range(40))
+    aged(folder)
+    library = Library(folder.parent)
+    now_s, read = 0.0, 0
+    read_head = file.read_head
+
+    def slow_read(path: Path) -> Head:
+        nonlocal now_s, read
+        now_s, read = now_s + 1.0, read + 1
+        return read_head(path)
+
+    monkeypatch.setattr(file, "read_head", slow_read)
+    monkeypatch.setattr(time, "monotonic", lambda: now_s)
+    searched = bool(search or device)
+    found: list[str] = []
+    before, pages = "", 0
+    while True:
+        pages, read = pages + 1, 0
+        page = library.page(search, device, limit=100, before=before, within_s=4.5)
+        assert 1 <= read <= 5
+        assert page.unread == (40 - 5 * pages if searched else 0)
+        found += [entry.id for entry in page.entries]
+        if page.next is None:
+            break
+        before = page.next
+    assert pages == 8
+    assert found == [each.id for each in library.page(search, device).entries]
+    assert len(found) == (0 if search == "nowhere" else 20 if searched else 40)
+    assert library.page(search, device, limit=100, within_s=0.0).next is None  # all of it is known
+
+
 def test_what_was_read_ahead_is_found_without_reading(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     fill(folder, range(20))
     library = Library(folder.parent)

@@ -10,18 +10,18 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
-from ...clock import Clock
-from ...devices.core.device import Device
-from ...errors import BenchError, UsageError, WrongState
-from ...links.port import FramePort
-from ...links.registry import Link, PortFactory
-from ...procedures.replay import Plan, Progress, Replay, plan_of
-from ...profiles.capture import capture
-from ...store.recordings.head import Column, Head
-from ...store.recordings.library import NAME_MAX, Label, Library
-from ...store.recordings.sink import FileSink, megabytes
-from ...telemetry.hub import TelemetryHub
-from ...telemetry.recorder import Recorder, State, Trigger
+from ..clock import Clock
+from ..devices.core.device import Device
+from ..errors import BenchError, UsageError, WrongState
+from ..links.port import FramePort
+from ..links.registry import Link, PortFactory
+from ..procedures.replay import Plan, Progress, Replay, plan_of
+from ..profiles.capture import capture
+from ..store.recordings.head import Column, Head
+from ..store.recordings.library import NAME_MAX, Label, Library
+from ..store.recordings.sink import FileSink, megabytes
+from ..telemetry.hub import TelemetryHub
+from ..telemetry.recorder import Recorder, State, Trigger
 
 log = logging.getLogger("stepscope.recordings")
 
@@ -254,7 +254,7 @@ async def axes_of(device: Device) -> tuple[dict[str, Any], ...]:
         told: dict[str, Any] = {"settings": asdict(axis.settings), "position": None, "velocity_pps": None}
         told["microsteps_per_full_step"] = axis.microsteps_per_full_step  # the twin draws it without its device
         try:
-            state = await device.axis_state(axis.index)
+            state = await device.monitor.axis_state(axis.index)
             told |= {"position": state.position, "velocity_pps": state.velocity_pps}
         except BenchError as error:
             log.warning("where axis %d of %s is, is not in the recording: %s", axis.index, device.id, error)
@@ -264,7 +264,7 @@ async def axes_of(device: Device) -> tuple[dict[str, Any], ...]:
 
 def options_of(device: Device) -> dict[str, Any] | None:
     """An emulator's options; None of a device that is none. An address or a port is nobody's business later."""
-    if not device.emulated:
+    if not device.session.emulated:
         return None
     return {name: value for name, value in device.link.items() if name not in ("kind", "eeprom")}
 

@@ -1,0 +1,1 @@
+"""What the audit log hears of by itself, and how it is told as text. Nothing here knows HTTP."""

@@ -1,0 +1,1 @@
+"""Recordings as they are made, kept, and replayed. Nothing here knows HTTP."""
