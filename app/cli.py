@@ -158,18 +158,18 @@ def emulate(
         from .emulator_server import serve as emulating
 
         is_uart = emulating.shows_uart(model, asked=uart or pty is not None)
-        is_board, is_line = model == emulating.BOARD, model in emulating.LINES or is_uart
+        is_board, is_line = model == emulating.BOARD, emulating.is_line(model) or is_uart
         _refuse({} if is_uart else {**of_uart, "uart": uart or None}, f"{model} here")
         _refuse({} if is_line else of_line, model)
-        _refuse({} if model == emulating.MODULE else of_modules, model)
+        _refuse({} if emulating.is_module(model) else of_modules, model)
         _refuse({} if is_board else {"chip": chip}, model)
-        _refuse({"clock_hz": clock_hz} if model == emulating.MODULE else {}, model)
+        _refuse({"clock_hz": clock_hz} if emulating.is_module(model) else {}, model)
         of_pulses: dict[str, object] = {"wiring": wiring, "v_actual_writable": v_actual_writable}
         _refuse(of_pulses if is_line else {}, model)
         if is_line:
             options = emulating.LineOptions(
                 model=model,
-                chip=chip or emulating.LineOptions.chip,
+                chip=chip or "",
                 clock_hz=clock_hz,
                 pty=pty,
                 tcp=tcp,

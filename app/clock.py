@@ -100,6 +100,8 @@ class ScaledClock:
         self._scale_before = scale
         self._anchor_base_s = base.now()
         self._anchor_s = 0.0
+        self.skipped_s = 0.0
+        """How much of its time was left out, `skip_to` having stood still [s]."""
 
     @property
     def base(self) -> Clock:
@@ -130,6 +132,16 @@ class ScaledClock:
         """
         since_s = base_s - self._anchor_base_s
         return self._anchor_s + since_s * (self._scale if since_s >= 0 else self._scale_before)
+
+    def skip_to(self, at_s: float) -> None:
+        """Show `at_s` [s] now, as if it had stood still since then. Raises ValueError for a time to come."""
+        base_s = self._base.now()
+        skipped_s = self.at(base_s) - at_s
+        if skipped_s < 0:
+            raise ValueError(f"a clock that shows {self.at(base_s)} s cannot have stood still since {at_s} s")
+        self._anchor_s, self._anchor_base_s = at_s, base_s
+        self._scale_before = 0.0
+        self.skipped_s += skipped_s
 
     async def sleep(self, seconds: float) -> None:
         if self._scale == 0 and seconds > 0:

@@ -85,16 +85,16 @@ async def set_up_bench(device: Device) -> None:
     await start_up(device, [tuning.start() for tuning in BENCH.values()])
     for axis in range(len(BENCH)):
         # Full current while accelerating, less at rest: what is_v0 is for (DS-TMC428 8.9).
-        await device.write(
+        await device.registers.write(
             "is_agtat_is_aleat_is_v0_a_threshold",
             axis,
             fields={"is_agtat": 0, "is_aleat": 6, "is_v0": 3, "a_threshold": 1},
         )
-        await device.write("lp_ref_conf_rm", axis, fields={"SOFT_STOP": 1})
+        await device.registers.write("lp_ref_conf_rm", axis, fields={"SOFT_STOP": 1})
 
 
 async def set_up_slider(device: Device) -> None:
     """The TMC4210, with step pulses short enough for its speed."""
     await start_up(device, [SLIDER.start()])
-    await device.write("STEPPER_MOTOR_GLOBAL_PARAMETER_REGISTER", fields={"STPDIV_4210": 2})
-    await device.write("lp_REF_CONF_RAMP_MODE", 0, fields={"soft_stop": 1})
+    await device.registers.write("STEPPER_MOTOR_GLOBAL_PARAMETER_REGISTER", fields={"STPDIV_4210": 2})
+    await device.registers.write("lp_REF_CONF_RAMP_MODE", 0, fields={"soft_stop": 1})

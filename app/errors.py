@@ -69,12 +69,16 @@ class UsageError(BenchError):
 
 
 class UnknownThing(UsageError):
-    """No such device, axis, register or channel. `known` lists what there is, as far as it helps."""
+    """No such device, axis, register or channel. `known` lists what there is, `more` says how there may be more."""
 
-    def __init__(self, kind: str, name: str, known: list[str] | None = None) -> None:
+    def __init__(self, kind: str, name: str, known: list[str] | None = None, more: str = "") -> None:
         hint = f"; known: {', '.join(known[:12])}{', ...' if len(known) > 12 else ''}" if known else ""
-        super().__init__(f"no {kind} is called {name!r}{hint}")
+        super().__init__(f"no {kind} is called {name!r}{hint}{'; ' + more if more else ''}")
         self.kind, self.name, self.known = kind, name, known or []
+
+
+class UnreadableModel(UsageError):
+    """A model that an installed package lists, and that cannot be read as one."""
 
 
 class OutOfRange(UsageError):

@@ -16,17 +16,14 @@ from pydantic import ValidationError
 from . import __version__, demo
 from .api.access.tokens import Tokens
 from .api.app import make_app
-from .api.audit.listener import Ear, lease_words
 from .api.bench import Bench
 from .api.conditions.pages import Pages
 from .api.health.vitals import Vitals
 from .api.http.problems import findings
 from .api.http.sessions import Sessions
-from .api.lease.lease import Lease
-from .api.lease.watch import LeaseWatch
 from .api.links.port_routes import serial_ports
-from .api.recordings.service import RecordingDesk
 from .api.schemas import Port
+from .audit.listener import Ear, lease_words
 from .calc.ramps import sramp
 from .calc.ramps.ticked import RampParameters, exact_ramp
 from .clock import BackgroundClock, Clock, WallClock
@@ -37,16 +34,19 @@ from .devices.core.device import Device
 from .devices.core.found_moving import FoundMoving
 from .devices.manager import DeviceChange, DeviceManager
 from .emulators.build import build_emulator, options_of, warm_up
+from .emulators.core.pace import Pace
 from .errors import BenchError, UsageError
+from .lease.lease import Lease
+from .lease.watch import LeaseWatch
 from .links.emulator import EmulatorPort
 from .links.port import FramePort
 from .links.registry import (
-    TMCL_MODELS,
     Link,
     PortFactory,
+    board_factory,
     can_factory,
-    landungsbruecke_factory,
     serial_factory,
+    speaks_tmcl,
     spidev_factory,
     tcp_factory,
     uart_factory,
@@ -57,6 +57,8 @@ from .procedures.at_rest import after_vanishing, anything_moves, stop_moving
 from .procedures.procedures import Procedures
 from .profiles.service import ProfileService
 from .profiles.start_up import Wish, start_up
+from .recording.service import RecordingDesk
+from .registers.wires import BOARD
 from .settings import Settings
 from .store.audit import AuditLog
 from .store.connections import ConnectionStore
@@ -95,13 +97,14 @@ def create_app(
     background = BackgroundClock(clock)
     hub = TelemetryHub(background, settings.history_minutes)
     store = ConnectionStore(settings.data_dir)
+    pace = Pace(clock.now) if isinstance(clock, WallClock) else None
     kinds: dict[str, PortFactory] = {
-        "emulator": partial(emulator_port, data_dir=settings.data_dir),
+        "emulator": partial(emulator_port, data_dir=settings.data_dir, pace=pace),
         "tcp": tcp_factory,
         "serial": serial_factory,
         "can": can_factory,
         "spidev": spidev_factory,
-        "landungsbruecke": landungsbruecke_factory,
+        BOARD: board_factory,
         "uart": uart_factory,
     }
     opened = asyncio.Event()
@@ -258,22 +261,28 @@ def create_app(
     return make_app(bench, lifespan, background.urgent)
 
 
-def emulator_port(model: str, link: Link, clock: Clock, data_dir: Path | None = None) -> FramePort:
+def emulator_port(
+    model: str, link: Link, clock: Clock, data_dir: Path | None = None, pace: Pace | None = None
+) -> FramePort:
     """`{"kind": "emulator", ...}`: a chip of its own behind a port of its own.
+
+    `pace` bounds what it works where others wait for it; None where `clock` is somebody's who waits.
 
     A module may have `"eeprom"`, the name of a file in `data_dir` that keeps its memory; without either the memory
     ends with the port. Raises UsageError.
     """
     options = {name: value for name, value in link.items() if name != "kind"}
-    eeprom = options.pop("eeprom", None) if model in TMCL_MODELS else None
+    eeprom = options.pop("eeprom", None) if speaks_tmcl(model) else None
     if eeprom is not None and not (isinstance(eeprom, str) and EEPROM_NAME.fullmatch(eeprom)):
         raise UsageError(f"eeprom is a name of small letters, digits and dashes, not {eeprom!r}")
     path = data_dir / "emulators" / f"{eeprom}.json" if eeprom and data_dir else None
     try:
         # Building checks too: a motor may be none that can be worked out, though each of its numbers is one.
-        return EmulatorPort(build_emulator(model, clock, options_of(model).model_validate(options), path))
+        emulator = build_emulator(model, clock, options_of(model).model_validate(options), path)
     except ValidationError as error:
         raise UsageError(f"the emulator's options do not fit: {findings(error)}") from error
+    emulator.pace = pace
+    return EmulatorPort(emulator, hurries=pace is not None)
 
 
 def bench_of(app: FastAPI) -> Bench:

@@ -8,10 +8,13 @@ from dataclasses import dataclass, field
 from ..clock import BackgroundClock, Clock
 from ..conditions.service import ConditionService
 from ..devices.manager import DeviceManager
+from ..lease.calls import CallsUnderWay
+from ..lease.lease import Lease
 from ..positions import EndlessService
 from ..procedures.procedures import Procedures
 from ..profiles.scripts.service import Scripts
 from ..profiles.service import ProfileService
+from ..recording.service import RecordingDesk
 from ..settings import Settings
 from ..store.audit import AuditLog
 from ..store.database import Database
@@ -22,11 +25,8 @@ from ..twin.service import Twin
 from .access.tokens import Tokens
 from .conditions.pages import Pages
 from .health.vitals import Vitals
-from .http.lease_gate import CallsUnderWay
 from .http.sessions import Sessions
-from .lease.lease import Lease
 from .links.probing import Probing
-from .recordings.service import RecordingDesk
 from .schemas import Port
 
 

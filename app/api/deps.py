@@ -7,7 +7,8 @@ from typing import Annotated, cast
 from fastapi import Depends, Path, Query
 from starlette.requests import HTTPConnection
 
-from ..devices.core.device import Axis, Device
+from ..devices.core.device import Device
+from ..devices.core.session import Axis
 from .bench import Bench
 
 # All of these are coroutines, although none waits: FastAPI would send plain functions to a thread.

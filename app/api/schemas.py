@@ -11,20 +11,19 @@ from typing import Annotated, Literal
 from pydantic import BaseModel, ConfigDict, Field, StringConstraints
 
 from ..conditions.judge import Kind
+from ..registers.names import AnyModelName, PmulName, SixPointName, SRampName
 
 Int = Annotated[int, Field(strict=True)]
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Flag = Annotated[bool, Field(strict=True)]
 Name = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=60, strip_whitespace=True)]
 AxisIndex = Annotated[int, Field(strict=True, ge=0, le=31)]
-ChipName = Literal["tmc428", "tmc4210"]
+ChipName = PmulName
 """Chips of 32-bit datagrams, whose ramps come from pmul and pdiv."""
-Chip40Name = Literal["tmc4361"]
+Chip40Name = SRampName
 """Chips of 40-bit datagrams that have SPI alone and put ramps into a driver outside."""
-Tmc5xxxName = Literal["tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160"]
+Tmc5xxxName = SixPointName
 """Chips with a SixPoint ramp and the driver inside."""
-ModuleName = Literal["pd42-1241"]
-ModelName = Literal["tmc428", "tmc4210", "tmc4361", "tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160", "pd42-1241"]
 
 
 class Body(BaseModel):
@@ -215,7 +214,7 @@ DeviceState = Literal["connected", "connecting", "disconnected", "failed"]
 class DeviceInfo(Answer):
     id: str
     name: str
-    model: ModelName
+    model: AnyModelName
     title: str
     link: dict[str, object] = Field(
         description="`kind` and its options: emulator, tcp; for chips of 40-bit datagrams also spidev and "

@@ -11,9 +11,11 @@ from functools import partial
 from ..calc.positions.encoder_resolution import SLACK_MICROSTEPS, Place
 from ..clock import Clock
 from ..devices.core.background_tasks import OwnTasks
+from ..devices.core.capabilities import EncoderSetting
 from ..devices.core.changes import RegisterChanged
 from ..devices.core.counter import CounterWritten, PositionSeen
-from ..devices.core.device import Device, DeviceEvent, LimitReached, MotionCommanded, StateChanged
+from ..devices.core.device import Device
+from ..devices.core.events import DeviceEvent, LimitReached, MotionCommanded, StateChanged
 from ..devices.core.results import AxisState, MotionEnd
 from ..devices.core.signs import EncoderSeen, Evidence, Sign, Signs
 from ..errors import BenchError
@@ -166,12 +168,12 @@ class ConditionService:
         self, device: Device, axis: int, priority: Priority = Priority.COMMAND
     ) -> tuple[AxisState, Standing]:
         """Read the axis, and judge it by that. Raises what `axis_state` raises; that is judged too."""
-        commands = device.motion_commands[axis]
+        commands = device.session.motion_commands[axis]
         if device in self._watched:
             self._watched[device].axes[axis].looked_s = self._clock.now()
         try:
-            state = await device.axis_state(axis, priority)
-            if priority is Priority.SAMPLE and device.motion_commands[axis] != commands:
+            state = await device.monitor.axis_state(axis, priority)
+            if priority is Priority.SAMPLE and device.session.motion_commands[axis] != commands:
                 return state, self.standing(device, axis)  # a command came between: partly from before it, partly after
             return state, self._judge(device, axis, state)
         except SampleDropped:
@@ -244,14 +246,14 @@ class ConditionService:
             await self._look_at_all(device)
             took_s = self._clock.now() - began_s
             # An emulator in this process has no wire that a look would take from others.
-            rest_s = 0.0 if device.chip_timed else took_s * (1 / WIRE_SHARE - 1)
-            self._watched[device].look_took_s = took_s if device.chip_timed else 0.0
+            rest_s = 0.0 if device.session.chip_timed else took_s * (1 / WIRE_SHARE - 1)
+            self._watched[device].look_took_s = took_s if device.session.chip_timed else 0.0
             beat_s = self._lively_s() if self._lively(device) else LOOK_EVERY_S
             pause_s = max(beat_s - took_s, beat_s / 2, rest_s)
 
     def _every_s(self, device: Device) -> float:
         """How long it must be since the latest look [s]: 0 while anything moves."""
-        if self._lively(device) or not device.chip_timed:
+        if self._lively(device) or not device.session.chip_timed:
             return 0.0
         # A beat that is a little early is not one too many.
         return min(self._looks_take_s() / OWN_SHARE, REST_LOOK_MAX_S) - LOOK_EVERY_S / 2
@@ -280,7 +282,7 @@ class ConditionService:
         if device not in self._watched:
             return Standing(judge(Seen(axis, "disconnected")))
         known = self._watched[device].axes[axis]
-        ends = device.motion_ends(axis)
+        ends = device.monitor.motion_ends(axis)
         seen = Seen(
             axis,
             device.state,
@@ -293,7 +295,7 @@ class ConditionService:
             held_back=held_back(device),
         )
         if state is not None:
-            signs = device.signs(axis, state)
+            signs = device.monitor.signs(axis, state)
             self._follow(known, signs, self._searched(device, axis), state.time_s)
             seen = replace(seen, signs=signs, reset_s=known.reset_s, limit=known.limit)
             seen = replace(seen, resolution=_resolution(device, known, seen, state))
@@ -345,7 +347,7 @@ class ConditionService:
                 axes[axis].forget_places()
                 self._judge(device, axis, None)
         elif isinstance(event, MotionCommanded):
-            known, ends = axes[event.axis], device.motion_ends(event.axis)
+            known, ends = axes[event.axis], device.monitor.motion_ends(event.axis)
             if event.what == "stop":
                 known.sent, known.stopped = False, True
                 return
@@ -363,7 +365,7 @@ class ConditionService:
             )
         elif isinstance(event, MotionEnd):
             self._tasks.begin(self._look_soon(device, event.axis), f"end of a motion of {device.id}")
-        elif isinstance(event, RegisterChanged) and event.register in device.ENCODER_REGISTERS:
+        elif isinstance(event, RegisterChanged) and event.register in _encoder_registers(device):
             for known in axes if event.axis is None else (axes[event.axis],):
                 known.forget_places()
         elif isinstance(event, CounterWritten):
@@ -383,7 +385,7 @@ def _said(standing: Standing) -> tuple[object, ...]:
 def _resolution(device: Device, known: _Axis, seen: Seen, state: AxisState) -> WrongResolution | None:
     """Keep the place where the axis is, and say whether its encoder's resolution is wrong by all that are kept."""
     axis = seen.axis
-    microsteps = device.microsteps_of(axis)
+    microsteps = device.axis(axis).microsteps
     if microsteps is None or seen.signs.regulated:  # a motor that follows its encoder deviates by nothing of the kind
         return None
     full_step, turn = microsteps
@@ -400,13 +402,19 @@ def _resolution(device: Device, known: _Axis, seen: Seen, state: AxisState) -> W
             if line is None:
                 return None
             told = EncoderSeen(1 + line.slope, line.way, max(line.off, SLACK_MICROSTEPS), bool(external))
-            return WrongResolution(line, () if state.moving else device.encoder_remedies(axis, state, told))
+            setting = None if state.moving else device.part(EncoderSetting)
+            return WrongResolution(line, () if setting is None else setting.encoder_remedies(axis, state, told))
     return None
+
+
+def _encoder_registers(device: Device) -> frozenset[str]:
+    setting = device.part(EncoderSetting)
+    return frozenset() if setting is None else setting.ENCODER_REGISTERS
 
 
 def held_back(device: Device) -> Sign | None:
     """Why a device that answers is left alone, and the way out; None where it is not."""
-    why = device.held_back
+    why = device.session.held_back
     if why is None or type(device.problem) is not type(why):
         return None
     return Sign(str(why), (Evidence("link", "it answers"),), device.ways_out(why))

@@ -30,7 +30,7 @@ class Truth:
 
 def truth_of(device: Device, axis: int) -> Truth | None:
     """How it really is with the axis; None where nobody can know, for it is no emulator in this process."""
-    port = device.port
+    port = device.session.port
     if not isinstance(port, EmulatorPort):
         return None
     told = cast("Emulated", port.wire).ground_truth(axis, port.take_turn())

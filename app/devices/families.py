@@ -1,52 +1,71 @@
-"""Which driver drives which model."""
+"""Every family of drivers, one line each, and the devices that they make."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import contextlib
+from functools import partial
 
 from ..clock import Clock
+from ..errors import BadReply
 from ..links.port import FramePort
-from ..registers.tmc5xxx.table import TABLES as TMC5XXX
+from ..links.queue import LinkQueue
+from ..links.register_access import RegisterAccess
+from ..registers.catalog import MODELS
 from .core.config import DeviceConfig
 from .core.device import Device
-from .core.start_up import StartPlanner
+from .core.family import DeviceFamily
+from .limits import apply
 from .limits.apply import apply_limits
-from .tmc5xxx import start_up as tmc5xxx_start
-from .tmc5xxx.driver import Tmc5xxx
-from .tmc428 import start_up as ramp_start
-from .tmc428.tmc428 import Tmc428
-from .tmc428.tmc4210 import Tmc4210
-from .tmc4361 import start_up as tmc4361_start
-from .tmc4361.driver import Tmc4361
-from .tmcl import start_up as pd42_start
-from .tmcl.driver import Pd42
+from .listed.family import FAMILY as LISTED
+from .tmc5xxx.family import FAMILY as TMC5XXX
+from .tmc428.family import FAMILY as TMC428
+from .tmc4361.family import FAMILY as TMC4361
+from .tmcl.family import FAMILY as TMCL
 
-DRIVERS: dict[str, Callable[[str, DeviceConfig, FramePort, Clock], Device]] = {
-    "tmc428": Tmc428,
-    "tmc4210": Tmc4210,
-    "tmc4361": Tmc4361,
-    **dict.fromkeys(TMC5XXX, Tmc5xxx),
-    "pd42-1241": Pd42,
-}
-START_PLANS: dict[str, StartPlanner] = {
-    "tmc428": ramp_start.plan,
-    "tmc4210": ramp_start.plan,
-    "tmc4361": tmc4361_start.plan,
-    **dict.fromkeys(TMC5XXX, tmc5xxx_start.plan),
-    "pd42-1241": pd42_start.plan,
-}
-"""How each model is set up after power-on."""
+FAMILIES = (TMC428, TMC4361, TMC5XXX, TMCL, LISTED)
+_BY_NAME = {family.name: family for family in FAMILIES}
+
+
+def family_of(model: str) -> DeviceFamily:
+    """Of a model that `DeviceConfig` has checked."""
+    return _BY_NAME[MODELS[model].family]
 
 
 def make_device(device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> Device:
-    """The driver for `config.model`, which `DeviceConfig` has checked."""
-    device = DRIVERS[config.model](device_id, config, port, clock)
+    """The device for `config.model`, which `DeviceConfig` has checked."""
+    device = family_of(config.model).compose(device_id, config, port, clock)
     device.driver_of = _driver_of
-    apply_limits(device)
+    device.session.models_found = partial(models_found, device.session.queue)
+    limit(device)
     return device
 
 
+async def models_found(queue: LinkQueue, access: RegisterAccess) -> tuple[str, ...]:
+    """Models of the chip that answers, by its own words; empty where none of them is known. Only reads.
+
+    Raises LinkError.
+    """
+    for family in FAMILIES:
+        if family.found_by is not None:
+            with contextlib.suppress(BadReply):
+                if models := await family.found_by(queue, access):
+                    return models
+    return ()
+
+
+def limit(device: Device) -> None:
+    """Have the limits of `device.config` kept from now on."""
+    apply_limits(device, family_of(device.model).limit_rules)
+
+
+def require_clock(device: Device, config: DeviceConfig) -> None:
+    """Raises SoftLimit where, by the clock of `config`, what the chip is set to would come to be beyond its limits."""
+    apply.require_clock(device, config, family_of(device.model).limit_rules)
+
+
 def _driver_of(device: Device, model: str) -> Device:
-    """The driver of `model` over the port of `device`. Raises UsageError where that link cannot be its."""
+    """The driver of `model` over the port of `device`, past what holds that back. Raises UsageError where that link
+    cannot be its."""
+    session = device.session
     config = DeviceConfig(name=device.name, model=model, link=device.link)
-    return DRIVERS[model](device.id, config, device.port, device.clock)
+    return family_of(model).compose(device.id, config, session.port, session.clock, session.queue.beside())

@@ -22,8 +22,8 @@ from .core.device import Device
 from .core.results import StopMode, StopOutcome
 from .core.stopping import Stopping
 from .core.watch import ANSWER_WITHIN_S, Watch
-from .families import make_device
-from .limits.apply import apply_limits, learn, require_clock
+from .families import limit, make_device, require_clock
+from .limits.apply import learn
 
 LET_GO_S = 1.0
 """How long letting go of a device may take to stop its motors [s]."""
@@ -137,8 +137,8 @@ class DeviceManager:
         new_id = device_id if config.name == old.name else unique_slug(config.name, others)
         if (config.link, config.model) == (old.link, old.model):
             require_clock(device, config)
-            device.reconfigure(new_id, config)
-            apply_limits(device)
+            device.session.reconfigure(new_id, config)
+            limit(device)
             await learn(device)
             self._put(device_id, device)
             self._on_change()
@@ -181,18 +181,18 @@ class DeviceManager:
         device = self._make(DeviceConfig(name="trial", model=model, link=link), "trial")
         try:
             async with asyncio.timeout(ANSWER_WITHIN_S):
-                detail = await device.probe()
+                detail = await device.identity.probe()
                 once = time.perf_counter()  # the first one opened the link: only the second is a round trip
-                await device.probe()
+                await device.identity.probe()
         except TimeoutError:
-            late = LinkTimeout(device.port.name, ANSWER_WITHIN_S, "who it is")
+            late = LinkTimeout(device.session.port.name, ANSWER_WITHIN_S, "who it is")
             return LinkTrial(False, str(late), None, late)
         except BenchError as error:
             return LinkTrial(False, str(error), None, error)
         else:
             return LinkTrial(True, detail, (time.perf_counter() - once) * 1e3, None)
         finally:
-            await device.port.aclose()
+            await device.session.port.aclose()
 
     async def stop_all(self, mode: StopMode = "ramp") -> list[StopOutcome]:
         """Every axis of every device, ahead of all queues, all devices at once. Never raises.
@@ -205,7 +205,7 @@ class DeviceManager:
 
     async def stop_axis(self, device: Device, axis: int, mode: StopMode = "ramp") -> StopOutcome:
         """One axis, as soon. Raises what went wrong."""
-        device.require_connected()
+        device.session.require_connected()
         outcome = (await self._stopping.stop(device, [device.axis(axis).index], mode))[0]
         if outcome.problem is not None:
             raise outcome.problem
@@ -223,7 +223,7 @@ class DeviceManager:
     def _make(self, config: DeviceConfig, device_id: str) -> Device:
         port = open_port(self._kinds, config.model, config.link, self._clock)
         device = make_device(device_id, config, port, self._clock)
-        device.background = self._background
+        device.session.background = self._background
         return device
 
     def _put(self, old_id: str, device: Device) -> None:
@@ -257,12 +257,12 @@ class DeviceManager:
 
     async def _let_go(self, device: Device) -> None:
         await self._end_watch(device)
-        moved = [axis.index for axis in device.axes if device.motion_commands[axis.index]]
-        if moved and (device.state == "connected" or isinstance(device.held_back, DownloadMode)):
+        moved = [axis.index for axis in device.axes if device.session.motion_commands[axis.index]]
+        if moved and (device.state == "connected" or isinstance(device.session.held_back, DownloadMode)):
             # What comes of it nobody is there to hear; the link is closed next.
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(LET_GO_S):
                     await device.stop_axes(moved)
-        device.set_state("disconnected")
-        await device.let_go()
-        await device.port.aclose()
+        device.session.set_state("disconnected")
+        await device.identity.let_go()
+        await device.session.port.aclose()

@@ -8,14 +8,13 @@ import re
 import types
 import urllib.error
 import urllib.request
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Union, get_args, get_origin
 from urllib.parse import urlsplit
 
 from pydantic import BaseModel
 
 from ..emulators.line.faults import LinePatch
-from ..emulators.tmcl.options import Pd42Patch
 from ..errors import LinkDown, LinkError, LinkTimeout, UnknownThing, UsageError
 
 TIMEOUT_S = 10.0
@@ -47,30 +46,27 @@ def _path_at(target: str, name: str) -> str:
     try:
         model = str(_ask(target).get("model"))
     except LinkError:
-        path_of(Pd42Patch, name)  # a name that nobody has is told first
+        _require_known(name)  # a name that no emulator has is told first
         raise
-    return path_of(_patch_of(model), name)
+    # They bring what they need to be computed, which a wrong address need not wait for.
+    from ..emulators.board import options as board
+    from ..emulators.build import family_of
+    from ..registers.catalog import is_model
+
+    if model == board.MODEL:
+        return path_of(board.BoardPatch, name)
+    if not is_model(model):
+        raise LinkError(urlsplit(target).netloc, "does not answer like an emulator")
+    return path_of(family_of(model).patch, name)
 
 
-def _patch_of(model: str) -> type[BaseModel]:
-    # Each brings what it needs to be computed; only one is wanted.
-    if model == "landungsbruecke":
-        from ..emulators.board.options import BoardPatch
+def _require_known(name: str) -> None:
+    """Raises UnknownThing for a fault that no family of emulators has."""
+    from ..emulators.families import FAMILIES
 
-        return BoardPatch
-    if model == "tmc4361":
-        from ..emulators.tmc4361.options import Tmc4361Patch
-
-        return Tmc4361Patch
-    if model in ("tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160"):
-        from ..emulators.tmc5xxx.options import Tmc5xxxPatch
-
-        return Tmc5xxxPatch
-    if model in ("tmc428", "tmc4210"):
-        from ..emulators.tmc428.options import EmulatorPatch
-
-        return EmulatorPatch
-    return Pd42Patch
+    paths = {path for family in FAMILIES for path in names_of(family.patch)}
+    if name not in paths and not any(path.endswith(f".{name}") for path in paths):
+        raise _unknown(name, paths)
 
 
 def names_of(model: type[BaseModel]) -> list[str]:
@@ -92,8 +88,12 @@ def path_of(model: type[BaseModel], name: str) -> str:
     if len(fitting) > 1:
         raise UsageError(f"{name!r} may be {' or '.join(fitting)}")
     if not fitting:
-        raise UnknownThing("fault", name, sorted(known, key=lambda path: not path.startswith("faults.")))
+        raise _unknown(name, known)
     return fitting[0]
+
+
+def _unknown(name: str, known: Iterable[str]) -> UnknownThing:
+    return UnknownThing("fault", name, sorted(known, key=lambda path: (not path.startswith("faults."), path)))
 
 
 def _walk(model: type[BaseModel], prefix: str) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""The control port of an emulated line: its modules and its cable as REST, beside the wire.
+"""The control port of an emulated line: what is on it and its cable as REST, beside the wire.
 
 An application of its own, without devices, store or telemetry: whoever tests a client of theirs against
 `stepscope emulate` needs faults, not a dashboard.
@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Annotated, Generic, TypeVar
 
-from fastapi import APIRouter, Depends, FastAPI, Path, Request
+from fastapi import APIRouter, Depends, FastAPI, Request
 
 from .. import __version__
 from ..api.http import openapi, problems
@@ -17,9 +17,6 @@ from ..api.http.guard import Guard
 from ..api.http.problems import problems as responses
 from ..emulators.line.faults import LinePatch, LineState
 from ..emulators.line.server import LineServer
-from ..emulators.tmcl.module import EmulatedModule
-from ..emulators.tmcl.options import Pd42Patch
-from ..emulators.tmcl.state import Pd42State
 from ..errors import OutOfRange, UnknownThing, WrongState
 
 BODY_LIMIT_BYTES = 64 * 1024
@@ -55,11 +52,6 @@ class Several(Served, Generic[Far]):
         return self.modules[address]
 
 
-class Controlled(Several[EmulatedModule]):
-    """A line of modules."""
-
-
-router = APIRouter(tags=["emulator"])
 line_router = APIRouter(tags=["line"])
 
 
@@ -69,45 +61,11 @@ async def _served(request: Request) -> Served:
     return served
 
 
-async def _controlled(request: Request) -> Controlled:
-    controlled = request.app.state.controlled
-    assert isinstance(controlled, Controlled)
-    return controlled
-
-
-CurrentModules = Annotated[Controlled, Depends(_controlled)]
 CurrentLine = Annotated[Served, Depends(_served)]
-Address = Annotated[int, Path(description="the address that the module was started with", ge=1, le=255)]
 REFUSED = responses(UnknownThing, WrongState, OutOfRange)
 
 
 # Plain functions, which run in a thread of their own: each waits until the line is between two frames.
-@router.get("/emulator", responses=REFUSED)
-def get_emulator(far: CurrentModules) -> Pd42State:
-    """The one module of this line, its motor and its faults."""
-    return far.call(far.module(None).state)
-
-
-@router.patch("/emulator", responses=REFUSED)
-def change_emulator(far: CurrentModules, body: Pd42Patch) -> Pd42State:
-    """Cause faults, load the shaft, force switches; what is left out stays."""
-    module = far.module(None)
-    return far.call(lambda: module.patch(body))
-
-
-@router.get("/emulator/{address}", responses=REFUSED)
-def get_emulator_at(far: CurrentModules, address: Address) -> Pd42State:
-    """One of several modules."""
-    return far.call(far.module(address).state)
-
-
-@router.patch("/emulator/{address}", responses=REFUSED)
-def change_emulator_at(far: CurrentModules, address: Address, body: Pd42Patch) -> Pd42State:
-    """The same for one of several modules."""
-    module = far.module(address)
-    return far.call(lambda: module.patch(body))
-
-
 @line_router.get("/line")
 def get_line(far: CurrentLine) -> LineState:
     """Baud rate, modules and faults of the line itself."""
@@ -118,11 +76,6 @@ def get_line(far: CurrentLine) -> LineState:
 def change_line(far: CurrentLine, body: LinePatch) -> LineState:
     """Faults of the cable, which hit every module and questions too; the baud rate of the wire."""
     return far.call(lambda: far.line.patch(body))
-
-
-def make_control_app(controlled: Controlled, allowed_hosts: tuple[str, ...] = ()) -> FastAPI:
-    """The control port over a line of modules, with the guard and the problems of the dashboard's API."""
-    return control_app(controlled, router, allowed_hosts)
 
 
 def control_app(served: Served, emulators: APIRouter, allowed_hosts: tuple[str, ...] = ()) -> FastAPI:

@@ -4,50 +4,50 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import math
 import signal
 import socket
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from types import FrameType
-from typing import TYPE_CHECKING, cast
+from typing import TYPE_CHECKING
 
-from ..clock import Clock, WallClock
+from ..clock import WallClock
+from ..emulators.board.options import MODEL as BOARD
+from ..emulators.core.pace import Pace
 from ..emulators.line.ends import End
-from ..emulators.line.framing import TMCL, Fixed, Framing
+from ..emulators.line.framing import Fixed
 from ..emulators.line.line import Line
-from ..emulators.line.module import LineModule
 from ..emulators.line.raw import RawChip
 from ..emulators.line.server import LineServer
 from ..emulators.line.tcp import TcpEnd
-from ..emulators.line.uart import uart_line
 from ..emulators.server import Served, frame_bytes_of, serve_tcp
-from ..emulators.tmcl.module import EmulatedModule
-from ..emulators.tmcl.options import Pd42Options
-from ..links.datagram_uart import MODELS as UART_MODELS
-from ..links.datagram_uart import NODE_MODELS
 from ..listening import CannotListen, host_and_port, listen, url_of, why
+from ..registers.catalog import MODELS, find_model, is_model
+from .line import LineMaker, LineOptions
 
 if TYPE_CHECKING:
     from fastapi import FastAPI
 
-    from ..emulators.tmc5xxx import Tmc5xxxModel
+__all__ = ["BOARD", "LineOptions", "emulate", "emulate_line", "is_line", "is_module", "shows_uart"]
 
-MODULE, BOARD = "pd42-1241", "landungsbruecke"
-LINES = (MODULE, BOARD)
-"""What always hangs on a serial line; all other models are chips, with raw frames or on a UART."""
-NODECONF, SEVERAL = 0x03, 2 << 8
-"""Where a chip has its node address; and SENDDELAY of three times eight bit times, which chips on one line need to have
-(TMC5160A data sheet 1.14, 5.4)."""
 GRACE_S = 0.3
 """How long requests of the control port may take to end after Ctrl-C [s]."""
 
 
+def is_module(model: str) -> bool:
+    """Whether `model` speaks TMCL by itself: then it hangs on a line, alone or with others."""
+    return is_model(model) and find_model(model).kind == "module"
+
+
+def is_line(model: str) -> bool:
+    """Whether `model` always hangs on a serial line; all others are chips, with raw frames or on a UART."""
+    return model == BOARD or is_module(model)
+
+
 def shows_uart(model: str, *, asked: bool) -> bool:
     """Whether an emulated `model` is to be reached by its UART, where that was `asked` for; else by raw frames."""
-    return asked and model in UART_MODELS
+    return asked and model in MODELS and MODELS[model].uart != ""
 
 
 def emulate(
@@ -74,8 +74,8 @@ def emulate(
         from ..emulators.build import build_emulator, options_of
 
         chip = build_emulator(model, WallClock(), options_of(model).model_validate(options))
-        assert not isinstance(chip, EmulatedModule)  # those hang on lines
         chip.clock.scale = time_scale
+        chip.pace = Pace(chip.clock.base.now, share=1.0)
         chip.catch_up(0.0)  # compiles: whoever is told that we listen gets answers at once
     if where is not None:
         asyncio.run(_emulate(chip, *where, announce))
@@ -83,7 +83,7 @@ def emulate(
         line = Line([RawChip(chip)], WallClock(), baud=baud, framing=Fixed(frame_bytes_of(model)))
         with contextlib.ExitStack() as stack:
             try:
-                server = stack.enter_context(LineServer(line, _ends(LineOptions(pty=pty))))
+                server = stack.enter_context(LineServer(line, _ends(None, pty)))
             except OSError as error:
                 raise CannotListen(str(error)) from error
             stack.enter_context(_ended_by_signals(server.stop))
@@ -104,31 +104,8 @@ async def _emulate(chip: Served, host: str, port: int, announce: Callable[[str],
         server.close()  # clients that are still there are cut off as the loop ends
 
 
-@dataclass(frozen=True)
-class LineOptions:
-    """An emulated line as the command line describes it. `addresses` are those of its modules, or nodes of its chips.
-
-    `model` is what hangs on it: pd42-1241, one landungsbruecke with a `chip` that has `clock_hz`, or chips with a UART,
-    whose line may give back what is said to it (`echo`).
-    """
-
-    model: str = MODULE
-    chip: str = "tmc4361"
-    clock_hz: float | None = None
-    pty: Path | None = None
-    tcp: str | None = None
-    addresses: Sequence[int] = (1,)
-    baud: int | None = None
-    shared_bus: bool = False
-    echo: bool = False
-    data_dir: Path | None = None
-    control: str | None = None
-    seed: int = 1241
-    time_scale: float = 1.0
-
-
 def emulate_line(options: LineOptions, announce: Callable[[str], None]) -> None:
-    """Serve PD42-1241 modules, an evaluation board, or the UART of chips, on one line until Ctrl-C or SIGTERM.
+    """Serve modules, an evaluation board, or the UART of chips, on one line until Ctrl-C or SIGTERM.
 
     Raises ValueError for options that cannot be, CannotListen for an address or a path that cannot be had.
     """
@@ -136,11 +113,10 @@ def emulate_line(options: LineOptions, announce: Callable[[str], None]) -> None:
         raise ValueError("say where: --pty PATH, --tcp HOST:PORT, or both")
     if len(set(options.addresses)) != len(options.addresses):
         raise ValueError("whoever is on a line needs an address of its own")
-    if options.model in UART_MODELS - NODE_MODELS and tuple(options.addresses) != (0,):
+    if options.model in MODELS and MODELS[options.model].uart == "plain" and tuple(options.addresses) != (0,):
         raise ValueError(f"a {options.model} has no node address, and is alone on its line")
-    make = {MODULE: _modules, BOARD: _board}.get(options.model, _chips)
     with _killed_by_signals():  # loading the emulators, or compiling them, takes its time
-        far = make(WallClock(), options)
+        far = _maker_of(options.model)(WallClock(), options)
     with contextlib.ExitStack() as stack:
         # The control port first: a client may set a fault as soon as the line is there.
         control = listen(*host_and_port("--control", options.control)) if options.control else None
@@ -148,7 +124,7 @@ def emulate_line(options: LineOptions, announce: Callable[[str], None]) -> None:
             stack.callback(control.close)
             control.listen()  # whoever calls before the server behind it runs just waits
         try:
-            server = stack.enter_context(LineServer(far.line, _ends(options)))
+            server = stack.enter_context(LineServer(far.line, _ends(options.tcp, options.pty)))
         except OSError as error:
             raise CannotListen(str(error)) from error
         said = [f"emulated {options.model} at {', '.join(end.name for end in server.ends)}"]
@@ -160,102 +136,25 @@ def emulate_line(options: LineOptions, announce: Callable[[str], None]) -> None:
         server.run()
 
 
-@dataclass(frozen=True)
-class _Far:
-    """The line with what hangs on it, and the control port for it (an import of its own: most lines need none)."""
+def _maker_of(model: str) -> LineMaker:
+    """What puts `model` on a line. Raises UnknownThing."""
+    if model == BOARD:
+        from .board import make_line
 
-    line: Line
-    make_control: Callable[[LineServer], FastAPI]
+        return make_line
+    from .families import line_maker_of
 
-
-def _line(modules: Sequence[LineModule], clock: Clock, options: LineOptions, framing: Framing) -> Line:
-    return Line(
-        modules,
-        clock,
-        baud=options.baud,
-        shared_bus=options.shared_bus,
-        addresses=options.addresses,
-        seed=options.seed,
-        framing=framing,
-    )
+    return line_maker_of(model)
 
 
-def _modules(clock: Clock, options: LineOptions) -> _Far:
-    modules = {address: _module(address, clock, options) for address in options.addresses}
-
-    def make_control(server: LineServer) -> FastAPI:
-        from .line_control import Controlled, make_control_app
-
-        return make_control_app(Controlled(server, modules))
-
-    return _Far(_line(list(modules.values()), clock, options, TMCL), make_control)
-
-
-def _module(address: int, clock: Clock, options: LineOptions) -> EmulatedModule:
-    # Modules that made the same noise would be one module twice.
-    named = {"address": address, "time_scale": options.time_scale, "seed": options.seed + address}
-    eeprom = None if options.data_dir is None else options.data_dir / "emulators" / f"pd42-1241-{address}.json"
-    return EmulatedModule(clock, Pd42Options.model_validate(named), eeprom)
-
-
-def _board(clock: Clock, options: LineOptions) -> _Far:
-    from ..emulators.board.build import build_board
-
-    board = build_board(options.chip, clock, {**_of_chip(options), "seed": options.seed})
-
-    def make_control(server: LineServer) -> FastAPI:
-        from .board_control import make_board_control_app
-
-        return make_board_control_app(server, board)
-
-    # Its firmware waits for nine bytes however long it takes.
-    return _Far(_line([board], clock, options, replace(TMCL, pause_s=math.inf)), make_control)
-
-
-def _chips(clock: Clock, options: LineOptions) -> _Far:
-    from ..emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxOptions
-
-    chips = {}
-    for node in options.addresses:
-        # Chips that made the same noise would be one chip twice.
-        named = Tmc5xxxOptions.model_validate({**_of_chip(options), "seed": options.seed + node})
-        chip = chips[node] = EmulatedTmc5xxx(cast("Tmc5xxxModel", options.model), clock, named)
-        if options.model in NODE_MODELS:
-            chip.write(NODECONF, node | (SEVERAL if len(options.addresses) > 1 else 0))
-        chip.catch_up(0.0)  # compiles: whoever is told that we are there gets answers at once
-
-    def make_control(server: LineServer) -> FastAPI:
-        from .chip_control import make_chip_control_app
-
-        return make_chip_control_app(server, chips)
-
-    return _Far(
-        uart_line(
-            list(chips.values()),
-            clock,
-            nodes=options.addresses,
-            baud=options.baud,
-            echo=options.echo,
-            shared_bus=options.shared_bus,
-            seed=options.seed,
-        ),
-        make_control,
-    )
-
-
-def _of_chip(options: LineOptions) -> dict[str, object]:
-    given: dict[str, object] = {"time_scale": options.time_scale}
-    return given if options.clock_hz is None else {**given, "clock_hz": options.clock_hz}
-
-
-def _ends(options: LineOptions) -> list[End]:
+def _ends(tcp: str | None, pty: Path | None) -> list[End]:
     ends: list[End] = []
-    if options.tcp is not None:
-        ends.append(TcpEnd(listen(*host_and_port("--tcp", options.tcp))))
-    if options.pty is not None:
+    if tcp is not None:
+        ends.append(TcpEnd(listen(*host_and_port("--tcp", tcp))))
+    if pty is not None:
         from ..emulators.line.pty import PtyEnd  # not every system has such terminals
 
-        ends.append(PtyEnd(options.pty))
+        ends.append(PtyEnd(pty))
     return ends
 
 
@@ -291,13 +190,23 @@ def _controlling(app: FastAPI, listener: socket.socket) -> Iterator[None]:
     """The control port, in a thread of its own, as long as the block runs. The line's server has to run meanwhile."""
     import uvicorn  # a quarter of a second that most lines need not wait for
 
-    from ..connections import Door, Limits, Listener, descriptor_limit, limited_http
+    from ..connections import (
+        MESSAGE_BYTES_MAX,
+        Door,
+        Limits,
+        Listener,
+        descriptor_limit,
+        limited_http,
+        limited_websocket,
+    )
 
     door = Door(Limits.of_descriptors(descriptor_limit()))
     web = uvicorn.Server(
         uvicorn.Config(
             app,
             http=limited_http(door, lambda method, path: False),
+            ws=limited_websocket(door),
+            ws_max_size=MESSAGE_BYTES_MAX,
             loop="asyncio",
             log_level="warning",
             access_log=False,

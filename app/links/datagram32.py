@@ -70,13 +70,6 @@ def write(address: int, data: int) -> bytes:
     return Request(address, read=False, data=data).encode()
 
 
-STATUS_TMC428 = ("xEQt1", "RS1", "xEQt2", "RS2", "xEQt3", "RS3", "CDGW", "INT")
-"""Status bits of the TMC428, bit 0 first (DS-TMC428 Table 6-4)."""
-
-STATUS_TMC4210 = ("xEQt1", "R_L", "", "GP_IN", "", "R_R", "", "INT")
-"""Status bits of the TMC4210, bit 0 first; "" is not used (DS-TMC4210 5.2.2.2)."""
-
-
 def status_flags(status: int, names: tuple[str, ...]) -> dict[str, bool]:
     """The named status bits of a reply."""
     return {name: bool(status >> bit & 1) for bit, name in enumerate(names) if name}

@@ -13,16 +13,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from ..registers import catalog
+
 FRAME_BYTES = 5
 DATA_MASK = 0xFFFF_FFFF
 ADDRESS_MAX = 0x7F
 WRITE_BIT = 0x80
-MODELS = frozenset({"tmc4361", "tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160"})
+MODELS = frozenset(model.name for model in catalog.MODELS.values() if model.datagram_bits == 8 * FRAME_BYTES)
 """Chips that speak it."""
 VERSION_ADDRESS = 0x7F
 """VERSION_NO of a TMC4361: reading it neither clears nor changes anything, so it may follow anything."""
-GCONF_ADDRESS = 0x00
-"""GCONF of a TMC5xxx, where no address is a version's: reading it does as little."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +87,7 @@ FETCH = read(VERSION_ADDRESS)
 
 def fetch_of(model: str) -> bytes:
     """The same for `model`."""
-    return FETCH if model == "tmc4361" else read(GCONF_ADDRESS)
+    return read(catalog.MODELS[model].fetch_address)
 
 
 def read_chain(addresses: Sequence[int], fetch: bytes = FETCH) -> tuple[bytes, ...]:

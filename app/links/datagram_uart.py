@@ -10,6 +10,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..registers import catalog
+
 SYNC = 0x05
 """Its low nibble lets the chip measure the baud rate."""
 HOST = 0xFF
@@ -20,9 +22,9 @@ POLYNOMIAL = 0x07
 """x^8 + x^2 + x + 1."""
 IFCNT = 0x02
 """Counts the writes that were accepted, modulo 256. Reading it changes nothing (TMC5160A data sheet 1.14, 5.1.1)."""
-NODE_MODELS = frozenset({"tmc5072", "tmc5130", "tmc5160"})
+NODE_MODELS = frozenset(model.name for model in catalog.MODELS.values() if model.uart == "node")
 """Chips that share a line, each with a node address."""
-PLAIN_MODELS = frozenset({"tmc5062"})
+PLAIN_MODELS = frozenset(model.name for model in catalog.MODELS.values() if model.uart == "plain")
 """Chips without a node address: alone on their line."""
 MODELS = NODE_MODELS | PLAIN_MODELS
 """Chips with a single-wire UART. A TMC5031 has none."""

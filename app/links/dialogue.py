@@ -20,7 +20,7 @@ import time
 from collections.abc import Callable, Sequence
 
 from ..errors import BadReply, LinkTimeout
-from ..registers.landungsbruecke import BoardOpcode
+from ..registers.evaluation_board import BoardOpcode
 from ..registers.tmcl.commands import CONTROL_FIRST, Opcode, Status
 from .conversation import DRAIN_MAX_S, FOREIGN, HEARD_MAX, Conversation
 from .incidents import IncidentKind, Incidents

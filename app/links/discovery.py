@@ -12,10 +12,11 @@ from contextlib import AsyncExitStack, aclosing
 from dataclasses import dataclass
 
 from ..errors import BadReply, LinkTimeout, WrongState
-from ..registers.landungsbruecke import ADDRESS as BOARD_ADDRESS
+from ..registers.catalog import MODELS
+from ..registers.evaluation_board import ADDRESS as BOARD_ADDRESS
 from ..registers.tmcl.commands import Opcode
 from .datagram_uart import UartForm
-from .landungsbruecke import Board, board_name, identify
+from .evaluation_board import Board, board_name, identify
 from .queue import LinkQueue, Priority
 from .serial_address import port_url
 from .serial_line import BAUDS, SOCKET, Line, LinePort, line_of, serial_port
@@ -31,9 +32,6 @@ USUAL_UART_BAUDS = (UART_BAUD, 57_600, 9600)
 """Chips measure the rate, so one would do; a long wire may be too slow for the first."""
 INPUTS = 0x04
 """IOIN, INPUT: bits 31..24 are the version of the chip."""
-CHIP_OF_VERSION = {0x10: "TMC5072", 0x11: "TMC5130", 0x30: "TMC5160"}
-PLAIN_CHIP_OF_VERSION = {0x01: "TMC5062"}
-"""Of chips without a node address."""
 WAIT_S = 0.06
 """For an answer, beyond its time on the wire [s]: adapters collect bytes for up to 16 ms, modules take 5."""
 SOCKET_WAIT_S = 0.3
@@ -143,27 +141,31 @@ async def probe_chips(
         for node in asked:
             who = "a chip without a node" if node is None else f"node {node}"
             tell(who if baud is None else f"{who} at {baud} baud")
-            chip = uart_port(
+            port_of_chip = uart_port(
                 url,
                 UartForm(node),
                 baud=baud or UART_BAUD,
                 echo=line.echo or "auto",
                 timeout_s=SOCKET_WAIT_S if baud is None else WAIT_S,
             )
-            async with aclosing(chip):
-                version = await _ask_chip(chip)
+            async with aclosing(port_of_chip):
+                version = await _ask_chip(port_of_chip)
             done += 1
             if version is not None:
-                names = PLAIN_CHIP_OF_VERSION if node is None else CHIP_OF_VERSION
+                chip = _chip_of(version, node)
                 text = f"version {version:#04x}"
-                found.append(
-                    FoundModule(port, baud, node or 0, version, text, "", names.get(version, ""), node, uart=True)
-                )
+                found.append(FoundModule(port, baud, node or 0, version, text, "", chip, node, uart=True))
         if found:
             break
     done = total
     tell("")
     return found
+
+
+def _chip_of(version: int, node: int | None) -> str:
+    """The chip with a UART of that kind whose VERSION it is; empty where there is none."""
+    uart = "plain" if node is None else "node"
+    return next((known.title for known in MODELS.values() if known.uart == uart and known.version == version), "")
 
 
 def _rates(url: str, line: Line, bauds: Sequence[int] | None, usual: Sequence[int]) -> Sequence[int | None]:

@@ -7,12 +7,15 @@ before anybody else talks to the chip, so samples bear exact times however late 
 from __future__ import annotations
 
 import heapq
+import time
 from collections.abc import Callable, Sequence
 
 from ..errors import BenchError, LinkDown, LinkTimeout
 from . import datagram40
-from .port import SampleSink, Wire
+from .port import PortTraits, SampleSink, Wire
 
+SAMPLES_WITHIN_S = 0.03
+"""How long samples that are due may keep everybody else waiting [s of processor time]; the rest are given up."""
 CATCH_UP_S = 10.0
 """Samples further behind than this [s] are given up: nobody asked for so long that the past is not worth a stall."""
 
@@ -38,11 +41,13 @@ class _Sampling:
 class EmulatorPort:
     """`SamplingPort` and `ChainPort` over a `Wire`."""
 
-    def __init__(self, wire: Wire, name: str = "") -> None:
+    def __init__(self, wire: Wire, name: str = "", *, hurries: bool = False) -> None:
+        """`hurries`: time goes on while we work, and others wait; else it waits for us, as a test's does."""
         self.wire = wire
+        self._hurries = hurries
         self.samples_missed = 0
         self.paused: BenchError | None = None
-        self.pipelined = wire.model in datagram40.MODELS
+        self.traits = PortTraits(chains=self if wire.model in datagram40.MODELS else None, sampling=self)
         self._name = name or f"emulated {wire.model}"
         self._server = wire.clock.base
         self._last_exchange_s = wire.clock.now()
@@ -150,12 +155,15 @@ class EmulatorPort:
         """Take what is due by server time `now_s` [s], oldest first; the latest failure is returned, not raised."""
         failure = self.paused
         due = self._due
+        until_s = time.thread_time() + SAMPLES_WITHIN_S if self._hurries else float("inf")
+        skipped_s = self.wire.clock.skipped_s
         while due and due[0][0] <= now_s:
             due_s, _, sampling = heapq.heappop(due)
             if sampling.ended:
                 continue
-            if now_s - due_s > CATCH_UP_S or self.paused is not None:
-                behind = int((now_s - due_s) / sampling.period_s) + (self.paused is not None)
+            late = self.wire.clock.skipped_s != skipped_s or (self._hurries and time.thread_time() > until_s)
+            if now_s - due_s > CATCH_UP_S or late or self.paused is not None:
+                behind = int((now_s - due_s) / sampling.period_s) + (late or self.paused is not None)
                 self.samples_missed += behind
                 sampling.taken += behind
                 self._push(sampling)
@@ -166,7 +174,7 @@ class EmulatorPort:
         return failure
 
     def _take(self, sampling: _Sampling, chip_s: float) -> BenchError | None:
-        exchange = self.wire.exchange
+        exchange, skipped_s = self.wire.exchange, self.wire.clock.skipped_s
         try:
             replies = b"".join([exchange(frame, chip_s) for frame in sampling.frames])
         except TimeoutError:
@@ -175,5 +183,8 @@ class EmulatorPort:
         except ConnectionError as error:
             self.samples_missed += 1
             return LinkDown(self._name, str(error) or "unplugged")
+        if self.wire.clock.skipped_s != skipped_s:
+            self.samples_missed += 1  # it was asked at another time than it was due
+            return None
         sampling.sink(chip_s, replies)
         return None

@@ -8,7 +8,7 @@ from enum import Enum
 from typing import Protocol
 
 from ..clock import ScaledClock
-from ..errors import BenchError
+from ..errors import BenchError, LinkDown
 from .arbiter import Arbiter
 from .incidents import Incidents
 from .wire_budget import WireBudget
@@ -36,6 +36,11 @@ class FramePort(Protocol):
         """When the latest exchange happened, on the clock of `device_time_s` [s]."""
         ...
 
+    @property
+    def traits(self) -> PortTraits:
+        """What this port can besides."""
+        ...
+
     def device_time_s(self) -> float:
         """The device's own time [s] where it has one (emulators), else the server's."""
         ...
@@ -53,13 +58,21 @@ class FramePort(Protocol):
         ...
 
 
+@dataclass(frozen=True, slots=True)
+class PortTraits:
+    """What a port can besides exchanging frames: itself, typed so, or None where it cannot.
+
+    chains : the replies of its chip belong to the frame before. batches : many exchanges on a thread of its own.
+    sampling : its far end samples itself on its own time
+    """
+
+    chains: ChainPort | None = None
+    batches: BatchPort | None = None
+    sampling: SamplingPort | None = None
+
+
 class ChainPort(FramePort, Protocol):
     """A port of a chip whose replies belong to the frame before: what is asked in a row must stay in a row."""
-
-    @property
-    def pipelined(self) -> bool:
-        """Whether that is so with the chip at this port; if not, it is a plain `FramePort`."""
-        ...
 
     async def exchange_chain(self, frames: Sequence[bytes], timeout_s: float | None = None) -> list[bytes]:
         """Send the frames one after another and return their replies; nobody else's frame comes between.
@@ -121,6 +134,13 @@ class BatchPort(FramePort, Protocol):
         """
         ...
 
+    def on_down(self, listener: Callable[[LinkDown], None]) -> Callable[[], None]:
+        """Hear, on the event loop's thread, that the line went away while nobody asked anything.
+
+        Returns the function that ends it. A listener must not raise.
+        """
+        ...
+
     def on_event(self, listener: Callable[[bytes], None]) -> Callable[[], None]:
         """Hear of frames that the far end sends unasked (position reached), on the event loop's thread.
 
@@ -161,6 +181,11 @@ class SamplingPort(FramePort, Protocol):
     Emulators can, because they catch up in exact ticks: whoever talks to the chip next first gets
     all samples that fell due before. Hardware cannot; there the sampler asks over the wire.
     """
+
+    @property
+    def time_scale(self) -> float:
+        """How fast the far end's time runs against the server's."""
+        ...
 
     paused: BenchError | None
     """While there is one, no sample is taken, and `run_due_samples` raises it."""

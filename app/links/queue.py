@@ -13,18 +13,15 @@ Devices that share a line share its arbiter. On an idle line nobody waits and no
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
 from types import TracebackType
-from typing import Protocol, Self, cast
+from typing import Protocol, Self
 
-from ..errors import BadReply, LinkDown, LinkError, LinkTimeout, WrongState
+from ..errors import LinkDown, LinkError, WrongState
 from .arbiter import Arbiter, Priority
-from .frame_log import FrameLog
+from .exchanges import Exchanges, QueueCounts
 from .port import Answer, BatchPort, ChainPort, FramePort
 from .waits import Waits
-from .wire_budget import Meter
 
 __all__ = ["FrameGate", "FrameHold", "LinkQueue", "Priority", "QueueCounts", "SampleDropped", "Turn"]
 
@@ -67,24 +64,6 @@ class SampleDropped(WrongState):
     """The link is too busy for one more sample; the next may find it free."""
 
 
-@dataclass(slots=True)
-class QueueCounts:
-    """What has happened on a link since it was made."""
-
-    frames: list[int] = field(default_factory=lambda: [0, 0, 0])
-    """Frames sent, by priority."""
-    waited: int = 0
-    """Turns that found the link busy."""
-    overtaken: int = 0
-    """Times that a turn gave way between two frames."""
-    samples_dropped: int = 0
-    timeouts: int = 0
-    failures: int = 0
-    """Failed exchanges of any kind, timeouts included."""
-    bytes_sent: int = 0
-    bytes_received: int = 0
-
-
 class LinkQueue:
     """The only way to a port. `on_result` hears of each change between working and failing."""
 
@@ -93,59 +72,61 @@ class LinkQueue:
         port: FramePort,
         on_result: Callable[[LinkError | None], None] | None = None,
         samples_waiting_max: int = SAMPLES_WAITING_MAX,
+        main: LinkQueue | None = None,
     ) -> None:
         self.port = port
-        self.counts = QueueCounts()
-        self.waits = Waits()
-        self.log = FrameLog()
-        self.error: LinkError | None = None
-        """Why the latest exchange failed; None after a good one."""
+        self.exchanges: Exchanges = Exchanges(port, on_result, None if main is None else main.exchanges)
+        self.counts = self.exchanges.counts
+        self.log = self.exchanges.log
+        self.waits: Waits = Waits() if main is None else main.waits
         self.gate: FrameGate | None = None
         """Asked about every frame that goes out; None where everything may."""
         self.holds: tuple[FrameHold, ...] = ()
         """Asked about every frame right before it goes out, after all waiting, and told of every answer."""
         self.sample_span_s = (0.0, 0.0)
         """When the first and the last frame of the latest sample were answered, device time [s]."""
-        self._on_result = on_result
+        self.arbiter: Arbiter = _arbiter_of(port) if main is None else main.arbiter
+        """Who is next on the line."""
         self._samples_waiting_max = samples_waiting_max
-        self._meter = Meter()
-        self._batches = cast("BatchPort", port) if hasattr(port, "exchange_many") else None
-        self._chains = cast("ChainPort", port) if getattr(port, "pipelined", False) else None
-        self._arbiter = Arbiter() if self._batches is None else self._batches.arbiter
-        self._main = self
+        self._main = main
         """Where this is a second way to a port: the first one."""
         self._closed = False
 
     @property
+    def error(self) -> LinkError | None:
+        """Why the latest exchange failed; None after a good one."""
+        return self.exchanges.error
+
+    @property
     def closed(self) -> bool:
         """Whether nothing goes out any more: a frame that waited for its turn would open the port anew."""
-        return self._main._closed
+        return self._closed if self._main is None else self._main.closed
 
     @closed.setter
     def closed(self, closed: bool) -> None:
-        self._main._closed = closed
+        if self._main is None:
+            self._closed = closed
+        else:
+            self._main.closed = closed
 
     @property
     def busy(self) -> bool:
         """Whether somebody has the line, this device or another one on it."""
-        return self._arbiter.busy
+        return self.arbiter.busy
 
     @property
     def calls_per_s(self) -> float:
         """Frames that this device exchanged, over the last two seconds [1/s]."""
-        return self._meter.rate()
+        return self.exchanges.meter.rate()
 
     def waiting(self, priority: Priority) -> int:
         """How many turns of that priority wait for the line."""
-        return self._arbiter.waiting(priority)
+        return self.arbiter.waiting(priority)
 
     def beside(self) -> LinkQueue:
         """A second way to the same port: it waits for the same line, and counts and logs with this one, and nobody
         holds back what goes over it."""
-        other = LinkQueue(self.port, None, self._samples_waiting_max)
-        other.counts, other.waits, other.log = self.counts, self.waits, self.log
-        other._meter, other._arbiter, other._main = self._meter, self._arbiter, self._main
-        return other
+        return LinkQueue(self.port, None, self._samples_waiting_max, self if self._main is None else self._main)
 
     async def exchange(
         self,
@@ -186,105 +167,9 @@ class LinkQueue:
         """
         return Turn(self, priority, guard, by_hand=by_hand)
 
-    # --- inside ---------------------------------------------------------------------------------
-
-    async def _send(self, frame: bytes, priority: Priority, timeout_s: float | None, answer: Answer) -> bytes:
-        """One frame over a port that takes one at a time."""
-        start_s, start_unix_s = time.perf_counter(), time.time()
-        try:
-            if answer is Answer.ALWAYS:
-                reply = await self.port.exchange(frame, timeout_s)
-            else:
-                try:
-                    reply = await self.port.exchange(frame, timeout_s)
-                except LinkTimeout:
-                    reply = b""
-        except LinkError as error:
-            took_s = time.perf_counter() - start_s
-            self._enter(priority, start_unix_s, (frame,), (_received(error),), (took_s,), error)
-            self._failed(error)
-            raise
-        self._went_well(priority, start_unix_s, (frame,), (reply,), (time.perf_counter() - start_s,))
-        return reply
-
-    async def _send_chain(
-        self, port: ChainPort, frames: Sequence[bytes], priority: Priority, timeout_s: float | None
-    ) -> list[bytes]:
-        """All of the frames over a port that keeps them together."""
-        start_s, start_unix_s = time.perf_counter(), time.time()
-        try:
-            replies = await port.exchange_chain(frames, timeout_s)
-        except LinkError as error:
-            took_s = time.perf_counter() - start_s
-            unanswered = [b""] * (len(frames) - 1)
-            self._enter(priority, start_unix_s, frames, [*unanswered, _received(error)], [took_s] * len(frames), error)
-            self._failed(error)
-            raise
-        took_s = time.perf_counter() - start_s
-        self._went_well(priority, start_unix_s, frames, replies, [took_s] * len(frames))
-        return replies
-
-    async def _send_batch(
-        self, port: BatchPort, frames: Sequence[bytes], priority: Priority, timeout_s: float | None, answer: Answer
-    ) -> list[bytes]:
-        """Up to all of the frames over a port that takes many; fewer where somebody more urgent waits."""
-        arbiter = self._arbiter
-        start_s, start_unix_s = time.perf_counter(), time.time()
-        try:
-            replies = await port.exchange_many(frames, lambda: arbiter.most_urgent < priority, timeout_s, answer)
-        except LinkError as error:
-            batch = port.batch
-            done = len(batch.replies)
-            rx, answered_s = [*batch.replies, _received(error)], [*batch.answered_s, time.perf_counter() - start_s]
-            self._enter(priority, start_unix_s, frames[: done + 1], rx, answered_s, error)
-            self._failed(error)
-            raise
-        if replies:
-            sent = frames if len(replies) == len(frames) else frames[: len(replies)]
-            self._went_well(priority, start_unix_s, sent, replies, port.batch.answered_s)
-        return replies
-
-    def _went_well(
-        self,
-        priority: Priority,
-        start_unix_s: float,
-        tx: Sequence[bytes],
-        rx: Sequence[bytes],
-        answered_s: Sequence[float],
-    ) -> None:
-        self._enter(priority, start_unix_s, tx, rx, answered_s)
-        self._meter.count(len(tx))
-        if self.error is not None:
-            self.error = None
-            if self._on_result is not None:
-                self._on_result(None)
-
-    def _enter(
-        self,
-        priority: Priority,
-        start_unix_s: float,
-        tx: Sequence[bytes],
-        rx: Sequence[bytes],
-        answered_s: Sequence[float],
-        error: LinkError | None = None,
-    ) -> None:
-        counts = self.counts
-        counts.frames[priority] += len(tx)
-        if not isinstance(error, LinkDown):  # else there was no wire to send them on
-            counts.bytes_sent += sum(map(len, tx))
-        counts.bytes_received += sum(map(len, rx))
-        self.log.add(priority, start_unix_s, tx, rx, answered_s, "" if error is None else str(error))
-
-    def _failed(self, error: LinkError) -> None:
-        self.counts.failures += 1
-        self.counts.timeouts += isinstance(error, LinkTimeout)
-        changed = self.error is None
-        self.error = error
-        if changed and self._on_result is not None:
-            self._on_result(error)
-
-    async def _acquire(self, priority: Priority) -> None:
-        arbiter = self._arbiter
+    async def acquire(self, priority: Priority) -> None:
+        """Have the line, after all that is more urgent. Raises SampleDropped where too many samples wait already."""
+        arbiter = self.arbiter
         if arbiter.take_if_idle():
             return
         if priority is Priority.SAMPLE and arbiter.waiting(Priority.SAMPLE) >= self._samples_waiting_max:
@@ -314,7 +199,7 @@ class Turn:
         """Whether the gate has let pass what is being sent."""
 
     async def __aenter__(self) -> Self:
-        await self._queue._acquire(self._priority)
+        await self._queue.acquire(self._priority)
         self._held = True
         return self
 
@@ -323,17 +208,17 @@ class Turn:
     ) -> None:
         if self._held:
             self._held = False
-            self._queue._arbiter.release()
+            self._queue.arbiter.release()
 
     async def exchange(self, frame: bytes, timeout_s: float | None = None, answer: Answer = Answer.ALWAYS) -> bytes:
         """Send one frame of this turn; b"" where it was not answered and need not be."""
         queue = self._queue
         if queue.gate is not None and not self._passed and queue.gate.writes((frame,)):
             return (await self._gated(queue.gate, (frame,), timeout_s, answer))[0]
-        if queue._batches is not None:
-            return (await self._pieces(queue._batches, (frame,), timeout_s, answer))[0]
+        if (batches := queue.port.traits.batches) is not None:
+            return (await self._pieces(batches, (frame,), timeout_s, answer))[0]
         await self._prepare((frame,))
-        return self._saw((frame,), [await queue._send(frame, self._priority, timeout_s, answer)])[0]
+        return self._saw((frame,), [await queue.exchanges.send(frame, self._priority, timeout_s, answer)])[0]
 
     async def exchange_many(self, frames: Sequence[bytes], timeout_s: float | None = None) -> list[bytes]:
         """Send frames one after another and return the replies; only more urgent ones come between, and nobody at all
@@ -344,15 +229,18 @@ class Turn:
         queue = self._queue
         if queue.gate is not None and not self._passed and queue.gate.writes(frames):
             return await self._gated(queue.gate, frames, timeout_s)
-        if queue._batches is not None:
-            return await self._pieces(queue._batches, frames, timeout_s, Answer.ALWAYS)
-        if queue._chains is not None:
-            return await self._chain(queue._chains, frames, timeout_s)
+        traits = queue.port.traits
+        if traits.batches is not None:
+            return await self._pieces(traits.batches, frames, timeout_s, Answer.ALWAYS)
+        if traits.chains is not None:
+            return await self._chain(traits.chains, frames, timeout_s)
         replies = []
         first_s: float | None = None
         for frame in frames:
             await self._prepare((frame,))
-            replies += self._saw((frame,), [await queue._send(frame, self._priority, timeout_s, Answer.ALWAYS)])
+            replies += self._saw(
+                (frame,), [await queue.exchanges.send(frame, self._priority, timeout_s, Answer.ALWAYS)]
+            )
             first_s = queue.port.last_exchange_s if first_s is None else first_s
         self.span_s = (first_s or 0.0, queue.port.last_exchange_s)
         return replies
@@ -393,24 +281,30 @@ class Turn:
         if not frames:
             return []
         await self._prepare(frames)
-        replies = self._saw(frames, await self._queue._send_chain(port, frames, self._priority, timeout_s))
+        replies = self._saw(frames, await self._queue.exchanges.send_chain(port, frames, self._priority, timeout_s))
         self.span_s = (port.last_exchange_s, port.last_exchange_s)
         return replies
 
     async def _pieces(
         self, port: BatchPort, frames: Sequence[bytes], timeout_s: float | None, answer: Answer
     ) -> list[bytes]:
+        exchanges = self._queue.exchanges
         replies: list[bytes] = []
         first_s: float | None = None
         while len(replies) < len(frames):
             rest = frames[len(replies) :] if replies else frames
             await self._prepare(rest)
-            got = self._saw(rest, await self._queue._send_batch(port, rest, self._priority, timeout_s, answer))
+            sent = exchanges.send_batch(port, rest, self._priority, timeout_s, answer, self._preempted)
+            got = self._saw(rest, await sent)
             if got and first_s is None:
                 first_s = port.batch.started_s + port.batch.answered_s[0]
             replies = replies + got if replies else got
         self.span_s = (first_s or 0.0, port.last_exchange_s)
         return replies
+
+    def _preempted(self) -> bool:
+        """Whether somebody more urgent waits for the line. The thread of a `BatchPort` asks too."""
+        return self._queue.arbiter.most_urgent < self._priority
 
     def _saw(self, frames: Sequence[bytes], replies: list[bytes]) -> list[bytes]:
         for hold in self._queue.holds:
@@ -421,10 +315,10 @@ class Turn:
         """Right before `frames` go out: let the more urgent go first, see whether the link is still in use, and ask the
         guard and the holds."""
         queue = self._queue
-        if queue._arbiter.most_urgent < self._priority:
+        if self._preempted():
             queue.counts.overtaken += 1
             self._held = False  # should the wait be cancelled, the line is not ours to release
-            await queue._arbiter.give_way(self._priority)
+            await queue.arbiter.give_way(self._priority)
             self._held = True
         if queue.closed:
             raise LinkDown(queue.port.name, "disconnected before this was sent")
@@ -434,5 +328,6 @@ class Turn:
             hold.refuse(frames, self._priority, self._by_hand)
 
 
-def _received(error: LinkError) -> bytes:
-    return error.reply if isinstance(error, BadReply) else b""
+def _arbiter_of(port: FramePort) -> Arbiter:
+    batches = port.traits.batches
+    return Arbiter() if batches is None else batches.arbiter

@@ -12,7 +12,8 @@ from collections.abc import Mapping, Sequence
 from typing import Protocol
 
 from ..errors import BadReply
-from ..registers.landungsbruecke import BoardOpcode
+from ..registers.evaluation_board import BoardOpcode
+from ..registers.wires import BOARD
 from . import datagram40, datagram_uart, tmcl
 from .datagram_uart import IFCNT, UartForm
 
@@ -119,7 +120,7 @@ class Spi40Access:
             raise BadReply(self.name, f"{len(reply)} bytes instead of {datagram40.FRAME_BYTES}", reply)
 
 
-class LandungsbrueckeAccess:
+class BoardAccess:
     """Registers through an evaluation board: TMCL 146 writes and 148 reads the motion controller.
 
     `motor` is the board's channel or the chip's axis, `address` the board's TMCL address. Twelve bits of register
@@ -129,7 +130,7 @@ class LandungsbrueckeAccess:
     frame_bytes = tmcl.FRAME_BYTES
     reply_bytes = tmcl.FRAME_BYTES
 
-    def __init__(self, name: str = "landungsbruecke", motor: int = 0, address: int = 1) -> None:
+    def __init__(self, name: str = BOARD, motor: int = 0, address: int = 1) -> None:
         if not 0 <= motor <= 0xF:
             raise ValueError(f"motor is 0..15, not {motor}")
         self.name = name
@@ -258,10 +259,10 @@ def cut(access: RegisterAccess, joined: bytes) -> list[bytes]:
 def access_of(link: Mapping[str, object], model: str) -> RegisterAccess:
     """How registers of `model` are reached over `link`, whose options its port has already been made of."""
     kind = link.get("kind")
-    if kind == "landungsbruecke":
+    if kind == BOARD:
         motor = link.get("motor", 0)
         assert isinstance(motor, int)  # the factory of the port has checked it
-        return LandungsbrueckeAccess(f"landungsbruecke {link.get('port', '')}", motor=motor)
+        return BoardAccess(f"{BOARD} {link.get('port', '')}", motor=motor)
     if kind == "uart":
         node = link.get("node", 0)
         assert isinstance(node, int)  # likewise

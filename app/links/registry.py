@@ -7,7 +7,9 @@ from typing import cast, get_args
 
 from ..clock import Clock
 from ..errors import OutOfRange, UnknownThing, UsageError
-from . import datagram32, datagram40, datagram_uart, landungsbruecke, spidev_port, uart_line
+from ..registers import catalog
+from ..registers.wires import BOARD, Wire
+from . import datagram32, datagram40, datagram_uart, evaluation_board, spidev_port, uart_line
 from .can_line import can_port
 from .port import FramePort
 from .serial_address import port_url
@@ -21,17 +23,20 @@ Link = Mapping[str, object]
 PortFactory = Callable[[str, Link, Clock], FramePort]
 """(model, link, clock) to a port, not yet open. Raises UsageError for options that cannot be."""
 
-TMCL_MODELS = frozenset({"pd42-1241"})
-"""Modules that speak TMCL: nine-byte frames, several on one line by address."""
 SPEED_HZ_MAX = 16_000_000
 """Half of the fastest clock that any of the chips may have (DS-TMC4361 5.3)."""
 UART_BAUD_MIN = 9000
 """Slower than this no chip can measure (TMC5160A data sheet 1.14, 5.1.1)."""
 
 
+def speaks_tmcl(model: str) -> bool:
+    """Whether it is a module: nine-byte frames, several on one line by address."""
+    return catalog.find_model(model).kind == "module"
+
+
 def tcp_factory(model: str, link: Link, clock: Clock) -> FramePort:
     """`{"kind": "tcp", "host", "port", "timeout_s"?}`, and `"address"?` for a TMCL module behind a gateway."""
-    tmcl = model in TMCL_MODELS
+    tmcl = speaks_tmcl(model)
     _only(link, "host", "port", "timeout_s", *(["address"] if tmcl else []))
     host = _text(link, "host")
     port = _whole(link, "port", None, 1, 65535)
@@ -93,19 +98,19 @@ def uart_factory(model: str, link: Link, clock: Clock) -> FramePort:
     )
 
 
-def landungsbruecke_factory(model: str, link: Link, clock: Clock) -> FramePort:
+def board_factory(model: str, link: Link, clock: Clock) -> FramePort:
     """`{"kind": "landungsbruecke", "port", "baud"?, "motor"?, "timeout_s"?}`; `port` is a device name or a URL.
 
     `motor` is the axis of the chip on the board: `register_access.access_of` wants it.
     """
-    if model not in landungsbruecke.MODELS:
-        boards = ", ".join(sorted(landungsbruecke.MODELS))
-        raise UsageError(f"a {model} has no landungsbruecke link; {boards} has")
+    if model not in evaluation_board.MODELS:
+        boards = ", ".join(sorted(evaluation_board.MODELS))
+        raise UsageError(f"a {model} has no {BOARD} link; {boards} has")
     _only(link, "port", "baud", "motor", "timeout_s")
     _whole(link, "motor", 0, 0, 15)
-    return landungsbruecke.landungsbruecke_port(
+    return evaluation_board.board_port(
         port_url(_text(link, "port")),
-        baud=_whole(link, "baud", landungsbruecke.BAUD, 300, 4_000_000),
+        baud=_whole(link, "baud", evaluation_board.BAUD, 300, 4_000_000),
         timeout_s=_timeout_s(link),
         clock=clock,
     )
@@ -113,7 +118,7 @@ def landungsbruecke_factory(model: str, link: Link, clock: Clock) -> FramePort:
 
 def serial_factory(model: str, link: Link, clock: Clock) -> FramePort:
     """`{"kind": "serial", "port", "baud"?, "address"?, "timeout_s"?}`; `port` is a device name or a URL."""
-    _only_tmcl("serial", model)
+    _only_over("serial", model)
     _only(link, "port", "baud", "address", "timeout_s")
     baud = _whole(link, "baud", BAUD, 300, 4_000_000)
     return serial_port(
@@ -123,7 +128,7 @@ def serial_factory(model: str, link: Link, clock: Clock) -> FramePort:
 
 def can_factory(model: str, link: Link, clock: Clock) -> FramePort:
     """`{"kind": "can", "interface", "channel", "bitrate"?, "send_id"?, "receive_id"?, "timeout_s"?}`."""
-    _only_tmcl("can", model)
+    _only_over("can", model)
     _only(link, "interface", "channel", "bitrate", "send_id", "receive_id", "timeout_s")
     send_id = _whole(link, "send_id", 1, 0, 0x7FF)
     receive_id = _whole(link, "receive_id", 2, 0, 0x7FF)
@@ -152,9 +157,10 @@ def open_port(kinds: Mapping[str, PortFactory], model: str, link: Link, clock: C
 # --- options ----------------------------------------------------------------------------------
 
 
-def _only_tmcl(kind: str, model: str) -> None:
-    if model not in TMCL_MODELS:
-        raise UsageError(f"a {model} has no {kind} link; {', '.join(sorted(TMCL_MODELS))} has")
+def _only_over(kind: Wire, model: str) -> None:
+    if kind not in catalog.find_model(model).wires:
+        having = sorted(known.name for known in catalog.MODELS.values() if kind in known.wires)
+        raise UsageError(f"a {model} has no {kind} link; {', '.join(having)} has")
 
 
 def _only(link: Link, *options: str) -> None:

@@ -24,7 +24,7 @@ from .dialogue import Dialogue
 from .download import Downloads
 from .incidents import Incidents
 from .line_thread import Job, LineThread
-from .port import Answer, Batch
+from .port import Answer, Batch, PortTraits
 from .serial_address import device_of
 from .streams import Stream, open_stream
 from .tmcl import FRAME_BYTES
@@ -161,6 +161,7 @@ class LinePort:
         self.arbiter = line.arbiter
         self.incidents = line.incidents
         self.wire = line.wire(baud, self.call_bytes)
+        self.traits = PortTraits(batches=self)
         self.batch = Batch()
         self._clock = clock or WallClock()
         self._last_exchange_s = self._clock.now()

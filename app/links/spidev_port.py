@@ -14,6 +14,7 @@ from typing import Protocol, cast
 
 from ..clock import Clock, WallClock
 from ..errors import BadReply, LinkDown
+from .port import PortTraits
 
 SPEED_HZ = 1_000_000
 """Well below what the chips allow: half of their clock (DS-TMC4361 5.3), a quarter in later revisions."""
@@ -53,7 +54,7 @@ class SpidevPort:
         self.frame_bytes = frame_bytes
         self.speed_hz = speed_hz
         self.mode = mode
-        self.pipelined = pipelined
+        self.traits = PortTraits(chains=self if pipelined else None)
         self._clock = clock or WallClock()
         self._last_exchange_s = self._clock.now()
         self._make = make or _spidev

@@ -14,6 +14,7 @@ from typing import cast
 from ..clock import Clock, WallClock
 from ..errors import BadReply, LinkDown, LinkTimeout
 from .datagram32 import FRAME_BYTES
+from .port import PortTraits
 
 TIMEOUT_S = 1.0
 CONNECT_TIMEOUT_S = 3.0
@@ -40,7 +41,7 @@ class TcpPort:
         self.host = host
         self.port = port
         self.frame_bytes = frame_bytes
-        self.pipelined = pipelined
+        self.traits = PortTraits(chains=self if pipelined else None)
         self.timeout_s = timeout_s
         self.connect_timeout_s = connect_timeout_s
         self.connections = 0

@@ -45,14 +45,14 @@ class WatchedAxis(Mover):
         changed: Callable[[], None],
     ) -> WatchedAxis:
         """Watch from now on, at what the counter shows. Raises WrongState, LinkError."""
-        bits = device.counter_bits(axis)
+        bits = device.counter.counter_bits(axis)
         if bits is None:
             raise WrongState(
                 f"the position counter of axis {axis} wraps elsewhere as it is set, so it cannot be followed",
                 "switch circular movement off",
             )
-        device.require_connected()
-        look = await device.look(axis)
+        device.session.require_connected()
+        look = await device.counter.look(axis)
         track = Track(Counter(bits), look.count, look.asked_at_s, look.count)
         watched = cls(device, axis, track, unix_s, wake, changed)
         watched._note(None)
@@ -111,7 +111,7 @@ class WatchedAxis(Mover):
 
     async def _see_to_compare(self) -> None:
         """Arm the compare register while its position is within a piece, and keep it out of the way while not."""
-        register = self.device.compare_register(self.axis)
+        register = self.device.counter.compare_register(self.axis)
         if self.compare is None or register is None:
             return
         track = self.track
@@ -125,7 +125,7 @@ class WatchedAxis(Mover):
             wanted = track.counter.shows(track.followed + track.counter.half)
         if wanted != self._compare_written:
             try:
-                await self.device.write(register, self.axis, value=wanted)
+                await self.device.registers.write(register, self.axis, value=wanted)
                 self._compare_written = wanted
             except BenchError as error:
                 self._compare_written, self._armed = None, False
@@ -145,7 +145,7 @@ class WatchedAxis(Mover):
         if self.encoder is not None or now_s - self._asked_for_encoder_s >= ENCODER_LOOKS_S:
             self._asked_for_encoder_s = now_s
             try:
-                await self.device.axis_state(self.axis)  # tells the encoder along
+                await self.device.monitor.axis_state(self.axis)  # tells the encoder along
             except BenchError as error:
                 self.trouble = f"the encoder could not be read: {error}"
                 return
@@ -156,7 +156,7 @@ class WatchedAxis(Mover):
 
     async def require_trusted(self) -> None:
         """Look, and raise WrongState where the position is not known."""
-        self.device.require_connected()
+        self.device.session.require_connected()
         await self._looked()
         doubt = self.track.doubt or self.track.away
         if doubt is not None:
@@ -197,8 +197,8 @@ class WatchedAxis(Mover):
     async def set_actual(self, position: int) -> None:
         """The axis stands at `position`. Raises WrongState while it moves, UsageError beyond 64 bits."""
         _checked(position)
-        self.device.require_connected()
-        if (await self.device.axis_state(self.axis)).moving:
+        self.device.session.require_connected()
+        if (await self.device.monitor.axis_state(self.axis)).moving:
             raise WrongState(f"axis {self.axis} moves: a position can only be set at rest", "stop it first")
         await self._looked()
         self.track.set_actual(position)
@@ -206,7 +206,7 @@ class WatchedAxis(Mover):
 
     async def confirm(self) -> None:
         """What is shown is right. Raises WrongState."""
-        self.device.require_connected()
+        self.device.session.require_connected()
         await self._looked()
         self.track.confirm()
         self._set_anew()
@@ -233,7 +233,7 @@ class WatchedAxis(Mover):
     def set_compare(self, position: int | None) -> None:
         """Raises WrongState where there is no compare register, UsageError beyond 64 bits."""
         if position is not None:
-            if self.device.compare_register(self.axis) is None:
+            if self.device.counter.compare_register(self.axis) is None:
                 raise WrongState(f"axis {self.axis} of a {self.device.family.title} has no position compare")
             _checked(position)
         self.compare, self._compare_written, self._armed = position, None, False
@@ -242,12 +242,12 @@ class WatchedAxis(Mover):
 
     async def latched(self) -> Latched:
         """What the snapshot register holds, extended. Raises WrongState, LinkError."""
-        register = self.device.latch_register(self.axis)
+        register = self.device.counter.latch_register(self.axis)
         if register is None:
             raise WrongState(f"axis {self.axis} of a {self.device.family.title} has no position latch")
         await self.require_trusted()
         counter, track = self.track.counter, self.track
-        raw = (await self.device.read(register, self.axis)).value
+        raw = (await self.device.registers.read(register, self.axis)).value
         count = to_signed(raw & (counter.modulus - 1), counter.bits)
         return Latched(register, count, track.position + counter.way(count, track.count))
 
@@ -258,7 +258,7 @@ class WatchedAxis(Mover):
         track, journey = self.track, self.journey
         doubt = track.away or track.doubt
         target = None if journey is None or journey.target is None else journey.target + track.origin
-        register = self.device.compare_register(self.axis)
+        register = self.device.counter.compare_register(self.axis)
         compare = None
         if self.compare is not None and register is not None:
             compare = CompareState(register, self.compare, self._armed)
@@ -267,7 +267,7 @@ class WatchedAxis(Mover):
             watching=True,
             counter_bits=track.counter.bits,
             speed_limit_pps=self.speed_limit_pps,
-            latch_register=self.device.latch_register(self.axis),
+            latch_register=self.device.counter.latch_register(self.axis),
             state="lost" if doubt is not None else "idle" if self.going is None else "moving",
             trusted=doubt is None,
             reason="" if doubt is None else doubt.reason,

@@ -6,7 +6,7 @@ import contextlib
 from collections.abc import Callable, Iterator
 
 from ..devices.core.counter import PositionSeen
-from ..devices.core.device import MotionCommanded, motion_owner
+from ..devices.core.events import MotionCommanded, motion_owner
 from ..devices.core.results import AxisState
 from ..errors import BenchError, LinkError, WriteRefused
 from .observer import Followed
@@ -63,7 +63,7 @@ class Mover(Followed):
     async def set_off_from_rest(self, find: Callable[[int], int]) -> None:
         """Go to what `find` makes of where the axis stands, stopping it first where it moves. Raises BenchError."""
         journey = Journey(self.track.counter, self.track.followed, None, find)
-        if (await self.device.axis_state(self.axis)).moving:
+        if (await self.device.monitor.axis_state(self.axis)).moving:
             self._replace(journey)
             try:
                 with self._commanding(journey):
@@ -108,7 +108,7 @@ class Mover(Followed):
     async def _step(self, journey: Journey) -> None:
         """Move the chip's target on, or see that the motor has arrived, or that it never will. Raises BenchError."""
         if journey.target is None:
-            if (await self.device.axis_state(self.axis)).moving or not await self.look():
+            if (await self.device.monitor.axis_state(self.axis)).moving or not await self.look():
                 return
             journey.stands(self.track.followed)  # and this is where
         if not journey.going:
@@ -117,14 +117,14 @@ class Mover(Followed):
         wanted = journey.wants(at)
         if wanted is not None:
             with self._commanding(journey):
-                started = await self.device.retarget(self.axis, wanted)
+                started = await self.device.motion.retarget(self.axis, wanted)
             journey.wrote(wanted, at)
             journey.warnings = list(started.warnings)
             return
         if self._pps and self.track.followed != journey.target:
             journey.turns()
             return
-        state = await self.device.axis_state(self.axis)
+        state = await self.device.monitor.axis_state(self.axis)
         if state.moving:
             journey.turns()
         elif self.track.followed == journey.target:

@@ -10,7 +10,8 @@ from typing import Protocol
 
 from ..calc.positions.extended import Counter, checked_position
 from ..devices.core.counter import CounterLook, CounterWritten, PositionSeen
-from ..devices.core.device import Device, DeviceEvent, MotionCommanded, StateChanged
+from ..devices.core.device import Device
+from ..devices.core.events import DeviceEvent, MotionCommanded, StateChanged
 from ..devices.core.results import ChipEvents
 from ..errors import BenchError
 from ..store.positions import SavedPosition
@@ -74,7 +75,7 @@ class Followed:
             track.distrust(saved.doubt)
         elif saved.seen_unix_s > self._unix_s():
             track.distrust("it was saved in the future: this computer's clock was set back")
-        elif saved.model != self.device.model or saved.bits != self.device.counter_bits(self.axis):
+        elif saved.model != self.device.model or saved.bits != self.device.counter.counter_bits(self.axis):
             track.distrust(f"it was saved of a {saved.model} with a counter of {saved.bits} bits")
         elif saved.link != link_text(self.device):
             track.distrust("the connection's link was changed: it may lead to another chip")
@@ -154,7 +155,7 @@ class Followed:
 
     @property
     def speed_limit_pps(self) -> float:
-        return self.device.speed_limit_pps(self.axis)
+        return self.device.motion.speed_limit_pps(self.axis)
 
     @property
     def allowed_s(self) -> float:
@@ -171,7 +172,7 @@ class Followed:
         device, track = self.device, self.track
         before, before_s = track.followed, track.asked_s
         try:
-            look = await device.look(self.axis)
+            look = await device.counter.look(self.axis)
             if track.away is not None and look.reset_seen is None:
                 look = await self._with_run_time(look)
         except BenchError as error:
@@ -188,13 +189,13 @@ class Followed:
         return True
 
     def _check_counter(self) -> None:
-        if self.device.counter_bits(self.axis) != self.track.counter.bits:
+        if self.device.counter.counter_bits(self.axis) != self.track.counter.bits:
             self.track.distrust("the counter does not wrap any more where it did: its range was changed")
 
     def _check_sleep(self) -> None:
         """A computer that sleeps has clocks that stand; the time of day does not, and neither does a motor."""
         before, self._times = self._times, (self._unix_s(), self.device.device_time_s())
-        if before is None or self.device.emulated:
+        if before is None or self.device.session.emulated:
             return
         unix_s, device_s = self._times[0] - before[0], self._times[1] - before[1]
         if unix_s > max(self.allowed_s, 2 * device_s):
@@ -205,7 +206,7 @@ class Followed:
 
     async def _with_run_time(self, look: CounterLook) -> CounterLook:
         """`look`, judged by how long the chip says that it runs, where it does say."""
-        runs_s = await self.device.runs_for_s()
+        runs_s = await self.device.counter.runs_for_s()
         if runs_s is None:
             return look
         unseen_s = self.device.device_time_s() - self.track.asked_s

@@ -123,9 +123,9 @@ class EndlessService:
         if watched is None:
             return ExtendedState(
                 watching=False,
-                counter_bits=device.counter_bits(axis),
-                speed_limit_pps=device.speed_limit_pps(axis),
-                latch_register=device.latch_register(axis),
+                counter_bits=device.counter.counter_bits(axis),
+                speed_limit_pps=device.motion.speed_limit_pps(axis),
+                latch_register=device.counter.latch_register(axis),
             )
         async with watched.lock:
             await watched.fresh()
@@ -250,7 +250,7 @@ class EndlessService:
 
     def _server_s(self, watched: WatchedAxis, device_s: float) -> float:
         """Device time as the server's, no more than an axis may go unlooked at [s]."""
-        scale = watched.device.time_scale
+        scale = watched.device.session.time_scale
         return min(self._period_max_s, device_s / scale) if scale > 0 else self._period_max_s
 
     def _schedule(self, watched: WatchedAxis, due_s: float) -> None:

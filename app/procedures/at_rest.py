@@ -22,7 +22,7 @@ async def stop_moving(device: Device, chosen: Chosen = lambda _, __: True) -> No
     """Ramp down every axis of `device` that moves and is chosen. Raises BenchError: the first that went wrong."""
     moving = []
     for axis in device.axes:
-        state = await device.axis_state(axis.index)
+        state = await device.monitor.axis_state(axis.index)
         if state.moving and chosen(axis.index, state):
             moving.append(axis.index)
     for outcome in await device.stop_axes(moving) if moving else ():
@@ -39,9 +39,9 @@ async def anything_moves(devices: Iterable[Device], procedures: Procedures) -> b
         try:
             return any(
                 [
-                    (await device.axis_state(axis.index)).moving
+                    (await device.monitor.axis_state(axis.index)).moving
                     for axis in device.axes
-                    if device.motion_commands[axis.index]
+                    if device.session.motion_commands[axis.index]
                 ]
             )
         except BenchError:
@@ -68,7 +68,7 @@ async def after_vanishing(
 
     async def tell(device: Device) -> tuple[Device, BenchError] | None:
         await procedures.cancel(device, why="the session that had the bench has vanished")
-        moved = [axis.index for axis in device.axes if device.motion_commands[axis.index]]
+        moved = [axis.index for axis in device.axes if device.session.motion_commands[axis.index]]
 
         def chosen(axis: int, state: AxisState) -> bool:
             return axis in moved and (how == "stop" or not has_an_end(state))

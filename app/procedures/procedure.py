@@ -9,7 +9,8 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 
 from ..clock import Clock
-from ..devices.core.device import Device, DeviceEvent, MotionCommanded, motion_owner
+from ..devices.core.device import Device
+from ..devices.core.events import DeviceEvent, MotionCommanded, motion_owner
 from ..devices.limits.watch import RangeWatch
 from ..errors import BenchError
 

@@ -7,27 +7,19 @@ from collections.abc import Sequence
 from typing import TypeVar
 
 from ..clock import Clock
+from ..devices.core.capabilities import EncoderSetting
 from ..devices.core.device import Device
 from ..devices.core.results import Rotating
-from ..devices.tmc5xxx.driver import Tmc5xxx
-from ..devices.tmc428.stops import RampStops
-from ..devices.tmc4361.driver import Tmc4361
-from ..devices.tmcl.driver import Pd42
 from ..errors import WrongState
 from . import search as searches
 from . import shuttle
-from .closed_loop import Calibration
-from .closed_loop_state import NOT_CALIBRATED, NOT_RECORDED, CalibrationState, Load, ResponseState
-from .edges import Switch
+from .closed_loop import NOT_CALIBRATED, NOT_RECORDED, Calibration, CalibrationState, Load, ResponseState
+from .families import calibration_of, search_of
 from .hold import Hold, check_hold
 from .procedure import Procedure
-from .search import ReferenceSearchState, Search
+from .search import ReferenceSearchState, Search, SearchWanted, Switch
 from .shuttle import Shuttle, ShuttleState
-from .step_response import Disturbance, RecordedChip, Response, Shape, StepResponse
-from .tmc5xxx.search import SwitchSearch
-from .tmc428.search import ReferenceSearch
-from .tmc4361.search import LatchSearch
-from .tmcl.search import ModuleSearch
+from .step_response import Disturbance, Response, Shape, StepResponse
 
 P = TypeVar("P", bound=Procedure)
 
@@ -80,18 +72,8 @@ class Procedures:
         """
         if device.limiter is not None:
             device.limiter.require_target(device.axis(axis).index, 0, what="a search calls its reference 0")
-        search: Search
-        if isinstance(device, Pd42):
-            search = ModuleSearch(
-                device, axis, self._clock, mode, search_speed_pps or velocity_pps, switch_speed_pps, max_travel
-            )
-        elif isinstance(device, Tmc5xxx):
-            search = SwitchSearch(device, axis, self._clock, switch, velocity_pps, max_travel)
-        elif isinstance(device, Tmc4361):
-            search = LatchSearch(device, axis, self._clock, switch, velocity_pps, max_travel)
-        else:
-            search = ReferenceSearch(_ramp_chip(device), axis, self._clock, switch, velocity_pps, max_travel)
-        return self._start(search).state
+        wanted = SearchWanted(switch, velocity_pps, max_travel, mode, search_speed_pps, switch_speed_pps)
+        return self._start(search_of(device, axis, self._clock, wanted)).state
 
     def search_state(self, device: Device, axis: int) -> ReferenceSearchState:
         """The present search, or the latest. Raises UnknownThing for the axis."""
@@ -136,7 +118,7 @@ class Procedures:
     async def rotate_held(self, device: Device, axis: int, velocity: float, unit: str, hold_s: float) -> Rotating:
         """Rotate, and stop by itself in `hold_s` [s] unless `keep_rotating` is called. Raises what `rotate` does."""
         check_hold(hold_s)
-        rotating = await device.rotate(axis, velocity, unit)
+        rotating = await device.motion.rotate(axis, velocity, unit)
         for ended in self.running(device, axis):  # by this very rotation; their last words must not stop it
             await ended.wait()
         self._start(Hold(device, axis, self._clock, rotating, hold_s))
@@ -161,8 +143,8 @@ class Procedures:
         switch_on: bool = True,
     ) -> CalibrationState:
         """Raises WrongState where there is no closed loop or another procedure runs, OutOfRange."""
-        chip = _closed_loop_chip(device)
-        return self._start(Calibration(chip, axis, self._clock, velocity_pps, settle_s, switch_on=switch_on)).state
+        calibration = calibration_of(device, axis, self._clock, velocity_pps, settle_s, switch_on=switch_on)
+        return self._start(calibration).state
 
     def calibration_state(self, device: Device, axis: int) -> CalibrationState:
         """The present calibration, or the latest. Raises UnknownThing for the axis."""
@@ -189,8 +171,9 @@ class Procedures:
         band: float = 50.0,
     ) -> ResponseState:
         """Raises WrongState where there is no encoder channel or another procedure runs, OutOfRange."""
+        _require_encoder(device, axis)
         step = StepResponse(
-            _recorded_chip(device, axis),
+            device,
             axis,
             self._clock,
             distance,
@@ -223,8 +206,9 @@ class Procedures:
         band: float = 50.0,
     ) -> ResponseState:
         """Raises WrongState where there is no encoder channel or another procedure runs, OutOfRange."""
+        _require_encoder(device, axis)
         disturbance = Disturbance(
-            _recorded_chip(device, axis),
+            device,
             axis,
             self._clock,
             load,
@@ -258,7 +242,7 @@ class Procedures:
 
     def _start(self, procedure: P) -> P:
         device, axis = procedure.device, procedure.axis
-        device.require_connected()
+        device.session.require_connected()
         others = self.running(device, axis)
         if others:
             raise WrongState(f"a {others[0].kind} runs on axis {axis} of {device.name}", "stop it first")
@@ -271,27 +255,7 @@ class Procedures:
         return found if isinstance(found, kind) else None
 
 
-def _ramp_chip(device: Device) -> RampStops:
-    if not isinstance(device, RampStops):
-        raise WrongState(f"a {device.family.title} has no position latch to search with")
-    return device
-
-
-def _closed_loop_chip(device: Device) -> Tmc4361:
-    if not isinstance(device, Tmc4361):
-        raise WrongState(f"a {device.family.title} has no closed loop", "a TMC4361 has one")
-    return device
-
-
-def _recorded_chip(device: Device, axis: int) -> RecordedChip:
-    """A chip whose encoder can be recorded. Raises WrongState."""
+def _require_encoder(device: Device, axis: int) -> None:
+    """Raises WrongState where the way of that axis cannot be recorded."""
     index = device.axis(axis).index
-    if isinstance(device, Tmc4361):
-        return device
-    if isinstance(device, Tmc5xxx) and device.rows(index).x_enc is not None:
-        if device.counts_encoder(index):
-            return device
-        raise WrongState(
-            "nobody has set what a count of the encoder is", "write ENC_CONST, or start the axis up with it"
-        )
-    raise WrongState(f"a {device.family.title} has no encoder to record", "a TMC4361 and most TMC5xxx have one")
+    device.need(EncoderSetting).require_encoder(index)

@@ -14,11 +14,12 @@ from dataclasses import dataclass, field, fields
 from typing import Any, Literal, cast
 
 from ..clock import VirtualClock
+from ..devices.core.capabilities import MicrostepRam, PositionSetting
 from ..devices.core.config import AxisSettings, DeviceConfig
 from ..devices.core.device import Device
 from ..devices.core.results import StopMode
 from ..devices.manager import DeviceManager
-from ..errors import BenchError, UsageError, WrongState
+from ..errors import BenchError, WrongState
 from ..links.registry import PortFactory
 from ..profiles.apply import Transaction
 from ..profiles.document import FORMAT, parse
@@ -188,9 +189,10 @@ class Replay:
 
     async def _configure(self, device: Device) -> None:
         for number, axis in enumerate(self._plan.head.axes):
-            if axis.get("position") and hasattr(device, "set_position"):
+            setting = device.part(PositionSetting)
+            if axis.get("position") and setting is not None:
                 with self._told(f"the position of axis {number}"):
-                    await device.set_position(number, int(axis["position"]))
+                    await setting.set_position(number, int(axis["position"]))
         configuration = self._plan.head.configuration or {}
         if configuration.get("format") == FORMAT:
             with self._told("the configuration at the start"):
@@ -200,14 +202,14 @@ class Replay:
             name, axis, value = entry["name"], entry["axis"], entry["value"]
             held = None
             with contextlib.suppress(BenchError):  # write-only registers are written in any case
-                held = (await device.read(name, axis)).value
+                held = (await device.registers.read(name, axis)).value
             if held != value:
                 with self._told(f"the register {name}"):
-                    await device.write(name, axis, value=value)
+                    await device.registers.write(name, axis, value=value)
         table = configuration.get("microstep_table")
         if table:
             with self._told("the microstep table"):
-                await device.write_microstep_table(list(table))
+                await device.need(MicrostepRam).write_microstep_table(list(table))
 
     async def _replay(self, device: Device, hub: TelemetryHub, clock: VirtualClock) -> None:
         plan, progress = self._plan, self.progress
@@ -258,17 +260,15 @@ class Replay:
         with self._told(step.text):
             match detail["do"]:
                 case "move":
-                    await device.move(axis, detail["target"])
+                    await device.motion.move(axis, detail["target"])
                 case "rotate":
-                    await device.rotate(axis, detail["velocity"], "chip")
+                    await device.motion.rotate(axis, detail["velocity"], "chip")
                 case "stop":
                     await device.stop(axis, cast("StopMode", detail["mode"]))
                 case "set_position":
-                    if not hasattr(device, "set_position"):
-                        raise UsageError(f"a {device.family.title} cannot be told where it is")
-                    await device.set_position(axis, detail["position"])
+                    await device.need(PositionSetting).set_position(axis, detail["position"])
                 case "write":
-                    await device.write(detail["register"], step.axis, value=detail["new"])
+                    await device.registers.write(detail["register"], step.axis, value=detail["new"])
         self.progress.played += 1
 
     @contextlib.contextmanager

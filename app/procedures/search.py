@@ -9,6 +9,10 @@ from typing import Literal
 from .procedure import Procedure
 
 State = Literal["idle", "running", "done", "failed", "aborted"]
+Switch = Literal["left", "right", "reference"]
+
+SLACK_S = 5.0
+"""What a phase may take beyond the time that its way takes at the search speed, device time [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +32,21 @@ class ReferenceSearchState:
     """Between the two stop switches, where the mode measures it (AP 196)."""
     last_position: int | None = None
     """Where the counter stood when it was set to 0 (AP 197)."""
+
+
+@dataclass(frozen=True, slots=True)
+class SearchWanted:
+    """What a search is to do; None: as the device has it.
+
+    `switch` at `velocity_pps` for a chip; `mode` and its two speeds for a module, which searches by itself
+    """
+
+    switch: Switch = "reference"
+    velocity_pps: float | None = None
+    max_travel: int | None = None
+    mode: int | None = None
+    search_speed_pps: float | None = None
+    switch_speed_pps: float | None = None
 
 
 IDLE = ReferenceSearchState("idle", "", 0.0, [], None, None, "")

@@ -55,7 +55,7 @@ class Shuttle(Procedure):
             self.cycles += 1
 
     async def _go(self, target: int) -> None:
-        started = await self.device.move(self.axis, target)
+        started = await self.device.motion.move(self.axis, target)
         there_s = started.started_at_s + (started.predicted_duration_s or 0.0)
         pause_s = POLL_S
         while True:
@@ -65,7 +65,7 @@ class Shuttle(Procedure):
             rate = (self.device.device_time_s() - device_s) / (self.clock.now() - server_s)
             left_s = (there_s - self.device.device_time_s()) / rate if rate > 0 else LOOK_S
             pause_s = min(max(left_s / 2, POLL_S), LOOK_S)
-            state = await self.device.axis_state(self.axis)
+            state = await self.device.monitor.axis_state(self.axis)
             if state.position_reached and not state.moving:
                 return
             if not state.moving:

@@ -9,12 +9,11 @@ import numpy as np
 
 from ..calc.signals.step_response import Score, score
 from ..clock import Clock
+from ..devices.core.capabilities import VelocityJumps
 from ..devices.core.device import Device
-from ..devices.tmc5xxx.driver import Tmc5xxx
-from ..devices.tmc4361.driver import Tmc4361
 from ..errors import BenchError, OutOfRange, WrongState
 from ..telemetry.sampling import Sampling
-from .closed_loop_state import FloatArray, Load, Recording, ResponseState, State
+from .closed_loop import FloatArray, Load, Recording, ResponseState, State
 from .procedure import POLL_S, Failed, Procedure
 
 COLUMNS = (
@@ -27,7 +26,6 @@ COLUMNS = (
     "load_angle",
 )
 """Channels, in the order of `Recording`'s columns after `time_s`; what a chip does not have of the last two is NaN."""
-RecordedChip = Tmc4361 | Tmc5xxx
 Shape = Literal["ramp", "step"]
 
 
@@ -72,10 +70,10 @@ class Response(Procedure):
         self._how = "done" if how == "done" else "failed" if how == "failed" else "aborted"
 
     async def _run(self) -> None:
-        axis = await self.device.axis_state(self.axis)
+        axis = await self.device.monitor.axis_state(self.axis)
         if axis.moving:
             raise WrongState(f"axis {self.axis} moves", "stop it first")
-        there = {channel.quantity for channel in self.device.channels() if channel.axis == self.axis}
+        there = {channel.quantity for channel in self.device.telemetry.channels() if channel.axis == self.axis}
         names = [f"{quantity}.{self.axis}" for quantity in COLUMNS if quantity in there]
         self._sampling = Sampling(self.device, names, self._rate_hz, self.clock, self._failed)
         await self._record(self._before_s, 0.0)
@@ -98,7 +96,7 @@ class Response(Procedure):
 
     def _take(self) -> None:
         assert self._sampling is not None
-        port = self.device.sampling_port
+        port = self.device.session.sampling_port
         if port is not None:
             port.run_due_samples()
         block = self._sampling.take()
@@ -178,7 +176,7 @@ class StepResponse(Response):
 
     def __init__(
         self,
-        device: RecordedChip,
+        device: Device,
         axis: int,
         clock: Clock,
         distance: int,
@@ -192,9 +190,10 @@ class StepResponse(Response):
         super().__init__(device, axis, clock, seconds, before_s, rate_hz, band)
         if distance == 0:
             raise OutOfRange("distance", distance, None, None, "a step of 0 is none")
-        if shape == "step" and not isinstance(device, Tmc4361):
+        moves = device.part(VelocityJumps)
+        if shape == "step" and moves is None:
             raise WrongState(f"the velocity of a {device.family.title} does not jump", "let it go on its ramp")
-        self._chip = device
+        self._jumps = moves
         self._by = distance
         self._shape: Shape = shape
 
@@ -203,14 +202,14 @@ class StepResponse(Response):
 
     async def _act(self) -> float:
         self._phase = "step"
-        if self._shape == "step" and isinstance(self._chip, Tmc4361):
-            return (await self._chip.move_in_steps(self.axis, self._by, relative=True)).started_at_s
-        return (await self._chip.move(self.axis, self._by, relative=True)).started_at_s
+        if self._shape == "step" and self._jumps is not None:
+            return (await self._jumps.move_in_steps(self.axis, self._by, relative=True)).started_at_s
+        return (await self.device.motion.move(self.axis, self._by, relative=True)).started_at_s
 
     async def _give_back(self) -> None:
         await super()._give_back()
-        if self._shape == "step" and self._how == "done" and isinstance(self._chip, Tmc4361):
-            await self._chip.stand_ready(self.axis)
+        if self._shape == "step" and self._how == "done" and self._jumps is not None:
+            await self._jumps.stand_ready(self.axis)
 
 
 class Disturbance(Response):

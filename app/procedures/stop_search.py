@@ -14,9 +14,8 @@ from ..clock import Clock
 from ..devices.core.device import Device
 from ..devices.core.results import AxisState
 from ..errors import CannotMove, OutOfRange
-from .edges import SLACK_S, Switch
 from .procedure import POLL_S, Failed
-from .search import ReferenceSearchState, Search, State
+from .search import SLACK_S, ReferenceSearchState, Search, State, Switch
 
 PHASES = ("prepare", "leave", "first edge", "second edge", "to the centre")
 MAX_TRAVEL = 1 << 23
@@ -129,15 +128,15 @@ class StopSearch(Search):
             await self._go(-way, lambda state: not met(state), f"the {side} switch stays active")
         self._phase = "first edge"
         await self._go(way, met, f"no edge of the {side} switch")
-        self._edges.append((await self.device.read(latching.latch, self.axis)).value)
+        self._edges.append((await self.device.registers.read(latching.latch, self.axis)).value)
         self._phase = "second edge"
         await self._go(-way, lambda state: not met(state), f"the {side} switch stays active")
-        self._edges.append((await self.device.read(latching.latch, self.axis)).value)
+        self._edges.append((await self.device.registers.read(latching.latch, self.axis)).value)
 
     async def _go(self, way: int, done: Callable[[AxisState], bool], failure: str) -> None:
         """Go `way` until `done`, and stop. Raises Failed where that does not come."""
         began = (await self._look()).position
-        await self.device.rotate(self.axis, way * self._speed_pps)
+        await self.device.motion.rotate(self.axis, way * self._speed_pps)
         deadline_s = self._deadline()
         while True:
             await self.clock.sleep(POLL_S)
@@ -157,7 +156,7 @@ class StopSearch(Search):
         position = (await self._look()).position
         self._offset = await self._latching_chip.set_position(self.axis, position - self._centre)
         notes = [f"edges {first} and {second}, zero at {self._centre}", *await self._at_zero(second - first)]
-        started = await self.device.move(self.axis, 0)
+        started = await self.device.motion.move(self.axis, 0)
         deadline_s = self.device.device_time_s() + (started.predicted_duration_s or 0.0) + SLACK_S
         while not ((state := await self._look()).position_reached and not state.moving):
             if self.device.device_time_s() > deadline_s:
@@ -184,7 +183,7 @@ class StopSearch(Search):
             await self.clock.sleep(POLL_S)
 
     async def _look(self) -> AxisState:
-        return await self.device.axis_state(self.axis)
+        return await self.device.monitor.axis_state(self.axis)
 
     def _deadline(self) -> float:
         """More than a way takes at the search speed, device time [s]."""
@@ -192,14 +191,14 @@ class StopSearch(Search):
 
     async def _borrow(self, wanted: dict[str, int]) -> None:
         """Set fields of the switches' register until `_give_back`."""
-        held = (await self.device.read(self.latching.switches, self.axis)).fields
+        held = (await self.device.registers.read(self.latching.switches, self.axis)).fields
         for name in wanted:
             self._before.setdefault(name, held[name])
-        await self.device.write(self.latching.switches, self.axis, fields=dict(wanted))
+        await self.device.registers.write(self.latching.switches, self.axis, fields=dict(wanted))
 
     async def _give_back(self) -> None:
         if self._before:
-            await self.device.write(self.latching.switches, self.axis, fields=dict(self._before))
+            await self.device.registers.write(self.latching.switches, self.axis, fields=dict(self._before))
 
 
 def _blocker(state: AxisState) -> str:

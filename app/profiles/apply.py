@@ -13,7 +13,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from ..devices.core.device import Device, DeviceEvent, MotionCommanded, motion_owner
+from ..devices.core.device import Device
+from ..devices.core.events import DeviceEvent, MotionCommanded, motion_owner
 from ..devices.core.results import AxisState
 from ..errors import WriteRefused, WrongState
 from .capture import Held, read_held, read_item
@@ -81,7 +82,7 @@ class Transaction:
         ProfileTakenBack or ProfileLeft afterwards; BenchError where the device cannot be read to begin with.
         """
         device = self.device
-        device.require_connected()
+        device.session.require_connected()
         require_fit(device, self.document)
         wants = wants_of(self.document)
         states = await require_rest(device)
@@ -92,7 +93,7 @@ class Transaction:
         if not steps:
             self.progress.phase = "over"
             return Applied(difference, [], [])
-        await device.check_writes([step.write() for step in steps])
+        await device.registers.check_writes([step.write() for step in steps])
         self.progress.total = len(steps)
         owner = motion_owner.set(self)
         unlisten = device.listen(self._heard)
@@ -110,8 +111,8 @@ class Transaction:
         told = []
         for axis, counter in self.encoders.items():
             resolved = any(step.register.group == "encoder" and step.register.axis == axis for step in steps)
-            if resolved and (await self.device.read(counter, axis)).value != states[axis].position:
-                await self.device.write(counter, axis, states[axis].position)
+            if resolved and (await self.device.registers.read(counter, axis)).value != states[axis].position:
+                await self.device.registers.write(counter, axis, states[axis].position)
                 told.append(f"axis {axis}: {counter} shows the position, {states[axis].position}")
         return told
 

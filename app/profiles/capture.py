@@ -8,15 +8,9 @@ from dataclasses import asdict, dataclass
 
 from ..devices.core.config import AxisSettings
 from ..devices.core.device import Device
-from ..devices.core.register_chip import RegisterChip
-from ..devices.tmc428.axis_rows import POSITIONING_MODES
-from ..devices.tmc428.chip import RampChip
-from ..devices.tmc428.tmc428 import Tmc428
-from ..devices.tmc4361.driver import Tmc4361
-from ..devices.tmcl.driver import Pd42
-from ..devices.tmcl.refusals import unit_of
-from ..registers.model import Register, to_raw
+from ..errors import WrongState
 from .document import AxisPart, Limits, ProfileDocument
+from .families import rules_of
 from .items import Item, items_by_key
 from .words import Key, parameter_parts, register_parts, tables_of, unknown_parts
 
@@ -41,12 +35,17 @@ class Held:
 
 async def read_held(device: Device) -> Held:
     """Ask for all of it. Nothing is written. Raises BenchError."""
-    device.require_connected()
+    if not rules_of(device.model).known:
+        raise WrongState(
+            f"which parameters of a {device.family.title} are configuration is not known, so there is no profile of it",
+            "read them all: GET .../registers",
+        )
+    device.session.require_connected()
     for axis in device.axes:
-        await device.axis_state(axis.index)  # tells of a reset, after which more is known than can be read
+        await device.monitor.axis_state(axis.index)  # tells of a reset, after which more is known than can be read
     items = items_by_key(device.model)
     words: dict[Key, int | None] = dict.fromkeys(items)
-    for reading in await device.read_all():
+    for reading in await device.registers.read_all():
         item = _item_of(device, reading.name, reading.axis)
         if item is not None:
             words[item.key] = as_configured(device, item, reading.raw)
@@ -60,38 +59,26 @@ async def read_item(device: Device, item: Item) -> int | None:
     """One register as `read_held` has it. Raises BenchError."""
     if not item.row.access.readable:
         return unread(device, item)
-    reading = await device.read(item.row.name, item.row.axis)
+    reading = await device.registers.read(item.row.name, item.row.axis)
     return as_configured(device, item, reading.raw)
 
 
 def as_configured(device: Device, item: Item, raw: int) -> int:
     """What was read, as its user has set it and as one would have to write it again."""
-    if isinstance(device, Tmc428 | Tmc4361):
-        raw = device.as_set(item.row, raw)
-    elif isinstance(device, Pd42):
-        raw = to_raw(device.as_set(item.row, item.row.decode(raw)), item.row.width)
-    return raw & item.mask
+    return device.configuration.as_set(item.row, raw) & item.mask
 
 
 def unread(device: Device, item: Item) -> int | None:
     """What a register that cannot be read holds, as far as anybody knows."""
-    if isinstance(device, Tmc4361):
-        word = device.word_unread(item.row)
-    else:
-        word = device.kept_word(item.row) if isinstance(device, RegisterChip) else None
+    word = device.configuration.unread(item.row)
     return None if word is None else word & item.mask
 
 
 def state_bits(device: Device, words: Mapping[Key, int | None]) -> dict[Key, int]:
     """Bits that are what the motor was last told to do, though at other times they are configuration."""
-    found = {}
-    if isinstance(device, RampChip):
-        for rows in device.rows:
-            key = (rows.reference.space, rows.reference.address)
-            word = words.get(key)
-            if word is not None and rows.mode.unpack(word) not in POSITIONING_MODES:
-                found[key] = rows.mode.mask
-    return found
+    items, rules = items_by_key(device.model), device.configuration
+    bits = {key: rules.commanded_bits(items[key].row, word) for key, word in words.items() if word is not None}
+    return {key: commanded for key, commanded in bits.items() if commanded}
 
 
 def _item_of(device: Device, name: str, axis: int | None) -> Item | None:
@@ -109,10 +96,6 @@ async def capture(device: Device, name: str = "", note: str = "", unix_s: float 
 
 def document_of(device: Device, held: Held, name: str, note: str, unix_s: float) -> ProfileDocument:
     """What was read, as a document."""
-
-    def unit(row: Register) -> str:
-        return unit_of(row, device.unit_mode) if isinstance(device, Pd42) else row.unit
-
     return ProfileDocument.model_validate(
         {
             "name": name or device.name,
@@ -120,11 +103,11 @@ def document_of(device: Device, held: Held, name: str, note: str, unix_s: float)
             "model": device.model,
             "clock_hz": device.clock_hz,
             "device": device.name,
-            "firmware": device.firmware if isinstance(device, Pd42) else "",
+            "firmware": device.configuration.firmware,
             "captured_unix_s": round(unix_s, 3),
             "axes": [axis_part(axis.settings) for axis in device.axes],
             "registers": register_parts(device.model, held.word, but=held.state),
-            "parameters": parameter_parts(device.model, held.word, unit),
+            "parameters": parameter_parts(device.model, held.word, device.configuration.unit_of),
             "tables": tables_of(device.model, held.word),
             "unknown": unknown_parts(device.model, held.word),
         }

@@ -13,7 +13,6 @@ from typing import Literal
 from pydantic import BaseModel, ConfigDict, Field
 
 from ..devices.core.device import Device
-from ..devices.tmcl.driver import Pd42
 from ..registers.model import Space
 from .capture import Held, axis_part, read_held
 from .document import AxisPart, ProfileDocument
@@ -148,7 +147,7 @@ async def diff(device: Device, document: ProfileDocument) -> Diff:
 def difference_of(device: Device, held: Held, document: ProfileDocument, wants: Mapping[Key, Want]) -> Diff:
     """The same of what was read already."""
     names = _apart((device.name, "as it is"), (document.name or "the profile", "profile"))
-    left = Side(names[0], world_of_device(device, held), device.firmware if isinstance(device, Pd42) else "")
+    left = Side(names[0], world_of_device(device, held), device.configuration.firmware)
     right = Side(names[1], world_of_document(document, wants, held), document.firmware)
     found = list(_registers(left, right, held.words, wants))
     axes = [axis_part(axis.settings) for axis in device.axes]

@@ -24,6 +24,7 @@ from pydantic import (
 )
 
 from ..registers.catalog import MODELS
+from ..registers.names import ModelName
 from .errors import UnreadableProfile
 
 FORMAT: Final = "stepscope-profile"
@@ -154,7 +155,7 @@ class ProfileDocument(Part):
     version: Literal[1] = VERSION
     name: Annotated[str, StringConstraints(strict=True, max_length=NAME_MAX, strip_whitespace=True)] = ""
     note: Annotated[str, StringConstraints(strict=True, max_length=NOTE_MAX)] = ""
-    model: Literal["tmc428", "tmc4210", "tmc4361", "tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160", "pd42-1241"]
+    model: ModelName
     clock_hz: Annotated[float, Field(strict=True, gt=0, le=1e9, allow_inf_nan=False)]
     device: Text = Field(default="", description="name of the device that it was taken from")
     firmware: Text = Field(default="", description="of a module")

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from ..calc.units.mechanics import Mechanics
-from ..calc.units.tmc5xxx import acceleration_unit_pps2, velocity_unit_pps
-from ..calc.units.tmc428 import MAX_DIVIDER, acceleration_hz_s, pulse_rate_hz
-from ..calc.units.tmc4361 import FORMATS, Units
 from ..number_text import plain
 from ..registers.catalog import MODELS
 from ..registers.model import Register, Space
 from .document import AxisPart
+from .families import rules_of
 
 Key = tuple[Space, int]
 
@@ -34,6 +32,15 @@ PLAIN = {
     "Hz": (1.0, "Hz"),
 }
 """Units that are always the same: how much one is, and of what."""
+TABLE_MICROSTEPS = 256
+"""Of a full step, where nothing divides them."""
+RESOLUTIONS: tuple[tuple[str, Callable[[int], int]], ...] = (
+    ("usrs", lambda code: 1 << code),
+    ("microstep_resolution", lambda code: 1 << code),
+    ("mstep_per_fs", lambda code: TABLE_MICROSTEPS >> code),
+    ("mres", lambda code: TABLE_MICROSTEPS >> code),
+)
+"""Fields and parameters that say how many microsteps a full step has, and how."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,37 +71,17 @@ class World:
             return None  # a chip may hold what no formula allows
 
     def _physical(self, row: Register, value: int) -> Physical | None:
-        if row.internal_range is not None:
-            return self._of_module(row, value)
         if row.unit == MICROSTEPS:
             return self._length(row, value)
         if row.unit in CLOCKS:
             return Physical(value * CLOCKS[row.unit] / self.clock_hz, "s")
-        if self.model == "tmc4361" and row.name in FORMATS:
-            return self._of_tmc4361(row, value)
+        physical = rules_of(self.model).physical
+        if physical is not None and (found := physical(self, row, value)) is not None:
+            return Physical(*found)
         if row.unit in PLAIN:
             factor, unit = PLAIN[row.unit]
             return Physical(value * factor, unit)
-        if row.unit.startswith("fCLK/(65536"):
-            return Physical(pulse_rate_hz(value, self._divider(row, "pulse_div"), self.clock_hz), "pps")
-        if row.unit.startswith("fCLK^2/2^(pulse_div"):
-            dividers = self._divider(row, "pulse_div"), self._divider(row, "ramp_div")
-            return Physical(acceleration_hz_s(value, *dividers, self.clock_hz), "pps^2")
-        if row.unit == "fCLK/2^24 pps":
-            return Physical(value * velocity_unit_pps(self.clock_hz), "pps")
-        if row.unit == "fCLK^2/2^41 pps^2":
-            return Physical(value * acceleration_unit_pps2(self.clock_hz), "pps^2")
         return None
-
-    def _of_module(self, row: Register, value: int) -> Physical:
-        one = 1.0
-        if self._field("unit_mode", 0) == 0:
-            one = velocity_unit_pps(self.clock_hz) if row.unit == "pps" else acceleration_unit_pps2(self.clock_hz)
-        return Physical(value * one, row.unit)
-
-    def _of_tmc4361(self, row: Register, value: int) -> Physical:
-        direct = bool(self._field("direct_acc_val_en", 0)), bool(self._field("direct_bow_val_en", 0))
-        return Physical(Units(self.clock_hz, *direct).from_raw(row.name, value), FORMATS[row.name].quantity.unit)
 
     def _length(self, row: Register, value: int) -> Physical | None:
         axis = row.axis or 0
@@ -108,25 +95,15 @@ class World:
 
     def _microsteps(self, axis: int) -> int | None:
         """Microsteps of a full step, as this side is set; None where that is not known."""
-        if self.model == "tmc4210":
+        if MODELS[self.model].can("step_dir"):
             return self.axes[axis].driver_microsteps if axis < len(self.axes) else None
-        if self.model == "tmc5031":
-            return 256
-        name = {"tmc428": "usrs", "tmc4361": "mstep_per_fs", "pd42-1241": "microstep_resolution"}.get(
-            self.model, "mres"
-        )
-        code = self._field(name, axis)
-        if code is None:
-            return None
-        return 1 << min(code, 8) if name in ("usrs", "microstep_resolution") else 256 >> min(code, 8)
+        for name, coded in RESOLUTIONS:
+            if MODELS[self.model].table.find(name, axis) is not None:
+                code = self.field(name, axis)
+                return None if code is None else coded(min(code, 8))
+        return TABLE_MICROSTEPS
 
-    def _divider(self, row: Register, name: str) -> int:
-        code = self._field(name, row.axis or 0)
-        if code is None:
-            raise KeyError(name)
-        return min(code, MAX_DIVIDER)  # above it a divider has no meaning in the sheets
-
-    def _field(self, name: str, axis: int) -> int | None:
+    def field(self, name: str, axis: int) -> int | None:
         """A field or parameter as this side holds it."""
         found = MODELS[self.model].table.find(name, axis)
         if found is None:

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
+from ..devices.core.axis_limits import AxisLimits
 from ..devices.core.config import AxisSettings
 from ..devices.core.device import Device
-from ..devices.limits.axis_limits import AxisLimits
 from ..errors import WrongState
 from . import journal
 from .apply import Applied, Transaction

@@ -13,7 +13,7 @@ from ..devices.core.config import AxisSettings
 from ..devices.core.device import Device
 from ..devices.core.results import WriteItem
 from ..devices.core.start_up import Chosen, Figures, StartPlan, Wanted
-from ..devices.families import START_PLANS
+from ..devices.families import family_of
 from ..errors import UsageError
 from ..registers.model import Register, Space, to_raw
 from .capture import axis_part, unread
@@ -70,17 +70,17 @@ class StartUp:
 
 async def dry_run(device: Device, wish: Wish) -> StartUp:
     """What a start-up would write. Raises what `start_up` would before its first write, but for an axis that moves."""
-    device.require_connected()
+    device.session.require_connected()
     wanted, plan = await _plan(device, wish)
     document = _document(device, wanted, plan)
-    await device.check_writes([step.write() for step in steps_of(document)])
+    await device.registers.check_writes([step.write() for step in steps_of(document)])
     return _told(wanted, plan, await diff(device, document))
 
 
 async def start_up(profiles: ProfileService, device: Device, wish: Wish) -> StartUp:
     """Set the device up: all of it, or as it was before. Raises what `ProfileService.apply` does, and UsageError for
     figures that its registers cannot hold."""
-    device.require_connected()
+    device.session.require_connected()
     wanted, plan = await _plan(device, wish)
     outcome = await profiles.apply(device, _document(device, wanted, plan), encoders=plan.encoders)
     applied = outcome.applied
@@ -104,7 +104,7 @@ async def _plan(device: Device, wish: Wish) -> tuple[list[Wanted], StartPlan]:
         Wanted(axis, _with_motor(device.axes[axis].settings, wish.motor), wish.figures, wish.motor.rated_current_a)
         for axis in axes
     ]
-    return wanted, await START_PLANS[device.model](device, wanted)
+    return wanted, await family_of(device.model).start_plan(device, wanted)
 
 
 def _with_motor(settings: AxisSettings, motor: Motor) -> AxisSettings:

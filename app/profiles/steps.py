@@ -6,17 +6,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from ..devices.core.results import WriteItem
-from ..devices.tmc4361 import rows as tmc4361
+from ..registers.catalog import MODELS
 from ..registers.model import Register
 from .capture import Held
 from .diff import UNIT_MODE
 from .document import ProfileDocument
 from .errors import ProfileMisfit
+from .families import rules_of
 from .items import Item, items_by_key
 from .words import Key, Want, check_range, wants_of
-
-GATES = 0b11111
-"""START_CONF.start_en: what waits for a start signal instead of taking a write at once."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,15 +103,17 @@ def steps_between(held: Held, wants: Mapping[Key, Want], differing: Sequence[Key
 
 
 def _ungated(held: Held, steps: list[Step]) -> list[Step]:
-    """Of a TMC4361: what waits for a start signal would take no write, so the gates are open meanwhile."""
-    if held.model != "tmc4361" or not steps:
+    """What waits for a start signal would take no write, and a start may overwrite one: the gates are open meanwhile."""
+    gates = rules_of(held.model).gates
+    if gates is None or not steps:
         return steps
-    item = items_by_key(held.model)[(tmc4361.START_CONF.space, tmc4361.START_CONF.address)]
+    register = MODELS[held.model].table.get(gates.register, 0)
+    item = items_by_key(held.model)[(register.space, register.address)]
     before = held.word(item)
-    if before is None or not before & GATES:
+    if before is None or not before & gates.mask:
         return steps
     last = next((step for step in steps if step.item is item), None)
     others = [step for step in steps if step.item is not item]
     after = before if last is None else last.word
-    open_ = before & ~GATES
+    open_ = before & ~gates.mask
     return [Step(item, open_, item.mask, before), *others, Step(item, after, item.mask, open_)]

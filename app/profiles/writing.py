@@ -37,7 +37,7 @@ async def write_item(device: Device, item: Item, write: WriteItem, word: int, ma
 
     Raises WriteRefused where it is not, and what the driver raises.
     """
-    done = await device.write(write.name, write.axis, write.value, write.fields)
+    done = await device.registers.write(write.name, write.axis, write.value, write.fields)
     if not item.row.access.readable:
         return word  # the driver raises where the link shows that it did not arrive
     now = as_configured(device, item, done.raw)

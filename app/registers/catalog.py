@@ -2,82 +2,56 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from ..errors import UnknownThing
+from .entry import Model
+from .listed import models as listed
+from .listed import package
+from .tmc5xxx import models as tmc5xxx
+from .tmc428 import models as tmc428
+from .tmc4361 import models as tmc4361
+from .tmcl import models as tmcl
 
-from .model import RegisterTable
-from .tmc5xxx import table as tmc5xxx
-from .tmc428 import tmc428, tmc4210
-from .tmc4361 import table as tmc4361
-from .tmcl import pd42
-
-
-@dataclass(frozen=True, slots=True)
-class Model:
-    """A chip or module: its name on the API, what it is, and its registers or parameters."""
-
-    name: str
-    title: str
-    summary: str
-    axes: int
-    table: RegisterTable
-    clock_hz_default: float
-    clock_hz_max: float
-    kind: Literal["chip", "module"] = "chip"
-    """A chip has registers; a module speaks TMCL and has parameters."""
-    datagram_bits: int = 32
-    """Length of one datagram on the wire of a chip; 0 for a module, whose frames TMCL tells."""
-    uart: Literal["", "plain", "node"] = ""
-    """A chip's UART besides SPI: none, datagrams of one chip on a line, or with the address of one of several."""
+FAMILIES: tuple[tuple[Model, ...], ...] = (
+    tmc428.MODELS,
+    tmc4361.MODELS,
+    tmc5xxx.MODELS,
+    tmcl.MODELS,
+)
 
 
-def _tmc5xxx(number: int, summary: str, uart: Literal["", "plain", "node"]) -> Model:
-    name = f"tmc{number}"
-    return Model(
-        name,
-        name.upper(),
-        summary,
-        tmc5xxx.AXES[name],
-        tmc5xxx.TABLES[name],
-        tmc5xxx.CLOCK_HZ_DEFAULT,
-        tmc5xxx.CLOCK_HZ_MAX,
-        datagram_bits=40,
-        uart=uart,
-    )
+class _Models(dict[str, Model]):
+    """Models by name. Those that only an installed package lists are found by their names, and never gone through: each
+    is read when it is asked for."""
+
+    def __missing__(self, name: str) -> Model:
+        try:
+            return listed.model(name)
+        except UnknownThing as error:
+            raise KeyError(name) from error
 
 
-MODELS = {
-    model.name: model
-    for model in (
-        Model("tmc428", "TMC428", "three axes, SPI driver chain", tmc428.AXES, tmc428.TMC428, 16e6, 16e6),
-        Model("tmc4210", "TMC4210", "one axis, step/direction", tmc4210.AXES, tmc4210.TMC4210, 16e6, 32e6),
-        Model(
-            "tmc4361",
-            "TMC4361",
-            "one axis, S-ramps, encoder and closed loop",
-            tmc4361.AXES,
-            tmc4361.TMC4361,
-            tmc4361.CLOCK_HZ_DEFAULT,
-            tmc4361.CLOCK_HZ_MAX,
-            datagram_bits=40,
-        ),
-        _tmc5xxx(5031, "two axes, SixPoint ramps and drivers to 1.1 A; SPI", ""),
-        _tmc5xxx(5062, "two axes, SixPoint ramps, drivers to 1.1 A and encoders; SPI, UART", "plain"),
-        _tmc5xxx(5072, "two axes, SixPoint ramps, drivers to 1.1 A with StealthChop, encoders; SPI, UART", "node"),
-        _tmc5xxx(5130, "one axis, SixPoint ramp, driver to 2 A with StealthChop, encoder; SPI, UART", "node"),
-        _tmc5xxx(5160, "one axis, SixPoint ramp, gate driver with StealthChop, encoder; SPI, UART", "node"),
-        Model(
-            "pd42-1241",
-            "PD42-1241",
-            "motor, driver and encoder in one; TMCL over USB, RS485, CAN",
-            pd42.AXES,
-            pd42.PD42,
-            pd42.CLOCK_HZ,
-            pd42.CLOCK_HZ,
-            "module",
-            0,
-        ),
-    )
-}
+MODELS = _Models({model.name: model for family in FAMILIES for model in family})
 CHIPS_32 = {name: model for name, model in MODELS.items() if model.datagram_bits == 32}
 """TMC428 and TMC4210: one ramp generator, one kind of datagram, and so the same promises in most tests."""
+
+
+def find_model(name: str) -> Model:
+    """The model that somebody calls `name`. Raises UnknownThing, with what to install where that may be the cure;
+    UsageError for one that is listed and cannot be read."""
+    try:
+        return MODELS[name]
+    except KeyError:
+        raise UnknownThing("model", name, sorted(MODELS), listed.hint()) from None
+
+
+def is_model(name: str) -> bool:
+    """Whether there is a model of that name; of a listed one it may turn out that it cannot be read."""
+    return name in MODELS or listed.known(name)
+
+
+def listings() -> tuple[Model, ...]:
+    """Models that only the installed package lists, as far as they are known without having been read."""
+    return tuple(listed.entry(listing) for name, listing in package.listings().items() if name not in MODELS)
+
+
+__all__ = ["CHIPS_32", "FAMILIES", "MODELS", "Model", "find_model", "is_model", "listings"]

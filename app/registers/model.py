@@ -15,7 +15,7 @@ from operator import or_
 from types import MappingProxyType
 from typing import Literal
 
-Stored = Literal["", "auto", "on request"]
+Stored = Literal["", "auto", "on request", "unknown"]
 GLOBAL_AXIS = None
 """The `axis` of a register that belongs to the whole chip."""
 
@@ -184,7 +184,7 @@ class Register(Bits):
     """The chip changes it by itself, so a read-back may differ from what was written."""
     space: Space = Space.REGISTER
     stored: Stored = ""
-    """Whether EEPROM keeps it: "auto" as it is written, "on request" by a command of its own."""
+    """Whether EEPROM keeps it: "auto" as it is written, "on request" by a command of its own; empty: it does not."""
     read_clears: bool = False
     """Reading it changes it, so only somebody who asks for it by name may."""
     internal_range: tuple[int, int] | None = None
@@ -264,7 +264,7 @@ class RegisterTable:
         self.chip = chip
         self.registers = registers
         self._by_name: dict[tuple[str, int | None], Register] = {}
-        self._by_address: dict[tuple[Space, int, bool], Register] = {}
+        self._by_address: dict[tuple[Space, int, bool, int | None], Register] = {}
         self._by_field: dict[tuple[str, int | None], tuple[Register, Field]] = {}
         for register in registers:
             key = (register.name.casefold(), register.axis)
@@ -288,17 +288,17 @@ class RegisterTable:
         """Give every address its register for reading and its register for writing."""
         for register in registers:
             for write in (False, True):
-                place = (register.space, register.address, write)
+                place = (register.space, register.address, write, self._of_axis(register.space, register.axis))
                 serves = register.access.writable if write else register.access.readable
                 if register.when or not serves:
                     continue
                 if place in self._by_address:
                     raise ValueError(f"{self.chip}: two rows stand on address {register.address:#04x}")
                 self._by_address[place] = register
-        for (space, address, write), register in list(self._by_address.items()):
-            self._by_address.setdefault((space, address, not write), register)
+        for (space, address, write, axis), register in list(self._by_address.items()):
+            self._by_address.setdefault((space, address, not write, axis), register)
         for register in registers:
-            if (register.space, register.address, False) not in self._by_address:
+            if self.at(register.address, register.space, axis=register.axis) is None:
                 raise ValueError(f"{self.chip}: {register.name} is another name of a word that has no row")
 
     def __iter__(self) -> Iterator[Register]:
@@ -307,12 +307,20 @@ class RegisterTable:
     def __len__(self) -> int:
         return len(self.registers)
 
-    def at(self, address: int, space: Space = Space.REGISTER, write: bool = False) -> Register | None:
+    @staticmethod
+    def _of_axis(space: Space, axis: int | None) -> int | None:
+        """What tells rows of one number apart: of axis parameters the axis, of all others nothing."""
+        return axis or 0 if space is Space.AXIS else None
+
+    def at(
+        self, address: int, space: Space = Space.REGISTER, write: bool = False, axis: int | None = None
+    ) -> Register | None:
         """The register that a read (or a write) of that address reaches, or None where the chip has none.
 
-        An address with a register for one of the two only answers both with it.
+        An address with a register for one of the two only answers both with it. `axis` is that of an axis parameter,
+        by default the first.
         """
-        return self._by_address.get((space, address, write))
+        return self._by_address.get((space, address, write, self._of_axis(space, axis)))
 
     def meanings(self, address: int, space: Space = Space.REGISTER) -> tuple[Register, ...]:
         """Every row at that address: for reading, for writing, and those that hold only `when` they say."""

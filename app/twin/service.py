@@ -19,11 +19,12 @@ import numpy as np
 
 from ..clock import Clock
 from ..devices.core.counter import CounterWritten
-from ..devices.core.device import Axis, Device, DeviceEvent
+from ..devices.core.device import Device
+from ..devices.core.events import DeviceEvent
+from ..devices.core.session import Axis
 from ..errors import BenchError, WrongState
-from ..telemetry.frames import Frame, decode
 from ..telemetry.hub import TelemetryHub
-from ..telemetry.reader import Reader
+from ..telemetry.reader import Reader, Rows
 from .colours import Scheme
 from .process import Address, DrawingProcess, Renderer, StartRenderer, TwinFailed
 from .recorded import RecordedAxis
@@ -317,7 +318,7 @@ class _Source:
             limits=(limits.position_min, limits.position_max),
             channels=frozenset(
                 channel.quantity
-                for channel in self.device.channels()
+                for channel in self.device.telemetry.channels()
                 if channel.axis == self.axis.index and channel.quantity in CHANNELS
             ),
         )
@@ -328,8 +329,8 @@ class _Source:
         self._join(shape)
         if self._reader is not None:
             self._reader.take_events()
-            while (data := self._reader.take(self._clock.now())) is not None:
-                self._feed(shape, decode(data))
+            while (rows := self._reader.take_rows(self._clock.now())) is not None:
+                self._feed(shape, rows)
             if self._reader.closed is not None:
                 self.problem = WrongState(self._reader.closed, "connect the device, or choose another axis")
                 self._leave()
@@ -353,8 +354,10 @@ class _Source:
         channels = tuple(f"{name}.{shape.axis}" for name in self._quantities)
         try:
             rate_hz = 2 * UPDATES_PER_S
-            if self.device.calls_per_s_possible is not None:
-                rate_hz = WIRE_SHARE * self.device.sample_rate_max_hz(self.device.sample_plan(channels))
+            if self.device.telemetry.calls_per_s_possible is not None:
+                rate_hz = WIRE_SHARE * self.device.telemetry.sample_rate_max_hz(
+                    self.device.telemetry.sample_plan(channels)
+                )
             self._reader = self._hub.join(self.device.id, channels, max(1.0, min(2 * UPDATES_PER_S, rate_hz))).reader
             self.problem = None
         except BenchError as error:  # it was removed, or is another one now
@@ -366,10 +369,10 @@ class _Source:
             self._hub.leave(self._reader)
         self._reader, self._last = None, None
 
-    def _feed(self, shape: Shape, frame: Frame) -> None:
-        columns = dict(zip(self._quantities, frame.columns, strict=True))
-        self._watches.feed(shape, frame.time_s, columns)
-        self._last = (float(frame.time_s[-1]), {name: float(column[-1]) for name, column in columns.items()})
+    def _feed(self, shape: Shape, rows: Rows) -> None:
+        columns = dict(zip(self._quantities, rows.columns, strict=True))
+        self._watches.feed(shape, rows.time_s, columns)
+        self._last = (float(rows.time_s[-1]), {name: float(column[-1]) for name, column in columns.items()})
 
     def _hear(self, event: DeviceEvent) -> None:
         if isinstance(event, CounterWritten) and event.axis == self.axis.index:

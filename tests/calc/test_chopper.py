@@ -162,7 +162,7 @@ def test_every_hint_fits_its_field_and_says_why(
     names = [setting.field for setting in found.settings]
     assert len(names) == len(set(names)), "none is said twice"
     assert ("pwm_freq" in names) == (SHEETS[model].stealth != "none")
-    assert ("pwm_autograd" in names) == (model == "tmc5160" and winding.holding_torque_nm is not None)
+    assert ("pwm_autograd" in names) == (SHEETS[model].stealth == "tuned" and winding.holding_torque_nm is not None)
     assert found.value("toff") > 1 or found.value("tbl") > 0
     assert all(math.isfinite(figure.value) and figure.reason and figure.source for figure in found.figures)
 

@@ -8,9 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.current.coil import CHIPS, CurrentStage, error, nearest_hold, warnings
+from app.calc.current.coil import CurrentStage, error, nearest_hold, warnings
+from app.calc.tmc5xxx.chips import CHIPS
 
-MODELS = list(CHIPS)
+MODELS = [model for model, chip in CHIPS.items() if not chip.sensing.range_va]
+"""With sense resistors, or able to take some."""
 SENSE_OHM = st.floats(0.02, 1.0)
 
 
@@ -210,3 +212,32 @@ def test_what_a_chip_has_not() -> None:
         stage("tmc5160").setting(32, 256)
     with pytest.raises(ValueError, match="above 0 A"):
         stage("tmc5160").ranked(0)
+
+
+@pytest.mark.parametrize(("index", "peak_a"), [(0, 11.75 / 12), (1, 2.0), (2, 3.0), (None, 3.0)])
+def test_ranges_of_a_tmc5240_with_12_kohm(index: int | None, peak_a: float) -> None:
+    ranged = CurrentStage("tmc5240", None, 12_000, current_range=index)
+    assert ranged.setting(31, 256).peak_a == pytest.approx(peak_a)
+    assert ranged.setting(15, 128).peak_a == pytest.approx(peak_a / 4)
+    assert CurrentStage("tmc5240", None, 24_000, current_range=index).full_scale_a(256) == pytest.approx(peak_a / 2)
+
+
+@pytest.mark.parametrize(("peak_a", "index"), [(0.5, 0), (0.99, 1), (2.0, 1), (2.1, 2), (9.0, 2)])
+def test_a_wanted_current_takes_the_lowest_range_that_gets_there(peak_a: float, index: int) -> None:
+    found = CurrentStage("tmc5240", None, 12_000).for_peak(peak_a)
+    assert found.current_range == index
+    assert found.ranked(min(peak_a, 3.0))[0].peak_a == pytest.approx(min(peak_a, 3.0), rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"sense_ohm": 0.1}, "measures inside"),
+        ({"sense_ohm": None}, "12000 to 60000, got None"),
+        ({"sense_ohm": None, "reference_ohm": 9000.0}, "12000 to 60000, got 9000"),
+        ({"sense_ohm": None, "reference_ohm": 12e3, "current_range": 4}, "current_range is 0 to 3, got 4"),
+    ],
+)
+def test_what_a_tmc5240_cannot_have_is_named(given: dict[str, float], told: str) -> None:
+    with pytest.raises(ValueError, match=told):
+        CurrentStage("tmc5240", **given)  # type: ignore[arg-type]

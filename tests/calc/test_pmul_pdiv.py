@@ -212,8 +212,8 @@ def test_no_acceleration_has_no_p() -> None:
 
 
 def test_bad_input_is_named_with_its_range() -> None:
-    with pytest.raises(ValueError, match="chip is one of tmc428, tmc4210, got 'tmc429'"):
-        design("tmc429", 1, 1, 1)
+    with pytest.raises(ValueError, match="chip is one of tmc428, tmc429, tmc4210, got 'tmc4361'"):
+        design("tmc4361", 1, 1, 1)
     with pytest.raises(ValueError, match="a_max is a whole number of 0 to 2047"):
         design("tmc428", 2048, 1, 1)
     with pytest.raises(ValueError, match="ramp_div is a whole number of 0 to 13"):

@@ -7,7 +7,7 @@ changes of acceleration may come a tick late: positions agree within some ticks 
 from __future__ import annotations
 
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from app.calc.ramps.sixpoint import MotionPlan, SixPoint, position_plan, velocity_plan
@@ -19,6 +19,22 @@ TICK_S = TICK_CLOCKS / CLOCK_HZ
 POSITION, FORWARD, BACKWARD = 0, 1, 2
 TICKS = 12
 """How many ticks of the highest speed the two may be apart: one for each change of acceleration, and the start."""
+
+FAST_START = {
+    "VMAX": 5000,
+    "AMAX": 100,
+    "DMAX": 100,
+    "VSTART": 2700,
+    "A1": 100,
+    "V1": 0,
+    "D1": 100,
+    "VSTOP": 3000,
+    "TZEROWAIT": 0,
+    "V2": 0,
+    "A2": 100,
+    "D2": 100,
+}
+"""What it starts with is too fast for a short way with a long TVMAX."""
 
 
 @st.composite
@@ -35,6 +51,9 @@ def registers(draw: st.DrawFn) -> dict[str, int]:
         "D1": draw(st.integers(100, 20_000)),
         "VSTOP": v_stop,
         "TZEROWAIT": draw(st.integers(0, 3000)),
+        "V2": draw(st.one_of(st.just(0), st.integers(1_000, 300_000))),
+        "A2": draw(st.integers(100, 20_000)),
+        "D2": draw(st.integers(100, 20_000)),
     }
 
 
@@ -49,6 +68,10 @@ def ramp_of(chip: dict[str, int]) -> SixPoint:
         d1=acceleration_pps2(chip["D1"]),
         v_stop=velocity_pps(chip["VSTOP"]),
         t_zero_wait_s=chip["TZEROWAIT"] * 512 / CLOCK_HZ,
+        v2=velocity_pps(chip["V2"]),
+        a2=acceleration_pps2(chip["A2"]),
+        d2=acceleration_pps2(chip["D2"]),
+        t_v_max_s=chip.get("TVMAX", 0) * 512 / CLOCK_HZ,
     )
 
 
@@ -78,8 +101,15 @@ def follow(drive: Drive, plan: MotionPlan, ramp: SixPoint, start: int) -> None:
 
 
 @settings(max_examples=60, deadline=None)
-@given(chip=registers(), distance=st.integers(-400_000, 400_000).filter(bool))
-def test_moves_from_rest(chip: dict[str, int], distance: int) -> None:
+@given(
+    chip=registers(),
+    distance=st.integers(-400_000, 400_000).filter(bool),
+    tvmax=st.one_of(st.just(0), st.integers(1, 20_000)),
+)
+@example(chip=FAST_START, distance=1, tvmax=1590)
+@example(chip=FAST_START, distance=1000, tvmax=20_000)
+def test_moves_from_rest(chip: dict[str, int], distance: int, tvmax: int) -> None:
+    chip = chip | {"TVMAX": tvmax}
     drive, ramp = drive_of(chip), ramp_of(chip)
     plan = position_plan(ramp, distance)
     drive.write("RAMPMODE", POSITION)

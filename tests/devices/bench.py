@@ -11,8 +11,8 @@ from app.clock import Clock, VirtualClock
 from app.devices.core.config import DeviceConfig
 from app.devices.core.device import Device
 from app.devices.manager import DeviceManager
+from app.devices.tmc428.memory import RampMemory
 from app.devices.tmc428.start_up import AxisStart, start_up
-from app.devices.tmc428.stops import RampStops
 from app.emulators.build import build_emulator
 from app.emulators.tmc428.device import EmulatedDevice
 from app.emulators.tmc428.options import EmulatorOptions, EmulatorPatch, FaultsChange
@@ -34,7 +34,7 @@ KINDS = {"emulator": emulator_port, "tcp": tcp_factory}
 
 def emulator_of(device: Device) -> EmulatedDevice:
     """The chip behind an emulated device."""
-    return cast("EmulatedDevice", cast("EmulatorPort", device.port).wire)
+    return cast("EmulatedDevice", cast("EmulatorPort", device.session.port).wire)
 
 
 def state_of(device: Device) -> str:
@@ -48,7 +48,14 @@ class Bench:
 
     clock: VirtualClock
     manager: DeviceManager
-    device: RampStops
+    device: Device
+
+    @property
+    def chip(self) -> RampMemory:
+        """What its driver remembers of the chip."""
+        chip = self.device.part(RampMemory)
+        assert chip is not None
+        return chip
 
     @property
     def wire(self) -> EmulatedDevice:
@@ -62,7 +69,7 @@ class Bench:
         """Let time pass until the axis rests; returns where."""
         for _ in range(int(within_s / 0.05)):
             await self.clock.advance(0.05)
-            state = await self.device.axis_state(axis)
+            state = await self.device.monitor.axis_state(axis)
             if not state.moving:
                 return state.position
         raise AssertionError(f"axis {axis} still moves after {within_s} s")
@@ -81,6 +88,6 @@ async def bench(
         start = AxisStart(START.v_max, START.a_max, START.pulse_div, START.ramp_div, stops=stops)
         await start_up(device, [start] * len(device.axes))
     try:
-        yield Bench(clock, manager, cast("RampStops", device))
+        yield Bench(clock, manager, device)
     finally:
         await manager.close()

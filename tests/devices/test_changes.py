@@ -10,20 +10,22 @@ import pytest
 from app.calc.microsteps.mslut import MslutRegisters
 from app.clock import VirtualClock
 from app.devices.core.actor import Actor, actor
+from app.devices.core.capabilities import MicrostepRam, MslutTable, TmclCommands
 from app.devices.core.changes import RegisterChanged
 from app.devices.core.config import DeviceConfig
-from app.devices.core.device import Device, DeviceEvent
+from app.devices.core.device import Device
+from app.devices.core.events import DeviceEvent
 from app.devices.core.results import WriteItem
 from app.devices.manager import DeviceManager
 from app.devices.tmc5xxx import start_up as start_up_5xxx
 from app.devices.tmc428 import start_up
 from app.devices.tmc4361 import start_up as start_up_4361
-from app.devices.tmcl.driver import Pd42
 from app.errors import BenchError, LinkTimeout, WriteRefused
 from app.links import datagram32, datagram40, tmcl
 from app.main import emulator_port
 from app.registers.catalog import MODELS
 from app.registers.tmcl.commands import Opcode
+from app.registers.tmcl.modules import MODULES
 
 ANN = Actor("Ann", "browser", None, "127.0.0.1")
 
@@ -56,6 +58,7 @@ async def device_of(model: str) -> AsyncIterator[tuple[Device, Heard]]:
 
 VALUES = {  # of each model a value, a packed register with one of its fields, and what cannot be read
     "tmc428": ("v_max", 0, "lp_ref_conf_rm", "SOFT_STOP"),
+    "tmc429": ("v_max", 0, "lp_ref_conf_rm", "SOFT_STOP"),
     "tmc4210": ("V_MAX", 0, "lp_REF_CONF_RAMP_MODE", "soft_stop"),
     "tmc4361": ("VMAX", 0, "GENERAL_CONF", "use_astart_and_vstart"),
     "tmc5160": ("XTARGET", 0, "CHOPCONF", "toff"),
@@ -67,10 +70,10 @@ VALUES = {  # of each model a value, a packed register with one of its fields, a
 async def test_a_write_tells_what_was_and_what_is(model: str) -> None:
     value, axis, packed, field = VALUES[model]
     async with device_of(model) as (device, heard):
-        before = (await device.read(value, axis)).value
+        before = (await device.registers.read(value, axis)).value
         before_actor = actor.set(ANN)
-        await device.write(value, axis, before + 3)
-        await device.write(value, axis, before + 4)
+        await device.registers.write(value, axis, before + 3)
+        await device.registers.write(value, axis, before + 4)
         actor.reset(before_actor)
         assert [change.outcome for change in heard] == ["done", "done"]
         assert {change.by for change in heard} == {ANN}
@@ -78,14 +81,16 @@ async def test_a_write_tells_what_was_and_what_is(model: str) -> None:
         assert heard[0].text == f"{name}.{axis} {before} -> {before + 3} by Ann"
         assert heard.told() == [(name, axis, before, before + 3), (name, axis, before + 3, before + 4)]
 
-        old = (await device.read(packed, axis)).fields[field]
-        await device.write(packed, axis, fields={field: 1 - old if old < 2 else old - 1})
+        old = (await device.registers.read(packed, axis)).fields[field]
+        await device.registers.write(packed, axis, fields={field: 1 - old if old < 2 else old - 1})
         (change,) = heard
         assert dict(change.fields) == {field: (old, 1 - old if old < 2 else old - 1)}
         assert change.field_text == f"{field} {old} -> {1 - old if old < 2 else old - 1}"
         heard.clear()
 
-        done = await device.write_many([WriteItem(value, axis, 1, None), WriteItem(value, axis, 1 << 40, None)])
+        done = await device.registers.write_many(
+            [WriteItem(value, axis, 1, None), WriteItem(value, axis, 1 << 40, None)]
+        )
         assert done.failed is not None
         assert heard.told() == [(name, axis, before + 4, 1)]
 
@@ -93,24 +98,24 @@ async def test_a_write_tells_what_was_and_what_is(model: str) -> None:
 @pytest.mark.parametrize("model", ["tmc5160", "tmc5072"])
 async def test_of_what_cannot_be_read_the_driver_knows_the_old(model: str) -> None:
     async with device_of(model) as (device, heard):
-        await device.write("AMAX", 0, 1000)
-        await device.write("AMAX", 0, 2000)
+        await device.registers.write("AMAX", 0, 1000)
+        await device.registers.write("AMAX", 0, 2000)
         assert heard.told()[1] == ("AMAX", 0, 1000, 2000)
 
 
-@pytest.mark.parametrize("model", [name for name in MODELS if name != "pd42-1241"])
+@pytest.mark.parametrize("model", [name for name in MODELS if name not in MODULES])
 async def test_moves_rotations_and_stops_are_no_changes_of_registers(model: str) -> None:
     async with device_of(model) as (device, heard):
         await _make_it_move(device)
         heard.clear()
-        await device.move(0, 200)
-        await device.rotate(0, 300)
+        await device.motion.move(0, 200)
+        await device.motion.rotate(0, 300)
         await device.stop(0)
         assert heard == []
 
 
 async def _make_it_move(device: Device) -> None:
-    if device.model in ("tmc428", "tmc4210"):
+    if device.family.family == "tmc428":
         start = start_up.AxisStart(v_max=1500, a_max=200, pulse_div=4, ramp_div=6)
         await start_up.start_up(device, [start] * len(device.axes))
     elif device.model == "tmc4361":
@@ -121,49 +126,50 @@ async def _make_it_move(device: Device) -> None:
 
 async def test_raw_frames_are_told_by_what_they_write() -> None:
     async with device_of("tmc428") as (device, heard):
-        await device.write("v_max", 0, 700)
+        await device.registers.write("v_max", 0, 700)
         heard.clear()
-        await device.exchange(datagram32.write(0x03, 900))
+        await device.raw.exchange(datagram32.write(0x03, 900))
         assert heard[0].outcome.startswith("not proven")
         assert heard.told() == [("v_max", 0, 700, 900)]
-        await device.exchange(datagram32.read(0x03))
+        await device.raw.exchange(datagram32.read(0x03))
         assert heard == []
     async with device_of("tmc5160") as (device, heard):
-        await device.exchange(datagram40.write(0x26, 555))
+        await device.raw.exchange(datagram40.write(0x26, 555))
         assert heard.told() == [("AMAX", 0, 0, 555)]
 
 
 async def test_tables_tell_each_word_that_is_another_one() -> None:
     async with device_of("tmc428") as (device, heard):
-        held = await device.read_microstep_table()
-        await device.write_microstep_table(held)
+        held = await device.need(MicrostepRam).read_microstep_table()
+        await device.need(MicrostepRam).write_microstep_table(held)
         assert heard == []
         changed = [*held[:10], (held[10] + 1) % 64, *held[11:]]
-        await device.write_microstep_table(changed)
+        await device.need(MicrostepRam).write_microstep_table(changed)
         assert [change.register for change in heard] == ["lut_05"]
         assert heard[0].part_of == "the microstep table"
         assert dict(heard[0].fields) == {"y_even": (held[10], changed[10])}
     async with device_of("tmc5160") as (device, heard):
-        table = (await device.read_mslut()).registers
-        await device.write_mslut(table)
+        table = (await device.need(MslutTable).read_mslut()).registers
+        await device.need(MslutTable).write_mslut(table)
         heard.clear()
-        await device.write_mslut(MslutRegisters((table.words[0] ^ 1, *table.words[1:]), table.select, table.start))
+        await device.need(MslutTable).write_mslut(
+            MslutRegisters((table.words[0] ^ 1, *table.words[1:]), table.select, table.start)
+        )
         assert heard.told() == [("MSLUT[0]", 0, table.words[0], table.words[0] ^ 1)]
 
 
 async def test_a_module_tells_its_parameters() -> None:
     async with device_of("pd42-1241") as (device, heard):
-        assert isinstance(device, Pd42)
-        old = (await device.read("ap6", 0)).value
-        await device.write("ap6", 0, old - 1)
-        await device.write("ap1", 0, 77)  # one of those that may move it
+        old = (await device.registers.read("ap6", 0)).value
+        await device.registers.write("ap6", 0, old - 1)
+        await device.registers.write("ap1", 0, 77)  # one of those that may move it
         assert heard.told() == [("maximum_current", 0, old, old - 1), ("actual_position", 0, 0, 77)]
-        await device.tmcl(Opcode.SAP, 6, 0, old - 2)
+        await device.need(TmclCommands).tmcl(Opcode.SAP, 6, 0, old - 2)
         assert heard[0].outcome.startswith("not proven")
         assert heard.told() == [("maximum_current", 0, old - 1, old - 2)]
-        await device.exchange(tmcl.Request(1, Opcode.GAP, 6, 0).encode())
-        await device.tmcl(Opcode.SAP, 6, 0, 70_000)  # it says no
-        await device.move(0, 500)
+        await device.raw.exchange(tmcl.Request(1, Opcode.GAP, 6, 0).encode())
+        await device.need(TmclCommands).tmcl(Opcode.SAP, 6, 0, 70_000)  # it says no
+        await device.motion.move(0, 500)
         assert heard == []
 
 
@@ -171,7 +177,7 @@ async def test_what_may_have_happened_is_told_and_what_was_refused_before_is_not
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     async with device_of("tmc428") as (device, heard):
-        exchange = device.port.exchange
+        exchange = device.session.port.exchange
 
         async def no_answer_to_writes(frame: bytes, *given: object) -> bytes:
             reply = await exchange(frame, *given)  # type: ignore[arg-type]
@@ -179,9 +185,9 @@ async def test_what_may_have_happened_is_told_and_what_was_refused_before_is_not
                 raise LinkTimeout("emulator", 0.1, "a write")
             return reply
 
-        monkeypatch.setattr(device.port, "exchange", no_answer_to_writes)
+        monkeypatch.setattr(device.session.port, "exchange", no_answer_to_writes)
         with pytest.raises(LinkTimeout):
-            await device.write("v_max", 0, 900)
+            await device.registers.write("v_max", 0, 900)
         (change,) = heard
         assert (change.old, change.new) == (0, 900)
         assert change.outcome.startswith("not proven: ")
@@ -191,12 +197,12 @@ async def test_what_may_have_happened_is_told_and_what_was_refused_before_is_not
             wanted = datagram32.write(0x03, 901)
             return await exchange(datagram32.read(0x03) if frame == wanted else frame, *given)  # type: ignore[arg-type]
 
-        monkeypatch.setattr(device.port, "exchange", stuck)
+        monkeypatch.setattr(device.session.port, "exchange", stuck)
         with pytest.raises(WriteRefused):
-            await device.write("v_max", 0, 901)
+            await device.registers.write("v_max", 0, 901)
         (change,) = heard
         assert change.outcome.startswith("refused: ")
         heard.clear()
         with pytest.raises(BenchError):
-            await device.write("v_max", 0, 1 << 20)
+            await device.registers.write("v_max", 0, 1 << 20)
         assert heard == []

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from app.clock import VirtualClock
 from app.devices.core.config import AxisSettings, DeviceConfig, slug, unique_slug
-from app.devices.core.device import StateChanged
+from app.devices.core.events import StateChanged
 from app.devices.manager import DeviceChange, DeviceManager
 from app.errors import OutOfRange, UnknownThing, UsageError, WrongState
 from tests.devices.bench import KINDS, bench, emulator_of, state_of
@@ -86,7 +86,7 @@ async def test_a_new_name_keeps_the_connection_and_the_chip() -> None:
         assert edited.axes[1].name == "axis 1"
         with pytest.raises(UnknownThing):
             b.manager.get("bench")
-        assert (await edited.move(0, 1, unit="rev")).target_position == 25_600
+        assert (await edited.motion.move(0, 1, unit="rev")).target_position == 25_600
 
 
 async def test_another_link_is_another_chip_and_the_place_in_the_list_stays() -> None:
@@ -108,16 +108,16 @@ async def test_another_link_is_another_chip_and_the_place_in_the_list_stays() ->
 async def test_disconnect_remove_and_connect_again() -> None:
     async with bench() as b:
         chip = b.wire
-        await b.device.write("v_min", 0, value=44)
+        await b.device.registers.write("v_min", 0, value=44)
         await b.manager.disconnect("bench")
         assert state_of(b.device) == "disconnected"
-        for refused in (b.device.read("v_min", 0), b.device.move(0, 1), b.device.stop(0)):
+        for refused in (b.device.registers.read("v_min", 0), b.device.motion.move(0, 1), b.device.stop(0)):
             with pytest.raises(WrongState, match="not connected"):
                 await refused
         await b.manager.connect("bench")
         assert state_of(b.device) == "connected"
         assert emulator_of(b.device) is chip  # a pulled cable does not reset a chip
-        assert (await b.device.read("v_min", 0)).value == 44
+        assert (await b.device.registers.read("v_min", 0)).value == 44
         await b.manager.remove("bench")
         assert b.manager.devices == ()
         assert state_of(b.device) == "disconnected"
@@ -125,7 +125,7 @@ async def test_disconnect_remove_and_connect_again() -> None:
 
 async def test_what_we_set_in_motion_is_stopped_before_we_let_go() -> None:
     async with bench() as b:
-        await b.device.rotate(1, 5000)
+        await b.device.motion.rotate(1, 5000)
         await b.clock.advance(1.0)
         await b.manager.disconnect("bench")
         await b.clock.advance(1.0)

@@ -35,11 +35,15 @@ PAIRS = [
     *((said, "tmc4361") for said in SIXPOINT),
     *(("tmc4361", real) for real in ("tmc5072", "tmc5130", "tmc5160")),
     ("tmc428", "tmc4210"),
+    ("tmc428", "tmc429"),
+    ("tmc429", "tmc428"),
 ]
 TURNING: dict[str, dict[str, int]] = {
     **{model: {"AMAX": 500} for model in SIXPOINT},
     "tmc4361": {"AMAX": 4_000_000, "DMAX": 4_000_000},
-    "tmc4210": {"v_max": 1500, "a_max": 200, "pulse_div": 4, "ramp_div": 6},
+    **{
+        model: {"v_max": 1500, "a_max": 200, "pulse_div": 4, "ramp_div": 6} for model in ("tmc428", "tmc429", "tmc4210")
+    },
 }
 """What an axis takes to turn, beside the command."""
 SPI40, SPI32 = Spi40Access(), Spi32Access()
@@ -128,18 +132,18 @@ def _frame(device: Device) -> bytes:
 
 
 async def _batch(device: Device) -> None:
-    done = await device.write_many([WriteItem(_register(device), 0, 1)])
+    done = await device.registers.write_many([WriteItem(_register(device), 0, 1)])
     assert done.done == []
     if done.failed is not None:
         raise done.failed
 
 
 WRITES: dict[str, Callable[[Device], Coroutine[Any, Any, object]]] = {
-    "write": lambda device: device.write(_register(device), 0, 1),
+    "write": lambda device: device.registers.write(_register(device), 0, 1),
     "batch": _batch,
-    "raw": lambda device: device.exchange(_frame(device)),
-    "move": lambda device: device.move(0, 1000),
-    "rotate": lambda device: device.rotate(0, 1000),
+    "raw": lambda device: device.raw.exchange(_frame(device)),
+    "move": lambda device: device.motion.move(0, 1000),
+    "rotate": lambda device: device.motion.rotate(0, 1000),
 }
 
 
@@ -172,20 +176,24 @@ async def test_a_stop_stops_every_axis_of_the_chip_that_is_there(said: str, real
         problem = made.device.problem
         assert isinstance(problem, OtherModel)
         assert problem.foreign is ("tmc4361" in (said, real))
-        its_own = make_device("own", DeviceConfig("Own", real, {"kind": "spidev"}), made.device.port, made.clock)
+        its_own = make_device(
+            "own", DeviceConfig("Own", real, {"kind": "spidev"}), made.device.session.port, made.clock
+        )
         await its_own.identify()
-        its_own.set_state("connected")
-        await its_own.refresh()
+        its_own.session.set_state("connected")
+        await its_own.identity.refresh()
         for axis in its_own.axes:
             for name, value in TURNING[real].items():
-                await its_own.write(name, axis.index, value)
-            await its_own.rotate(axis.index, 2000)
+                await its_own.registers.write(name, axis.index, value)
+            await its_own.motion.rotate(axis.index, 2000)
         await made.clock.advance(0.5)
-        assert all([(await its_own.axis_state(axis.index)).velocity_pps > 0 for axis in its_own.axes])
+        assert all([(await its_own.monitor.axis_state(axis.index)).velocity_pps > 0 for axis in its_own.axes])
         outcomes = await made.manager.stop_all(mode)
         assert [(outcome.axis, outcome.ok) for outcome in outcomes] == [(axis.index, True) for axis in made.device.axes]
         await made.clock.advance(2.0)
-        assert [(await its_own.axis_state(axis.index)).velocity_pps for axis in its_own.axes] == [0] * len(its_own.axes)
+        assert [(await its_own.monitor.axis_state(axis.index)).velocity_pps for axis in its_own.axes] == [0] * len(
+            its_own.axes
+        )
         assert isinstance(made.device.problem, OtherModel)
 
 
@@ -213,7 +221,7 @@ async def test_changing_the_model_is_the_way_out(said: str, real: str) -> None:
         device = await made.manager.edit(made.device.id, DeviceChange(model=real))
         assert (device.model, state_of(device)) == (real, "connected"), device.problem
         assert device.id == "bench"
-        await device.write(_register(device), 0, 1)
+        await device.registers.write(_register(device), 0, 1)
 
 
 async def test_a_link_that_fails_and_comes_back_does_not_forget_who_is_there() -> None:
@@ -221,17 +229,17 @@ async def test_a_link_that_fails_and_comes_back_does_not_forget_who_is_there() -
         made.tap.unplugged = True
         await made.clock.advance(3.0)
         made.tap.unplugged = False
-        await made.device.read("GCONF")
+        await made.device.registers.read("GCONF")
         assert state_of(made.device) == "failed"
         with pytest.raises(OtherModel):
-            await made.device.move(0, 1000)
+            await made.device.motion.move(0, 1000)
         assert made.tap.wrote == []
 
 
 async def test_frames_are_judged_at_the_queue() -> None:
     """Whoever has the queue: a procedure, a table, a profile."""
     async with swapped("tmc5130", "tmc5160") as made:
-        queue = made.device.queue
+        queue = made.device.session.queue
         with pytest.raises(OtherModel):
             await queue.exchange(datagram40.write(0x27, 0))
         with pytest.raises(OtherModel):

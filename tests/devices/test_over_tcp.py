@@ -11,11 +11,12 @@ import numpy as np
 import pytest
 
 from app.clock import VirtualClock, WallClock
+from app.devices.core.capabilities import PositionSetting
 from app.devices.core.config import DeviceConfig
-from app.devices.core.device import StateChanged
+from app.devices.core.device import Device
+from app.devices.core.events import StateChanged
 from app.devices.manager import DeviceChange, DeviceManager
 from app.devices.tmc428.start_up import AxisStart, start_up
-from app.devices.tmc428.stops import RampStops
 from app.emulators.build import build_emulator
 from app.emulators.tmc428.device import EmulatedDevice
 from app.errors import LinkDown, LinkError, LinkTimeout
@@ -25,7 +26,7 @@ from tests.links.server import Server, serving
 
 
 @asynccontextmanager
-async def remote(model: str, timeout_s: float = 5.0) -> AsyncIterator[tuple[RampStops, EmulatedDevice, Server]]:
+async def remote(model: str, timeout_s: float = 5.0) -> AsyncIterator[tuple[Device, EmulatedDevice, Server]]:
     """A device whose chip is behind a socket. The chip's time is the test's, the wire's is real."""
     chip = cast("EmulatedDevice", build_emulator(model, VirtualClock()))
 
@@ -37,7 +38,7 @@ async def remote(model: str, timeout_s: float = 5.0) -> AsyncIterator[tuple[Ramp
         link = {"kind": "tcp", "host": "127.0.0.1", "port": server.port, "timeout_s": timeout_s}
         device = await manager.add(DeviceConfig("Far", model, link))
         try:
-            yield cast("RampStops", device), chip, server
+            yield device, chip, server
         finally:
             await manager.close()
 
@@ -50,14 +51,14 @@ def chip_clock(chip: EmulatedDevice) -> VirtualClock:
 async def test_set_up_move_and_stop(model: str) -> None:
     async with remote(model) as (device, chip, server):
         assert device.state == "connected"
-        assert not device.chip_timed
+        assert not device.session.chip_timed
         start = AxisStart(START.v_max, START.a_max, START.pulse_div, START.ramp_div, stops=False)
         await start_up(device, [start] * len(device.axes))
-        started = await device.move(0, 5000)
+        started = await device.motion.move(0, 5000)
         assert started.predicted_duration_s is not None
         chip_clock(chip).set(started.predicted_duration_s + 0.1)
-        assert (await device.axis_state(0)).position == 5000
-        await device.rotate(0, 5000)
+        assert (await device.monitor.axis_state(0)).position == 5000
+        await device.motion.rotate(0, 5000)
         chip_clock(chip).set(2.0)
         assert (await device.stop(0)).ok
         assert server.connections == 1
@@ -65,10 +66,10 @@ async def test_set_up_move_and_stop(model: str) -> None:
 
 async def test_samples_over_the_wire() -> None:
     async with remote("tmc428") as (device, chip, _):
-        plan = device.sample_plan(["position.0", "position.1"])
-        await device.set_position(1, -77)
+        plan = device.telemetry.sample_plan(["position.0", "position.1"])
+        await device.need(PositionSetting).set_position(1, -77)
         before_s = device.device_time_s()
-        time_s, replies = await device.queue.sample(plan.frames)
+        time_s, replies = await device.session.queue.sample(plan.frames)
         assert before_s <= time_s <= device.device_time_s()
         assert len(replies) == 8
         assert plan.decode(np.array([time_s]), replies).tolist() == [[0, -77]]
@@ -86,7 +87,7 @@ async def test_a_server_that_goes_and_comes_back() -> None:
 
         server.behave = hang_up
         with pytest.raises(LinkError):
-            await device.read("v_max", 0)
+            await device.registers.read("v_max", 0)
         assert device.state == "failed"
         assert device.problem is not None
         back = asyncio.Event()
@@ -97,13 +98,13 @@ async def test_a_server_that_goes_and_comes_back() -> None:
         async with asyncio.timeout(10.0):
             await back.wait()  # nobody asked anything: the watch brought it back
         assert states == ["failed", "connected"]
-        assert (await device.read("v_max", 0)).value == 0
+        assert (await device.registers.read("v_max", 0)).value == 0
 
 
 async def test_a_late_answer_is_never_taken_for_the_next_one() -> None:
     async with remote("tmc428", timeout_s=0.05) as (device, _, server):
         for axis in range(3):
-            await device.write("v_min", axis, value=axis + 10)
+            await device.registers.write("v_min", axis, value=axis + 10)
         answer, release, slow = server.behave, asyncio.Event(), [1, 1]
 
         async def late(frame: bytes, writer: asyncio.StreamWriter) -> None:
@@ -114,11 +115,11 @@ async def test_a_late_answer_is_never_taken_for_the_next_one() -> None:
 
         server.behave = late
         with pytest.raises(LinkTimeout):
-            await device.read("v_min", 0)
+            await device.registers.read("v_min", 0)
         release.set()
         for _ in range(5):
             for axis in (1, 2):
-                assert (await device.read("v_min", axis)).value == axis + 10
+                assert (await device.registers.read("v_min", axis)).value == axis + 10
 
 
 async def test_a_trial_finds_the_chip_or_says_what_is_wrong() -> None:
@@ -157,9 +158,9 @@ async def test_a_sample_that_waited_does_not_open_the_link_of_a_device_that_was_
         device = await manager.add(
             DeviceConfig("Near", "tmc428", {"kind": "tcp", "host": "127.0.0.1", "port": server.port})
         )
-        plan = device.sample_plan(("position.0",))
-        async with device.queue.turn():
-            sample = asyncio.create_task(device.take_samples(plan))
+        plan = device.telemetry.sample_plan(("position.0",))
+        async with device.session.queue.turn():
+            sample = asyncio.create_task(device.telemetry.take_samples(plan))
             await asyncio.sleep(0)  # it waits for its turn
             await manager.disconnect(device.id)
         with pytest.raises(LinkDown, match="disconnected"):
@@ -167,5 +168,5 @@ async def test_a_sample_that_waited_does_not_open_the_link_of_a_device_that_was_
         assert server.connections == 2
         await manager.connect(device.id)
         assert device.state == "connected"
-        assert (await device.take_samples(plan)).times_s
+        assert (await device.telemetry.take_samples(plan)).times_s
         await manager.close()

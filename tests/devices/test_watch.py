@@ -33,7 +33,7 @@ def resources() -> tuple[int, int]:
 
 @asynccontextmanager
 async def connected() -> AsyncIterator[tuple[PtyModule, Device, EmulatedModule]]:
-    emulated = EmulatedModule(WallClock())
+    emulated = EmulatedModule("pd42-1241", WallClock())
     with pty_module(lambda _, frame: emulated.receive(frame) or b"") as module:
         manager = DeviceManager({"serial": serial_factory}, WallClock())
         device = await manager.add(DeviceConfig("stage", MODEL, {"kind": "serial", "port": module.path}))
@@ -63,7 +63,7 @@ async def test_pulled_and_plugged_in_again() -> None:
 async def test_pulled_under_load() -> None:
     """While it is gone nobody gets a value; afterwards everybody does."""
     async with connected() as (module, device, _):
-        await device.read("actual_position")
+        await device.registers.read("actual_position")
         before = resources()
         plugged = True
 
@@ -73,7 +73,7 @@ async def test_pulled_under_load() -> None:
             while True:
                 gone = not plugged
                 with contextlib.suppress(BenchError):
-                    await device.read("actual_position")
+                    await device.registers.read("actual_position")
                     assert not (gone and not plugged)
                     answers += 1
                 await asyncio.sleep(0.001)
@@ -98,7 +98,7 @@ async def test_pulled_under_load() -> None:
 async def test_a_module_that_falls_silent_is_seen_by_looking_in() -> None:
     """No cable tells of it: time goes on until the next look."""
     clock = VirtualClock()
-    emulated = EmulatedModule(WallClock())
+    emulated = EmulatedModule("pd42-1241", WallClock())
     with pty_module(lambda _, frame: emulated.receive(frame) or b"") as module:
         manager = DeviceManager({"serial": serial_factory}, clock)
         link = {"kind": "serial", "port": module.path}

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from app.clock import VirtualClock
-from app.emulators.build import build_emulator
+from app.emulators.tmc428.family import FAMILY
 from app.emulators.tmc428.options import EmulatorOptions, EmulatorPatch, StageOptions
 from app.emulators.tmc428.state import ChainState, DriverState, EmulatorState, StepDirState
 from app.links.datagram32 import Reply, read, write
@@ -75,7 +75,7 @@ class Bench:
     ) -> None:
         self.clock = VirtualClock()
         given = EmulatorOptions.model_validate({"stages": stages or [], **(options or {})})
-        self.device = build_emulator(model, self.clock, given)
+        self.device = FAMILY.make(model, self.clock, given)
         self.clock_hz = given.clock_hz
         self.status = 0
 

@@ -83,7 +83,7 @@ class Pair:
             assert self.chip.chip[kernel.SENT_COUNT] == self.oracle.datagrams, self.report("datagrams sent")
             assert self.chip.describe_chain().last_bits == self.oracle.last_bits, self.report("datagram")
         else:
-            described = self.chip.describe_step_dir()
+            described = self.chip.describe_step_dir(0)
             assert described.steps_sent == self.oracle.pulses, self.report("pulses")
             assert described.steps_merged == self.oracle.merged, self.report("merged pulses")
 

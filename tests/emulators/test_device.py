@@ -14,6 +14,7 @@ from app.clock import VirtualClock
 from app.emulators.build import build_emulator, warm_up
 from app.emulators.server import serve_tcp
 from app.emulators.tmc428.device import EmulatedDevice
+from app.emulators.tmc428.family import FAMILY
 from app.emulators.tmc428.options import EmulatorOptions, EmulatorPatch
 from app.errors import OutOfRange, UnknownThing
 from app.links.datagram32 import Reply, read, write
@@ -215,7 +216,7 @@ def test_a_register_read_is_cheap() -> None:
 
 
 def test_threads_may_share_a_device() -> None:
-    device = build_emulator("tmc428", VirtualClock())
+    device = FAMILY.make("tmc428", VirtualClock())
     wrong: list[bytes] = []
 
     def client(address: int) -> None:
@@ -240,7 +241,7 @@ async def _serve(device: EmulatedDevice, half_frame_s: float = 0.05) -> tuple[as
 
 
 async def test_server_answers_several_clients_frame_by_frame() -> None:
-    server, port = await _serve(build_emulator("tmc428", VirtualClock()))
+    server, port = await _serve(FAMILY.make("tmc428", VirtualClock()))
     async with server:
         clients = [await asyncio.open_connection("127.0.0.1", port) for _ in range(4)]
 
@@ -264,7 +265,7 @@ async def test_server_answers_several_clients_frame_by_frame() -> None:
 
 
 async def test_half_a_frame_is_forgotten_and_silence_is_no_answer() -> None:
-    device = build_emulator("tmc428", VirtualClock())
+    device = FAMILY.make("tmc428", VirtualClock())
     server, port = await _serve(device)
     async with server:
         reader, writer = await asyncio.open_connection("127.0.0.1", port)
@@ -310,7 +311,7 @@ def test_catching_up_goes_in_slices() -> None:
 
 
 async def test_server_outlives_clients_that_vanish() -> None:
-    server, port = await _serve(build_emulator("tmc4210", VirtualClock()))
+    server, port = await _serve(FAMILY.make("tmc4210", VirtualClock()))
     async with server:
         for cut in range(4):
             _, writer = await asyncio.open_connection("127.0.0.1", port)

@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from app.links import datagram32
 from app.links.datagram32 import Reply, Request
+from app.registers.tmc428.status import STATUS_TMC428, STATUS_TMC4210
 
 
 def frame(bits: str) -> bytes:
@@ -28,13 +29,13 @@ def test_the_sample_datagrams() -> None:
 @pytest.mark.sheet("DS-TMC428", "6.4")
 def test_status_bits_of_the_tmc428() -> None:
     """The sample status %10010101: interrupt set, no switch, every motor at its target."""
-    flags = datagram32.status_flags(0b10010101, datagram32.STATUS_TMC428)
+    flags = datagram32.status_flags(0b10010101, STATUS_TMC428)
     assert {name for name, on in flags.items() if on} == {"INT", "xEQt1", "xEQt2", "xEQt3"}
 
 
 @pytest.mark.sheet("DS-TMC4210", "5.2.2.2")
 def test_status_bits_of_the_tmc4210() -> None:
-    flags = datagram32.status_flags(0b10101011, datagram32.STATUS_TMC4210)
+    flags = datagram32.status_flags(0b10101011, STATUS_TMC4210)
     assert {name for name, on in flags.items() if on} == {"INT", "R_R", "GP_IN", "R_L", "xEQt1"}
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from app.clock import VirtualClock
-from app.emulators.build import build_emulator
 from app.emulators.tmc428.device import EmulatedDevice
+from app.emulators.tmc428.family import FAMILY
 from app.emulators.tmc428.options import EmulatorPatch, FaultsChange
 from app.errors import LinkDown, LinkTimeout
 from app.links import datagram32
@@ -20,7 +20,7 @@ class Rig:
 
     def __init__(self) -> None:
         self.clock = VirtualClock()
-        self.wire: EmulatedDevice = build_emulator("tmc428", self.clock)
+        self.wire: EmulatedDevice = FAMILY.make("tmc428", self.clock)
         self.port = EmulatorPort(self.wire)
         self.samples: list[tuple[float, int]] = []
         for address, word in ((0x0C, 0x4006), (0x0A, 0x0303), (0x05, 512)):  # pulse_div 4, HOLD_MODE, v_actual 512

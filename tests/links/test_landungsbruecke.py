@@ -15,26 +15,26 @@ import pytest
 from app.clock import VirtualClock
 from app.errors import BadReply, LinkError, LinkTimeout, OutOfRange, UnknownThing, UsageError
 from app.links.discovery import FoundModule, probe
-from app.links.landungsbruecke import Board, board_name, identify
+from app.links.evaluation_board import Board, board_name, identify
 from app.links.queue import LinkQueue, Priority
-from app.links.register_access import LandungsbrueckeAccess
-from app.links.registry import landungsbruecke_factory
+from app.links.register_access import BoardAccess
+from app.links.registry import board_factory
 from app.links.serial_line import LinePort
 from app.links.tmcl import Reply, Request
-from app.registers.landungsbruecke import BoardOpcode
+from app.registers.evaluation_board import BoardOpcode
 from app.registers.tmcl.commands import Opcode
 from tests.peers.board import board, patch_board, shared_board
 from tests.peers.emulator_process import EmulatorProcess
 
 __all__ = ["board", "shared_board"]
-ACCESS = LandungsbrueckeAccess()
+ACCESS = BoardAccess()
 PATIENCE_S = 20.0
 POS_COMP, VIRT_STOP_LEFT, X_ACTUAL = 0x32, 0x33, 0x21
 
 
 def port(**options: object) -> LinePort:
     link = {"kind": "landungsbruecke", **options}
-    return cast("LinePort", landungsbruecke_factory("tmc4361", link, VirtualClock()))
+    return cast("LinePort", board_factory("tmc4361", link, VirtualClock()))
 
 
 @pytest.fixture(params=["pty", "tcp"])
@@ -123,7 +123,7 @@ def test_options_that_cannot_be(options: dict[str, object], error: type[Exceptio
 
 def test_chips_without_boards_have_no_such_link() -> None:
     with pytest.raises(UsageError, match="a tmc428 has no landungsbruecke link; tmc4361, tmc5031, "):
-        landungsbruecke_factory("tmc428", {"kind": "landungsbruecke", "port": "x"}, VirtualClock())
+        board_factory("tmc428", {"kind": "landungsbruecke", "port": "x"}, VirtualClock())
 
 
 # --- discovery ----------------------------------------------------------------------------------

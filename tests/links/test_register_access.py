@@ -13,7 +13,7 @@ from app.emulators.tmc4361 import EmulatedTmc4361
 from app.errors import BadReply
 from app.links import datagram40, datagram_uart, tmcl
 from app.links.datagram_uart import IFCNT, UartForm
-from app.links.register_access import LandungsbrueckeAccess, RegisterAccess, Spi40Access, UartAccess, access_of, cut
+from app.links.register_access import BoardAccess, RegisterAccess, Spi40Access, UartAccess, access_of, cut
 from app.registers.catalog import MODELS
 
 X_COMPARE, X_TARGET, VIRTUAL_LEFT, VERSION = 0x32, 0x37, 0x33, 0x7F
@@ -26,7 +26,7 @@ class Far:
     def __init__(self, kind: str) -> None:
         clock = VirtualClock()
         self.chip = EmulatedTmc4361(clock)
-        self.access: RegisterAccess = Spi40Access() if kind == "spi" else LandungsbrueckeAccess()
+        self.access: RegisterAccess = Spi40Access() if kind == "spi" else BoardAccess()
         self._board = EmulatedBoard(self.chip) if kind == "board" else None
         self.registers = (X_COMPARE, VIRTUAL_LEFT, X_TARGET)
 
@@ -129,7 +129,7 @@ def test_replies_that_are_too_few(far: Far) -> None:
 
 @given(st.binary(min_size=9, max_size=9))
 def test_a_board_is_believed_only_with_checksum_module_command_and_status(reply: bytes) -> None:
-    access = LandungsbrueckeAccess()
+    access = BoardAccess()
     believable = tmcl.sound(reply) and reply[1] == 1 and reply[2] in (100, 101) and reply[3] == 148
     if believable:
         assert access.words([reply]) == [int.from_bytes(reply[4:8], "big")]
@@ -139,28 +139,28 @@ def test_a_board_is_believed_only_with_checksum_module_command_and_status(reply:
 
 
 def test_a_board_that_refuses_is_told_in_its_words() -> None:
-    access = LandungsbrueckeAccess("landungsbruecke /dev/x")
+    access = BoardAccess("landungsbruecke /dev/x")
     reply = tmcl.Reply(2, 1, 2, 148).encode()
     with pytest.raises(BadReply, match=r"landungsbruecke /dev/x: the board refuses: invalid command"):
         access.words([reply])
 
 
 def test_addresses_of_twelve_bits_and_axes_share_the_motor_byte() -> None:
-    access = LandungsbrueckeAccess(motor=3)
+    access = BoardAccess(motor=3)
     assert access.read_frames([0xA21])[0][:4] == bytes((1, 148, 0x21, 0xA3))
     assert access.write_frame(0x21, 5)[:8] == bytes((1, 146, 0x21, 3, 0, 0, 0, 5))
     for wrong in (lambda: access.read_frames([0x1000]), lambda: access.write_frame(0, 1 << 32)):
         with pytest.raises(ValueError, match="is"):
             wrong()
     with pytest.raises(ValueError, match="motor"):
-        LandungsbrueckeAccess(motor=16)
+        BoardAccess(motor=16)
 
 
 def test_the_kind_of_a_link_says_how() -> None:
     for kind in ("emulator", "tcp", "spidev"):
         assert isinstance(access_of({"kind": kind}, "tmc4361"), Spi40Access)
     board = access_of({"kind": "landungsbruecke", "port": "/dev/ttyACM0", "motor": 2}, "tmc4361")
-    assert isinstance(board, LandungsbrueckeAccess)
+    assert isinstance(board, BoardAccess)
     assert (board.motor, board.name) == (2, "landungsbruecke /dev/ttyACM0")
     uart = access_of({"kind": "uart", "port": "/dev/ttyUSB0", "node": 3}, "tmc5072")
     assert isinstance(uart, UartAccess)

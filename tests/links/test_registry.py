@@ -8,7 +8,7 @@ import pytest
 
 from app.clock import VirtualClock
 from app.errors import OutOfRange, UnknownThing, UsageError
-from app.links.registry import serial_factory, tcp_factory
+from app.links.registry import can_factory, serial_factory, tcp_factory
 from app.links.serial_line import LinePort
 from app.links.tcp import TcpPort
 
@@ -77,3 +77,8 @@ def test_options_that_cannot_be(options: dict[str, object], error: type[Exceptio
 def test_a_chip_has_no_serial_link() -> None:
     with pytest.raises(UsageError, match="a tmc428 has no serial link"):
         serial_factory("tmc428", {"kind": "serial", "port": "x"}, VirtualClock())
+
+
+def test_a_module_without_can_is_reached_by_its_serial_line_and_sockets_alone() -> None:
+    with pytest.raises(UsageError, match=r"a tmcm-1161 has no can link; pd42-1241 has"):
+        can_factory("tmcm-1161", {"kind": "can", "interface": "virtual", "channel": "x"}, VirtualClock())

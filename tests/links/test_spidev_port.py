@@ -60,7 +60,7 @@ def looped(spi: Spi) -> SpidevPort:
 def test_options() -> None:
     plain = port(bus=0, device=1)
     assert (plain.name, plain.speed_hz, plain.mode, plain.frame_bytes) == ("spidev 0.1", 1_000_000, 3, 5)
-    assert plain.pipelined
+    assert plain.traits.chains is plain
     other = port(bus=1, device=0, speed_hz=4_000_000, mode=0)
     assert (other.speed_hz, other.mode) == (4_000_000, 0)
 

@@ -15,24 +15,22 @@ from typing import Protocol, cast
 
 from pydantic import BaseModel
 
-from app.api.devices.emulator_routes import PATCHES
 from app.clock import Clock, VirtualClock
+from app.devices.core.capabilities import PositionSetting
 from app.devices.core.config import DeviceConfig
-from app.devices.core.device import Device, DeviceEvent
-from app.devices.core.register_chip import RegisterChip
+from app.devices.core.device import Device
+from app.devices.core.events import DeviceEvent
 from app.devices.core.results import MoveStarted, StopOutcome
 from app.devices.manager import DeviceManager
 from app.devices.tmc5xxx import start_up as tmc5xxx
-from app.devices.tmc5xxx.driver import Tmc5xxx
 from app.devices.tmc428 import start_up as ramp_chips
 from app.devices.tmc428.start_up import AxisStart
-from app.devices.tmc428.stops import RampStops
 from app.devices.tmc4361 import start_up as tmc4361
-from app.devices.tmc4361.driver import Tmc4361
-from app.devices.tmcl.driver import Pd42
-from app.emulators.build import build_emulator, options_of
+from app.emulators.build import build_emulator, family_of, options_of
+from app.links.access32 import SPI32
 from app.links.emulator import EmulatorPort
 from app.links.port import FramePort, Wire
+from app.links.register_access import access_of
 from app.links.registry import Link
 from app.links.tmcl import Request
 from app.positions import EndlessService
@@ -40,13 +38,14 @@ from app.positions.axis import WatchedAxis
 from app.positions.state import ExtendedState
 from app.registers.catalog import MODELS
 from app.registers.tmcl.commands import Opcode
+from app.registers.tmcl.modules import MODULES
 
 RAMP = AxisStart(v_max=2047, a_max=500, pulse_div=0, ramp_div=6, stops=False)
 """500 kpps, as fast as these chips get: a counter of 24 bits is round in 34 s."""
 SIXPOINT = tmc5xxx.Start(vmax=7_900_000, amax=7_000_000, stops=False)
 S_RAMP = tmc4361.Start(vmax=50_000, amax=200_000, bow=2_000_000, counts_per_rev=40_000, stops=False)
-FAMILIES = ("tmc428", "tmc4210", "tmc4361", "tmc5160", "pd42-1241")
-TARGETS = {"tmc428": "x_target", "tmc4210": "X_TARGET", "pd42-1241": "target_position"}
+FAMILIES = ("tmc428", "tmc4210", "tmc4361", "tmc5160", "pd42-1241", "tmcm-1161")
+TARGETS = {"tmc428": "x_target", "tmc4210": "X_TARGET", **dict.fromkeys(MODULES, "target_position")}
 """Names of the target register, where it is not XTARGET."""
 DAY_S = 1_700_000_000.0
 """What day it is at second 0 of the test's clock."""
@@ -82,7 +81,7 @@ class Patched(Protocol):
 
 def patch(wire: Wire, change: dict[str, object]) -> None:
     """Change an emulator's world."""
-    cast("Patched", wire).patch(PATCHES[wire.model].model_validate(change))
+    cast("Patched", wire).patch(family_of(wire.model).patch.model_validate(change))
 
 
 @dataclass
@@ -106,17 +105,17 @@ class Bench:
 
     @property
     def wire(self) -> Wire:
-        return cast("EmulatorPort", self.device.port).wire
+        return cast("EmulatorPort", self.device.session.port).wire
 
     def patch(self, **change: object) -> None:
         """Change the world of the first device's emulator."""
-        cast("EmulatorPort", self.device.port).take_turn()
+        cast("EmulatorPort", self.device.session.port).take_turn()
         patch(self.wire, change)
 
     @property
     def whole(self) -> int:
         """How many positions the counter tells apart."""
-        bits = self.device.counter_bits(0)
+        bits = self.device.counter.counter_bits(0)
         assert bits is not None
         return 1 << bits
 
@@ -126,17 +125,17 @@ class Bench:
 
     async def stand(self, count: int) -> int:
         """Have the counter of axis 0 show `count` while the motor stands; before anybody watches. Returns `count`."""
-        if isinstance(self.device, Pd42):
+        setting = self.device.part(PositionSetting)
+        if setting is None:
             await self.device.stop(0)
-            await self.device.write("actual_position", 0, count)
+            await self.device.registers.write("actual_position", 0, count)
         else:
-            assert isinstance(self.device, RampStops | Tmc4361 | Tmc5xxx)
-            await self.device.set_position(0, count)
+            await setting.set_position(0, count)
         return count
 
     async def write_target(self, count: int) -> None:
         """Write the target register by its name."""
-        await self.device.write(self.target_row, 0, count)
+        await self.device.registers.write(self.target_row, 0, count)
 
     @property
     def target_row(self) -> str:
@@ -145,23 +144,27 @@ class Bench:
 
     async def target(self) -> int:
         """What the target register holds."""
-        return (await self.device.read(self.target_row, 0)).value
+        return (await self.device.registers.read(self.target_row, 0)).value
 
     def frame_of_target(self, count: int) -> bytes:
         """The same as a raw frame."""
-        if isinstance(self.device, Pd42):
+        model = self.device.family
+        if model.kind == "module":
             return Request(1, Opcode.SAP, 0, 0, count).encode()
-        assert isinstance(self.device, RegisterChip)
-        row = self.device.find(next(name for name in ("XTARGET", "x_target") if self._has(name)), 0)[0]
-        return self.device.access.write_frames([(row.address, count & row.mask)])[0]
+        row = model.table.get(next(name for name in ("XTARGET", "x_target") if self._has(name)), 0)
+        access = access_of(self.device.link, model.name) if model.datagram_bits == 40 else SPI32
+        return access.write_frames([(row.address, count & row.mask)])[0]
 
     def _has(self, name: str) -> bool:
-        assert isinstance(self.device, RegisterChip)
-        return self.device.table.find(name, 0) is not None
+        return self.device.family.table.find(name, 0) is not None
 
     def stop_within_the_next_retarget(self) -> None:
         """Somebody stops axis 0 as soon as the service's next command has sent its first frame: `stopped`."""
-        port, exchange, retarget = cast("EmulatorPort", self.device.port), self.wire.exchange, self.device.retarget
+        port, exchange, retarget = (
+            cast("EmulatorPort", self.device.session.port),
+            self.wire.exchange,
+            self.device.motion.retarget,
+        )
 
         def stopping(frame: bytes, at_s: float | None = None) -> bytes:
             port.wire.exchange = exchange  # type: ignore[method-assign]
@@ -170,15 +173,15 @@ class Bench:
 
         def stop() -> None:
             # An emulator answers at once, so that a task gets its turn too late: what a stop does before it waits.
-            self.device.stops[0] += 1
-            self.device.commanded(0, "stop")
+            self.device.session.stops[0] += 1
+            self.device.session.commanded(0, "stop")
             self.stopped = asyncio.ensure_future(self.device.stop_axes([0]))
 
         async def caught(axis: int, count_target: int) -> MoveStarted:
             port.wire.exchange = stopping  # type: ignore[method-assign]
             return await retarget(axis, count_target)
 
-        self.device.retarget = caught  # type: ignore[method-assign]
+        self.device.motion.retarget = caught  # type: ignore[method-assign]
 
     async def state(self, axis: int = 0) -> ExtendedState:
         """As somebody gets it who asks: looked at now."""
@@ -243,7 +246,7 @@ async def set_up_axes(device: Device) -> None:
         await ramp_chips.start_up(device, [RAMP] * axes)
     elif device.model == "tmc4361":
         await tmc4361.start_up(device, S_RAMP)
-    elif device.model != "pd42-1241":
+    elif device.model not in MODULES:
         await tmc5xxx.start_up(device, [SIXPOINT] * axes)
 
 

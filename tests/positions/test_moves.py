@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app.devices.core.device import DeviceEvent, MotionCommanded
+from app.devices.core.events import DeviceEvent, MotionCommanded
 from app.errors import UsageError, WrongState
 from tests.positions.bench import FAMILIES, bench
 
@@ -28,7 +28,7 @@ async def test_a_move_goes_on_over_the_counter_s_end(model: str, way: int) -> No
         arrived = await b.arrived(30)
         assert (arrived.state, arrived.message) == ("idle", "at its target")
         assert arrived.actual == start + way * 3 * NEAR
-        assert (await b.device.axis_state(0)).position == arrived.counter == -way * (b.half - 2 * NEAR)
+        assert (await b.device.monitor.axis_state(0)).position == arrived.counter == -way * (b.half - 2 * NEAR)
         await b.service.go_to(b.device, 0, start)
         assert (await b.arrived(30)).actual == start
 
@@ -43,7 +43,7 @@ async def test_a_move_of_many_pieces_ends_at_its_target(model: str) -> None:
         target = start - int(0.6 * b.whole) - 7
         await b.service.go_to(b.device, 0, target)
         seen = []
-        piece_s = b.whole / 4 / b.device.speed_limit_pps(0)
+        piece_s = b.whole / 4 / b.device.motion.speed_limit_pps(0)
         while (state := await b.arrived_within(piece_s / 8)).state == "moving":
             assert state.pieces is not None
             assert state.progress is not None
@@ -71,13 +71,13 @@ async def test_whatever_else_commands_the_axis_ends_the_move_for_good(model: str
             case "stop":
                 await b.device.stop(0)
             case "rotate":
-                await b.device.rotate(0, -1000)
+                await b.device.motion.rotate(0, -1000)
             case "move":
-                await b.device.move(0, -500)
+                await b.device.motion.move(0, -500)
             case "write":
                 await b.write_target(-500)
             case "by hand":
-                await b.device.exchange(b.frame_of_target(-500))
+                await b.device.raw.exchange(b.frame_of_target(-500))
         state = b.seen()
         assert (state.state, state.target) == ("idle", 10 * b.whole)
         assert "another command" in state.message
@@ -103,7 +103,7 @@ async def test_a_stop_that_comes_while_the_target_is_moved_on_wins(model: str) -
         assert "another command to this axis: stop" in b.seen().message
         await b.clock.advance(25)
         assert await b.target() == target
-        assert not (await b.device.axis_state(0)).moving
+        assert not (await b.device.monitor.axis_state(0)).moving
 
 
 @pytest.mark.parametrize("model", FAMILIES)
@@ -128,7 +128,7 @@ async def test_a_lost_link_ends_the_move_and_nothing_is_sent_again(model: str) -
         await b.device.stop(0)
         await b.clock.advance(10)
         state = await b.state()
-        assert state.actual == (await b.device.axis_state(0)).position
+        assert state.actual == (await b.device.monitor.axis_state(0)).position
 
 
 @pytest.mark.parametrize("model", FAST)
@@ -144,7 +144,7 @@ async def test_two_targets_in_a_row_and_back(model: str) -> None:
 
 async def test_a_switch_that_stops_the_motor_is_told_and_nothing_is_sent_again() -> None:
     async with bench("tmc5160") as b:
-        await b.device.write("SW_MODE", 0, fields={"stop_r_enable": 1})
+        await b.device.registers.write("SW_MODE", 0, fields={"stop_r_enable": 1})
         await b.service.go_to(b.device, 0, 10 * b.whole)
         await b.clock.advance(1)
         b.patch(axes=[{"axis": 0, "switches": {"right": True}}])
@@ -193,6 +193,6 @@ async def test_an_end_of_the_watch_stops_the_move() -> None:
         await b.clock.advance(1)
         await b.service.unwatch(b.device, 0)
         await b.clock.advance(10)
-        assert not (await b.device.axis_state(0)).moving
+        assert not (await b.device.monitor.axis_state(0)).moving
         assert (await b.state()).watching is False
         assert b.service.saved() == []

@@ -26,7 +26,7 @@ async def test_the_angle_is_exact_after_many_wraps_and_a_move_to_an_angle_is_too
     async with bench(model) as b:
         await b.stand(b.half - 1000)
         await geared(b)
-        await b.device.rotate(0, b.device.speed_limit_pps(0) * 0.9)
+        await b.device.motion.rotate(0, b.device.motion.speed_limit_pps(0) * 0.9)
         note = TurnOffset(TURN, Counter(b.whole.bit_length() - 1), b.half - 1000)
         for _ in range(25 if b.whole < 1 << 30 else 4):
             await b.clock.advance(4)
@@ -94,7 +94,7 @@ async def test_a_turn_that_cannot_be_is_refused() -> None:
 async def test_a_rotation_that_was_stopped_for_an_angle_and_then_by_somebody_goes_nowhere() -> None:
     async with bench("tmc428") as b:
         await geared(b)
-        await b.device.rotate(0, 400_000)
+        await b.device.motion.rotate(0, 400_000)
         await b.clock.advance(3)
         await b.service.go_to_angle(b.device, 0, 10, "shortest")
         await b.device.stop(0, "immediate")
@@ -102,7 +102,7 @@ async def test_a_rotation_that_was_stopped_for_an_angle_and_then_by_somebody_goe
         state = b.seen()
         assert (state.state, state.target) == ("idle", None)
         assert "another command to this axis: stop" in state.message
-        assert not (await b.device.axis_state(0)).moving
+        assert not (await b.device.monitor.axis_state(0)).moving
 
 
 @pytest.mark.parametrize("model", ["tmc4361", "pd42-1241"])
@@ -163,7 +163,7 @@ async def test_the_compare_register_is_kept_away_until_its_position_is_near(mode
     """While it is further than a piece away the counter would show the same number a range before."""
     async with bench(model) as b:
         written: list[int] = []
-        write = b.device.write
+        write = b.device.registers.write
 
         async def noting(
             name: str, axis: int | None = None, value: int | None = None, fields: dict[str, int | str] | None = None
@@ -172,7 +172,7 @@ async def test_the_compare_register_is_kept_away_until_its_position_is_near(mode
             written.append(value or 0)
             return await write(name, axis, value, fields)
 
-        b.device.write = noting  # type: ignore[method-assign]
+        b.device.registers.write = noting  # type: ignore[method-assign]
         await b.service.watch(b.device, 0)
         position = b.whole + 500  # the counter shows 500 right now, a range too early
         await b.service.set_compare(b.device, 0, position)
@@ -202,7 +202,7 @@ async def test_the_compare_register_is_armed_on_the_way() -> None:
         while (state := await b.arrived_within(0.5)).state == "moving":
             assert state.compare is not None
             armed.append(state.compare.armed)
-            assert state.compare.armed or (await b.device.read("POS_COMP_4210", 0)).value != 0
+            assert state.compare.armed or (await b.device.registers.read("POS_COMP_4210", 0)).value != 0
         assert armed == sorted(armed)
         assert {*armed} == {False, True}
 
@@ -221,7 +221,7 @@ async def test_a_latched_position_is_extended(way: int) -> None:
         start = await b.stand(way * (b.half - 3000))
         await b.service.watch(b.device, 0)
         await b.service.set_actual(b.device, 0, start + 7 * b.whole)
-        await b.device.write("x_latched", 0, 0)  # arms it
+        await b.device.registers.write("x_latched", 0, 0)  # arms it
         b.patch(switches=[{"axis": 0, "left": True}])
         await b.clock.advance(0.1)
         b.patch(switches=[{"axis": 0, "left": False}])

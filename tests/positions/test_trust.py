@@ -5,9 +5,10 @@ from __future__ import annotations
 import pytest
 
 from app.errors import WrongState
+from app.registers.tmcl.modules import MODULES
 from tests.positions.bench import FAMILIES, Hardware, bench, patch, server, set_up_axes
 
-COUNTERS = {"tmc428": "x_actual", "tmc4210": "X_ACTUAL", "pd42-1241": "actual_position"}
+COUNTERS = {"tmc428": "x_actual", "tmc4210": "X_ACTUAL", **dict.fromkeys(MODULES, "actual_position")}
 """Names of the position counter, where it is not XACTUAL."""
 
 
@@ -16,7 +17,7 @@ async def test_an_axis_that_turns_is_followed_without_anybody_asking(model: str)
     async with bench(model) as b:
         start = await b.stand(b.half - 3000)
         await b.service.watch(b.device, 0)
-        await b.device.rotate(0, 5000)
+        await b.device.motion.rotate(0, 5000)
         await b.clock.advance(20)
         await b.device.stop(0)
         await b.clock.advance(2)
@@ -24,7 +25,7 @@ async def test_an_axis_that_turns_is_followed_without_anybody_asking(model: str)
         assert state.trusted
         assert state.actual is not None
         assert state.actual - start > 90_000
-        count = (await b.device.axis_state(0)).position
+        count = (await b.device.monitor.axis_state(0)).position
         assert state.actual == count + b.whole  # the counter wrapped once
 
 
@@ -36,7 +37,7 @@ async def test_the_service_looks_as_often_as_the_greatest_speed_needs(model: str
         state = await b.state()
         assert state.service_period_s is not None
         assert state.allowed_s is not None
-        assert state.allowed_s * b.device.speed_limit_pps(0) < b.half
+        assert state.allowed_s * b.device.motion.speed_limit_pps(0) < b.half
         assert state.service_period_s <= state.allowed_s / 4
         seen = []
         for _ in range(40):
@@ -65,7 +66,7 @@ async def test_a_look_that_came_too_late_is_told(model: str) -> None:
         assert (state.trusted, state.actual, state.counter) == (True, 1 << 50, 0)
         await b.service.go_to(b.device, 0, (1 << 50) + 700)
         assert (await b.arrived(20)).actual == (1 << 50) + 700
-        assert (await b.device.axis_state(0)).position == 700
+        assert (await b.device.monitor.axis_state(0)).position == 700
 
 
 @pytest.mark.parametrize("model", [*FAMILIES, "tmc5062"])
@@ -141,7 +142,7 @@ async def test_who_writes_the_counter_is_told_of(model: str, how: str) -> None:
         if how == "by its name":
             await b.device.stop(0)
             await b.clock.advance(1)
-            await b.device.write(COUNTERS.get(model, "XACTUAL"), 0, 7)
+            await b.device.registers.write(COUNTERS.get(model, "XACTUAL"), 0, 7)
         else:
             await b.stand(7)
         await b.clock.advance(1)
@@ -156,21 +157,21 @@ async def test_who_writes_the_counter_is_told_of(model: str, how: str) -> None:
 async def test_a_microstep_resolution_of_a_module_counts_as_written() -> None:
     async with bench("pd42-1241") as b:
         await b.service.watch(b.device, 0)
-        await b.device.write("microstep_resolution", 0, 4)
+        await b.device.registers.write("microstep_resolution", 0, 4)
         assert "microstep_resolution" in (await b.state()).reason
 
 
 async def test_a_reference_search_of_a_module_sets_its_counter() -> None:
     async with bench("pd42-1241") as b:
         await b.service.watch(b.device, 0)
-        await b.device.exchange(bytes.fromhex("01 0d 00 00 00 00 00 00 0e"))  # RFS START
+        await b.device.raw.exchange(bytes.fromhex("01 0d 00 00 00 00 00 00 0e"))  # RFS START
         assert "RFS START" in (await b.state()).reason
         await b.device.stop(0)
 
 
 async def test_circular_movement_cannot_be_followed() -> None:
     async with bench("tmc4361") as b:
-        await b.device.write("REFERENCE_CONF", 0, fields={"circular_movement_en": 1})
+        await b.device.registers.write("REFERENCE_CONF", 0, fields={"circular_movement_en": 1})
         with pytest.raises(WrongState, match="wraps elsewhere"):
             await b.service.watch(b.device, 0)
         assert (await b.state()).counter_bits is None
@@ -179,7 +180,7 @@ async def test_circular_movement_cannot_be_followed() -> None:
 async def test_circular_movement_that_comes_later_is_told() -> None:
     async with bench("tmc4361") as b:
         await b.service.watch(b.device, 0)
-        await b.device.write("REFERENCE_CONF", 0, fields={"circular_movement_en": 1})
+        await b.device.registers.write("REFERENCE_CONF", 0, fields={"circular_movement_en": 1})
         assert "its range was changed" in (await b.state()).reason
 
 
@@ -197,20 +198,20 @@ async def test_a_computer_that_slept_says_so_where_the_motor_did_not(kind: str, 
 
 async def test_a_refused_target_leaves_the_motor_to_whom_it_turns_for() -> None:
     async with bench("tmc4361") as b:
-        await b.device.rotate(0, 5000)
+        await b.device.motion.rotate(0, 5000)
         await b.clock.advance(2)
-        await b.device.write("START_CONF", 0, fields={"start_en[0]": 1})
+        await b.device.registers.write("START_CONF", 0, fields={"start_en[0]": 1})
         with pytest.raises(WrongState, match="waits for a start signal"):
             await b.service.go_to(b.device, 0, 1 << 40)
         await b.clock.advance(2)
-        assert (await b.device.axis_state(0)).moving
+        assert (await b.device.monitor.axis_state(0)).moving
         assert "waits for a start signal" in b.seen().message
 
 
 async def test_a_position_is_set_at_rest_only() -> None:
     async with bench("tmc428") as b:
         await b.service.watch(b.device, 0)
-        await b.device.rotate(0, 5000)
+        await b.device.motion.rotate(0, 5000)
         await b.clock.advance(1)
         with pytest.raises(WrongState, match="axis 0 moves"):
             await b.service.set_actual(b.device, 0, 5)
@@ -220,7 +221,7 @@ async def test_a_position_is_set_at_rest_only() -> None:
 async def test_an_emulator_s_faster_time_is_kept_up_with(scale: float) -> None:
     async with bench("tmc5160") as b:
         await b.service.watch(b.device, 0)
-        await b.device.rotate(0, 7_900_000)
+        await b.device.motion.rotate(0, 7_900_000)
         b.patch(time_scale=scale)
         b.service.hurry(b.device)
         await b.clock.advance(1000 / scale)
@@ -248,7 +249,7 @@ async def restarted(model: str, *, away_s: float, power_cycle: bool = False, mov
     if moves:
         async with server(hardware, model, set_up=False) as other:  # it keeps its positions elsewhere
             await set_up_axes(other.device)
-            await other.device.move(0, 400 + moves)
+            await other.device.motion.move(0, 400 + moves)
             await other.clock.advance(2)
     await hardware.clock.advance(away_s)
     async with server(hardware, model, set_up=False) as second:

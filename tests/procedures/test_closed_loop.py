@@ -14,7 +14,7 @@ from app.api.devices.views import load_of
 from app.clock import Clock
 from app.emulators.tmc4361.options import Tmc4361Patch
 from app.errors import OutOfRange, WrongState
-from app.procedures.closed_loop_state import CalibrationState, ResponseState
+from app.procedures.closed_loop import CalibrationState, ResponseState
 from app.procedures.procedures import Procedures
 from tests.devices.tmc4361.bench import START, Bench, bench
 
@@ -69,9 +69,9 @@ async def test_a_calibrated_loop_holds_the_rotor_under_a_load_that_throws_it_off
     async with tuned(start_fullsteps=start) as t:
         done = await t.calibrate()
         assert (done.state, done.regulation) == ("done", "closed_loop"), done.message
-        assert done.offset == (await t.b.device.read("CL_OFFSET", 0)).value
+        assert done.offset == (await t.b.device.registers.read("CL_OFFSET", 0)).value
         assert -512 <= done.offset <= 511
-        await t.b.device.move(0, 12_345)
+        await t.b.device.motion.move(0, 12_345)
         await t.b.clock.advance(2)
         t.b.patch(Tmc4361Patch(load_torque_nm=0.2))
         await t.b.clock.advance(1)
@@ -87,7 +87,7 @@ async def test_a_calibrated_loop_holds_the_rotor_under_a_load_that_throws_it_off
 async def test_the_user_s_ramps_come_back_after_a_calibration() -> None:
     async with tuned() as t:
         await t.calibrate()
-        held = {name: (await t.b.device.read(name, 0)).value for name in ("RAMPMODE", "VMAX")}
+        held = {name: (await t.b.device.registers.read(name, 0)).value for name in ("RAMPMODE", "VMAX")}
         assert held == {"RAMPMODE": 6, "VMAX": 50_000 * 256}
         state = await t.b.state()
         assert not state.moving
@@ -98,7 +98,7 @@ async def test_a_calibration_without_switching_on_leaves_regulation_off() -> Non
     async with tuned() as t:
         done = await t.calibrate(switch_on=False)
         assert (done.state, done.regulation) == ("done", "off")
-        assert (await t.b.device.read("ENC_IN_CONF", 0)).fields["regulation_modus"] == 0
+        assert (await t.b.device.registers.read("ENC_IN_CONF", 0)).fields["regulation_modus"] == 0
 
 
 async def test_an_encoder_that_counts_the_other_way_is_found_before_the_loop_is_closed() -> None:
@@ -107,7 +107,7 @@ async def test_an_encoder_that_counts_the_other_way_is_found_before_the_loop_is_
         assert failed.state == "failed"
         assert "invert_enc_dir" in failed.message
         assert failed.regulation == "off"
-        await t.b.device.write("ENC_IN_CONF", 0, fields={"invert_enc_dir": 1})
+        await t.b.device.registers.write("ENC_IN_CONF", 0, fields={"invert_enc_dir": 1})
         assert (await t.calibrate()).state == "done"
 
 
@@ -117,8 +117,8 @@ async def test_an_encoder_of_another_resolution_is_measured_and_its_writes_put_i
     counts: int, reversed_: bool
 ) -> None:
     async with tuned(encoder={"reversed": reversed_}) as t:
-        right = (await t.b.device.read("ENC_CONST", 0)).value
-        await t.b.device.write("ENC_IN_RES", 0, fields={"ENC_IN_RES": counts, "MANUAL_ENC_CONST": 0})
+        right = (await t.b.device.registers.read("ENC_CONST", 0)).value
+        await t.b.device.registers.write("ENC_IN_RES", 0, fields={"ENC_IN_RES": counts, "MANUAL_ENC_CONST": 0})
         failed = await t.calibrate()
         assert failed.state == "failed"
         found = failed.encoder
@@ -127,8 +127,8 @@ async def test_an_encoder_of_another_resolution_is_measured_and_its_writes_put_i
         assert (found.counts_per_turn < 0) is reversed_
         assert str(round(found.set_counts)) in failed.message
         for register, fields in found.writes.items():
-            await t.b.device.write(register, 0, fields=dict(fields))
-        assert (await t.b.device.read("ENC_CONST", 0)).value == right
+            await t.b.device.registers.write(register, 0, fields=dict(fields))
+        assert (await t.b.device.registers.read("ENC_CONST", 0)).value == right
         done = await t.calibrate()
         assert done.state == "done"
         assert done.encoder is None
@@ -145,7 +145,7 @@ async def test_a_motor_that_does_not_turn_is_told() -> None:
 
 async def test_closed_loop_needs_256_microsteps() -> None:
     async with tuned() as t:
-        await t.b.device.write("STEP_CONF", 0, fields={"mstep_per_fs": 4})
+        await t.b.device.registers.write("STEP_CONF", 0, fields={"mstep_per_fs": 4})
         failed = await t.calibrate()
         assert failed.state == "failed"
         assert "256 microsteps" in failed.message
@@ -159,7 +159,7 @@ async def test_a_stop_ends_a_calibration_with_regulation_off() -> None:
         await t.b.clock.advance(0.5)
         state = t.procedures.calibration_state(t.b.device, 0)
         assert (state.state, state.regulation) == ("aborted", "off")
-        await t.b.device.move(0, 5_000)
+        await t.b.device.motion.move(0, 5_000)
         assert (await t.b.state()).mode == "positioning, S-ramp"
 
 
@@ -205,7 +205,7 @@ async def test_a_step_without_a_ramp_jumps_and_the_ramps_come_back() -> None:
         done = await t.step(2_000, shape="step", seconds=0.6)
         assert done.score is not None
         assert done.score.arrival_s == pytest.approx(0.04, abs=0.003)  # at 50,000 pps from the first step on
-        assert (await t.b.device.read("RAMPMODE", 0)).value == 6
+        assert (await t.b.device.registers.read("RAMPMODE", 0)).value == 6
 
 
 async def test_a_load_is_applied_recorded_and_taken_away() -> None:
@@ -250,7 +250,7 @@ async def test_an_aborted_disturbance_takes_its_load_away() -> None:
 
 async def test_an_axis_that_moves_is_not_recorded() -> None:
     async with tuned() as t:
-        await t.b.device.rotate(0, 1_000)
+        await t.b.device.motion.rotate(0, 1_000)
         await t.b.clock.advance(0.3)
         failed = await t.step(100)
         assert failed.state == "failed"

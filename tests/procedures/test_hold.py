@@ -19,12 +19,12 @@ async def test_it_turns_for_as_long_as_it_is_kept_up(model: str) -> None:
         rotating = await procedures.rotate_held(b.device, 0, 5000, "pps", 0.5)
         for _ in range(10):
             await b.clock.advance(0.4)
-            assert (await b.device.axis_state(0)).velocity_pps == pytest.approx(rotating.velocity_pps)
+            assert (await b.device.monitor.axis_state(0)).velocity_pps == pytest.approx(rotating.velocity_pps)
             assert procedures.keep_rotating(b.device, 0, 0.5) == rotating
         await b.clock.advance(0.49)
-        assert (await b.device.axis_state(0)).moving
+        assert (await b.device.monitor.axis_state(0)).moving
         await b.clock.advance(0.5)
-        state = await b.device.axis_state(0)
+        state = await b.device.monitor.axis_state(0)
         assert (state.moving, state.velocity_pps) == (False, 0)
 
 
@@ -37,7 +37,7 @@ async def test_keeping_up_behind_a_stop_moves_nothing() -> None:
         await b.clock.advance(0.3)
         with pytest.raises(WrongState, match="nothing is held"):
             procedures.keep_rotating(b.device, 0, 1.0)
-        assert not (await b.device.axis_state(0)).moving
+        assert not (await b.device.monitor.axis_state(0)).moving
 
 
 async def test_another_command_takes_over_and_is_not_stopped() -> None:
@@ -45,9 +45,9 @@ async def test_another_command_takes_over_and_is_not_stopped() -> None:
         procedures = Procedures(b.clock)
         await procedures.rotate_held(b.device, 0, 5000, "pps", 0.5)
         await b.clock.advance(0.1)
-        started = await b.device.move(0, 40_000)
+        started = await b.device.motion.move(0, 40_000)
         await b.clock.advance(3.0)
-        assert (await b.device.axis_state(0)).position == started.target_position == 40_000
+        assert (await b.device.monitor.axis_state(0)).position == started.target_position == 40_000
 
 
 async def test_the_other_way_round_at_once() -> None:
@@ -59,9 +59,9 @@ async def test_the_other_way_round_at_once() -> None:
         await b.device.stop(0)
         await procedures.rotate_held(b.device, 0, -5000, "pps", 0.5)
         await b.clock.advance(0.4)
-        assert (await b.device.axis_state(0)).velocity_pps < 0
+        assert (await b.device.monitor.axis_state(0)).velocity_pps < 0
         await b.clock.advance(1.0)
-        assert not (await b.device.axis_state(0)).moving
+        assert not (await b.device.monitor.axis_state(0)).moving
 
 
 @pytest.mark.parametrize("hold_s", [0.0, 0.05, 11.0])
@@ -69,4 +69,4 @@ async def test_how_long_is_bounded(hold_s: float) -> None:
     async with bench() as b:
         with pytest.raises(OutOfRange, match="hold_s"):
             await Procedures(b.clock).rotate_held(b.device, 0, 5000, "pps", hold_s)
-        assert not (await b.device.axis_state(0)).moving
+        assert not (await b.device.monitor.axis_state(0)).moving

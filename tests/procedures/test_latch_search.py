@@ -5,9 +5,8 @@ from __future__ import annotations
 import pytest
 
 from app.errors import WrongState
-from app.procedures.edges import Switch
 from app.procedures.procedures import Procedures
-from app.procedures.search import ReferenceSearchState
+from app.procedures.search import ReferenceSearchState, Switch
 from tests.devices.tmc4361.bench import Bench, bench
 
 STAGE = {
@@ -34,7 +33,7 @@ async def search(b: Bench, procedures: Procedures, switch: Switch, **options: ob
 @pytest.mark.parametrize("switch", PLACES)
 async def test_zero_is_in_the_middle_of_the_switch_and_the_motor_stands_there(switch: Switch) -> None:
     async with bench(stage=STAGE) as b:
-        before = (await b.device.read("REFERENCE_CONF", 0)).raw
+        before = (await b.device.registers.read("REFERENCE_CONF", 0)).raw
         state = await search(b, Procedures(b.clock), switch)
         assert state.state == "done", state.message
         assert len(state.edges) == 2
@@ -42,7 +41,7 @@ async def test_zero_is_in_the_middle_of_the_switch_and_the_motor_stands_there(sw
         assert (axis.position, axis.moving) == (0, False)
         assert b.wire.state().truth.rotor_fullsteps == pytest.approx(PLACES[switch], abs=0.2)
         assert axis.deviation == pytest.approx(0, abs=20)  # the encoder has got the same zero
-        assert (await b.device.read("REFERENCE_CONF", 0)).raw == before
+        assert (await b.device.registers.read("REFERENCE_CONF", 0)).raw == before
 
 
 @pytest.mark.parametrize("start", [-24.0, -52.0], ids=["inside", "beyond"])

@@ -45,7 +45,7 @@ async def test_every_mode_finds_its_switch(mode: int, zero_at_fullsteps: int) ->
         state, phases = await _over(b, procedures)
         assert (state.state, state.mode, state.progress) == ("done", mode, 1.0), state.message
         assert any(phase.startswith("search") for phase in phases)
-        assert (await b.device.axis_state(0)).position == pytest.approx(0, abs=2)
+        assert (await b.device.monitor.axis_state(0)).position == pytest.approx(0, abs=2)
         assert b.module.state().stage.position_fullsteps == pytest.approx(zero_at_fullsteps, abs=2)
         # AP 196 is between the stop switches, at places that closing and opening tell a little apart.
         assert state.distance == (None if mode % 64 not in (2, 3) else pytest.approx(200 * 256, abs=1000))
@@ -58,7 +58,7 @@ async def test_mode_and_speeds_are_written_and_stay() -> None:
         procedures = Procedures(b.clock)
         procedures.start_search(b.device, 0, mode=4, search_speed_pps=30_000, switch_speed_pps=3_000)
         await _over(b, procedures)
-        values = [(await b.device.read(name)).value for name in ("ap193", "ap194", "ap195")]
+        values = [(await b.device.registers.read(name)).value for name in ("ap193", "ap194", "ap195")]
         assert values == [4, 30_000, 3_000]
         assert procedures.start_search(b.device, 0).state == "running"
         assert (await _over(b, procedures))[0].mode == 4, "as the module is set"
@@ -76,10 +76,10 @@ async def test_whoever_ends_it_has_the_motor(how: str) -> None:
             await b.device.stop(0)
         else:
             await b.device.stop(0)
-            await b.device.move(0, 0)
+            await b.device.motion.move(0, 0)
         await b.clock.advance(5.0)
         assert procedures.search_state(b.device, 0).state == "aborted"
-        state = await b.device.axis_state(0)
+        state = await b.device.monitor.axis_state(0)
         assert (state.moving, state.mode == "reference search") == (False, False)
         assert state.position == 0 if how == "move" else state.position < -1000
         sent = [(frame.opcode, frame.type) for frame in b.tap.frames]
@@ -93,7 +93,7 @@ async def test_a_switch_that_is_not_there_is_not_searched_for_ever() -> None:
         state, _ = await _over(b, procedures)
         assert state.state == "failed"
         assert "stop switch is active" in state.message
-        assert (await b.device.axis_state(0)).mode == "hold"
+        assert (await b.device.monitor.axis_state(0)).mode == "hold"
 
 
 async def test_it_gives_up_where_it_gets_too_far() -> None:
@@ -103,7 +103,7 @@ async def test_it_gives_up_where_it_gets_too_far() -> None:
         state, _ = await _over(b, procedures)
         assert (state.state, state.message) == ("failed", "nothing was found within 20000 microsteps")
         await b.clock.advance(2.0)
-        assert not (await b.device.axis_state(0)).moving
+        assert not (await b.device.monitor.axis_state(0)).moving
 
 
 async def test_what_cannot_be_is_refused() -> None:
@@ -128,7 +128,7 @@ async def test_a_shuttle_and_a_held_rotation_work_on_a_module_too() -> None:
         await procedures.rotate_held(b.device, 0, 10_000, "pps", 1.0)
         assert not procedures.shuttle_state(b.device, 0).running
         await b.clock.advance(0.9)
-        assert (await b.device.axis_state(0)).velocity_pps == pytest.approx(10_000, abs=2)
+        assert (await b.device.monitor.axis_state(0)).velocity_pps == pytest.approx(10_000, abs=2)
         await b.clock.advance(1.0)
-        state = await b.device.axis_state(0)
+        state = await b.device.monitor.axis_state(0)
         assert (state.moving, state.mode) == (False, "hold")

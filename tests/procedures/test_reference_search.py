@@ -10,9 +10,8 @@ import pytest
 
 from app.emulators.tmc428.options import EmulatorPatch, SwitchChange
 from app.errors import OutOfRange, UnknownThing, WrongState
-from app.procedures.edges import Switch
 from app.procedures.procedures import Procedures
-from app.procedures.search import ReferenceSearchState
+from app.procedures.search import ReferenceSearchState, Switch
 from app.registers.catalog import CHIPS_32
 from tests.devices.bench import Bench, bench
 
@@ -60,21 +59,21 @@ async def test_the_reference_switch_is_found_from_everywhere(model: str, start: 
     async with rig(model, start) as r:
         state = await r.search()
         assert state.state == "done", state
-        microsteps = 64 if model == "tmc428" else 16
+        microsteps = 16 if model == "tmc4210" else 64
         edges = [start + edge / microsteps for edge in sorted(state.edges)]
         assert edges == pytest.approx([250, 350], abs=2 / microsteps)
         assert r.carriage() == pytest.approx(300, abs=1.5 / microsteps)
-        axis = await r.bench.device.axis_state(0)
+        axis = await r.bench.device.monitor.axis_state(0)
         assert (axis.position, axis.target_position, axis.moving) == (0, 0, False)
         assert state.centre is not None
         assert state.offset == state.centre == pytest.approx((300 - start) * microsteps, abs=2)
         assert state.progress == 1.0
         # The switch stops the motor no more, the end switches still do.
-        tolerance = (await r.bench.device.read("dx_ref_tolerance", 0)).value
+        tolerance = (await r.bench.device.registers.read("dx_ref_tolerance", 0)).value
         assert tolerance == pytest.approx(50 * microsteps, abs=12)
-        await r.bench.device.move(0, -100 * microsteps)
+        await r.bench.device.motion.move(0, -100 * microsteps)
         assert await r.bench.at_rest() == -100 * microsteps
-        await r.bench.device.move(0, -400 * microsteps)
+        await r.bench.device.motion.move(0, -400 * microsteps)
         assert await r.bench.at_rest() == pytest.approx(-300 * microsteps, abs=2)
 
 
@@ -84,10 +83,10 @@ async def test_the_left_end_switch(model: str, start: float) -> None:
     async with rig(model, start) as r:
         state = await r.search("left")
         assert state.state == "done", state
-        microsteps = 64 if model == "tmc428" else 16
+        microsteps = 16 if model == "tmc4210" else 64
         assert r.carriage() == pytest.approx(0, abs=2 / microsteps)
         assert abs(state.edges[0] - state.edges[1]) <= 2
-        assert (await r.bench.device.axis_state(0)).position == 0
+        assert (await r.bench.device.monitor.axis_state(0)).position == 0
 
 
 @BOTH
@@ -97,7 +96,7 @@ async def test_the_right_end_switch(model: str, start: float) -> None:
         state = await r.search("right")
         assert state.state == "done", state
         assert r.carriage() == pytest.approx(700, abs=2 / 16)
-        reading = await r.bench.device.read("ref_RnL", 0)
+        reading = await r.bench.device.registers.read("ref_RnL", 0)
         assert reading.value == 0  # borrowed, and given back
 
 
@@ -113,9 +112,9 @@ async def test_after_the_reference_the_left_end_is_found_across_it(model: str) -
 async def test_settings_are_given_back() -> None:
     async with rig("tmc428", 400.0) as r:
         device = r.bench.device
-        await device.write("lp_ref_conf_rm", 0, fields={"DISABLE_STOP_L": 1, "SOFT_STOP": 1, "REF_RnL": 1})
+        await device.registers.write("lp_ref_conf_rm", 0, fields={"DISABLE_STOP_L": 1, "SOFT_STOP": 1, "REF_RnL": 1})
         assert (await r.search()).state == "done"
-        fields = (await device.read("lp_ref_conf_rm", 0)).fields
+        fields = (await device.registers.read("lp_ref_conf_rm", 0)).fields
         assert (fields["DISABLE_STOP_L"], fields["DISABLE_STOP_R"], fields["SOFT_STOP"], fields["REF_RnL"]) == (
             1,
             0,
@@ -127,8 +126,8 @@ async def test_settings_are_given_back() -> None:
 @pytest.mark.sheet("DS-TMC428", "9.9")
 async def test_without_a_right_switch_it_goes_left_as_in_the_sheet() -> None:
     async with rig("tmc428", 500.0, wiring="left-only") as r:
-        await r.bench.device.write("refmux", value=0)
-        assert (await r.bench.device.axis_state(0)).switches.right is None
+        await r.bench.device.registers.write("refmux", value=0)
+        assert (await r.bench.device.monitor.axis_state(0)).switches.right is None
         state = await r.search()
         assert state.state == "done", state
         assert r.carriage() == pytest.approx(300, abs=1.5 / 64)
@@ -142,7 +141,7 @@ async def test_a_switch_wider_than_the_tolerance_is_crossed_in_pieces() -> None:
         assert state.state == "done", state
         assert r.carriage() == pytest.approx(250, abs=1.5 / 64)
         assert "does not cover" in state.message
-        assert (await b.device.read("dx_ref_tolerance", 0)).value == 4095
+        assert (await b.device.registers.read("dx_ref_tolerance", 0)).value == 4095
 
 
 @BOTH
@@ -197,7 +196,7 @@ async def test_aborted_it_stops_the_motor(model: str) -> None:
     async with rig(model, 600.0) as r:
         r.procedures.start_search(r.bench.device, 0)
         await r.bench.clock.advance(0.5)
-        assert (await r.bench.device.axis_state(0)).moving
+        assert (await r.bench.device.monitor.axis_state(0)).moving
         state = await r.procedures.abort_search(r.bench.device, 0)
         assert (state.state, state.message) == ("aborted", "aborted on request")
         await r.bench.at_rest()
@@ -210,7 +209,7 @@ async def test_any_other_command_to_the_axis_ends_it(command: str) -> None:
         device = r.bench.device
         r.procedures.start_search(device, 0)
         await r.bench.clock.advance(0.5)
-        await device.write("v_max", 1, value=100)  # another axis is none of its business
+        await device.registers.write("v_max", 1, value=100)  # another axis is none of its business
         await r.bench.clock.advance(0.1)
         assert r.procedures.search_state(device, 0).state == "running"
         if command == "stop":
@@ -218,9 +217,9 @@ async def test_any_other_command_to_the_axis_ends_it(command: str) -> None:
         elif command == "stop all":
             await r.bench.manager.stop_all()
         elif command == "move":
-            await device.move(0, -500)
+            await device.motion.move(0, -500)
         else:
-            await device.write("v_max", 0, value=700)
+            await device.registers.write("v_max", 0, value=700)
         await r.bench.clock.advance(0.1)
         state = r.procedures.search_state(device, 0)
         assert state.state == "aborted"
@@ -255,16 +254,16 @@ async def test_what_is_missing_is_said_before_anything_moves() -> None:
             ("continuous_update", 0, "not sampled at rest"),
             ("refmux", 0, "no right switch"),
         ):
-            await device.write(name, value=value)
+            await device.registers.write(name, value=value)
             state = await r.search("right")
             assert state.state == "failed"
             assert text in state.message
-            await device.write(name, value=1)
+            await device.registers.write(name, value=1)
         r.procedures.start_search(device, 0, velocity_pps=1e6)
         assert "allowed is" in (await r.over()).message
-        await device.write("v_max", 0, value=0)
+        await device.registers.write("v_max", 0, value=0)
         assert "v_max is 0" in (await r.search()).message
-        assert (await device.axis_state(0)).position == 0
+        assert (await device.monitor.axis_state(0)).position == 0
 
 
 async def test_one_procedure_an_axis() -> None:

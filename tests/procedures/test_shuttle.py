@@ -24,7 +24,7 @@ async def test_it_goes_between_the_two_positions_and_rests_there(model: str) -> 
         rests = 0
         for _ in range(1000):
             await b.clock.advance(0.02)
-            axis = await b.device.axis_state(0)
+            axis = await b.device.monitor.axis_state(0)
             seen.append(axis.position)
             rests += not axis.moving
         assert (min(seen), max(seen)) == (-2000, 3000)
@@ -53,7 +53,7 @@ async def test_stopped_on_request_it_stops_the_motor() -> None:
         assert (state.running, state.message) == (False, "stopped on request")
         rest = await b.at_rest()
         await b.clock.advance(3.0)
-        assert (await b.device.axis_state(0)).position == rest
+        assert (await b.device.monitor.axis_state(0)).position == rest
         assert (await procedures.stop_shuttle(b.device, 0)).running is False
 
 
@@ -69,17 +69,17 @@ async def test_any_other_command_ends_it(command: str) -> None:
             case "stop all":
                 await b.manager.stop_all("immediate")
             case "move":
-                await b.device.move(0, 777)
+                await b.device.motion.move(0, 777)
             case "rotate":
-                await b.device.rotate(0, 3000)
+                await b.device.motion.rotate(0, 3000)
             case _:
-                await b.device.write("x_target", 0, value=777)
+                await b.device.registers.write("x_target", 0, value=777)
         await b.clock.advance(0.1)
         state = procedures.shuttle_state(b.device, 0)
         assert not state.running
         assert "another command" in state.message
         await b.clock.advance(10.0)
-        axis = await b.device.axis_state(0)
+        axis = await b.device.monitor.axis_state(0)
         if command in ("move", "write"):
             assert axis.position == 777
         assert axis.moving == (command == "rotate")
@@ -90,9 +90,9 @@ async def test_reading_and_other_axes_do_not_end_it() -> None:
         procedures = Procedures(b.clock)
         procedures.start_shuttle(b.device, 0, 0, 5000)
         await b.clock.advance(0.3)
-        await b.device.read_all()
-        await b.device.move(1, 100)
-        await b.device.write("clk2_div", value=9)
+        await b.device.registers.read_all()
+        await b.device.motion.move(1, 100)
+        await b.device.registers.write("clk2_div", value=9)
         await b.clock.advance(5.0)
         assert procedures.shuttle_state(b.device, 0).running
         await procedures.cancel(b.device)

@@ -5,9 +5,8 @@ from __future__ import annotations
 import pytest
 
 from app.errors import WrongState
-from app.procedures.edges import Switch
 from app.procedures.procedures import Procedures
-from app.procedures.search import ReferenceSearchState
+from app.procedures.search import ReferenceSearchState, Switch
 from app.registers.tmc5xxx.table import AXES
 from tests.devices.tmc5xxx.bench import MODELS, Bench, bench
 
@@ -33,14 +32,14 @@ async def search(
 async def test_zero_is_in_the_middle_of_the_switch_and_the_motor_stands_there(model: str, switch: Switch) -> None:
     async with bench(model, stage=STAGE) as b:
         axis = AXES[model] - 1
-        before = (await b.device.read("SW_MODE", axis)).raw
+        before = (await b.device.registers.read("SW_MODE", axis)).raw
         state = await search(b, Procedures(b.clock), switch, axis)
         assert state.state == "done", state.message
         assert len(state.edges) == 2
         now = await b.state(axis)
         assert (now.position, now.moving) == (0, False)
         assert b.wire.state().axes[axis].truth.rotor_fullsteps == pytest.approx(PLACES[switch], abs=0.2)
-        assert (await b.device.read("SW_MODE", axis)).raw == before
+        assert (await b.device.registers.read("SW_MODE", axis)).raw == before
         assert (await b.state(0)).position == 0  # the other axis has not moved
 
 
@@ -77,7 +76,7 @@ async def test_what_cannot_be_searched_says_why() -> None:
         procedures = Procedures(b.clock)
         with pytest.raises(WrongState, match="no reference switch"):
             procedures.start_search(b.device, 0, "reference")
-        await b.device.write("GCONF", fields={"enc2_enable": 1})
+        await b.device.registers.write("GCONF", fields={"enc2_enable": 1})
         with pytest.raises(WrongState, match="encoder 2 has the pins"):
             procedures.start_search(b.device, 0, "right")
         state = await search(b, procedures, "left")

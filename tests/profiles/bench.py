@@ -30,6 +30,7 @@ from app.profiles.steps import write_of
 from app.profiles.words import Key
 from app.registers.catalog import MODELS
 from app.registers.model import Space, to_raw
+from app.registers.tmcl.modules import MODULES
 
 EVERY_MODEL = tuple(MODELS)
 FAMILIES = ("tmc428", "tmc4210", "tmc4361", "tmc5160", "tmc5062", "pd42-1241")
@@ -73,7 +74,7 @@ class Bench:
 
     @property
     def wire(self) -> TappedWire:
-        return cast("TappedWire", cast("EmulatorPort", self.device.port).wire)
+        return cast("TappedWire", cast("EmulatorPort", self.device.session.port).wire)
 
     def truth(self) -> dict[Key, int]:
         """What the far end holds of its configuration, past wire and driver."""
@@ -86,7 +87,7 @@ class Bench:
         if isinstance(far_end, EmulatedTmc4361):
             return int(far_end._chip.r[item.row.address])
         at_s = self.clock.now()
-        if self.device.model == "pd42-1241":
+        if self.device.model in MODULES:
             read = {Space.AXIS: 6, Space.GLOBAL_0: 10, Space.GLOBAL_2: 10, Space.GLOBAL_3: 10, Space.COORDINATE: 31}
             motor = {Space.GLOBAL_2: 2, Space.GLOBAL_3: 3}.get(item.row.space, 0)
             frame = tmcl.Request(1, read[item.row.space], item.row.address, motor).encode()
@@ -116,14 +117,14 @@ async def bench(model: str, *, started: bool = True, **options: object) -> Async
 
 async def set_up(device: Device) -> None:
     """Ready for moves, with numbers of its own in most registers."""
-    if device.model in ("tmc428", "tmc4210"):
+    if MODELS[device.model].family == "tmc428":
         start = start_ramps.AxisStart(v_max=1500, a_max=200, pulse_div=4, ramp_div=6)
         await start_ramps.start_up(device, [start] * len(device.axes))
     elif device.model == "tmc4361":
         await start_4361.start_up(
             device, start_4361.Start(vmax=50_000, amax=200_000, bow=2_000_000, counts_per_rev=40_000)
         )
-    elif device.model != "pd42-1241":
+    elif device.model not in MODULES:
         starts = [start_5xxx.Start(vmax=50_000, amax=200_000, vstart=0, irun=20, ihold=8)] * len(device.axes)
         await start_5xxx.start_up(device, starts)
 
@@ -163,7 +164,7 @@ async def change(device: Device, rng: random.Random, share: float = 1.0) -> int:
         if item.row.name == "START_CONF" and write.fields is not None:
             write.fields |= {f"start_en[{index}]": 0 for index in range(5)}
         with contextlib.suppress(OutOfRange):  # a module has holes in its ranges, and two ranges by its unit mode
-            await device.write(write.name, write.axis, write.value, write.fields)
+            await device.registers.write(write.name, write.axis, write.value, write.fields)
             done += 1
     return done
 

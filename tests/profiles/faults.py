@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from typing import Literal
 
 from app.devices.tmc4361 import rows as tmc4361
-from app.devices.tmc4361.driver import Tmc4361
+from app.devices.tmc4361.events import Events
 from app.devices.tmcl import units
-from app.devices.tmcl.driver import Pd42
+from app.devices.tmcl.state import ModuleState
 from app.links import datagram32, datagram40, tmcl
 from app.profiles.apply import Transaction
 from app.profiles.capture import as_configured, capture
@@ -21,6 +21,7 @@ from app.profiles.steps import Step
 from app.profiles.words import Key
 from app.registers.model import Space, to_raw
 from app.registers.tmcl.commands import Opcode
+from app.registers.tmcl.modules import MODULES
 from tests.profiles.bench import Bench, TappedWire, bench, change
 
 Fault = Literal[
@@ -57,7 +58,7 @@ _BANKS = {0: Space.GLOBAL_0, 2: Space.GLOBAL_2, 3: Space.GLOBAL_3}
 
 def written_to(model: str, frame: bytes) -> tuple[Key, int] | None:
     """Which register a frame writes, and with what; None for any other frame."""
-    if model == "pd42-1241":
+    if model in MODULES:
         request = tmcl.Request.decode(frame)
         if request.opcode not in _WRITES:
             return None
@@ -72,7 +73,7 @@ def written_to(model: str, frame: bytes) -> tuple[Key, int] | None:
 
 def rewritten(model: str, frame: bytes, word: int) -> bytes:
     """The same write with another word."""
-    if model == "pd42-1241":
+    if model in MODULES:
         request = tmcl.Request.decode(frame)
         value = word - (1 << 32) if word >> 31 else word
         return tmcl.Request(request.address, request.opcode, request.type, request.motor, value).encode()
@@ -251,7 +252,7 @@ def _what_is_wrong(
 def _in_the_units_of(b: Bench, before: dict[Key, int], after: dict[Key, int]) -> dict[Key, int]:
     """What is held, as it reads in the units of before: a unit mode that is left shows every speed as another."""
     mode = (Space.AXIS, 255)
-    if b.device.model != "pd42-1241" or before[mode] == after[mode]:
+    if b.device.model not in MODULES or before[mode] == after[mode]:
         return after
     far_end = b.wire.far_end
     far_end.exchange(tmcl.Request(1, Opcode.SAP, 255, 0, before[mode]).encode())
@@ -262,17 +263,19 @@ def _in_the_units_of(b: Bench, before: dict[Key, int], after: dict[Key, int]) ->
 
 def _same(b: Bench, item: Item, one: int, other: int) -> bool:
     """A module keeps whole units of its driver chip: a number may come back one of them off."""
-    if not isinstance(b.device, Pd42):
+    module = b.device.part(ModuleState)
+    if module is None:
         return not (one ^ other) & item.mask
     value = item.row.decode(other)
     unit = item.row.unit
-    tolerance = units.read_back_tolerance(unit, value, b.device.clock_hz, b.device.microsteps)
+    tolerance = units.read_back_tolerance(unit, value, b.device.clock_hz, module.microsteps)
     return abs(item.row.decode(one) - value) <= tolerance
 
 
 def _owed(b: Bench, item: Item) -> bool:
     """A TMC4361's driver writes over EVENT_CLEAR_CONF for each look, and puts it back when the link is there again."""
-    return isinstance(b.device, Tmc4361) and item.row is tmc4361.EVENT_CLEAR_CONF and b.device._owed is not None
+    events = b.device.part(Events)
+    return events is not None and item.row is tmc4361.EVENT_CLEAR_CONF and events.owes
 
 
 __all__ = ["FAULTS", "NEEDS_READING", "Fault", "Injector", "Report", "TappedWire", "target_of", "try_fault"]

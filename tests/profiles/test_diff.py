@@ -9,12 +9,13 @@ import pytest
 from app.profiles.diff import compare, diff
 from app.profiles.document import ProfileDocument, parse
 from app.profiles.errors import ProfileMisfit
+from app.registers.tmcl.modules import MODULES
 from tests.profiles.bench import bench
 
 
 def profile(model: str, registers: list[dict[str, Any]] | None = None, **more: Any) -> ProfileDocument:
     data = {"format": "stepscope-profile", "version": 1, "model": model, "clock_hz": 16_000_000}
-    key = "parameters" if model == "pd42-1241" else "registers"
+    key = "parameters" if model in MODULES else "registers"
     return parse({**data, key: registers or [], **more})
 
 

@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from app.devices.core.axis_limits import AxisLimits
 from app.devices.core.config import AxisSettings
 from app.devices.core.device import Device
 from app.devices.core.start_up import Figures
-from app.devices.limits.axis_limits import AxisLimits
 from app.devices.manager import DeviceChange
 from app.errors import OutOfRange, SoftLimit, UsageError, WrongState
 from app.profiles.errors import ProfileTakenBack
@@ -33,22 +33,22 @@ def service(tmp_path: Path) -> ProfileService:
 
 
 async def value(device: Device, name: str, axis: int | None = None) -> int:
-    return (await device.read(name, axis)).value
+    return (await device.registers.read(name, axis)).value
 
 
 async def cannot_move(device: Device) -> None:
     """From power-on only a module moves: its speed goes to 0 first."""
     if device.family.kind == "module":
-        await device.write("maximum_positioning_speed", value=0)
+        await device.registers.write("maximum_positioning_speed", value=0)
     for axis in device.axes:
         with pytest.raises(WrongState, match=r"cannot move|would not move|cannot change its speed"):
-            await device.move(axis.index, 1000)
+            await device.motion.move(axis.index, 1000)
 
 
 async def settled(b: Bench, axis: int) -> int:
     for _ in range(40):
         await b.clock.advance(0.1)
-        state = await b.device.axis_state(axis)
+        state = await b.device.monitor.axis_state(axis)
         if not state.moving and state.position_reached:
             return state.position
     raise AssertionError("it does not arrive")
@@ -71,7 +71,7 @@ async def test_a_model_from_power_on_moves_after_its_start_up(model: str, tmp_pa
             (key,) = [key for key, it in items.items() if (it.row.name, it.row.axis) == (change.name, change.axis)]
             assert items[key].row.decode(after[key]) == pytest.approx(change.wanted, abs=2), change
         for axis in b.device.axes:
-            started = await b.device.move(axis.index, 2_000)
+            started = await b.device.motion.move(axis.index, 2_000)
             assert started.warnings == []
             assert await settled(b, axis.index) == 2_000
         again = await start_up(service(tmp_path), b.device, Wish())
@@ -84,7 +84,7 @@ async def test_a_write_that_fails_in_the_middle_is_taken_back(model: str, tmp_pa
         await cannot_move(b.device)
         before = b.truth()
         steps = (await dry_run(b.device, Wish())).diff.writes
-        write, done = b.device.write, 0
+        write, done = b.device.registers.write, 0
 
         async def refusing(*args: object, **kwargs: object) -> object:
             nonlocal done
@@ -93,7 +93,7 @@ async def test_a_write_that_fails_in_the_middle_is_taken_back(model: str, tmp_pa
                 raise WrongState("not this one")
             return await write(*args, **kwargs)  # type: ignore[arg-type]
 
-        b.device.write = refusing  # type: ignore[method-assign, assignment]
+        b.device.registers.write = refusing  # type: ignore[method-assign, assignment]
         with pytest.raises(ProfileTakenBack) as caught:
             await start_up(service(tmp_path), b.device, Wish())
         assert (type(caught.value), caught.value.left) == (ProfileTakenBack, [])
@@ -107,8 +107,8 @@ async def test_one_axis_alone_is_set_up(tmp_path: Path) -> None:
         assert done.axes == [1]
         assert {each.axis for each in done.written or ()} <= {None, 1}
         with pytest.raises(WrongState):
-            await b.device.move(0, 100)
-        await b.device.move(1, 100)
+            await b.device.motion.move(0, 100)
+        await b.device.motion.move(1, 100)
         assert await settled(b, 1) == 100
 
 
@@ -118,11 +118,13 @@ async def test_amperes_become_scales_by_the_sense_resistor(model: str, tmp_path:
     async with bench(model, started=False) as b:
         motor = Motor(rated_current_a=0.5, sense_resistor_ohm=0.22)
         await start_up(service(tmp_path), b.device, Wish([0], Figures(hold_current_a=0.05), motor))
-        chopconf = (await b.device.read("CHOPCONF", 0)).fields
-        held = b.device.kept(0, ("current",))
+        chopconf = (await b.device.registers.read("CHOPCONF", 0)).fields
+        held = b.device.registers.kept(0, ("current",))
         current = next(each for each in held if each.name.startswith("IHOLD_IRUN"))
         if model == "tmc5160":
-            scaler = next(each.value for each in b.device.kept(0) if each.name.startswith("GLOBAL_SCALER")) or 256
+            scaler = (
+                next(each.value for each in b.device.registers.kept(0) if each.name.startswith("GLOBAL_SCALER")) or 256
+            )
             full_a = 0.325 / 0.22 / math.sqrt(2) * scaler / 256
         else:
             volts = 0.18 if chopconf["vsense"] else (0.325 if model == "tmc5130" else 0.32)
@@ -146,7 +148,7 @@ async def test_figures_and_motor_are_what_the_device_is_set_to(tmp_path: Path) -
 
 async def test_an_encoder_shows_the_position_when_its_resolution_is_set(tmp_path: Path) -> None:
     async with bench("tmc4361", started=False) as b:
-        await b.device.write("ENC_POS", 0, 700)
+        await b.device.registers.write("ENC_POS", 0, 700)
         done = await start_up(service(tmp_path), b.device, Wish(figures=Figures(counts_per_rev=40_000)))
         assert any("ENC_POS" in told for told in done.prepared)
         assert await value(b.device, "ENC_POS", 0) == 0
@@ -191,5 +193,5 @@ async def test_defaults_stay_within_the_soft_limits_and_wishes_beyond_are_refuse
             await dry_run(b.device, Wish(figures=Figures(velocity_pps=100_000.0)))
         told: StartUp = await start_up(service(tmp_path), b.device, Wish())
         assert {each.name for each in told.chosen} >= {"velocity_pps", "acceleration_pps2"}
-        await b.device.move(0, 1_000)
+        await b.device.motion.move(0, 1_000)
         assert await settled(b, 0) == 1_000

@@ -426,7 +426,7 @@ def test_bits_are_where_the_facts_have_them(model: str, name: str, layout: str) 
     assert {part.name: (part.lsb, part.width, part.signed) for part in parts} == wanted
 
 
-@pytest.mark.parametrize("model", list(TABLES))
+@pytest.mark.parametrize("model", ["tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160"])
 def test_no_word_with_parts_is_left_out(model: str) -> None:
     told = {name for numbers, name, _ in LAYOUTS if model.removeprefix("tmc") in numbers.split()}
     assert told == {row.name for row in TABLES[model] if row.fields}

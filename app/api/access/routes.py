@@ -5,10 +5,12 @@ from __future__ import annotations
 from fastapi import APIRouter, Path, Request, Response
 
 from ...errors import StoreUnavailable, UnknownThing, UsageError, WrongState
+from ..audit import wording
 from ..deps import CurrentBench
 from ..http.identity import identity_of
 from ..http.problems import problems
 from ..http.sessions import cookie_name
+from ..policy import policy
 from .schemas import AccessInfo, TokenAdd, TokenInfo, TokenMade
 
 router = APIRouter(tags=["access"])
@@ -23,6 +25,7 @@ async def get_access(request: Request) -> AccessInfo:
 
 
 @router.post("/access/log-out", status_code=204)
+@policy(lease="free", role="look", words=wording.done("log out"))
 async def log_out(request: Request, bench: CurrentBench) -> Response:
     """End this browser's session and its sockets. Without a session there is nothing to end: no error."""
     session = identity_of(request.scope).session
@@ -35,6 +38,7 @@ async def log_out(request: Request, bench: CurrentBench) -> Response:
 
 
 @router.get("/tokens")
+@policy(role="administer")
 async def list_tokens(bench: CurrentBench) -> list[TokenInfo]:
     """The named tokens, in the order they were made."""
     return [
@@ -49,6 +53,7 @@ async def list_tokens(bench: CurrentBench) -> list[TokenInfo]:
 
 
 @router.post("/tokens", status_code=201, responses=problems(UsageError, WrongState, StoreUnavailable))
+@policy(lease="free", role="administer", words=wording.named("add token"))
 async def add_token(bench: CurrentBench, body: TokenAdd, response: Response) -> TokenMade:
     """Make a named token. The answer tells it, and nothing else ever does."""
     response.headers["cache-control"] = "no-store"
@@ -57,6 +62,7 @@ async def add_token(bench: CurrentBench, body: TokenAdd, response: Response) -> 
 
 
 @router.delete("/tokens/{name}", status_code=204, responses=problems(UnknownThing, StoreUnavailable))
+@policy(lease="free", role="administer", words=wording.named("revoke token"))
 async def revoke_token(
     bench: CurrentBench, name: str = Path(description="of the token", max_length=60, pattern=r"^[^\W\d]")
 ) -> None:

@@ -9,11 +9,11 @@ from fastapi import APIRouter, Query
 from fastapi.responses import StreamingResponse
 from pydantic import BeforeValidator
 
+from ...audit.csv_text import PIECE, csv_pieces, time_of
 from ...errors import StoreUnavailable
 from ...store.audit_entries import Entry, Wanted
 from ..deps import CurrentBench
 from ..http.problems import problems
-from .csv_text import PIECE, csv_pieces, time_of
 from .schemas import AuditEntry, AuditFilters, AuditPage, Outcome
 
 router = APIRouter(prefix="/audit", tags=["audit"])

@@ -8,6 +8,7 @@ from ...calc.current.chopper import Winding
 from ...calc.current.chopper_hints import hints
 from ...calc.current.chopper_notes import Wishes
 from ...calc.current.coil import CurrentStage, Setting, error, nearest_hold, warnings
+from ...calc.tmc5xxx.chips import CHIPS
 from ...calc.units import tmc5xxx_times as times
 from ...errors import UsageError
 from ..devices.views import calculating
@@ -25,8 +26,6 @@ from .sixpoint_schemas import (
 
 NEAREST = 8
 """How many ways to set a current are answered."""
-ONE_AXIS = ("tmc5130", "tmc5160")
-"""Those that have a TPOWERDOWN."""
 
 
 def coil_current(body: CoilCurrent) -> CoilCurrentResult:
@@ -35,9 +34,12 @@ def coil_current(body: CoilCurrent) -> CoilCurrentResult:
     if body.hold_a is not None and body.ihold is not None:
         raise UsageError("either a wanted hold_a or an ihold, not both")
     with calculating():
-        stage = CurrentStage(body.model, body.sense_resistor_ohm, body.reference_resistor_ohm, body.ain_v)
-        given = _given_select(body, stage)
+        stage = CurrentStage(
+            body.model, body.sense_resistor_ohm, body.reference_resistor_ohm, body.ain_v, body.current_range
+        )
         wanted = None if body.run_a is None else _peak(body, body.run_a)
+        stage = stage if wanted is None else stage.for_peak(wanted)
+        given = _given_select(body, stage)
         ranked = [] if wanted is None else stage.ranked(wanted, given)
         run = ranked[0] if ranked else stage.setting(body.irun or 0, _default(stage) if given is None else given)
         hold = _hold(body, stage, run)
@@ -47,6 +49,7 @@ def coil_current(body: CoilCurrent) -> CoilCurrentResult:
     return CoilCurrentResult(
         full_scale_rms_a=full / math.sqrt(2),
         full_scale_peak_a=full,
+        current_range=stage.current_range,
         least_a=full / 32 / (1 if body.measure == "peak" else math.sqrt(2)),
         run=_answer(stage, run, wanted),
         hold=None if hold is None else _answer(stage, hold, held_peak),
@@ -99,9 +102,10 @@ def _delay(body: CoilCurrent, run: Setting, hold: Setting | None) -> HoldDelay:
         raw = 0 if body.lowering_s is None else times.hold_delay(body.lowering_s, steps, body.clock_hz)
     elif body.lowering_s is not None:
         raise UsageError("either an ihold_delay or a wanted lowering_s, not both")
-    first_free = body.model == "tmc5130"
+    chip = CHIPS[body.model]
+    first_free = chip.first_free
     power_down = body.tpowerdown
-    if body.model not in ONE_AXIS and (power_down is not None or body.waiting_s is not None):
+    if not chip.one_axis and (power_down is not None or body.waiting_s is not None):
         raise UsageError(f"a {body.model} has no TPOWERDOWN; the chips with one axis have")
     if power_down is not None and body.waiting_s is not None:
         raise UsageError("either a tpowerdown or a wanted waiting_s, not both")
@@ -114,7 +118,7 @@ def _delay(body: CoilCurrent, run: Setting, hold: Setting | None) -> HoldDelay:
         lowering_s=times.hold_delay_s(raw, steps, body.clock_hz),
         tpowerdown=power_down,
         waiting_s=None if power_down is None else times.power_down_s(power_down, body.clock_hz, first_free),
-        standstill_s=times.STANDSTILL_CLOCKS / body.clock_hz if body.model in ONE_AXIS else 0.0,
+        standstill_s=times.STANDSTILL_CLOCKS / body.clock_hz if chip.one_axis else 0.0,
     )
 
 
@@ -140,9 +144,11 @@ def _settings(
         found.append(FieldSetting(name="TPOWERDOWN", field=None, value=delay.tpowerdown))
     if stage.chip.scaled:
         found.append(FieldSetting(name="GLOBAL_SCALER", field=None, value=run.select % 256))
+        if stage.current_range is not None:
+            found.append(FieldSetting(name="DRV_CONF", field="CURRENT_RANGE", value=stage.current_range))
         return found
     found.append(FieldSetting(name="CHOPCONF", field="vsense", value=run.select))
-    if body.model == "tmc5130":
+    if stage.kind.reference:
         found.append(FieldSetting(name="GCONF", field="internal_Rsense", value=int(stage.internal)))
         found.append(FieldSetting(name="GCONF", field="I_scale_analog", value=int(stage.ain_v is not None)))
     return found
@@ -151,6 +157,8 @@ def _settings(
 def _formula(stage: CurrentStage) -> str:
     if stage.internal:
         return "peak = 3000 * 5 V / (R_ref + 1 kOhm) * (CS + 1) / 32, and 0.55 of that with vsense = 1"
+    if stage.ranged:
+        return "peak = GLOBAL_SCALER / 256 * (CS + 1) / 32 * K(CURRENT_RANGE) / R_ref; RMS = peak / sqrt(2)"
     if stage.chip.scaled:
         return "peak = GLOBAL_SCALER / 256 * (CS + 1) / 32 * 0.325 V / R_sense; RMS = peak / sqrt(2)"
     low, high = stage.chip.full_scale_v
@@ -162,7 +170,7 @@ def _formula(stage: CurrentStage) -> str:
 
 
 def _of_delay(body: CoilCurrent, delay: HoldDelay) -> list[str]:
-    if body.model == "tmc5160" and delay.tpowerdown is not None and delay.tpowerdown < 2:
+    if CHIPS[body.model].sheet.stealth == "tuned" and delay.tpowerdown is not None and delay.tpowerdown < 2:
         return ["TPOWERDOWN below 2 leaves StealthChop no time to tune itself (DS-TMC5160 6.2)"]
     return []
 

@@ -6,6 +6,7 @@ from fastapi import APIRouter
 
 from ...errors import UsageError
 from ..http.problems import problems
+from ..policy import Policy, policy_of_all
 from ..tables import mslut as mslut_tables
 from ..tables.mslut_schemas import MslutDesign, MslutResult
 from ..tables.schemas import ChainDesign
@@ -93,3 +94,6 @@ def list_input_filters() -> InputFilters:
 def calculate_input_filter(body: InputFilter) -> InputFilterResult:
     """What one of the filters makes of a waveform, clock by clock, and how it treats any edge and pulse."""
     return input_filters.input_filter(body)
+
+
+policy_of_all(router, Policy(lease="free", role="look", audit="silent"))

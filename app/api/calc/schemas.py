@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import ConfigDict, Discriminator, Field, Tag
 
-from ..schemas import Answer, Body, ChipName, Flag, ModelName, Number
+from ...registers.names import ModelName
+from ..schemas import Answer, Body, ChipName, Flag, Number
 from ..tables.mslut_schemas import MslutDesign
 from ..tables.schemas import DriverChain, TableValue
 from .sixpoint_schemas import RegisterNumbers, SixPointUnits
@@ -193,7 +194,7 @@ class Ramp(Body):
     `use_astart_and_vstart` (0 or 1) lets a start with VSTART begin with ASTART.
     """
 
-    model: Literal["tmc428", "tmc4210", "trapezoid", "sixpoint", "s_ramp"]
+    model: Literal["tmc428", "tmc429", "tmc4210", "trapezoid", "sixpoint", "s_ramp"]
     parameters: dict[str, Number | str]
     distance: Number
     samples: Annotated[int, Field(strict=True, ge=2, le=100_000)] = 500

@@ -82,8 +82,14 @@ PARAMETERS = {
     "d1": "d1",
     "vstop": "v_stop",
     "t_zero_wait_s": "t_zero_wait_s",
+    "v2": "v2",
+    "a2": "a2",
+    "d2": "d2",
+    "t_vmax_s": "t_v_max_s",
 }
 """The contract's names of a SixPoint ramp's parameters, and the calculator's."""
+EIGHT_POINTS = ("v2", "a2", "d2", "t_vmax_s")
+"""Where one of them is given, the ramp is that of a chip which has them."""
 STATE = ("v_actual", "v_target", "clock_hz")
 CHOICES = {"ramp_mode": ("ramp", "velocity"), "rounding": ("none", "registers")}
 
@@ -98,11 +104,13 @@ class Wish:
     positioning: bool
     v_actual: float
     v_target: float
+    registers: sixpoint_registers.Registers
 
 
 def sixpoint_wish(body: Ramp) -> Wish:
     """Raises UsageError for names and kinds, ValueError for numbers that cannot be."""
     given = dict(body.parameters)
+    registers = sixpoint_registers.EIGHT_POINT if given.keys() & set(EIGHT_POINTS) else sixpoint_registers.REGISTERS
     chosen = {name: given.pop(name, among[0]) for name, among in CHOICES.items()}
     for name, among in CHOICES.items():
         if chosen[name] not in among:
@@ -115,12 +123,14 @@ def sixpoint_wish(body: Ramp) -> Wish:
     positioning = chosen["ramp_mode"] == "ramp"
     whole = {"dmax": numbers["amax"], **numbers}
     whole = {"a1": numbers["amax"], "d1": whole["dmax"], **whole}
+    if registers is sixpoint_registers.EIGHT_POINT:
+        whole = {"a2": numbers["amax"], "d2": whole["dmax"], **whole}
     if positioning:
-        numbers = whole if whole.get("v1") else {"dmax": whole["dmax"], **numbers}
+        numbers = whole if whole.get("v1") or whole.get("v2") else {"dmax": whole["dmax"], **numbers}
     ramp, held = _of(numbers), _of(whole)
     if chosen["rounding"] == "registers":
-        ramp = sixpoint_registers.held(ramp, clock_hz)
-    return Wish(ramp, held, clock_hz, positioning, v_actual, v_target)
+        ramp = sixpoint_registers.held(ramp, clock_hz, registers)
+    return Wish(ramp, held, clock_hz, positioning, v_actual, v_target, registers)
 
 
 def _of(numbers: Mapping[str, float]) -> SixPoint:
@@ -129,9 +139,9 @@ def _of(numbers: Mapping[str, float]) -> SixPoint:
 
 def ramp_registers(wish: Wish) -> list[RampRegister]:
     """What a ramp becomes in its registers. Raises ValueError for what they cannot hold."""
-    raw = sixpoint_registers.registers_of(wish.held, wish.clock_hz)
+    raw = sixpoint_registers.registers_of(wish.held, wish.clock_hz, wish.registers)
     found = []
-    for name, held in sixpoint_registers.REGISTERS.items():
+    for name, held in wish.registers.items():
         unit = sixpoint_registers.unit_of(name, wish.clock_hz)
         parameter = next(own for own, calculator in PARAMETERS.items() if calculator == held.parameter)
         found.append(
@@ -151,8 +161,8 @@ def ramp_registers(wish: Wish) -> list[RampRegister]:
 
 def ramp_findings(wish: Wish) -> list[RampFinding]:
     """What the data sheets warn of."""
-    raw = sixpoint_registers.registers_of(wish.held, wish.clock_hz)
-    names = {name: held.parameter for name, held in sixpoint_registers.REGISTERS.items()}
+    raw = sixpoint_registers.registers_of(wish.held, wish.clock_hz, wish.registers)
+    names = {name: held.parameter for name, held in wish.registers.items()}
     own = {calculator: parameter for parameter, calculator in PARAMETERS.items()}
     return [
         RampFinding(code=finding.code, parameter=own[names[finding.register]], text=finding.text)

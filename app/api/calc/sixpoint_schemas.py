@@ -59,16 +59,20 @@ class CoilCurrent(Body):
         default=None, description="external; TMC5130: null measures inside of the chip (internal_Rsense)"
     )
     reference_resistor_ohm: Ohms | None = Field(
-        default=None, description="TMC5130 without sense resistors: between 5VOUT and AIN_IREF"
+        default=None,
+        description="TMC5130 without sense resistors: between 5VOUT and AIN_IREF; TMC5240: between IREF and ground",
+    )
+    current_range: Annotated[int, Field(strict=True, ge=0, le=3)] | None = Field(
+        default=None, description="TMC5240; null: the lowest that gets to a wanted current, without one the widest"
     )
     ain_v: Annotated[float, Field(strict=True, ge=0, le=5, allow_inf_nan=False)] | None = Field(
         default=None, description="TMC5130 with sense resistors: voltage at AIN_IREF, with I_scale_analog [V]"
     )
     vsense: Annotated[int, Field(strict=True, ge=0, le=1)] | None = Field(
-        default=None, description="all but the TMC5160; null: chosen, without a wanted current 0"
+        default=None, description="all but TMC5160 and TMC5240; null: chosen, without a wanted current 0"
     )
     global_scaler: Annotated[int, Field(strict=True, ge=0, le=255)] | None = Field(
-        default=None, description="TMC5160: 0 (256) or 32..255; null: chosen, without a wanted current 0"
+        default=None, description="TMC5160, TMC5240: 0 (256) or 32..255; null: chosen, without a wanted current 0"
     )
     run_a: Amperes | None = Field(default=None, description="wanted current in motion, as `measure` says [A]")
     hold_a: Annotated[float, Field(strict=True, ge=0, le=100, allow_inf_nan=False)] | None = Field(
@@ -79,7 +83,7 @@ class CoilCurrent(Body):
     ihold: Scale | None = None
     ihold_delay: Annotated[int, Field(strict=True, ge=0, le=15)] | None = None
     tpowerdown: Annotated[int, Field(strict=True, ge=0, le=255)] | None = Field(
-        default=None, description="TMC5130, TMC5160"
+        default=None, description="TMC5130, TMC5160, TMC5240"
     )
     lowering_s: Seconds | None = Field(default=None, description="wanted time from IRUN down to IHOLD, for IHOLDDELAY")
     waiting_s: Seconds | None = Field(default=None, description="wanted time at rest before that, for TPOWERDOWN")
@@ -89,7 +93,7 @@ class CurrentSetting(Answer):
     """One way to set a current."""
 
     scale: int = Field(description="IRUN or IHOLD: CS")
-    vsense: int | None = Field(description="null for a TMC5160")
+    vsense: int | None = Field(description="null for a TMC5160 or TMC5240")
     global_scaler: int | None = Field(description="as in the register, 0 for 256; null for the others")
     rms_a: float
     peak_a: float
@@ -119,6 +123,7 @@ class FieldSetting(Answer):
 
 
 class CoilCurrentResult(Answer):
+    current_range: int | None = Field(default=None, description="of `run`, of a chip that has ranges")
     full_scale_rms_a: float = Field(description="at CS = 31, with the vsense and global scaler of `run`")
     full_scale_peak_a: float
     least_a: float = Field(description="the least step of `run_a` there, as `measure` says: 1/32 of full scale [A]")

@@ -12,6 +12,7 @@ from ...calc.units import tmc428 as chip_units
 from ...calc.units import tmc4361 as tmc4361_formats
 from ...calc.units.tmc5xxx_times import tstep
 from ...errors import UsageError
+from ...registers.tmcl.modules import MODULES
 from ..devices.views import calculating
 from .schemas import Mechanics, ModuleUnits, Quantity, RampUnits, Units, UnitsResult
 from .sixpoint import MODELS as SIXPOINT
@@ -44,6 +45,8 @@ BOW_UNITS = {
 }
 """The mechanics knows no unit of a jerk; from microsteps to millimetres it is as far as with an acceleration."""
 CHIP = "chip"
+SIXPOINT_INSIDE = frozenset(name for name, module in MODULES.items() if module.counting == "unit mode")
+"""Modules whose ramp generator is a TMC5160's."""
 
 N = TypeVar("N", int, float)
 
@@ -69,7 +72,7 @@ def _ramp_scale(units: tmc4361_formats.Units) -> _Scale:
 
 
 def _scale(body: Units) -> _Scale:
-    if body.model == "pd42-1241" or body.model in SIXPOINT:
+    if body.model in (*SIXPOINT_INSIDE, *SIXPOINT):
         return _Scale(
             lambda value: tmc5xxx_units.velocity_pps(value, body.clock_hz),
             lambda pps: pps / tmc5xxx_units.velocity_unit_pps(body.clock_hz),
@@ -129,7 +132,7 @@ def units(body: Units) -> UnitsResult:
         position=position,
         acceleration_steps=steps,
         acceleration_time_s=time_s,
-        module=_module(body, velocity_pps, acceleration_pps2) if body.model == "pd42-1241" else None,
+        module=_module(body, velocity_pps, acceleration_pps2) if body.model in SIXPOINT_INSIDE else None,
         bow=bow,
         ramp=_ramp(body, velocity_pps, acceleration_pps2, bow_pps3) if body.model == "tmc4361" else None,
         sixpoint=sixpoint,

@@ -2,33 +2,43 @@
 
 from __future__ import annotations
 
+import asyncio
 from functools import cache
 from typing import Any
 
 from fastapi import APIRouter
 
 from ...errors import UnknownThing
-from ...registers.catalog import MODELS, Model
+from ...registers.capabilities import TITLES
+from ...registers.catalog import MODELS, Model, find_model, listings
+from ...registers.listed.models import why_not
 from ...registers.model import Field, Register, Space
 from ...registers.tmcl.commands import COMMANDS
+from ...registers.wires import WIRES, Wire
 from ..http.problems import problems
-from .schemas import CatalogEntry, CatalogModel, CommandRow, FieldRow, RegisterRow
+from .schemas import CapabilityTitle, CatalogEntry, CatalogModel, CommandRow, FieldRow, RegisterRow, WireRow
 
 router = APIRouter(prefix="/catalog", tags=["catalog"])
 
 
 @router.get("")
 async def list_models() -> list[CatalogEntry]:
-    """Every model, without its registers."""
-    return [_entry(model) for model in MODELS.values()]
+    """Every model, without its registers: first those that stepscope knows well, then those that an installed package
+    lists, whose parameters are read when one of them is asked for."""
+    known = [_entry(model, len(model.table)) for model in MODELS.values()]
+    return [*known, *(_entry(model, None) for model in listings())]
+
+
+@router.get("/capabilities")
+async def list_capabilities() -> list[CapabilityTitle]:
+    """Everything that some model can and another cannot, in plain words."""
+    return [CapabilityTitle(name=name, title=title) for name, title in TITLES.items()]
 
 
 @router.get("/{model}", responses=problems(UnknownThing))
 async def get_model(model: str) -> CatalogModel:
     """One model with all its registers and RAM words."""
-    found = MODELS.get(model.casefold())
-    if found is None:
-        raise UnknownThing("model", model, sorted(MODELS))
+    found = await loaded(model.casefold())
     return _model(found.name)
 
 
@@ -36,23 +46,44 @@ async def get_model(model: str) -> CatalogModel:
 def _model(name: str) -> CatalogModel:
     model = MODELS[name]
     return CatalogModel(
-        **_entry(model).model_dump(),
+        **_entry(model, len(model.table)).model_dump(),
         rows=[_register(row) for row in model.table],
         commands=[CommandRow.model_validate(row) for row in COMMANDS] if model.kind == "module" else [],
     )
 
 
-def _entry(model: Model) -> CatalogEntry:
+async def loaded(name: str) -> Model:
+    """The model of that name. One that a package lists is read in a thread: importing it takes some tenths of a second,
+    and stops wait for nobody. Raises UnknownThing, UsageError."""
+    return MODELS[name] if name in MODELS else await asyncio.to_thread(find_model, name)
+
+
+def _entry(model: Model, registers: int | None) -> CatalogEntry:
     return CatalogEntry(
         name=model.name,
         kind=model.kind,
+        family=model.family,
         title=model.title,
         summary=model.summary,
+        description=model.description,
         axes=model.axes,
-        registers=len(model.table),
+        registers=registers,
+        tier=model.tier,
+        unreadable=why_not(model.name),
         clock_hz_default=model.clock_hz_default,
+        clock_hz_min=model.clock_hz_min,
         clock_hz_max=model.clock_hz_max,
+        capabilities=[name for name in TITLES if model.can(name)],
+        wires=[_wire(model, kind) for kind in WIRES if kind in model.wires],
+        datagram_bits=model.datagram_bits,
+        uart=model.uart,
+        current_scale=model.current_scale,
     )
+
+
+def _wire(model: Model, kind: Wire) -> WireRow:
+    known = WIRES[kind]
+    return WireRow(kind=kind, title=known.title, frames="tmcl" if model.kind == "module" else known.frames)
 
 
 def _register(row: Register) -> RegisterRow:

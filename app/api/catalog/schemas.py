@@ -6,6 +6,9 @@ from typing import Literal
 
 from pydantic import Field
 
+from ...registers.capabilities import Capability
+from ...registers.entry import Tier
+from ...registers.wires import Wire
 from ..schemas import Answer, Space
 
 
@@ -44,7 +47,7 @@ class RegisterRow(Answer):
     help: str
     write_note: str
     volatile: bool
-    stored: Literal["", "auto", "on request"] = Field(
+    stored: Literal["", "auto", "on request", "unknown"] = Field(
         default="", description="whether an EEPROM keeps it: with every write, when told to store it, or not at all"
     )
     internal_range: list[int] | None = Field(
@@ -78,17 +81,53 @@ class CommandRow(Answer):
     source: str
 
 
+class WireRow(Answer):
+    """A kind of link that leads to a model."""
+
+    kind: Wire
+    title: str
+    frames: Literal["datagram", "uart", "board", "tmcl"] = Field(
+        description="what goes over it: the chip's SPI datagrams, those of its UART, commands of an evaluation board, "
+        "or TMCL"
+    )
+
+
 class CatalogEntry(Answer):
     name: str
     kind: Literal["chip", "module"] = Field(default="chip", description="a module speaks TMCL and has parameters")
+    family: str = Field(description="chips and modules of one family are driven, emulated and designed for alike")
     title: str
     summary: str
+    description: str = Field(description='what it is among all devices: "a chip with SixPoint ramps"')
     axes: int
-    registers: int
+    registers: int | None = Field(description="null: of a listed model nobody has asked for them yet")
+    tier: Tier = Field(
+        default="full",
+        description="full: with calculators and a physical emulator; names: an installed package lists the names of "
+        "its parameters, there are no calculators, and its emulator holds what was written and moves by its parameters",
+    )
+    unreadable: str = Field(default="", description="why the package's list of its parameters cannot be read")
     clock_hz_default: float
+    clock_hz_min: float = Field(description="0: no lowest clock is known; it is above 0")
     clock_hz_max: float
+    capabilities: list[Capability] = Field(description="what it can, by the words of `GET /catalog/capabilities`")
+    wires: list[WireRow]
+    datagram_bits: int = Field(description="length of a chip's datagram on SPI; 0 for a module")
+    uart: Literal["", "plain", "node"] = Field(
+        description="of a chip's UART: none, datagrams of one chip on a line, or with the address of one of several"
+    )
+    current_scale: Literal["", "sense_resistor", "full_scale"] = Field(
+        description="what a soft limit of its current needs beside it; empty where it sets no current"
+    )
 
 
 class CatalogModel(CatalogEntry):
     rows: list[RegisterRow]
     commands: list[CommandRow] = Field(description="TMCL commands; none for chips")
+
+
+class CapabilityTitle(Answer):
+    """A word of the vocabulary that the catalog says by what a model can."""
+
+    name: Capability
+    title: str = Field(description='those that can, in the plural: "chips with S-ramps"')

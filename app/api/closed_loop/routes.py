@@ -8,6 +8,7 @@ from ...errors import OutOfRange, SoftLimit, UnknownThing, UsageError, WrongStat
 from ..deps import CurrentAxis, CurrentBench, CurrentDevice
 from ..devices.views import load_of, response_out
 from ..http.problems import problems
+from ..policy import policy
 from .schemas import CalibrationStart, CalibrationState, DisturbanceStart, ResponseState, StepResponseStart
 
 router = APIRouter(prefix="/devices/{device}/axes/{axis}", tags=["closed loop"])
@@ -35,6 +36,7 @@ async def start_calibration(
 
 
 @router.delete("/closed-loop-calibration", responses=LOOK)
+@policy(stops=True)
 async def abort_calibration(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis) -> CalibrationState:
     """End the calibration: regulation off, motor stopped."""
     return CalibrationState.model_validate(await bench.procedures.abort_calibration(device, axis.index))
@@ -65,6 +67,7 @@ async def start_step_response(
 
 
 @router.delete("/step-response", responses=LOOK)
+@policy(stops=True)
 async def abort_step_response(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis) -> ResponseState:
     """End the recording and stop the motor."""
     return response_out(await bench.procedures.abort_step_response(device, axis.index))
@@ -95,6 +98,7 @@ async def start_disturbance(
 
 
 @router.delete("/disturbance", responses=LOOK)
+@policy(stops=True)
 async def abort_disturbance(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis) -> ResponseState:
     """Take the load away and end the recording."""
     return response_out(await bench.procedures.abort_disturbance(device, axis.index))

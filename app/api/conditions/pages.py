@@ -12,7 +12,7 @@ from contextlib import contextmanager
 
 from ...clock import Clock
 from ...devices.core.background_tasks import OwnTasks
-from ..lease.lease import Lease
+from ...lease.lease import Lease
 
 RETURN_S = 2.0
 """How long after a session's last socket ended it may be back without a loss: a page loaded anew, a short break of the

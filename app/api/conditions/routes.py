@@ -12,6 +12,7 @@ from ...clock import BackgroundClock
 from ...conditions.service import ConditionService, Standing
 from ...devices.core.device import Device
 from ..bench import Bench
+from ..policy import policy
 from .pages import Pages
 from .schemas import (
     SUBPROTOCOL,
@@ -31,6 +32,7 @@ router = APIRouter(tags=["conditions"])
 
 
 @router.websocket("/conditions")
+@policy(role="look")
 async def conditions(socket: WebSocket) -> None:
     """Tell how every axis stands: a snapshot, then what changes, and each second at least a sign of life.
 

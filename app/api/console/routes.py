@@ -5,8 +5,10 @@ from __future__ import annotations
 from fastapi import APIRouter
 
 from ...errors import SoftLimit
-from ..abilities import CurrentTmclDevice
+from ..abilities import CurrentTmcl
+from ..audit import wording
 from ..http.problems import DEVICE_PROBLEMS, problems
+from ..policy import policy
 from .schemas import TmclCommand, TmclReply
 from .tmcl_text import command_of
 
@@ -14,7 +16,8 @@ router = APIRouter(prefix="/devices/{device}", tags=["tmcl"])
 
 
 @router.post("/tmcl", responses=problems(*DEVICE_PROBLEMS, SoftLimit))
-async def send_tmcl(device: CurrentTmclDevice, body: TmclCommand) -> TmclReply:
+@policy(audit="told by drivers", words=wording.tmcl)
+async def send_tmcl(device: CurrentTmcl, body: TmclCommand) -> TmclReply:
     """Send one command once, as it is. An error status of the module is an answer, not an error of this call."""
     opcode, type_, motor, value = command_of(body)
     sent = await device.tmcl(opcode, type_, motor, value)

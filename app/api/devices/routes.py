@@ -7,8 +7,11 @@ from fastapi import APIRouter, HTTPException
 from ...devices import manager
 from ...devices.core.config import DeviceConfig
 from ...errors import OutOfRange, SoftLimit, UnknownThing, UsageError, WrongState
+from ..audit import wording
+from ..catalog.routes import loaded
 from ..deps import CurrentBench, CurrentDevice, DeviceId
 from ..http.problems import problem_of, problems
+from ..policy import policy
 from ..schemas import DeviceInfo, LinkTest
 from .schemas import DeviceChange, DeviceCreate, DeviceTrial
 from .views import axis_settings, clock_of, device_info, link_of, require_suited, suited, with_memory
@@ -26,6 +29,7 @@ async def list_devices(bench: CurrentBench) -> list[DeviceInfo]:
 
 
 @router.post("", status_code=201, responses=problems(WrongState, OutOfRange))
+@policy(words=wording.add_device)
 async def add_device(body: DeviceCreate, bench: CurrentBench) -> DeviceInfo:
     """Add a connection and try it. One that does not answer is added all the same; `state` and `problem` tell why.
 
@@ -34,6 +38,7 @@ async def add_device(body: DeviceCreate, bench: CurrentBench) -> DeviceInfo:
     if len(bench.manager.devices) >= DEVICES_MAX:
         raise WrongState(f"there are {DEVICES_MAX} devices already", "remove one first")
     wanted = body.root
+    await loaded(wanted.model)
     config = DeviceConfig(
         name=wanted.name,
         model=wanted.model,
@@ -46,8 +51,10 @@ async def add_device(body: DeviceCreate, bench: CurrentBench) -> DeviceInfo:
 
 
 @router.post("/test", responses=problems(OutOfRange))
+@policy(audit="silent")
 async def test_link(body: DeviceTrial, bench: CurrentBench) -> LinkTest:
     """Try a link without keeping it."""
+    await loaded(body.root.model)
     trial = await bench.manager.test(body.root.model, link_of(body.root.link, None))
     problem = None if trial.problem is None else problem_of(trial.problem)
     return LinkTest(ok=trial.ok, detail=trial.detail, round_trip_ms=trial.round_trip_ms, problem=problem)
@@ -68,10 +75,11 @@ async def get_device(device: CurrentDevice, bench: CurrentBench) -> DeviceInfo:
 
 
 @router.patch("/{device}", responses=problems(UnknownThing, UsageError, SoftLimit))
+@policy(words=wording.edit_device)
 async def edit_device(device: DeviceId, body: DeviceChange, bench: CurrentBench) -> DeviceInfo:
     """Change a connection. A new name gives a new id; only a new link or model interrupts the device."""
     edited = bench.manager.get(device)
-    model = body.model or edited.model
+    model = (await loaded(body.model or edited.model)).name
     if body.link is None and model != edited.model:
         require_suited(edited.link, model)
     change = manager.DeviceChange(
@@ -85,6 +93,7 @@ async def edit_device(device: DeviceId, body: DeviceChange, bench: CurrentBench)
 
 
 @router.delete("/{device}", status_code=204, responses=problems(UnknownThing))
+@policy(words=wording.plain("remove device"))
 async def remove_device(device: DeviceId, bench: CurrentBench) -> None:
     """Stop what this server set in motion, disconnect, and forget the connection."""
     await bench.manager.remove(device)
@@ -92,12 +101,14 @@ async def remove_device(device: DeviceId, bench: CurrentBench) -> None:
 
 
 @router.post("/{device}/connect", responses=problems(UnknownThing))
+@policy(words=wording.plain("connect"))
 async def connect_device(device: DeviceId, bench: CurrentBench) -> DeviceInfo:
     """Connect, or try again at once; `state` and `problem` tell what came of it."""
     return device_info(await bench.manager.connect(device), bench.conditions, bench.saver.why_not)
 
 
 @router.post("/{device}/disconnect", responses=problems(UnknownThing))
+@policy(words=wording.plain("disconnect"))
 async def disconnect_device(device: DeviceId, bench: CurrentBench) -> DeviceInfo:
     """Stop what this server set in motion, and let go of the link until told to connect."""
     return device_info(await bench.manager.disconnect(device), bench.conditions, bench.saver.why_not)

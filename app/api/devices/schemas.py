@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import BaseModel, Discriminator, Field, RootModel, StringConstraints, Tag, model_validator
 
+from ...emulators.listed.options import ListedOptions
 from ...emulators.tmc5xxx.options import Tmc5xxxOptions
 from ...emulators.tmc428.options import EmulatorOptions
 from ...emulators.tmc4361.options import Tmc4361Options
-from ...emulators.tmcl.options import Pd42Options
+from ...emulators.tmcl.options import TmclOptions
+from ...registers.names import AnyModelName, ListedName, ModuleName
 from ..calc.schemas import ClockHz
 from ..links.schemas import Address, Baud
-from ..schemas import AxisConfig, Body, Chip40Name, ChipName, Flag, ModelName, ModuleName, Name, Tmc5xxxName
+from ..schemas import AxisConfig, Body, Chip40Name, ChipName, Flag, Name, Tmc5xxxName
 
 HOST = (
     r"^[A-Za-z0-9_]([A-Za-z0-9_-]{0,62})(\.[A-Za-z0-9_-]{1,63})*\.?$|^[0-9A-Fa-f:.]*:[0-9A-Fa-f:.]*(%[A-Za-z0-9_-]+)?$"
@@ -54,7 +56,7 @@ class TcpLink(Body):
     timeout_s: Seconds = Field(default=1.0, description="how long to wait for an answer [s]")
 
 
-class ModuleEmulatorLink(Pd42Options):
+class ModuleEmulatorLink(TmclOptions):
     """A module emulated in this server, with a motor, a stage and encoders."""
 
     kind: Literal["emulator"]
@@ -136,6 +138,12 @@ class UartLink(Body):
     timeout_s: Seconds = Field(default=0.25, description="how long to wait for an answer, beyond its own time [s]")
 
 
+class ListedEmulatorLink(ListedOptions):
+    """A listed module emulated in this server: parameters hold what was written, axes move by their own."""
+
+    kind: Literal["emulator"]
+
+
 ChipLink = Annotated[EmulatorLink | TcpLink, Field(discriminator="kind")]
 Chip40Link = Annotated[Chip40EmulatorLink | TcpLink | SpidevLink | LandungsbrueckeLink, Field(discriminator="kind")]
 SixPointLink = Annotated[
@@ -143,6 +151,9 @@ SixPointLink = Annotated[
 ]
 ModuleLink = Annotated[
     ModuleEmulatorLink | ModuleTcpLink | ModuleSerialLink | ModuleCanLink, Field(discriminator="kind")
+]
+ListedLink = Annotated[
+    ListedEmulatorLink | ModuleTcpLink | ModuleSerialLink | ModuleCanLink, Field(discriminator="kind")
 ]
 AnyLink = (
     EmulatorLink
@@ -156,6 +167,7 @@ AnyLink = (
     | ModuleTcpLink
     | ModuleSerialLink
     | ModuleCanLink
+    | ListedEmulatorLink
 )
 Axes = Annotated[list[AxisConfig], Field(max_length=8)]
 
@@ -208,8 +220,38 @@ class ModuleCreate(_Create):
     link: ModuleLink
 
 
+class ListedCreate(_Create):
+    """A connection to a module that an installed package lists. Axes that are not given get defaults."""
+
+    model: ListedName
+    link: ListedLink
+
+
+OF_MODELS: dict[str, object] = {
+    "chip": ChipName,
+    "chip40": Chip40Name,
+    "sixpoint": Tmc5xxxName,
+    "module": ModuleName,
+}
+
+
+def _of_model(body: object) -> str:
+    """Whose shape a body has, by its model; that of a listed one where no other knows it."""
+    name = body.get("model") if isinstance(body, dict) else getattr(body, "model", None)
+    return next((tag for tag, names in OF_MODELS.items() if name in get_args(names)), "listed")
+
+
 class DeviceCreate(
-    RootModel[Annotated[ChipCreate | Chip40Create | SixPointCreate | ModuleCreate, Field(discriminator="model")]]
+    RootModel[
+        Annotated[
+            Annotated[ChipCreate, Tag("chip")]
+            | Annotated[Chip40Create, Tag("chip40")]
+            | Annotated[SixPointCreate, Tag("sixpoint")]
+            | Annotated[ModuleCreate, Tag("module")]
+            | Annotated[ListedCreate, Tag("listed")],
+            Discriminator(_of_model),
+        ]
+    ]
 ):
     """A connection: the model, and a link that suits it."""
 
@@ -242,8 +284,24 @@ class ModuleTrial(Body):
     link: ModuleLink
 
 
+class ListedTrial(Body):
+    """A link to a module that an installed package lists, to be tried."""
+
+    model: ListedName
+    link: ListedLink
+
+
 class DeviceTrial(
-    RootModel[Annotated[ChipTrial | Chip40Trial | SixPointTrial | ModuleTrial, Field(discriminator="model")]]
+    RootModel[
+        Annotated[
+            Annotated[ChipTrial, Tag("chip")]
+            | Annotated[Chip40Trial, Tag("chip40")]
+            | Annotated[SixPointTrial, Tag("sixpoint")]
+            | Annotated[ModuleTrial, Tag("module")]
+            | Annotated[ListedTrial, Tag("listed")],
+            Discriminator(_of_model),
+        ]
+    ]
 ):
     """A link to be tried."""
 
@@ -252,7 +310,7 @@ EMULATORS: dict[str, type[BaseModel]] = {
     "emulator": EmulatorOptions,
     "chip40-emulator": Tmc4361Options,
     "sixpoint-emulator": Tmc5xxxOptions,
-    "module-emulator": Pd42Options,
+    "module-emulator": TmclOptions,
 }
 
 
@@ -279,7 +337,7 @@ class DeviceChange(Body):
     """What to change; what is left out stays. The link has to suit the model."""
 
     name: Name | None = None
-    model: ModelName | None = Field(
+    model: AnyModelName | None = Field(
         default=None, description="what really answers there; another model is another connection over the same link"
     )
     link: (

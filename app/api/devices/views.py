@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import fields
-from typing import get_args
+from typing import cast, get_args
 
 from pydantic import TypeAdapter, ValidationError
 
@@ -14,18 +14,17 @@ from ...calc.driver_chain.ram_words import unpack_words
 from ...conditions.service import ConditionService, Standing
 from ...devices.core import prediction, results
 from ...devices.core.config import AxisSettings, slug, unique_slug
-from ...devices.core.device import Axis, Device
+from ...devices.core.device import Device
 from ...devices.core.results import StopOutcome
-from ...emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxPatch
-from ...emulators.tmc5xxx.options import AxisChange
-from ...emulators.tmc4361 import EmulatedTmc4361
-from ...emulators.tmc4361.options import Tmc4361Patch
+from ...devices.core.session import Axis
+from ...emulators.build import family_of
+from ...emulators.core.family import Emulator
 from ...errors import UsageError, WrongState
 from ...links import datagram40
 from ...links.emulator import EmulatorPort
 from ...links.registry import Link
-from ...procedures import closed_loop_state
-from ...procedures.closed_loop_state import Load
+from ...procedures import closed_loop
+from ...procedures.closed_loop import Load
 from ...registers.catalog import MODELS
 from ..calc.schemas import Phase
 from ..closed_loop.schemas import Recording, ResponseState, Score
@@ -46,16 +45,14 @@ from ..tables.schemas import ChainBit, ChainTable, DriverSpecIn
 from .schemas import (
     AnyLink,
     Chip40Create,
-    Chip40EmulatorLink,
     Chip40Link,
     ChipCreate,
     ChipLink,
-    EmulatorLink,
+    ListedCreate,
+    ListedLink,
     ModuleCreate,
-    ModuleEmulatorLink,
     ModuleLink,
     SixPointCreate,
-    SixPointEmulatorLink,
     SixPointLink,
 )
 
@@ -74,6 +71,7 @@ _LINKS: dict[str, TypeAdapter[AnyLink]] = {
     "chip40": TypeAdapter(Chip40Link),
     "sixpoint": TypeAdapter(SixPointLink),
     "module": TypeAdapter(ModuleLink),
+    "names": TypeAdapter(ListedLink),
 }
 
 
@@ -85,9 +83,8 @@ def suited(link: AnyLink, model: str) -> AnyLink:
 def require_suited(link: Link, model: str) -> AnyLink:
     """`suited` for a link as it is kept."""
     family = MODELS[model]
-    links = _LINKS[
-        "sixpoint" if model in get_args(Tmc5xxxName) else "chip40" if model in datagram40.MODELS else family.kind
-    ]
+    kind = "sixpoint" if model in get_args(Tmc5xxxName) else "chip40" if model in datagram40.MODELS else family.kind
+    links = _LINKS[family.tier if family.tier == "names" else kind]
     try:
         return links.validate_python(dict(link))
     except ValidationError as error:
@@ -101,30 +98,31 @@ def link_of(link: AnyLink, clock_hz: float | None) -> Link:
     """
     said = link.model_dump(mode="json", exclude_unset=True)
     said["kind"] = link.kind
-    if isinstance(link, EmulatorLink | Chip40EmulatorLink | SixPointEmulatorLink) and clock_hz is not None:
+    if _has_clock(link) and clock_hz is not None:
         said.setdefault("clock_hz", clock_hz)
     return said
 
 
 def with_memory(
-    link: Link, wanted: ChipCreate | Chip40Create | SixPointCreate | ModuleCreate, others: Sequence[Device]
+    link: Link,
+    wanted: ChipCreate | Chip40Create | SixPointCreate | ModuleCreate | ListedCreate,
+    others: Sequence[Device],
 ) -> Link:
     """An emulated module of a new connection gets a memory of its own, unless it was told another one."""
-    if isinstance(wanted.link, ModuleEmulatorLink) and "eeprom" not in wanted.link.model_fields_set:
+    if "eeprom" in type(wanted.link).model_fields.keys() - wanted.link.model_fields_set:
         taken = {str(other.link.get("eeprom")) for other in others}
         return {**link, "eeprom": unique_slug(slug(wanted.name)[:50], taken)}
     return link
 
 
+def _has_clock(link: AnyLink) -> bool:
+    """Whether it is to an emulated chip, which runs at a clock of its own."""
+    return "clock_hz" in type(link).model_fields
+
+
 def clock_of(link: AnyLink, clock_hz: float | None) -> float:
     """The clock that the driver reckons with [Hz]: as said, else the emulator's own; 0 for the model's default."""
-    if (
-        clock_hz is None
-        and isinstance(link, EmulatorLink | Chip40EmulatorLink | SixPointEmulatorLink)
-        and "clock_hz" in link.model_fields_set
-    ):
-        return link.clock_hz
-    return clock_hz or 0.0
+    return clock_hz or link.model_dump(include={"clock_hz"}, exclude_unset=True).get("clock_hz", 0.0)
 
 
 def axis_settings(axes: Sequence[AxisConfig] | None) -> tuple[AxisSettings, ...]:
@@ -162,14 +160,18 @@ def device_info(device: Device, conditions: ConditionService, not_saved: str = "
         clock_hz=device.clock_hz,
         state=device.state,
         problem=None if device.problem is None else problem_of(device.problem),
-        notes=[*device.notes, *device.shortcomings, *([not_saved] if not_saved and not device.config.demo else [])],
-        emulated=device.emulated,
+        notes=[
+            *device.notes,
+            *device.identity.shortcomings,
+            *([not_saved] if not_saved and not device.config.demo else []),
+        ],
+        emulated=device.session.emulated,
         demo=device.config.demo,
         start_up=device.config.start_up,
         axes=[_axis_info(device, axis, conditions.standing(device, axis.index)) for axis in device.axes],
-        channels=[ChannelInfo.model_validate(channel) for channel in device.channels()],
-        rate_max_hz=device.rate_max_hz,
-        chip_timed=device.chip_timed,
+        channels=[ChannelInfo.model_validate(channel) for channel in device.telemetry.channels()],
+        rate_max_hz=device.telemetry.rate_max_hz,
+        chip_timed=device.session.chip_timed,
     )
 
 
@@ -216,7 +218,7 @@ def prediction_out(expected: prediction.Prediction | None) -> Prediction | None:
     )
 
 
-def response_out(state: closed_loop_state.ResponseState) -> ResponseState:
+def response_out(state: closed_loop.ResponseState) -> ResponseState:
     recording = state.recording
     return ResponseState(
         state=state.state,
@@ -229,7 +231,7 @@ def response_out(state: closed_loop_state.ResponseState) -> ResponseState:
     )
 
 
-def _recording(recording: closed_loop_state.Recording) -> Recording:
+def _recording(recording: closed_loop.Recording) -> Recording:
     """NaN, which JSON does not know, becomes null."""
     columns = {
         field.name: [None if number != number else number for number in getattr(recording, field.name).tolist()]
@@ -240,23 +242,17 @@ def _recording(recording: closed_loop_state.Recording) -> Recording:
 
 def load_of(device: Device, axis: int, torque_nm: float) -> Load:
     """How an emulated axis of `device` is loaded with `torque_nm` [Nm]. Raises WrongState for hardware."""
-    if not isinstance(device.port, EmulatorPort):
+    if not isinstance(device.session.port, EmulatorPort):
         raise WrongState(f"{device.name} is not emulated here", "leave load_torque_nm out, and load it by hand")
-    port = device.port
-    wire = port.wire
-    if isinstance(wire, EmulatedTmc4361):
-        before_nm = wire.state(port.take_turn()).load_torque_nm
-    elif isinstance(wire, EmulatedTmc5xxx):
-        before_nm = wire.state(port.take_turn()).axes[axis].load_torque_nm
-    else:
+    port = device.session.port
+    wire = cast("Emulator", port.wire)
+    load = family_of(wire.model).load
+    if load is None:
         raise WrongState(f"{device.name} has no motor that a load could be put on")
+    before_nm = load.read_nm(wire.state(port.take_turn()), axis)
 
     def put(load_nm: float) -> None:
-        if isinstance(wire, EmulatedTmc4361):
-            wire.patch(Tmc4361Patch(load_torque_nm=load_nm), port.take_turn())
-        else:
-            change = AxisChange(axis=axis, load_torque_nm=load_nm)
-            wire.patch(Tmc5xxxPatch(axes=[change]), port.take_turn())
+        wire.patch(load.patch_of(axis, load_nm), port.take_turn())
 
     return Load(torque_nm, lambda: put(before_nm + torque_nm), lambda: put(before_nm))
 

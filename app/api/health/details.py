@@ -73,7 +73,7 @@ def _notes(bench: Bench) -> list[str]:
 
 
 def _device(bench: Bench, device: Device) -> DeviceHealth:
-    queue, port = device.queue, device.port
+    queue, port = device.session.queue, device.session.port
     counts = queue.counts
     readers, rows_dropped = bench.hub.of_device(device.id)
     problem = device.problem or queue.error

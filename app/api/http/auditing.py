@@ -18,8 +18,10 @@ from ...devices.core.config import DeviceConfig
 from ...devices.manager import DeviceManager
 from ...errors import UnknownThing
 from ...store.audit import AuditLog, Request, request_under_way
-from ..audit.wording import BY_EVENTS, PARTLY, WHOLE, Call, Said, in_words, is_silent, only_reads, taken_apart, value_of
+from ..audit.wording import in_words, is_silent, taken_apart, value_of
+from ..policy import Call, Policy, Said
 from .guard import SAFE_METHODS
+from .policies import Policies
 
 KEPT_BYTES = 64 * 1024
 """Bodies and answers longer than this are not looked into: none whose words matter is."""
@@ -30,15 +32,19 @@ UNCERTAIN = (502, 504)
 class Auditing:
     """ASGI middleware. `actor` is set already."""
 
-    def __init__(self, app: ASGIApp, audit: AuditLog, manager: DeviceManager, base: str) -> None:
-        self._app, self._audit, self._manager, self._base = app, audit, manager, base + "/"
+    def __init__(self, app: ASGIApp, audit: AuditLog, manager: DeviceManager, policies: Policies) -> None:
+        self._app, self._audit, self._manager, self._policies = app, audit, manager, policies
+        self._base = f"{policies.base}/"
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http" or scope["method"] in SAFE_METHODS or not scope["path"].startswith(self._base):
             await self._app(scope, receive, send)
             return
-        call = taken_apart(scope["method"], scope["path"].removeprefix(self._base), scope["query_string"])
-        if is_silent(call):
+        call = taken_apart(
+            scope["method"], scope["path"].removeprefix(self._base), scope["query_string"], self._policies.plain
+        )
+        policy = self._policies.of_call(call.key)
+        if is_silent(policy, call):
             await self._app(scope, receive, send)
             return
         before = self._config(call)
@@ -63,26 +69,34 @@ class Auditing:
             try:
                 await self._app(scope, heard, said)
             finally:
-                self._enter(call, request, status, body, answer, before)
+                self._enter(call, policy, request, status, body, answer, before)
 
     def _enter(
-        self, call: Call, request: Request, status: int, body: _Kept, answer: _Kept, before: DeviceConfig | None
+        self,
+        call: Call,
+        policy: Policy,
+        request: Request,
+        status: int,
+        body: _Kept,
+        answer: _Kept,
+        before: DeviceConfig | None,
     ) -> None:
         done = status < 400
-        if done and request.changes and call.key in BY_EVENTS - PARTLY:
+        told_by_drivers = policy.audit == "told by drivers"
+        if done and request.changes and told_by_drivers and not policy.partly:
             return  # the most frequent of all: nothing is taken apart for it
         given = answer.json()
         asked = body.json()
         call = replace(call, body=asked if isinstance(asked, dict) else {}, answer=given if done else None)
-        outcomes = _failures(call) if done else [_outcome(status, given)]
+        outcomes = _failures(policy, call) if done else [_outcome(status, given)]
         if done and before is not None:
             self._edited(call, before)
             return
-        if not done and request.failures and call.key not in WHOLE:
+        if not done and request.failures and not policy.whole:
             return  # told by the driver already, and better
-        if done and not outcomes and (only_reads(call) or (call.key in BY_EVENTS and request.changes)):
+        if done and not outcomes and (policy.changed_nothing(call) or (told_by_drivers and request.changes)):
             return
-        said = in_words(call)
+        said = in_words(policy, call)
         for outcome in outcomes or [DONE]:
             for each in (said, *said.more):
                 self._note(call, each, outcome)
@@ -145,9 +159,9 @@ class _Kept:
         return None
 
 
-def _failures(call: Call) -> list[str]:
+def _failures(policy: Policy, call: Call) -> list[str]:
     """What went wrong within an answer that is a success as a whole."""
-    if call.key not in PARTLY or not isinstance(call.answer, dict):
+    if not policy.partly or not isinstance(call.answer, dict):
         return []
     results = call.answer.get("results")
     if isinstance(results, list):

@@ -9,16 +9,16 @@ from typing import Any, cast
 
 from fastapi import FastAPI
 from fastapi.openapi.utils import get_openapi
-from fastapi.routing import APIRoute
+from fastapi.routing import APIRoute, iter_route_contexts
 
 from ... import __version__
-from ..conditions.schemas import ConditionsMessage
+from ...lease.errors import BenchNotTaken, BenchTaken
+from ..conditions.schemas import ConditionsMessage, ConditionsPage
 from ..schemas import AxisProblem, Problem
 from ..telemetry.schemas import TelemetryMessage
-from .errors import BenchNotTaken, BenchTaken, RoleTooLow
-from .lease_gate import Free
+from .errors import RoleTooLow
+from .policies import Policies
 from .problems import FOREIGN, INVALID, TOO_LARGE, UNDECODABLE, Kind, kind_of, problems
-from .roles import Policy
 
 REF = "#/components/schemas/{model}"
 
@@ -28,21 +28,21 @@ def operation_id(route: APIRoute) -> str:
     return route.name
 
 
-def customise(app: FastAPI, free: Free, policy: Policy) -> None:
-    """Let `app` describe itself as this module says; calls that are not `free` may be refused for want of the lease,
-    those of which `policy` says so for want of the role.
+def customise(app: FastAPI, policies: Policies) -> None:
+    """Let `app` describe itself as this module says; calls may be refused for want of the lease or of the role as
+    `policies` have it.
     """
     made: list[dict[str, Any]] = []
 
     def schema() -> dict[str, Any]:
         if not made:
-            made.append(_named(_schema(app, free, policy)))
+            made.append(_named(_schema(app, policies)))
         return made[0]
 
     app.openapi = schema  # type: ignore[method-assign]  # how FastAPI wants it to be replaced
 
 
-def _schema(app: FastAPI, free: Free, policy: Policy) -> dict[str, Any]:
+def _schema(app: FastAPI, policies: Policies) -> dict[str, Any]:
     schema = get_openapi(
         title="stepscope",
         version=__version__,
@@ -52,14 +52,15 @@ def _schema(app: FastAPI, free: Free, policy: Policy) -> dict[str, Any]:
             "`/api/v1/devices/{device}/telemetry`; its text messages are the schema `TelemetryMessage`, its binary "
             "frames little-endian: `SSC1`, u32 sequence, u32 rows, u32 columns, u64 rows dropped, then float64 time "
             "in seconds for each row, then float64 for each row, column after column. `/api/v1/conditions` is a "
-            "WebSocket too: the condition of every axis, then each change (`ConditionsMessage`). A server on a network "
-            "asks for a token (`Authorization: Bearer`): its own, or a named one with a role. `x-required-role` is the "
-            "least role of a call: look, drive or administer; 403 tells where it is higher."
+            "WebSocket too: the condition of every axis, then each change (`ConditionsMessage`); a page may say which "
+            "session it has open (`ConditionsPage`). A server on a network asks for a token (`Authorization: Bearer`): "
+            "its own, or a named one with a role. `x-required-role` is the least role of a call: look, drive or "
+            "administer; 403 tells where it is higher."
         ),
         routes=app.routes,
     )
     components = schema.setdefault("components", {}).setdefault("schemas", {})
-    for model in (Problem, AxisProblem, TelemetryMessage, ConditionsMessage):
+    for model in (Problem, AxisProblem, TelemetryMessage, ConditionsMessage, ConditionsPage):
         described = model.model_json_schema(ref_template=REF, mode="serialization")
         components.update(described.pop("$defs", {}))
         components[model.__name__] = described
@@ -67,9 +68,9 @@ def _schema(app: FastAPI, free: Free, policy: Policy) -> dict[str, Any]:
         components.pop(name, None)
     for address, path in schema["paths"].items():
         for method, operation in path.items():
-            needed = operation["x-required-role"] = policy.needs(method.upper(), address)
+            needed = operation["x-required-role"] = policies.role(method.upper(), address)
             _document_problems(
-                operation, takes_lease=not free.holds(method.upper(), address), any_role=needed == "look"
+                operation, takes_lease=not policies.needs_no_lease(method.upper(), address), any_role=needed == "look"
             )
     return schema
 
@@ -106,15 +107,19 @@ def _document_problems(operation: dict[str, Any], *, takes_lease: bool, any_role
 
 
 def allowed_methods(app: FastAPI) -> Callable[[str], list[str]]:
-    """A function from a path to the methods that the schema has for it: for the Allow header of a 405."""
-    table: list[tuple[re.Pattern[str], list[str]]] = []
+    """A function from a path to the methods of the routes in the schema: for the Allow header of a 405."""
+    table: list[tuple[re.Pattern[str], set[str]]] = []
 
     def methods(path: str) -> list[str]:
         if not table:
+            by_template: dict[str, set[str]] = {}
+            for context in iter_route_contexts(app.routes):
+                if context.path_format and context.methods and context.include_in_schema:
+                    by_template.setdefault(context.path_format, set()).update(context.methods)
             # Those with fewer parameters first: /profiles/script is no profile's.
-            for template, operations in sorted(app.openapi()["paths"].items(), key=lambda each: each[0].count("{")):
+            for template, known in sorted(by_template.items(), key=lambda each: each[0].count("{")):
                 pattern = "[^/]+".join(re.escape(part) for part in re.split(r"{[^}]*}", template))
-                table.append((re.compile(f"{pattern}\\Z"), sorted(method.upper() for method in operations)))
-        return next((found for pattern, found in table if pattern.match(path)), [])
+                table.append((re.compile(f"{pattern}\\Z"), known))
+        return sorted(next((known for pattern, known in table if pattern.match(path)), ()))
 
     return methods

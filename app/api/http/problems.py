@@ -33,16 +33,18 @@ from ...errors import (
     StoreUnavailable,
     UnknownParameter,
     UnknownThing,
+    UnreadableModel,
     UsageError,
     WriteRefused,
     WrongState,
 )
+from ...lease.errors import BenchNotTaken, BenchTaken
 from ...profiles.errors import ProfileLeft, ProfileMisfit, ProfileTakenBack, UnreadableProfile
 from ...profiles.scripts.errors import ScriptFailed
 from ...twin.process import TwinFailed
 from ..conditions.views import condition_out, remedy_out
 from ..schemas import AxisProblem, Condition, Problem, Remedy
-from .errors import BenchNotTaken, BenchTaken, ForeignPage, RoleTooLow, UnencodableWave
+from .errors import ForeignPage, RoleTooLow, UnencodableWave
 
 MEDIA_TYPE = "application/problem+json"
 
@@ -83,6 +85,7 @@ KINDS: dict[type[Exception], Kind] = {
     OutOfRange: Kind(422, "/problems/out-of-range", "A value is out of range"),
     SoftLimit: Kind(422, "/problems/soft-limit", "Beyond a soft limit of the axis"),
     UnencodableWave: Kind(422, "/problems/unencodable-wave", "The chip's table cannot hold this wave"),
+    UnreadableModel: Kind(422, "/problems/unreadable-model", "This model cannot be read from its package"),
     UsageError: Kind(422, "/problems/unusable-request", "The request asks for what cannot be"),
     BadReply: Kind(502, "/problems/bad-reply", "The device answered wrongly", "check the wiring, then ask again"),
     LinkError: Kind(502, "/problems/link-failed", "The link to the device failed"),

@@ -15,11 +15,12 @@ from fastapi import APIRouter, Header
 
 from ...devices.core.actor import actor
 from ...errors import UnknownThing, WrongState
+from ...lease.errors import BenchNotTaken, BenchTaken
 from ..bench import Bench
 from ..deps import CurrentBench
 from ..http.actor import SESSION_HEADER
-from ..http.errors import BenchNotTaken, BenchTaken
 from ..http.problems import problems
+from ..policy import policy
 from .schemas import LeaseAsking, LeaseHandOver, LeaseInfo, LeaseKeep, LeaseTake
 
 router = APIRouter(prefix="/lease", tags=["lease"])
@@ -47,6 +48,7 @@ async def get_lease(bench: CurrentBench, session: MaybeSession = None) -> LeaseI
 
 
 @router.post("", responses=problems(BenchTaken))
+@policy(lease="free", audit="silent")
 async def take_lease(bench: CurrentBench, session: Session, body: LeaseTake) -> LeaseInfo:
     """Take the free bench, or keep it. Answers when calls that others have begun are over, so that one is alone."""
     had_it = bench.lease.is_holder(session)
@@ -57,6 +59,7 @@ async def take_lease(bench: CurrentBench, session: Session, body: LeaseTake) -> 
 
 
 @router.put("", responses=problems(BenchTaken, BenchNotTaken))
+@policy(lease="free", audit="silent")
 async def keep_lease(bench: CurrentBench, session: Session, body: LeaseKeep | None = None) -> LeaseInfo:
     """Say that one is still there, every 5 s; or set what happens when one is not."""
     wanted = body or LeaseKeep()
@@ -65,6 +68,7 @@ async def keep_lease(bench: CurrentBench, session: Session, body: LeaseKeep | No
 
 
 @router.delete("")
+@policy(lease="free", audit="silent")
 async def give_lease_back(bench: CurrentBench, session: Session) -> LeaseInfo:
     """Give the bench back, or stop asking for it. Motors are left alone: one who gives it back knows what they do."""
     bench.lease.give_back(session)
@@ -72,6 +76,7 @@ async def give_lease_back(bench: CurrentBench, session: Session) -> LeaseInfo:
 
 
 @router.post("/leave")
+@policy(lease="free", audit="silent")
 async def leave_lease(bench: CurrentBench, session: Session) -> LeaseInfo:
     """The last page of this session closes, or is loaded anew. Where nothing moves that this server has moved, or
     motors are to go on anyway, the bench is free; else it is kept for a return until its holder would have vanished,
@@ -82,6 +87,7 @@ async def leave_lease(bench: CurrentBench, session: Session) -> LeaseInfo:
 
 
 @router.post("/ask", responses=problems(WrongState))
+@policy(lease="free", audit="silent")
 async def ask_for_lease(bench: CurrentBench, session: Session, body: LeaseTake) -> LeaseInfo:
     """Ask the holder for the bench. A question stands for 15 s: repeat it, and see by `mine` whether it was granted."""
     bench.lease.ask(session, actor.get().token or body.name, actor.get().address)
@@ -89,6 +95,7 @@ async def ask_for_lease(bench: CurrentBench, session: Session, body: LeaseTake) 
 
 
 @router.post("/hand-over", responses=problems(UnknownThing, BenchTaken, BenchNotTaken))
+@policy(lease="free", audit="silent")
 async def hand_lease_over(bench: CurrentBench, session: Session, body: LeaseHandOver) -> LeaseInfo:
     """Give the bench to one who asks. What runs goes on: rotations, searches, shuttles, recordings."""
     await bench.calls.over(CALLS_END_WITHIN_S)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from ...devices.tmcl.frames import spelled
+from ...devices.core.tmcl_frames import spelled
 from ...errors import BadReply
 from ...links import datagram32, datagram40, datagram_uart, tmcl
 from ...registers.catalog import MODELS
-from ...registers.landungsbruecke import BoardOpcode
+from ...registers.evaluation_board import BoardOpcode
 from ...registers.model import Register, RegisterTable
 from ...registers.tmcl.commands import Opcode, Status
 

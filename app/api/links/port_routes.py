@@ -11,6 +11,7 @@ from ...errors import UsageError, WrongState
 from ...registers.catalog import MODELS
 from ..deps import CurrentBench
 from ..http.problems import problems
+from ..policy import policy
 from ..schemas import Port
 from .schemas import ProbeStart, ProbeState
 
@@ -50,6 +51,7 @@ async def get_probe(bench: CurrentBench) -> ProbeState:
 
 
 @router.post("/ports/probe", status_code=202, responses=problems(UsageError, WrongState))
+@policy(audit="silent")
 async def start_probe(bench: CurrentBench, body: ProbeStart) -> ProbeState:
     """Look for modules, or chips, on a port, rate by rate and address by address. One search at a time.
 
@@ -61,6 +63,7 @@ async def start_probe(bench: CurrentBench, body: ProbeStart) -> ProbeState:
 
 
 @router.delete("/ports/probe")
+@policy(audit="silent")
 async def abort_probe(bench: CurrentBench) -> ProbeState:
     """End the search; what it has found so far stays."""
     return await bench.probing.abort()

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import re
 from collections.abc import Callable, Coroutine, Sequence
-from typing import Any, cast
+from typing import Any
 
 from ...errors import BenchError, OutOfRange, WrongState
-from ...links import landungsbruecke
+from ...links import evaluation_board
 from ...links.datagram_uart import NODE_MAX
 from ...links.discovery import FoundModule, ProbeProgress, probe, probe_chips
 from ...links.serial_address import port_url
-from ...registers.tmcl import pd42
-from ..schemas import ModelName
+from ...registers.catalog import listings
+from ...registers.tmcl.modules import MODULES
 from .schemas import ProbeFound, ProbeState
 
 log = logging.getLogger("stepscope.api")
@@ -23,9 +24,9 @@ _Look = Callable[
     Coroutine[Any, Any, list[FoundModule]],
 ]
 
-MODELS = {pd42.MODULE: "pd42-1241"}
+MODELS = {module.number: name for name, module in MODULES.items()}
 """What modules call themselves, and the catalog."""
-CHIPS = {board: model for model, board in landungsbruecke.MODELS.items()}
+CHIPS = {board: model for model, board in evaluation_board.MODELS.items()}
 """What boards call their chips, and the catalog."""
 
 
@@ -95,14 +96,20 @@ class Probing:
         self._progress = progress
 
 
+def _module(number: int) -> str | None:
+    """What the catalog calls a module by the number that it calls itself by; a listed one has that in its title."""
+    listed = (model.name for model in listings() if re.findall(r"\d+", model.title) == [str(number)])
+    return MODELS.get(number) or next(listed, None)
+
+
 def _found(module: FoundModule) -> ProbeFound:
-    model = CHIPS.get(module.chip) if module.board or module.uart else MODELS.get(module.number)
+    model = CHIPS.get(module.chip) if module.board or module.uart else _module(module.number)
     return ProbeFound(
         kind="chip" if module.uart else "board" if module.board else "module",
         port=module.port,
         baud=module.baud,
         address=module.address,
-        model=cast("ModelName", model) if model else None,
+        model=model or None,
         board=module.board or None,
         module=module.number,
         version=module.version,

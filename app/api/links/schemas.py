@@ -6,7 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, StringConstraints
 
-from ..schemas import Answer, Body, ModelName
+from ...registers.names import AnyModelName
+from ..schemas import Answer, Body
 
 
 class FrameEntry(Answer):
@@ -99,7 +100,7 @@ class ProbeFound(Answer):
     port: str
     baud: int | None = Field(description="null where the line has no baud rate")
     address: int = Field(description="of a chip its node; 0 where it has none")
-    model: ModelName | None = Field(
+    model: AnyModelName | None = Field(
         description="the module's, or that of the chip on the board; null where stepscope has no driver for it"
     )
     board: str | None = Field(

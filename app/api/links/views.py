@@ -16,7 +16,7 @@ from .schemas import FrameEntry, FrameLog, LinkCounts, LinkIncident, LinkInfo
 
 def frame_log(device: Device, after: int, limit: int) -> FrameLog:
     """The newest `limit` entries from number `after` on, oldest first."""
-    log = device.queue.log
+    log = device.session.queue.log
     page = log.page(max(after, log.next - limit), limit)
     frames = [
         FrameEntry(
@@ -36,10 +36,10 @@ def frame_log(device: Device, after: int, limit: int) -> FrameLog:
 
 def link_info(device: Device, devices: Sequence[Device]) -> LinkInfo:
     """The wire under `device`; `devices` are all there are, of whom some may share it."""
-    queue, budget, incidents = device.queue, _budget(device.port), _incidents(device.port)
+    queue, budget, incidents = device.session.queue, _budget(device.session.port), _incidents(device.session.port)
     sent = queue.counts.frames
     return LinkInfo(
-        name=device.port.name,
+        name=device.session.port.name,
         kind=str(device.link.get("kind", "")),
         baud=None if budget is None or budget.calls_per_s_possible is None else budget.baud,
         calls_per_s_possible=None if budget is None else budget.calls_per_s_possible,
@@ -60,7 +60,9 @@ def link_info(device: Device, devices: Sequence[Device]) -> LinkInfo:
             LinkIncident(time_unix_s=incident.time_unix_s, kind=incident.kind, text=incident.text)
             for incident in reversed(incidents.list() if incidents is not None else [])
         ],
-        shared_with=[other.id for other in devices if other is not device and _same_line(other.port, device.port)],
+        shared_with=[
+            other.id for other in devices if other is not device and _same_line(other.session.port, device.session.port)
+        ],
     )
 
 

@@ -8,6 +8,7 @@ from ...devices.core.device import Device
 from ...errors import OutOfRange, SoftLimit, UnknownThing, UsageError, WrongState
 from ..deps import CurrentAxis, CurrentBench, CurrentDevice
 from ..http.problems import problems
+from ..policy import policy
 from .schemas import ReferenceSearchStart, ReferenceSearchState, ShuttleStart, ShuttleState
 
 router = APIRouter(prefix="/devices/{device}/axes/{axis}", tags=["procedures"])
@@ -55,6 +56,7 @@ def _check_family(wanted: ReferenceSearchStart, device: Device) -> None:
 
 
 @router.delete("/reference-search", responses=LOOK)
+@policy(stops=True)
 async def abort_reference_search(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis) -> ReferenceSearchState:
     """End the search and stop the motor."""
     return ReferenceSearchState.model_validate(await bench.procedures.abort_search(device, axis.index))
@@ -76,6 +78,7 @@ async def start_shuttle(
 
 
 @router.delete("/shuttle", responses=LOOK)
+@policy(stops=True)
 async def stop_shuttle(bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis) -> ShuttleState:
     """End the shuttle and stop the motor."""
     return ShuttleState.model_validate(await bench.procedures.stop_shuttle(device, axis.index))

@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from fastapi import APIRouter
 
+from ..audit import wording
 from ..deps import CurrentAxis, CurrentBench, CurrentDevice
 from ..devices.views import stop_result
 from ..http.problems import DEVICE_PROBLEMS, problems
+from ..policy import policy
 from .schemas import Stop, StopReport, StopResult
 
 router = APIRouter(tags=["stop"])
 
 
 @router.post("/stop")
+@policy(stops=True, partly=True, words=wording.plain("stop everything", "mode"))
 async def stop_everything(bench: CurrentBench, body: Stop | None = None) -> StopReport:
     """Stop every axis of every device, ahead of all queues. Always answers, within a second; each result tells for
     itself."""
@@ -21,6 +24,7 @@ async def stop_everything(bench: CurrentBench, body: Stop | None = None) -> Stop
 
 
 @router.post("/devices/{device}/axes/{axis}/stop", responses=problems(*DEVICE_PROBLEMS))
+@policy(stops=True, words=wording.plain("stop", "mode"))
 async def stop_axis(
     bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis, body: Stop | None = None
 ) -> StopResult:

@@ -14,9 +14,11 @@ from ...profiles.diff import Diff, compare, diff
 from ...profiles.document import ProfileDocument, plain, text_of
 from ...profiles.errors import ProfileLeft, ProfileMisfit, ProfileTakenBack, UnreadableProfile
 from ...profiles.words import wants_of
+from ..audit import wording
 from ..bench import Bench
 from ..deps import CurrentBench, CurrentDevice
 from ..http.problems import DEVICE_PROBLEMS, problems
+from ..policy import policy
 from .schemas import (
     ApplyProgress,
     ProfileApplied,
@@ -52,6 +54,7 @@ async def get_profile(device: CurrentDevice) -> ProfileDocument:
         *DEVICE_PROBLEMS, UnreadableProfile, ProfileMisfit, SoftLimit, ProfileTakenBack, ProfileLeft, StoreUnavailable
     ),
 )
+@policy(lease="free as a dry run", audit="silent as a dry run", whole=True, words=wording.apply_profile)
 async def put_profile(
     device: CurrentDevice,
     bench: CurrentBench,
@@ -81,12 +84,14 @@ async def get_apply(device: CurrentDevice, bench: CurrentBench) -> ApplyProgress
 @router.post(
     "/devices/{device}/profile/apply/way-back", responses=problems(*DEVICE_PROBLEMS, ProfileLeft, StoreUnavailable)
 )
+@policy(whole=True, words=wording.done("take profile back"))
 async def take_back(device: CurrentDevice, bench: CurrentBench) -> TakenBack:
     """Bring back what an unfinished transaction has written: each register that is not as it was before."""
     return taken_back(await bench.profiles.take_back(device))
 
 
 @router.delete("/devices/{device}/profile/apply", status_code=204, responses=problems(UnknownThing, WrongState))
+@policy(words=wording.done("forget half a profile"))
 async def forget_apply(device: CurrentDevice, bench: CurrentBench) -> None:
     """Leave the device as an unfinished transaction has left it, and forget what it was before."""
     bench.profiles.forget(device)
@@ -110,6 +115,7 @@ async def list_profiles(
     status_code=201,
     responses=problems(*DEVICE_PROBLEMS, UnreadableProfile, StoreUnavailable),
 )
+@policy(lease="free", words=wording.named("save profile"))
 async def save_profile(bench: CurrentBench, body: ProfileSave) -> ProfileInfo:
     """Keep a document, or what a device holds now. A document that no device could take is refused."""
     document: ProfileDocument
@@ -127,6 +133,7 @@ async def save_profile(bench: CurrentBench, body: ProfileSave) -> ProfileInfo:
     "/profiles/compare",
     responses=problems(UnknownThing, WrongState, ProfileMisfit, UnreadableProfile, StoreUnavailable),
 )
+@policy(lease="free", role="look", audit="silent")
 async def compare_profiles(bench: CurrentBench, body: ProfilePair) -> Diff:
     """What differs between two profiles of the same model."""
     return compare(await _document(bench, body.left), await _document(bench, body.right))
@@ -162,12 +169,14 @@ async def get_profile_file(bench: CurrentBench, profile: ProfileId) -> Response:
 
 
 @router.patch("/profiles/{profile:int}", responses=problems(UnknownThing, WrongState, OutOfRange, StoreUnavailable))
+@policy(lease="free", words=wording.named("edit profile"))
 async def edit_profile(bench: CurrentBench, profile: ProfileId, body: ProfileLabel) -> ProfileInfo:
     """Another name or note."""
     return info(await bench.profile_store.edit(profile, body.name, body.note))
 
 
 @router.delete("/profiles/{profile:int}", status_code=204, responses=problems(UnknownThing, StoreUnavailable))
+@policy(words=wording.named("delete profile"))
 async def delete_profile(bench: CurrentBench, profile: ProfileId) -> None:
     """Delete it for good."""
     await bench.profile_store.delete(profile)

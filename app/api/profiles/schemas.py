@@ -8,7 +8,8 @@ from pydantic import ConfigDict, Field, JsonValue, StringConstraints, model_vali
 
 from ...profiles.diff import Diff, Difference
 from ...profiles.document import NAME_MAX, NOTE_MAX, ProfileDocument
-from ..schemas import Answer, Body, ModelName
+from ...registers.names import ModelName
+from ..schemas import Answer, Body
 
 ProfileName = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=NAME_MAX, strip_whitespace=True)]
 ProfileNote = Annotated[str, StringConstraints(strict=True, max_length=NOTE_MAX)]

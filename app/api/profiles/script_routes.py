@@ -8,6 +8,7 @@ from ...errors import StoreUnavailable, UnknownThing, UsageError, WrongState
 from ...profiles.scripts.errors import ScriptFailed
 from ..deps import CurrentBench
 from ..http.problems import problems
+from ..policy import policy
 from .routes import ProfileId
 from .script_schemas import ProfileScript, ScriptLanguage, ScriptOrder
 from .views import detail
@@ -26,6 +27,7 @@ async def make_script(bench: CurrentBench, profile: ProfileId, language: ScriptL
 
 
 @router.post("/script", responses=problems(WrongState, ScriptFailed, UsageError))
+@policy(lease="free", audit="silent")
 async def make_script_of_document(bench: CurrentBench, body: ScriptOrder) -> ProfileScript:
     """A profile that need not be saved, as a script: Python for our client, curl, C, or TMCL for a PD42-1241.
 

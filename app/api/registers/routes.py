@@ -9,13 +9,15 @@ from fastapi import APIRouter, Query, Request
 from ...devices.core.actor import actor
 from ...devices.core.results import WriteItem
 from ...errors import SoftLimit, WriteRefused
-from ..abilities import CurrentStoringDevice
+from ..abilities import CurrentStore
+from ..audit import wording
 from ..deps import AxisQuery, CurrentDevice, DeviceId, RegisterName, device_of
 from ..devices.views import batch_result
 from ..http.errors import ForeignPage, RoleTooLow
 from ..http.guard import require_own_page
 from ..http.identity import identity_of
 from ..http.problems import DEVICE_PROBLEMS, problems
+from ..policy import policy
 from ..schemas import (
     Exchange,
     ExchangeReply,
@@ -43,17 +45,18 @@ async def list_registers(
     device: CurrentDevice, axis: AxisQuery = None, group: GroupQuery = None, kept: KeptQuery = False
 ) -> list[RegisterReading]:
     """Every readable register, from the device; with `axis` or `group` only those of that axis or those groups."""
-    readings = await device.read_all(axis, group or ())
+    readings = await device.registers.read_all(axis, group or ())
     if kept:
-        readings += device.kept(axis, group or ())
+        readings += device.registers.kept(axis, group or ())
     return [RegisterReading.model_validate(reading) for reading in readings]
 
 
 @router.post("/registers", responses=problems(*DEVICE_PROBLEMS, SoftLimit))
+@policy(audit="told by drivers", partly=True, words=wording.batch)
 async def write_registers(device: CurrentDevice, body: RegisterBatch) -> RegisterBatchResult:
     """Write several in order; the first that fails ends it, and the answer says how far it came."""
     items = [WriteItem(item.name, item.axis, item.value, item.fields) for item in body.writes]
-    return batch_result(await device.write_many(items))
+    return batch_result(await device.registers.write_many(items))
 
 
 @router.get("/registers/{name}", responses=problems(*DEVICE_PROBLEMS, ForeignPage, RoleTooLow))
@@ -63,35 +66,39 @@ async def read_register(
     """Read one register, or a field by its own name, past any cache. Where reading clears it, this is a change."""
     # The call that scripts poll with: without the dependency it is a quarter faster.
     asked = device_of(request, device)
-    if asked.clears_when_read(name, axis):  # whoever only looks must not take an event from whoever works
+    if asked.registers.clears_when_read(name, axis):  # whoever only looks must not take an event from whoever works
         require_own_page(request.scope)
         identity_of(request.scope).require("drive", f"reading {name}, which clears it,")
         request.app.state.bench.lease.require(actor.get().session)
-    return RegisterReading.model_validate(await asked.read(name, axis))
+    return RegisterReading.model_validate(await asked.registers.read(name, axis))
 
 
 @router.put("/registers/{name}", responses=problems(*DEVICE_PROBLEMS, SoftLimit, WriteRefused))
+@policy(audit="told by drivers", words=wording.write)
 async def write_register(
     device: CurrentDevice, name: RegisterName, body: RegisterWrite, axis: AxisQuery = None
 ) -> RegisterWritten:
     """Write one register, whole or some of its fields; answers with the read-back."""
-    return RegisterWritten.model_validate(await device.write(name, axis, body.value, body.fields))
+    return RegisterWritten.model_validate(await device.registers.write(name, axis, body.value, body.fields))
 
 
 @router.post("/registers/{name}/store", responses=problems(*DEVICE_PROBLEMS))
-async def store_register(device: CurrentStoringDevice, name: RegisterName, axis: AxisQuery = None) -> RegisterReading:
+@policy(words=wording.of_register("store"))
+async def store_register(device: CurrentStore, name: RegisterName, axis: AxisQuery = None) -> RegisterReading:
     """Copy what a parameter is now to the EEPROM, from where it comes back after power-on."""
     return RegisterReading.model_validate(await device.store(name, axis))
 
 
 @router.post("/registers/{name}/restore", responses=problems(*DEVICE_PROBLEMS))
-async def restore_register(device: CurrentStoringDevice, name: RegisterName, axis: AxisQuery = None) -> RegisterReading:
+@policy(audit="told by drivers", words=wording.of_register("restore"))
+async def restore_register(device: CurrentStore, name: RegisterName, axis: AxisQuery = None) -> RegisterReading:
     """Make a parameter what the EEPROM holds; answers with what it is now."""
     return RegisterReading.model_validate(await device.restore(name, axis))
 
 
 @router.post("/exchange", responses=problems(*DEVICE_PROBLEMS, SoftLimit))
+@policy(audit="told by drivers", words=wording.exchange, changed_nothing=wording.read_only)
 async def exchange_frame(device: CurrentDevice, body: Exchange) -> ExchangeReply:
     """Send one raw datagram as it is, past every check but its length."""
-    raw = await device.exchange(bytes.fromhex(body.frame))
+    raw = await device.raw.exchange(bytes.fromhex(body.frame))
     return ExchangeReply(reply=raw.reply.hex(), decoded=raw.decoded)

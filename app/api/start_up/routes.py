@@ -7,8 +7,10 @@ from fastapi import APIRouter
 from ...errors import SoftLimit, StoreUnavailable
 from ...profiles import start_up
 from ...profiles.errors import ProfileLeft, ProfileTakenBack
+from ..audit import wording
 from ..deps import CurrentAxis, CurrentBench, CurrentDevice
 from ..http.problems import DEVICE_PROBLEMS, problems
+from ..policy import policy
 from ..schemas import RegisterBatchResult
 from .schemas import AxisStartUp, DeviceStartUp, StartUpReport
 from .views import axis_wish_of, batch, report, wish_of
@@ -19,6 +21,7 @@ REFUSALS = problems(*DEVICE_PROBLEMS, SoftLimit, ProfileTakenBack, ProfileLeft, 
 
 
 @router.post("/start-up", responses=REFUSALS)
+@policy(whole=True, words=wording.with_body("start up"), changed_nothing=wording.tried_dry)
 async def start_device_up(
     bench: CurrentBench, device: CurrentDevice, body: DeviceStartUp | None = None
 ) -> StartUpReport:
@@ -35,6 +38,7 @@ async def start_device_up(
 
 
 @router.post("/axes/{axis}/start-up", responses=REFUSALS)
+@policy(whole=True, words=wording.with_body("start up"))
 async def start_axis_up(
     bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis, body: AxisStartUp | None = None
 ) -> RegisterBatchResult:

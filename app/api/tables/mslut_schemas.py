@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Field
 
 from ...calc.microsteps.mslut import ENTRIES, MIRROR_DEFAULT, Reason
 from ...calc.microsteps.mslut_nearest import Norm
 from ...calc.microsteps.mslut_waves import Grid
+from ...registers.names import MslutName
 from ..schemas import Answer, Body, Flag, Int, Number
 
-MslutChip = Literal["tmc4361", "tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160"]
+MslutChip = MslutName
 """Chips whose table is an MSLUT."""
 Word = Annotated[int, Field(strict=True, ge=0, le=0xFFFF_FFFF)]
 WantedValue = Annotated[int, Field(strict=True, ge=-1000, le=1000)]

@@ -8,7 +8,6 @@ from collections.abc import Mapping
 
 from fastapi import APIRouter, WebSocket, WebSocketDisconnect
 
-from ...clock import BackgroundClock
 from ...devices.core.results import ChipEvents, MotionEnd
 from ...errors import BenchError, OutOfRange, UsageError
 from ...telemetry.feed import Joined
@@ -16,6 +15,7 @@ from ...telemetry.frames import encode_body
 from ...telemetry.reader import Event, MoveSeen, Status
 from ..bench import Bench
 from ..http.problems import problem_of
+from ..policy import policy
 from .schemas import (
     SUBPROTOCOL,
     TelemetryChannel,
@@ -41,6 +41,7 @@ GONE = 4410
 
 
 @router.websocket("/devices/{device}/telemetry")
+@policy(role="look")
 async def telemetry(socket: WebSocket, device: str) -> None:
     """Stream channels of a device: `?channels=position.0,velocity.0&rate_hz=1000[&history_s=60][&batch_hz=60]`."""
     offered = socket.scope.get("subprotocols", [])
@@ -52,6 +53,8 @@ async def telemetry(socket: WebSocket, device: str) -> None:
     with contextlib.suppress(WebSocketDisconnect):  # it closed under a send
         try:
             channels, rate_hz, batch_hz, history_s = _asked(socket.query_params)
+            if history_s > 0:
+                bench.hub.require_history_room()
             joined = bench.hub.join(device, channels, rate_hz, batch_hz, history_s)
         except BenchError as error:
             problem = problem_of(error, socket.url.path)
@@ -70,7 +73,7 @@ async def telemetry(socket: WebSocket, device: str) -> None:
             history_rows=len(joined.history_time_s),
         )
         try:
-            await _stream(socket, start, joined, bench.background)
+            await _stream(socket, start, joined, bench)
         finally:
             bench.hub.leave(joined.reader)
 
@@ -98,8 +101,8 @@ def _number(query: Mapping[str, str], name: str, default: float) -> float:
         raise UsageError(f"{name} is a number, not {text[:40]!r}") from error
 
 
-async def _stream(socket: WebSocket, start: TelemetryStart, joined: Joined, clock: BackgroundClock) -> None:
-    sending = asyncio.create_task(_send(socket, start, joined, clock), name="telemetry socket")
+async def _stream(socket: WebSocket, start: TelemetryStart, joined: Joined, bench: Bench) -> None:
+    sending = asyncio.create_task(_send(socket, start, joined, bench), name="telemetry socket")
     hearing = asyncio.create_task(_hear(socket), name="telemetry socket hears")
     tasks = (sending, hearing)
     try:
@@ -119,13 +122,14 @@ async def _hear(socket: WebSocket) -> None:
         pass
 
 
-async def _send(socket: WebSocket, start: TelemetryStart, joined: Joined, clock: BackgroundClock) -> None:
-    await _say(socket, start)
-    reader = joined.reader
-    for first in range(0, start.history_rows, HISTORY_ROWS_A_FRAME):
-        time_s = joined.history_time_s[first : first + HISTORY_ROWS_A_FRAME]
-        body = encode_body(time_s, joined.history[first : first + HISTORY_ROWS_A_FRAME])
-        await socket.send_bytes(reader.frame(len(time_s), body))
+async def _send(socket: WebSocket, start: TelemetryStart, joined: Joined, bench: Bench) -> None:
+    reader, clock = joined.reader, bench.background
+    with bench.hub.handing_over(joined):
+        await _say(socket, start)
+        for first in range(0, start.history_rows, HISTORY_ROWS_A_FRAME):
+            time_s = joined.history_time_s[first : first + HISTORY_ROWS_A_FRAME]
+            body = encode_body(time_s, joined.history[first : first + HISTORY_ROWS_A_FRAME])
+            await socket.send_bytes(reader.frame(len(time_s), body))
     while True:
         await reader.wait()
         await clock.turn()  # many wake with one beat: not all of them before a stop

@@ -17,6 +17,7 @@ from ...twin.shape import CHANNELS, Shape, sine_coil_of
 from ..bench import Bench
 from ..deps import CurrentBench
 from ..http.problems import problem_of, problems
+from ..policy import policy
 from ..recordings.views import zero_of
 from .proxy import VIEW
 from .schemas import TwinCursor, TwinLook, TwinShow, TwinState
@@ -31,6 +32,7 @@ async def read_twin(bench: CurrentBench) -> TwinState:
 
 
 @router.post("", responses=problems(UnknownThing, WrongState, TwinFailed))
+@policy(lease="free", audit="silent")
 async def show_twin(bench: CurrentBench, body: TwinShow) -> TwinState:
     """Show an axis, live; starts the process that draws where it does not run. Everybody sees the same view."""
     await bench.twin.show(bench.manager.get(body.device), body.axis, body.scheme)
@@ -38,6 +40,7 @@ async def show_twin(bench: CurrentBench, body: TwinShow) -> TwinState:
 
 
 @router.delete("")
+@policy(lease="free", audit="silent")
 async def end_twin(bench: CurrentBench) -> TwinState:
     """End the view and the process that draws it."""
     await bench.twin.off()
@@ -45,6 +48,7 @@ async def end_twin(bench: CurrentBench) -> TwinState:
 
 
 @router.post("/cursor", responses=problems(UnknownThing, WrongState, TwinFailed))
+@policy(lease="free", audit="silent")
 async def scrub_twin(bench: CurrentBench, body: TwinCursor) -> TwinState:
     """Show a moment of a recording, for which the view is started where it is off; or with null what happens now."""
     if body.recording is None:

@@ -4,29 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Literal, NamedTuple
 
-Stealth = Literal["none", "fixed", "gradient", "tuned"]
-"""Without StealthChop; an amplitude alone; with a gradient besides; with a gradient that the chip tunes by itself."""
+from ..tmc5xxx.chips import CHIPS, Sheet
 
+__all__ = ["OWN", "SHEETS", "Figure", "Hints", "Setting", "Sheet", "Wishes", "picked"]
 
-class Sheet(NamedTuple):
-    """What a chip has, and where its data sheet tells it."""
-
-    stealth: Stealth
-    least_irun: int
-    """Below it StealthChop does not regulate by itself."""
-    spreadcycle: str
-    stealthchop: str
-
-
-SHEETS = {
-    "tmc5031": Sheet("none", 0, "DS-TMC5031 7", ""),
-    "tmc5062": Sheet("none", 0, "DS-TMC5062 8", ""),
-    "tmc5072": Sheet("fixed", 6, "DS-TMC5072 9", "DS-TMC5072 8"),
-    "tmc5130": Sheet("gradient", 8, "DS-TMC5130 8", "DS-TMC5130 7"),
-    "tmc5160": Sheet("tuned", 8, "DS-TMC5160 8", "DS-TMC5160 7"),
-}
+SHEETS = {model: chip.sheet for model, chip in CHIPS.items()}
 OWN = "own estimate"
 
 

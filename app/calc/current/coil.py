@@ -3,9 +3,11 @@
 A sine wave through a coil has the peak VFS / (R_sense + 20 mOhm) * (CS + 1) / 32, with CS the scale IRUN or IHOLD and
 VFS the voltage that vsense selects; the TMC5160 scales by GLOBALSCALER / 256 instead of vsense and has no resistance of
 its own to add. A TMC5130 can measure in its own transistors: full scale is then 3000 times the current that a resistor
-from 5VOUT lets into AIN_IREF. RMS is the peak over the square root of 2.
+from 5VOUT lets into AIN_IREF. A TMC5240 always measures inside: full scale is what CURRENT_RANGE stands for, less with
+a greater resistor at IREF, times GLOBALSCALER / 256. RMS is the peak over the square root of 2.
 
-Sources: DS-TMC5160 9 and 28.2; DS-TMC5130 9 to 11 and 30.2; DS-TMC5072 7 and 23.2; DS-TMC5031 6; DS-TMC5062 7. Their
+Sources: KLIPPER for the TMC5240 (of the TMC2240);
+DS-TMC5160 9 and 28.2; DS-TMC5130 9 to 11 and 30.2; DS-TMC5072 7 and 23.2; DS-TMC5031 6; DS-TMC5062 7. Their
 tables of R_sense for the chips with two axes are reckoned with some 3 % less than the 0.32 V and 0.18 V that the same
 sheets state; the TMC5130's with the 0.325 V of its electrical characteristics, where its text says 0.32 V. The stated
 electrical characteristics are used here.
@@ -15,8 +17,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
+
+from ..tmc5xxx.chips import CHIPS, Chip, Sensing
 
 SCALES = 32
 SCALER_FULL = 256
@@ -32,6 +36,8 @@ REFERENCE_OHM = 1000.0
 INTERNAL_SENSITIVE = 0.55
 """Of the current inside with vsense = 0: what vsense = 1 gives (DS-TMC5130 11)."""
 AIN_FULL_V = 2.5
+RANGE_OHM = (12_000.0, 60_000.0)
+"""Of the resistor at IREF of a chip with ranges (KLIPPER)."""
 
 REACH = 0.03
 """How far off the best fine setting may be before coarse ones are looked at."""
@@ -39,35 +45,6 @@ _SAME = 0.01
 """Errors that differ by less are alike: sense resistors are no more exact."""
 FAR = 1e9
 """Steps of `_SAME` beyond which an error is no better told: a wanted current next to nothing."""
-
-
-class Sensing(NamedTuple):
-    """How a chip measures current.
-
-    full_scale_v : at vsense 0 and 1; one number where GLOBALSCALER takes its place
-    added_ohm : inside of the chip, on the way to the comparator
-    rated_rms_a : of a coil; infinite where transistors outside decide
-    """
-
-    full_scale_v: tuple[float, ...]
-    added_ohm: float
-    rated_rms_a: float
-    source: str
-
-    @property
-    def scaled(self) -> bool:
-        """Whether there is a GLOBALSCALER instead of vsense."""
-        return len(self.full_scale_v) == 1
-
-
-_DUAL = ((0.32, 0.18), 0.02, 1.1)
-CHIPS = {
-    "tmc5031": Sensing(*_DUAL, "DS-TMC5031 6"),
-    "tmc5062": Sensing(*_DUAL, "DS-TMC5062 7"),
-    "tmc5072": Sensing(*_DUAL, "DS-TMC5072 7 and 23.2"),
-    "tmc5130": Sensing((0.325, 0.18), 0.02, 1.4, "DS-TMC5130 10 and 30.2"),
-    "tmc5160": Sensing((0.325,), 0.0, math.inf, "DS-TMC5160 9 and 28.2"),
-}
 
 
 class Setting(NamedTuple):
@@ -86,8 +63,9 @@ class Setting(NamedTuple):
 class CurrentStage:
     """A chip with its resistors.
 
-    sense_ohm : external; None measures inside, which only a TMC5130 can, with `reference_ohm`
+    sense_ohm : external; None measures inside, by `reference_ohm`: a TMC5130 can, a TMC5240 knows nothing else
     ain_v : of a TMC5130 with sense resistors: what AIN_IREF scales with; None for the reference inside
+    current_range : of a chip that has ranges; None for its widest
 
     Raises ValueError for what the chip has not, and numbers that are not above 0.
     """
@@ -96,14 +74,20 @@ class CurrentStage:
     sense_ohm: float | None
     reference_ohm: float | None = None
     ain_v: float | None = None
+    current_range: int | None = None
 
     def __post_init__(self) -> None:
         if self.model not in CHIPS:
             raise ValueError(f"model is one of {', '.join(CHIPS)}, not {self.model}")
         name = self.model.upper()
-        if self.model != "tmc5130" and self.sense_ohm is None:
+        if self.ranged:
+            self._check_range(name)
+            return
+        if self.current_range is not None:
+            raise ValueError(f"a {name} has no current_range")
+        if not self.kind.reference and self.sense_ohm is None:
             raise ValueError(f"a {name} measures with sense resistors: sense_resistor_ohm is missing")
-        if self.model != "tmc5130" and (self.reference_ohm is not None or self.ain_v is not None):
+        if not self.kind.reference and (self.reference_ohm is not None or self.ain_v is not None):
             raise ValueError(f"a {name} has no AIN_IREF; a TMC5130 has")
         if self.sense_ohm is None and self.reference_ohm is None:
             raise ValueError("without sense resistors it takes a reference_resistor_ohm, from 5VOUT to AIN_IREF")
@@ -117,13 +101,40 @@ class CurrentStage:
         if self.ain_v is not None and not 0 <= self.ain_v <= REFERENCE_V:
             raise ValueError(f"ain_v is 0 to {REFERENCE_V:g} V, got {self.ain_v}")
 
+    def _check_range(self, name: str) -> None:
+        least, most = RANGE_OHM
+        if self.sense_ohm is not None or self.ain_v is not None:
+            raise ValueError(f"a {name} measures inside: it takes a reference_resistor_ohm at IREF and nothing else")
+        if self.reference_ohm is None or not least <= self.reference_ohm <= most:
+            raise ValueError(f"reference_resistor_ohm is {least:g} to {most:g}, got {self.reference_ohm}")
+        if self.current_range is not None and not 0 <= self.current_range < len(self.chip.range_va):
+            raise ValueError(f"current_range is 0 to {len(self.chip.range_va) - 1}, got {self.current_range}")
+
     @property
-    def chip(self) -> Sensing:
+    def kind(self) -> Chip:
         return CHIPS[self.model]
 
     @property
+    def chip(self) -> Sensing:
+        return self.kind.sensing
+
+    @property
+    def ranged(self) -> bool:
+        """Whether full scale is one of several ranges."""
+        return bool(self.chip.range_va)
+
+    @property
     def internal(self) -> bool:
-        return self.sense_ohm is None
+        """Whether it measures inside although it need not."""
+        return self.sense_ohm is None and not self.ranged
+
+    def for_peak(self, peak_a: float) -> CurrentStage:
+        """In the lowest range that gets to a wanted peak, else in the widest (FIELDS-TMC5240, CURRENT_RANGE)."""
+        if not self.ranged or self.current_range is not None:
+            return self
+        stages = [replace(self, current_range=index) for index in range(len(self.chip.range_va))]
+        widest = max(stages, key=lambda stage: stage.full_scale_a(SCALER_FULL))
+        return next((stage for stage in stages if stage.full_scale_a(SCALER_FULL) >= peak_a), widest)
 
     @property
     def selects(self) -> range:
@@ -135,6 +146,9 @@ class CurrentStage:
         if select not in self.selects:
             what = "GLOBAL_SCALER is 0 (which is 256) or 32 to 255" if self.chip.scaled else "vsense is 0 or 1"
             raise ValueError(f"{what}, got {select}")
+        if self.ranged:
+            value = max(self.chip.range_va) if self.current_range is None else self.chip.range_va[self.current_range]
+            return value / (self.reference_ohm or RANGE_OHM[0]) * select / SCALER_FULL
         if self.reference_ohm is not None:
             reference_a = REFERENCE_V / (self.reference_ohm + REFERENCE_OHM)
             return reference_a * REFERENCE_GAIN * (INTERNAL_SENSITIVE if select else 1.0)
@@ -203,14 +217,12 @@ def warnings(stage: CurrentStage, run: Setting, hold: Setting | None) -> list[st
             f"{run.rms_a:.3g} A RMS is more than the {chip.rated_rms_a:g} A that the chip is made for ({chip.source})"
         )
     if run.scale < FINE_SCALE:
-        found.append(f"IRUN {run.scale} is below 16: microsteps become coarser; a greater sense resistor helps")
-    if stage.model in _LEAST_STEALTH and run.scale < _LEAST_STEALTH[stage.model]:
-        least = _LEAST_STEALTH[stage.model]
+        found.append(f"IRUN {run.scale} is below 16: microsteps become coarser; {_finer(stage)} helps")
+    least = stage.kind.sheet.least_irun
+    if run.scale < least:
         found.append(f"IRUN {run.scale} is below {least}: StealthChop does not regulate the current by itself")
     if chip.scaled and run.select <= SCALER_GOOD:
-        found.append(
-            f"GLOBAL_SCALER {run.select} is not above {SCALER_GOOD}: a greater sense resistor regulates better"
-        )
+        found.append(f"GLOBAL_SCALER {run.select} is not above {SCALER_GOOD}: {_finer(stage)} regulates better")
     if stage.internal and not 0.2 <= run.rms_a <= 1.2:
         found.append("measured inside, currents of 0.2 to 1.2 A RMS are regulated well (DS-TMC5130 11)")
     if stage.ain_v is not None and stage.ain_v < 0.5:
@@ -220,5 +232,6 @@ def warnings(stage: CurrentStage, run: Setting, hold: Setting | None) -> list[st
     return found
 
 
-_LEAST_STEALTH = {"tmc5072": 6, "tmc5130": 8, "tmc5160": 8}
-"""Of the chips with StealthChop (DS-TMC5072 8.2.1; DS-TMC5130 7.2.1; DS-TMC5160 7.3.1)."""
+def _finer(stage: CurrentStage) -> str:
+    """What gives the same current with more of the scale."""
+    return "a lower CURRENT_RANGE" if stage.ranged else "a greater sense resistor"

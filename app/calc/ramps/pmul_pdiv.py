@@ -111,7 +111,7 @@ def design(
 
     Parameters
     ----------
-    chip : "tmc428" or "tmc4210"; chooses the reduction where `reduction` is None
+    chip : one of `tmc428.chips`; chooses the reduction where `reduction` is None
     a_max : 0..2047; 0 has no p and so no pair
     ramp_div, pulse_div : 0..13
     reduction : part of p to take off, 0 <= reduction < 1 [-]; None is the data sheet's own

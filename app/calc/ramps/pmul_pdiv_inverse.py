@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...number_text import plain
+from ..tmc428.chips import CHIPS
 from ..units.mechanics import ACCELERATION_UNITS, RATE_UNITS, Mechanics
 from ..units.tmc428 import MAX_ACCELERATION, MAX_DIVIDER, MAX_USRS, MAX_VELOCITY
 from .pmul_pdiv_table import default_reduction, design_many
@@ -78,7 +79,7 @@ def inverse(
 
     Parameters
     ----------
-    model : "tmc428" or "tmc4210"
+    model : one of `tmc428.chips`
     velocity, acceleration : above 0, in `velocity_unit` (a rate of `mechanics`) and `acceleration_unit`
     mechanics : the axis. Where neither unit counts microsteps, a TMC428 gets the finest `usrs` that reaches the
         speed; else, and for a TMC4210, the microsteps are those of `mechanics`.
@@ -126,14 +127,14 @@ def inverse(
 
 def _resolutions(model: str, mechanics: Mechanics, counts_microsteps: bool) -> list[int | None]:
     """Values of usrs to try, the finest first."""
-    if model == "tmc4210":
+    if not CHIPS[model].usrs:
         return [None]
     if not counts_microsteps:
         return list(range(MAX_USRS, -1, -1))
     microsteps = mechanics.microsteps_per_full_step
     usrs = microsteps.bit_length() - 1
     if microsteps != 1 << usrs or usrs > MAX_USRS:
-        raise ValueError(f"microsteps_per_full_step of a TMC428 is 1, 2, 4, 8, 16, 32 or 64, got {microsteps}")
+        raise ValueError(f"microsteps_per_full_step of a {model.upper()} is 1, 2, 4, 8, 16, 32 or 64, got {microsteps}")
     return [usrs]
 
 

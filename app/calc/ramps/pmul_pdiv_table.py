@@ -11,14 +11,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..tmc428.chips import CHIPS
+
 FloatArray = NDArray[np.float64]
 
 MAX_DIVIDER = 13
 MAX_A = 2047
 MAX_PDIV = 13
 
-# What each data sheet takes off p (DS-TMC428 8.11.1: about 5 %; DS-TMC4210 6.1.9.2.2: about 1 %).
-REDUCTIONS = {"tmc428": 0.05, "tmc4210": 0.01}
+REDUCTIONS = {name: chip.reduction for name, chip in CHIPS.items()}
+"""What each data sheet takes off p."""
 
 # The braking distance is counted in 19 bits. At v_max up to 2048/sqrt(2) half the distance is enough (DS-TMC428 8.7.1).
 V_MAX_OF_HALF_LIMIT = 1448

@@ -4,17 +4,23 @@ VSTART -A1-> V1 -AMAX-> VMAX -DMAX-> V1 -D1-> VSTOP, then a dead stop at the tar
 makes a trapezoid; a short move turns round below VMAX, maybe below V1. A velocity below VSTART is skipped when
 starting, one below VSTOP when stopping. Turning round takes a stop, and TZEROWAIT there.
 
+Some chips have two more corners: V1 -A2-> V2 -AMAX-> VMAX -DMAX-> V2 -D2-> V1, where V2 is above V1 (else there is no
+such segment), and TVMAX, the least time at constant velocity between speeding up and braking.
+
 The chip works this out clock by clock; the curve here is what its units and parameters mean, without its rounding.
 
 Sources: FM-PD42-1241 1.3 and 7.5, where the last leg down is D1 (its text once calls it D2)
-and the trapezoid brakes with parameter 17; velocity mode uses the maximum acceleration both ways (FM-PD42-1241 1.3).
+and the trapezoid brakes with parameter 17; velocity mode uses the maximum acceleration both ways (FM-PD42-1241 1.3). V2
+and TVMAX: FIELDS-TMC5240, A2, D2 and TVMAX (its V2 is of an older design).
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, fields
 from itertools import accumulate, pairwise
+from typing import NamedTuple
 
 from ...number_text import plain
 from .curve import RampCurve
@@ -34,6 +40,8 @@ class SixPoint:
     v_max, a_max : above 0. d_max : above 0 for positioning, where it brakes
     v1 : 0 leaves a1 and d1 out; else both are above 0 where the ramp gets to them
     t_zero_wait_s : pause at standstill before turning round (TZEROWAIT) [s]
+    v2 : a2 and d2 hold from v1 to there; not above v1 leaves them out
+    t_v_max_s : least time at constant velocity between speeding up and braking for a target (TVMAX) [s]
 
     Raises ValueError for a number below 0 or not finite, and where v_max or a_max is 0.
     """
@@ -47,6 +55,10 @@ class SixPoint:
     d1: float = 0.0
     v_stop: float = 0.0
     t_zero_wait_s: float = 0.0
+    v2: float = 0.0
+    a2: float = 0.0
+    d2: float = 0.0
+    t_v_max_s: float = 0.0
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -94,6 +106,9 @@ def position_plan(parameters: SixPoint, distance: float, v_actual: float = 0.0) 
                     f"v_start {plain(parameters.v_start)} pps is too fast to stop within {plain(abs(left))} "
                     "microsteps; v_start is not to be above v_stop"
                 )
+            if parameters.t_v_max_s:  # a start takes no more of v_start than the way allows for that too
+                kept = abs(left) - down.length(parameters.v_stop, speed)
+                speed = min(speed, max(kept, 0.0) / parameters.t_v_max_s)
         cruises = track.arrive(way, distance, _way_to(parameters, abs(left), speed))
     return MotionPlan(
         pieces=track.finished(),
@@ -117,8 +132,8 @@ def velocity_plan(parameters: SixPoint, v_target: float, v_actual: float = 0.0) 
         if not math.isfinite(number):
             raise ValueError(f"{name} is finite, got {number}")
     track = _Track()
-    up = _Slope.constant(parameters.a_max, "acceleration AMAX")
-    down = _Slope.constant(parameters.a_max, "deceleration AMAX")
+    up = _Slope.constant(parameters.a_max, "acceleration")
+    down = _Slope.constant(parameters.a_max, "deceleration")
     speed, way = abs(v_actual), math.copysign(1.0, v_actual)
     if speed and v_actual * v_target <= 0:
         track.go(way, down.pieces(speed, min(parameters.v_stop, speed)))
@@ -154,35 +169,44 @@ def _fits(needed: float, available: float) -> bool:
     return needed <= available * (1 + ALMOST)
 
 
+class _Part(NamedTuple):
+    """An acceleration that holds from a speed on [pps, pps^2]. name : of the register."""
+
+    above: float
+    rate: float
+    name: str
+
+
 @dataclass(frozen=True)
 class _Slope:
-    """Two accelerations that meet at the speed `knee` [pps]."""
+    """Accelerations one above the other: `parts` by rising speed, the first from 0 on. `word` is what they do."""
 
-    below: float
-    above: float
-    knee: float
-    name_below: str
-    name_above: str
+    word: str
+    parts: tuple[_Part, ...]
 
     @classmethod
     def accelerating(cls, p: SixPoint) -> _Slope:
-        return cls(p.a1, p.a_max, p.v1, "acceleration A1", "acceleration AMAX")
+        return cls("acceleration", _parts(p, ((p.a1, "A1"), (p.a2, "A2"), (p.a_max, "AMAX"))))
 
     @classmethod
     def braking(cls, p: SixPoint) -> _Slope:
-        return cls(p.d1, p.d_max, p.v1, "deceleration D1", "deceleration DMAX")
+        return cls("deceleration", _parts(p, ((p.d1, "D1"), (p.d2, "D2"), (p.d_max, "DMAX"))))
 
     @classmethod
-    def constant(cls, rate: float, name: str) -> _Slope:
-        return cls(rate, rate, 0.0, name, name)
+    def constant(cls, rate: float, word: str) -> _Slope:
+        return cls(word, (_Part(0.0, rate, "AMAX"),))
+
+    def part(self, speed: float) -> _Part:
+        """What holds just above `speed`. Raises ValueError where that is no acceleration at all."""
+        part = next(part for part in reversed(self.parts) if speed >= part.above)
+        if not part.rate > 0:
+            name = part.name.lower().replace("max", "_max")
+            raise ValueError(f"{name} is 0 and needed: with 0 the speed never changes")
+        return part
 
     def rate(self, speed: float) -> float:
-        """The acceleration that holds just above `speed`. Raises ValueError where it is 0."""
-        rate = self.below if speed < self.knee else self.above
-        if not rate > 0:
-            name = (self.name_below if speed < self.knee else self.name_above).rpartition(" ")[2].lower()
-            raise ValueError(f"{name.replace('max', '_max')} is 0 and needed: with 0 the speed never changes")
-        return rate
+        """The acceleration just above `speed`. Raises ValueError where it is 0."""
+        return self.part(speed).rate
 
     def length(self, slow: float, fast: float) -> float:
         """Microsteps between two speeds, 0 where `fast` is not above `slow`."""
@@ -195,12 +219,21 @@ class _Slope:
         return [(name, u1, u0, -rate) for name, u0, u1, rate in reversed(self._rising(end, start))]
 
     def _rising(self, slow: float, fast: float) -> list[_Leg]:
-        marks = [slow, *([self.knee] if slow < self.knee < fast else []), fast]
-        return [
-            (self.name_below if u0 < self.knee else self.name_above, u0, u1, self.rate(u0))
-            for u0, u1 in pairwise(marks)
-            if u1 > u0
-        ]
+        marks = [slow, *(part.above for part in self.parts if slow < part.above < fast), fast]
+        legs = []
+        for u0, u1 in pairwise(marks):
+            if u1 > u0:
+                part = self.part(u0)
+                legs.append((f"{self.word} {part.name}", u0, u1, part.rate))
+        return legs
+
+
+def _parts(p: SixPoint, rates: Iterable[tuple[float, str]]) -> tuple[_Part, ...]:
+    """The three accelerations of a ramp where they hold."""
+    (first, name1), (second, name2), (last, name3) = rates
+    lower = (_Part(0.0, first, name1),) if p.v1 > 0 else ()
+    middle = (_Part(p.v1, second, name2),) if p.v2 > p.v1 else ()
+    return (*lower, *middle, _Part(max(p.v1, p.v2), last, name3))
 
 
 def _way_to(p: SixPoint, left: float, speed: float) -> tuple[list[_Leg], list[_Leg], bool]:
@@ -214,27 +247,34 @@ def _way_to(p: SixPoint, left: float, speed: float) -> tuple[list[_Leg], list[_L
         before = [*slowing, _constant(p.v_max, max(cruise, 0.0))]
         return before, down.pieces(p.v_max, min(p.v_stop, p.v_max)), cruise > 0
     cruise = left - up.length(speed, p.v_max) - down.length(p.v_stop, p.v_max)
-    if cruise >= 0:
+    if cruise >= p.t_v_max_s * p.v_max:
         before = [*up.pieces(speed, p.v_max), _constant(p.v_max, cruise)]
         return before, down.pieces(p.v_max, min(p.v_stop, p.v_max)), cruise > 0
     peak = _peak(p, left, speed)
-    return up.pieces(speed, peak), down.pieces(peak, min(p.v_stop, peak)), False
+    before, braking = up.pieces(speed, peak), down.pieces(peak, min(p.v_stop, peak))
+    if p.t_v_max_s:
+        before.append(_constant(peak, max(left - up.length(speed, peak) - down.length(p.v_stop, peak), 0.0)))
+    return before, braking, False
 
 
 def _peak(p: SixPoint, left: float, speed: float) -> float:
-    """The highest speed of a move that does not reach v_max.
+    """The highest speed of a move that does not reach v_max, or not for t_v_max_s.
 
     Way up and way down are linear in the square of the speed, between the speeds at which another acceleration takes
-    over, so the square of the peak is found on the one of these straight lines that crosses `left`.
+    over, and what is kept at the peak in the speed itself: the peak is found on the one of these parabolas that crosses
+    `left`.
     """
     up, down = _Slope.accelerating(p), _Slope.braking(p)
-    marks = sorted({speed, p.v_max, *(mark for mark in (p.v1, p.v_stop) if speed < mark < p.v_max)})
-    gone = down.length(p.v_stop, speed)
+    marks = sorted({speed, p.v_max, *(mark for mark in (p.v1, p.v2, p.v_stop) if speed < mark < p.v_max)})
+    kept = p.t_v_max_s
+    gone = down.length(p.v_stop, speed) + kept * speed
     for slow, fast in pairwise(marks):
         per_square = 0.5 / up.rate(slow) + (0.5 / down.rate(slow) if slow >= p.v_stop else 0.0)
-        step = (fast - slow) * (fast + slow) * per_square
+        step = (fast - slow) * ((fast + slow) * per_square + kept)
         if gone + step >= left:
-            return min(math.sqrt(slow * slow + max(left - gone, 0.0) / per_square), fast)
+            half = kept / (2 * per_square)
+            root = math.sqrt((slow + half) ** 2 + max(left - gone, 0.0) / per_square)
+            return min(root - half, fast)
         gone += step
     return p.v_max
 

@@ -1,6 +1,7 @@
 """A SixPoint ramp as the registers of a TMC5xxx hold it, and what the data sheets warn of.
 
-Sources: DS-TMC5160 (TMC5160 data sheet), 6.3.1 and 12; the sheets of the others say the same.
+Sources: DS-TMC5160 (TMC5160 data sheet), 6.3.1 and 12; the sheets of the others say the same. Of eight points:
+FIELDS-TMC5240.
 """
 
 from __future__ import annotations
@@ -49,21 +50,34 @@ REGISTERS = {
     "TZEROWAIT": Held("t_zero_wait_s", "s", WAIT_MAX, "16 bits"),
 }
 """In the order of their addresses."""
+WIDE_ACCELERATION_MAX = (1 << 18) - 1
+_HELD_MORE = {
+    "TVMAX": Held("t_v_max_s", "s", WAIT_MAX, "16 bits"),
+    "V2": Held("v2", "pps", KNEE_MAX, "20 bits"),
+    "A2": Held("a2", "pps^2", WIDE_ACCELERATION_MAX, "18 bits"),
+    "D2": Held("d2", "pps^2", WIDE_ACCELERATION_MAX, "18 bits"),
+}
+EIGHT_POINT = {
+    name: held._replace(most=WIDE_ACCELERATION_MAX, why="18 bits") if held.unit == "pps^2" else held
+    for name, held in (REGISTERS | _HELD_MORE).items()
+}
+"""Of the chips with two more corners, a time at constant velocity, and accelerations of 18 bits."""
+Registers = Mapping[str, Held]
 _MOVING = ("AMAX", "VMAX")
 """With 0 in one of them the motor never moves, so a wish above 0 stays above 0."""
 
 
 def unit_of(register: str, clock_hz: float = CLOCK_HZ) -> float:
     """What one more in the register is [pps, pps^2 or s]."""
-    kind = REGISTERS[register].unit
+    kind = EIGHT_POINT[register].unit
     if kind == "s":
         return WAIT_CLOCKS / clock_of(clock_hz)
     return velocity_unit_pps(clock_hz) if kind == "pps" else acceleration_unit_pps2(clock_hz)
 
 
-def to_raw(register: str, value: float, clock_hz: float = CLOCK_HZ) -> int:
+def to_raw(register: str, value: float, clock_hz: float = CLOCK_HZ, registers: Registers = REGISTERS) -> int:
     """The nearest whole number for a value [pps, pps^2, s]. Raises ValueError for one that the register cannot hold."""
-    held, unit = REGISTERS[register], unit_of(register, clock_hz)
+    held, unit = registers[register], unit_of(register, clock_hz)
     units = value / unit
     if not 0 <= units < held.most + 0.5:  # also false for NaN
         most = f"{plain(held.most * unit)} {held.unit}"
@@ -72,33 +86,35 @@ def to_raw(register: str, value: float, clock_hz: float = CLOCK_HZ) -> int:
     return max(raw, 1) if value > 0 and (register in _MOVING or held.unit == "pps^2") else raw
 
 
-def from_raw(register: str, raw: int, clock_hz: float = CLOCK_HZ) -> float:
+def from_raw(register: str, raw: int, clock_hz: float = CLOCK_HZ, registers: Registers = REGISTERS) -> float:
     """What a register's number stands for [pps, pps^2, s]. Raises ValueError for one that it cannot hold."""
-    if not 0 <= raw <= REGISTERS[register].most:
-        raise ValueError(f"{register} is 0 to {REGISTERS[register].most}, got {raw}")
+    if not 0 <= raw <= registers[register].most:
+        raise ValueError(f"{register} is 0 to {registers[register].most}, got {raw}")
     return raw * unit_of(register, clock_hz)
 
 
-def registers_of(ramp: SixPoint, clock_hz: float = CLOCK_HZ) -> dict[str, int]:
+def registers_of(ramp: SixPoint, clock_hz: float = CLOCK_HZ, registers: Registers = REGISTERS) -> dict[str, int]:
     """Every register of the ramp, by name: each at its nearest whole number; VMAX ends at what the chip can do.
 
     What is above 0 and decides whether the motor moves at all (VMAX, accelerations) stays above 0. Raises ValueError
     for another number that its register cannot hold.
     """
     highest = VELOCITY_MAX * velocity_unit_pps(clock_hz)
-    wanted = {name: getattr(ramp, held.parameter) for name, held in REGISTERS.items()}
+    wanted = {name: getattr(ramp, held.parameter) for name, held in registers.items()}
     wanted["VMAX"] = min(wanted["VMAX"], highest)
-    return {name: to_raw(name, value, clock_hz) for name, value in wanted.items()}
+    return {name: to_raw(name, value, clock_hz, registers) for name, value in wanted.items()}
 
 
-def ramp_of(raw: Mapping[str, int], clock_hz: float = CLOCK_HZ) -> SixPoint:
+def ramp_of(raw: Mapping[str, int], clock_hz: float = CLOCK_HZ, registers: Registers = REGISTERS) -> SixPoint:
     """The ramp of these registers, all of them. Raises ValueError for numbers and ramps that cannot be."""
-    return SixPoint(**{held.parameter: from_raw(name, raw[name], clock_hz) for name, held in REGISTERS.items()})
+    return SixPoint(
+        **{held.parameter: from_raw(name, raw[name], clock_hz, registers) for name, held in registers.items()}
+    )
 
 
-def held(ramp: SixPoint, clock_hz: float = CLOCK_HZ) -> SixPoint:
+def held(ramp: SixPoint, clock_hz: float = CLOCK_HZ, registers: Registers = REGISTERS) -> SixPoint:
     """The ramp that the chip makes of wanted parameters. Raises ValueError as `registers_of`."""
-    return ramp_of(registers_of(ramp, clock_hz), clock_hz)
+    return ramp_of(registers_of(ramp, clock_hz, registers), clock_hz, registers)
 
 
 @dataclass(frozen=True)
@@ -124,6 +140,8 @@ def findings(raw: Mapping[str, int], positioning: bool = True) -> list[Finding]:
             say("vstart_above_vmax", "VSTART", f"VMAX, {vmax}, is below VSTART, {vstart}")
         if v1 >= vmax > 0:
             say("v1_above_vmax", "V1", f"V1, {v1}, is not below VMAX, {vmax}: AMAX and DMAX have no part in the ramp")
+        if "V2" in raw:
+            _of_eight_points(raw, say)
     if vmax > VELOCITY_MAX:
         say("vmax_beyond", "VMAX", f"VMAX, {vmax}, is above the limit of {VELOCITY_MAX}")
     elif vmax == VELOCITY_MAX:
@@ -149,6 +167,18 @@ def _of_positioning(raw: Mapping[str, int], say: Callable[[str, str, str], None]
         say("a1_zero", "A1", "A1 is 0: the motor never gets from VSTART to V1")
     if not v1 and (raw["A1"] not in (0, raw["AMAX"]) or raw["D1"] not in (0, raw["DMAX"])):
         say("v1_zero", "V1", "V1 is 0, which leaves A1 and D1 out: AMAX and DMAX all the way")
+
+
+def _of_eight_points(raw: Mapping[str, int], say: Callable[[str, str, str], None]) -> None:
+    v1, v2, vmax = raw["V1"], raw["V2"], raw["VMAX"]
+    if not raw["D2"]:
+        say("d2_zero", "D2", "D2 is 0, which positioning must not have, even with V2 0")
+    if 0 < v2 <= v1:
+        say("v2_below_v1", "V2", f"V2, {v2}, is not above V1, {v1}: A2 and D2 have no part in the ramp")
+    elif v2 and not raw["A2"]:
+        say("a2_zero", "A2", "A2 is 0: the motor never gets from V1 to V2")
+    if v2 > v1 and v2 >= vmax > v1:
+        say("v2_above_vmax", "V2", f"V2, {v2}, is not below VMAX, {vmax}: AMAX and DMAX have no part in the ramp")
 
 
 _JUMP = 1000

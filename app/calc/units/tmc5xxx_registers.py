@@ -11,12 +11,11 @@ from dataclasses import dataclass
 from ...number_text import plain
 from ..ramps import sixpoint_registers as ramp
 from ..ramps.sixpoint_registers import Kind
+from ..tmc5xxx.chips import CHIPS
 from . import tmc5xxx_times as times
 from .tmc5xxx import CLOCK_HZ, VELOCITY_MAX, clock_of, velocity_unit_pps
 
-ONE_AXIS = ("tmc5130", "tmc5160")
-TWO_AXES = ("tmc5031", "tmc5062", "tmc5072")
-MODELS = (*TWO_AXES, *ONE_AXIS)
+MODELS = tuple(CHIPS)
 
 
 @dataclass(frozen=True)
@@ -48,29 +47,31 @@ def formats(
     """
     if model not in MODELS:
         raise ValueError(f"model is one of {', '.join(MODELS)}, not {model}")
-    moving = [_ramp(name, clock_hz) for name in ramp.REGISTERS]
+    chip = CHIPS[model]
+    registers = ramp.EIGHT_POINT if chip.eight_point else ramp.REGISTERS
+    moving = [_ramp(name, clock_hz, registers) for name in registers]
     rows = [_hold_delay(clock_hz)]
-    if model in ONE_AXIS:
-        rows.append(_power_down(clock_hz, model == "tmc5130"))
+    if chip.one_axis:
+        rows.append(_power_down(clock_hz, chip.first_free))
         names = ("TPWMTHRS", "TCOOLTHRS", "THIGH")
         rows += [_threshold(name, clock_hz, microsteps, small_hysteresis) for name in names]
         rows += moving
     else:
         rows = [*moving, *rows, *(_velocity(name, clock_hz) for name in ("VCOOLTHRS", "VHIGH"))]
-    if model != "tmc5031":
+    if chip.dcstep:
         rows.append(_velocity("VDCMIN", clock_hz))
     return {row.name: row for row in rows}
 
 
-def _ramp(name: str, clock_hz: float) -> Format:
-    held, unit = ramp.REGISTERS[name], ramp.unit_of(name, clock_hz)
+def _ramp(name: str, clock_hz: float, registers: ramp.Registers) -> Format:
+    held, unit = registers[name], ramp.unit_of(name, clock_hz)
     return Format(
         name,
         held.unit,
         unit,
         held.most * unit,
-        lambda value: ramp.to_raw(name, value, clock_hz),
-        lambda raw: ramp.from_raw(name, raw, clock_hz),
+        lambda value: ramp.to_raw(name, value, clock_hz, registers),
+        lambda raw: ramp.from_raw(name, raw, clock_hz, registers),
     )
 
 

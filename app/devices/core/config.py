@@ -10,10 +10,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ...calc.units.mechanics import Mechanics
-from ...errors import OutOfRange, UnknownThing, UsageError
+from ...errors import OutOfRange, UsageError
 from ...links.registry import Link
-from ...registers.catalog import MODELS
-from ..limits.axis_limits import AxisLimits
+from ...registers.catalog import find_model
+from .axis_limits import AxisLimits
 
 AXIS_NAME_MAX = 60
 
@@ -78,9 +78,7 @@ class DeviceConfig:
     """Of an emulator: it is set up whenever it is powered, so that it can move at once."""
 
     def __post_init__(self) -> None:
-        model = MODELS.get(self.model)
-        if model is None:
-            raise UnknownThing("model", self.model, sorted(MODELS))
+        model = find_model(self.model)
         if not self.name.strip():
             raise UsageError("a device needs a name")
         if not self.clock_hz:

@@ -13,7 +13,8 @@ from functools import partial
 
 from ...clock import Clock
 from ...errors import BenchError
-from .device import Device, DeviceEvent, MotionCommanded, StateChanged
+from .device import Device
+from .events import DeviceEvent, MotionCommanded, StateChanged
 
 log = logging.getLogger("stepscope.devices")
 
@@ -52,7 +53,7 @@ class FoundMoving:
             self._forget(device)
             if event.state == "connected":
                 self._looks[device] = asyncio.create_task(
-                    self._look(device, tuple(device.motion_commands)), name=f"found moving {device.id}"
+                    self._look(device, tuple(device.session.motion_commands)), name=f"found moving {device.id}"
                 )
 
     async def _look(self, device: Device, commands: Sequence[int]) -> None:
@@ -60,7 +61,7 @@ class FoundMoving:
         found = self._found[device] = {}
         for axis in device.axes:
             index = axis.index
-            if await self._moves(device, index) and device.motion_commands[index] == commands[index]:
+            if await self._moves(device, index) and device.session.motion_commands[index] == commands[index]:
                 how = "kept moving while the link was away" if commands[index] else "was already moving"
                 found[index] = f"axis {index} {how} when stepscope connected; a stop ends it"
                 log.warning("%s: %s", device.name, found[index])
@@ -74,7 +75,7 @@ class FoundMoving:
     @staticmethod
     async def _moves(device: Device, axis: int) -> bool:
         try:
-            return (await device.axis_state(axis)).moving
+            return (await device.monitor.axis_state(axis)).moving
         except BenchError:
             return False  # the next connection looks again
 

@@ -216,6 +216,32 @@ class TmclExchange:
     took_ms: float
 
 
+@dataclass(frozen=True, slots=True)
+class ProgramState:
+    """What the interpreter of a device's program does, as far as the device tells it."""
+
+    status: Literal["stopped", "running", "stepping", "reset"]
+    downloading: bool
+    counter: int
+    """Address of the command that is done next, or waits."""
+    accumulator: int
+    x: int
+    error: int | None
+    """Status of the latest command that was refused; None where the device does not tell."""
+    variables: dict[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class ProgramDownload:
+    """A program that was stored and read back."""
+
+    address: int
+    """Of its first command."""
+    commands: int
+    sent_again: int
+    """How many commands were sent again, for their answers were lost or garbled."""
+
+
 @dataclass(slots=True)
 class ChainContents:
     """The driver chain as the chip holds it: 32 RAM words (two 6-bit cells each), and LSMD."""

@@ -5,16 +5,25 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...links.access32 import Spi32Access
+from ...links.datagram32 import DATA_MASK
+from ...links.register_access import BoardAccess, RegisterAccess, UartAccess
 from ...registers.tmcl.commands import Status
 
 FloatArray = NDArray[np.float64]
-Decoder = Callable[[FloatArray, NDArray[np.int64], NDArray[np.int64]], FloatArray]
-"""(time_s[rows], words[rows, frames] without status, status[rows]) to one column [rows]."""
+IntArray = NDArray[np.int64]
+Decoder = Callable[[FloatArray, IntArray, IntArray], FloatArray]
+"""(time_s[rows], words[rows, registers] without status, status[rows]) to one column [rows]."""
+Seen = Callable[[FloatArray, IntArray, IntArray], None]
+"""The same block, for whoever learns from it."""
+Block = tuple[IntArray, IntArray, NDArray[np.bool_]]
+"""Words [rows, registers], status bytes [rows], and which rows can be trusted."""
+Form = Callable[[NDArray[np.uint8]], Block]
+"""The bytes of samples [rows, frames, bytes] to what they say."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,13 +48,14 @@ class Taken:
 
 @dataclass(frozen=True, slots=True)
 class SamplePlan(ABC):
-    """`frames` to exchange for one sample, in order; `channels` and `units` in the order asked for."""
+    """`frames` to exchange for one sample, in order; `channels` and `units` in the order asked for.
+
+    reply_bytes : length of one reply
+    """
 
     frames: tuple[bytes, ...]
     channels: tuple[Channel, ...]
-
-    reply_bytes: ClassVar[int]
-    """Length of one reply."""
+    reply_bytes: int
 
     @property
     def units(self) -> tuple[str, ...]:
@@ -64,48 +74,25 @@ class SamplePlan(ABC):
         where their lengths do not fit.
         """
 
-    def _require_rows(self, rows: int, replies: bytes) -> None:
+    def cut(self, rows: int, replies: bytes) -> NDArray[np.uint8]:
+        """The bytes of `rows` samples [rows, frames, bytes]. Raises ValueError where there are more or fewer."""
         expected = rows * self.row_bytes
         if len(replies) != expected:
             raise ValueError(f"{rows} samples of {len(self.frames)} frames have {expected} bytes, not {len(replies)}")
-
-
-@dataclass(frozen=True, slots=True)
-class DatagramPlan(SamplePlan):
-    """Replies of 32 bits: status, then 24 bits of data."""
-
-    columns: tuple[Decoder, ...]
-
-    reply_bytes = 4
-
-    def decode(self, times_s: FloatArray, replies: bytes) -> FloatArray:
-        rows = len(times_s)
-        self._require_rows(rows, replies)
-        words = np.frombuffer(replies, dtype=">u4").reshape(rows, len(self.frames)).astype(np.int64)
-        status = words[:, -1] >> 24
-        data = words & 0xFF_FFFF
-        columns = np.empty((rows, len(self.columns)))
-        for index, decode in enumerate(self.columns):
-            columns[:, index] = decode(times_s, data, status)
-        return columns
-
-
-Seen = Callable[[FloatArray, NDArray[np.int64], NDArray[np.int64]], None]
-"""Hears (time_s[rows], words[rows, registers], status[rows]) of each block before it is decoded."""
+        return np.frombuffer(replies, dtype=np.uint8).reshape(rows, len(self.frames), self.reply_bytes)
 
 
 @dataclass(frozen=True, slots=True)
 class WordsPlan(SamplePlan):
-    """Words of 32 bits, however they travel."""
+    """Words of up to 32 bits; `form` takes them out of the replies, `seen` hears of each block before it is decoded."""
 
     columns: tuple[Decoder, ...]
-    seen: Seen | None
+    form: Form
+    seen: Seen | None = None
 
     def decode(self, times_s: FloatArray, replies: bytes) -> FloatArray:
         rows = len(times_s)
-        self._require_rows(rows, replies)
-        raw = np.frombuffer(replies, dtype=np.uint8).reshape(rows, len(self.frames), self.reply_bytes)
-        words, status, sound = self._taken(raw)
+        words, status, sound = self.form(self.cut(rows, replies))
         if self.seen is not None and rows:
             self.seen(times_s, words, status)
         columns = np.empty((rows, len(self.columns)))
@@ -114,49 +101,39 @@ class WordsPlan(SamplePlan):
         columns[~sound] = np.nan
         return columns
 
-    @abstractmethod
-    def _taken(self, raw: NDArray[np.uint8]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
-        """Words [rows, registers], status bytes [rows] and which rows can be trusted, of raw[rows, frames, bytes]."""
+
+def form_of(access: RegisterAccess) -> Form:
+    """How words lie in the replies of this access."""
+    if isinstance(access, UartAccess):
+        return _uart
+    if isinstance(access, BoardAccess):
+        return _board
+    return _spi32 if isinstance(access, Spi32Access) else _spi40
 
 
-@dataclass(frozen=True, slots=True)
-class PipelinedPlan(WordsPlan):
-    """Replies of 40 bits, each with the status of its moment and the word of the frame before."""
-
-    reply_bytes = 5
-
-    def _taken(self, raw: NDArray[np.uint8]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
-        words = np.ascontiguousarray(raw[:, 1:, 1:]).view(">u4")[:, :, 0].astype(np.int64)
-        return words, raw[:, -1, 0].astype(np.int64), np.ones(len(raw), dtype=np.bool_)
+def _words(replies: NDArray[np.uint8]) -> IntArray:
+    """Four bytes [rows, frames, 4] as a word each [rows, frames]."""
+    return np.ascontiguousarray(replies).view(">u4")[:, :, 0].astype(np.int64)
 
 
-@dataclass(frozen=True, slots=True)
-class BoardPlan(WordsPlan):
+def _spi32(raw: NDArray[np.uint8]) -> Block:
+    """The status, then 24 bits of data."""
+    return _words(raw) & DATA_MASK, raw[:, -1, 0].astype(np.int64), np.ones(len(raw), dtype=np.bool_)
+
+
+def _spi40(raw: NDArray[np.uint8]) -> Block:
+    """Each reply has the status of its moment and the word of the frame before."""
+    return _words(raw[:, 1:, 1:]), raw[:, -1, 0].astype(np.int64), np.ones(len(raw), dtype=np.bool_)
+
+
+def _board(raw: NDArray[np.uint8]) -> Block:
     """Nine-byte answers of an evaluation board, which brings no status byte."""
-
-    reply_bytes = 9
-
-    def _taken(self, raw: NDArray[np.uint8]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
-        # uint8 sums wrap at 256 by themselves, which is what the checksum does.
-        sound = raw[:, :, :8].sum(axis=2, dtype=np.uint8) == raw[:, :, 8]
-        sound &= raw[:, :, 2] == Status.OK
-        words = np.ascontiguousarray(raw[:, :, 4:8]).view(">u4")[:, :, 0].astype(np.int64)
-        return words, np.zeros(len(raw), dtype=np.int64), sound.all(axis=1)
+    # uint8 sums wrap at 256 by themselves, which is what the checksum does.
+    sound = raw[:, :, :8].sum(axis=2, dtype=np.uint8) == raw[:, :, 8]
+    sound &= raw[:, :, 2] == Status.OK
+    return _words(raw[:, :, 4:8]), np.zeros(len(raw), dtype=np.int64), sound.all(axis=1)
 
 
-@dataclass(frozen=True, slots=True)
-class UartPlan(WordsPlan):
+def _uart(raw: NDArray[np.uint8]) -> Block:
     """Answers of a single-wire UART, of which the port has judged the CRC: no status byte."""
-
-    reply_bytes = 8
-
-    def _taken(self, raw: NDArray[np.uint8]) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.bool_]]:
-        words = np.ascontiguousarray(raw[:, :, -5:-1]).view(">u4")[:, :, 0].astype(np.int64)
-        return words, np.zeros(len(raw), dtype=np.int64), np.ones(len(raw), dtype=np.bool_)
-
-
-@dataclass(frozen=True, slots=True)
-class PlainUartPlan(UartPlan):
-    """The same of a TMC5062, whose answers name no host."""
-
-    reply_bytes = 7
+    return _words(raw[:, :, -5:-1]), np.zeros(len(raw), dtype=np.int64), np.ones(len(raw), dtype=np.bool_)

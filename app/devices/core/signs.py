@@ -49,7 +49,7 @@ class Signs:
     holds : what keeps it from going one way
     doubts : why what the position counter shows may not be true
     resets : how often a reset of the device was seen, that of its power-on included; None where it cannot tell
-    takes_encoder : the position can be set to what the encoder shows (`EncodedDevice`)
+    takes_encoder : the position can be set to what the encoder shows (`PositionFromEncoder`)
     encoder_apart_s : how long after the position the encoder was read, of the state [s]
     regulated : the motor follows the encoder, so that a deviation is no lost step
     """

@@ -1,6 +1,6 @@
 """Setting a device up after power-on so that its axes can move: what is wanted in physical figures, as writes.
 
-Each family plans it in a start-up module of its own (`families.START_PLANS`); nothing is written here.
+Each family plans it in a start-up module of its own (`DeviceFamily.start_plan`); nothing is written here.
 """
 
 from __future__ import annotations

@@ -41,7 +41,7 @@ class Stopping:
         if done and not task.cancelled():
             return task.result()
         late = LinkTimeout(
-            device.port.name, STOP_WITHIN_S, "the stop, which may still get through: use its power switch"
+            device.session.port.name, STOP_WITHIN_S, "the stop, which may still get through: use its power switch"
         )
         return _all_failed(device, axes, STOP_WITHIN_S, late)
 

@@ -35,10 +35,10 @@ class Watch:
 
     async def start(self, *, wait: bool) -> None:
         """Connect, and go on watching. With `wait` the first attempt is over on return, or takes too long."""
-        self._device.set_state("connecting")
-        on_down = getattr(self._device.port, "on_down", None)
-        if on_down is not None:
-            self._end_listening = on_down(self._went_down)
+        self._device.session.set_state("connecting")
+        line = self._device.session.port.traits.batches
+        if line is not None:
+            self._end_listening = line.on_down(self._went_down)
         attempted = asyncio.Event()
         self._task = asyncio.create_task(self._run(attempted), name=f"watch {self._device.id}")
         if wait:
@@ -78,7 +78,7 @@ class Watch:
     def _went_down(self, error: LinkDown) -> None:
         """The port saw the cable go while nobody asked anything."""
         if self._works():
-            self._device.set_state("failed", error)
+            self._device.session.set_state("failed", error)
 
     def _works(self) -> bool:
         return self._device.state == "connected"
@@ -86,19 +86,19 @@ class Watch:
     async def _look_in(self) -> None:
         # A failure of the link is told to the device by its queue; here it only must not end the watch.
         with contextlib.suppress(BenchError):
-            await self._device.refresh()
+            await self._device.identity.refresh()
 
     async def _attempt(self) -> None:
         device = self._device
         try:
             await device.identify()
-            await device.refresh()
+            await device.identity.refresh()
             if device.limiter is not None:
-                await device.limiter.rules.learn()
+                await device.limiter.learn()
         except BenchError as error:
-            device.set_state("failed", error)
+            device.session.set_state("failed", error)
         else:
-            device.set_state("connected")
+            device.session.set_state("connected")
 
 
 def _nothing() -> None:

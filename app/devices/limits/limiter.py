@@ -12,17 +12,13 @@ is, and no motion begins by it.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 
 from ...errors import SoftLimit, WrongState
 from ...number_text import plain
-from .axis_limits import AxisLimits
-from .parts import UNITS, Going, Part, View, limit_of
-from .rules import SLACK, Rules
-
-if TYPE_CHECKING:
-    from .watch import RangeWatch
+from ..core.axis_limits import AxisLimits
+from ..core.limit_rules.parts import UNITS, Going, Part, View, limit_of
+from ..core.limit_rules.rules import SLACK, Rules
 
 Writes = Iterable[tuple[int, int]]
 OUTSIDE = "come back by a move to a position inside"
@@ -35,13 +31,14 @@ class Limiter:
         self.rules = rules
         self.positions: dict[int, int] = {}
         """What the counters showed last [microsteps]."""
-        self.watch: RangeWatch | None = None
+        self.end_watch: Callable[[], None] = lambda: None
+        """Ends what looks at the axes for it (`watch`)."""
         self._writes = rules.decoder()
         self._concerns = rules.concerns if rules.tells_more else None
         self._held: dict[int, int | None] = {}
         """Words as they went out or were seen, by address; None where a write may have arrived or not."""
         self._touched: dict[int, list[int]] = {}
-        """Which axes a write to an address matters to."""
+        """Which axes a write to an address affects_limits to."""
         self._by_address: list[dict[int, list[Part]]] = []
         self._depends = {address for parts in rules.parts for part in parts for address in (part.address, *part.others)}
         for axis, parts in enumerate(rules.parts):
@@ -100,10 +97,18 @@ class Limiter:
 
         return word
 
+    async def learn(self) -> None:
+        """Read what decides and can be read. Raises BenchError."""
+        await self.rules.learn()
+
+    async def learn_for(self, command: int, type_: int, value: int) -> None:
+        """For commands of a module: read what this one counts from. Raises BenchError."""
+        await self.rules.learn_for(command, type_, value)
+
     # --- frames: what LinkQueue asks ------------------------------------------------------------
 
     def writes(self, frames: Sequence[bytes]) -> bool:
-        """Whether one of the frames writes something that matters here."""
+        """Whether one of the frames writes something that affects_limits here."""
         told, touched, concerns = self._writes, self._touched, self._concerns
         for frame in frames:  # plain loops: this is asked about every reading too
             for address, _ in told(frame):
@@ -142,7 +147,7 @@ class Limiter:
         """Raises SoftLimit where one of these writes, made in this order, would go beyond a limit."""
         self._judge_all(writes, {})
 
-    def matters(self, address: int) -> bool:
+    def affects_limits(self, address: int) -> bool:
         """Whether a write there can go beyond a limit."""
         return address in self._touched
 

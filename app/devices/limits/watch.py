@@ -17,15 +17,13 @@ import logging
 import math
 from contextvars import Context
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from ...errors import BenchError
-from ..core.device import Device, DeviceEvent, LimitReached, MotionCommanded, StateChanged, motion_owner
-from .parts import Going, sign
-from .rules import Look
-
-if TYPE_CHECKING:
-    from .limiter import Limiter
+from ..core.device import Device
+from ..core.events import DeviceEvent, LimitReached, MotionCommanded, StateChanged, motion_owner
+from ..core.limit_rules.parts import Going, sign
+from ..core.limit_rules.rules import Look
+from .limiter import Limiter
 
 log = logging.getLogger("stepscope.limits")
 
@@ -72,7 +70,7 @@ class RangeWatch:
             else:
                 self._cancel()
         elif isinstance(event, MotionCommanded) and event.by is not self:
-            self._commanded_s = self._device.clock.now()
+            self._commanded_s = self._device.session.clock.now()
             if self._sleeper is not None:
                 self._sleeper.cancel()
 
@@ -99,7 +97,7 @@ class RangeWatch:
                     pause_s = min(pause_s, IDLE_S / 4)  # the link tells by itself that it failed
                 except Exception:  # a mistake of ours must not leave an axis without its limits
                     log.exception("axis %d of %s is not watched well", axis, self._device.name)
-            self._sleeper = asyncio.ensure_future(self._device.clock.sleep(pause_s))
+            self._sleeper = asyncio.ensure_future(self._device.session.clock.sleep(pause_s))
             try:
                 await asyncio.wait({self._sleeper})
             finally:
@@ -109,9 +107,9 @@ class RangeWatch:
     async def _serve(self, axis: int) -> float:
         """Look at an axis, and stop it where it is time; when to look again [s]."""
         device, limiter = self._device, self._limiter
-        began_s, commands = device.clock.now(), device.motion_commands[axis]
+        began_s, commands = device.session.clock.now(), device.session.motion_commands[axis]
         look = await limiter.rules.look(axis)
-        took_s = device.clock.now() - began_s
+        took_s = device.session.clock.now() - began_s
         soon_s = max(POLL_S, took_s)  # on a slow line others want to ask too
         going = limiter.going(axis)
         way = sign(look.velocity_pps) or self._way_to_be(look, going)
@@ -132,7 +130,7 @@ class RangeWatch:
         if stopped_at != commands or abs(look.velocity_pps) >= speed_pps > 0:  # else it brakes already
             assert end is not None
             await self._stop(axis, look, way, end)
-        self._stopped[axis] = (device.motion_commands[axis], abs(look.velocity_pps))
+        self._stopped[axis] = (device.session.motion_commands[axis], abs(look.velocity_pps))
         return soon_s
 
     @staticmethod
@@ -144,7 +142,7 @@ class RangeWatch:
 
     def _pause_s(self, axis: int, look: Look, room: int, soon_s: float, reaction_s: float) -> float | None:
         """How long the axis may go unlooked at [s, server time]; None where it is to be stopped now."""
-        rules, view, scale = self._limiter.rules, self._limiter.view(), self._device.time_scale
+        rules, view, scale = self._limiter.rules, self._limiter.view(), self._device.session.time_scale
         if scale <= 0:
             return IDLE_S  # an emulator whose time stands
         speed = abs(look.velocity_pps)

@@ -46,13 +46,6 @@ class AxisRows:
     @classmethod
     def of(cls, table: RegisterTable, axis: int, reference: str, dividers: str, interrupts: str, mode: str) -> AxisRows:
         """Rows of `axis`; the four names are those that differ between the chips' data sheets."""
-
-        def part(register: Register, name: str) -> Field:
-            found = register.field_named(name)
-            if found is None:
-                raise KeyError(f"{register.name} has no field {name}")
-            return found
-
         reference_row, dividers_row = table.get(reference, axis), table.get(dividers, axis)
         proportionality = table.get("pmul_pdiv", axis)
         return cls(
@@ -70,19 +63,27 @@ class AxisRows:
             dividers=dividers_row,
             tolerance=table.get("dx_ref_tolerance", axis),
             x_latched=table.get("x_latched", axis),
-            mode=part(reference_row, mode),
-            stop_left_off=part(reference_row, "disable_stop_l"),
-            stop_right_off=part(reference_row, "disable_stop_r"),
-            soft_stop=part(reference_row, "soft_stop"),
-            reference_right=part(reference_row, "ref_RnL"),
-            latch_waiting=part(reference_row, "lp"),
-            pmul=part(proportionality, "pmul"),
-            pdiv=part(proportionality, "pdiv"),
-            pulse_div=part(dividers_row, "pulse_div"),
-            ramp_div=part(dividers_row, "ramp_div"),
+            mode=field_of(reference_row, mode),
+            stop_left_off=field_of(reference_row, "disable_stop_l"),
+            stop_right_off=field_of(reference_row, "disable_stop_r"),
+            soft_stop=field_of(reference_row, "soft_stop"),
+            reference_right=field_of(reference_row, "ref_RnL"),
+            latch_waiting=field_of(reference_row, "lp"),
+            pmul=field_of(proportionality, "pmul"),
+            pdiv=field_of(proportionality, "pdiv"),
+            pulse_div=field_of(dividers_row, "pulse_div"),
+            ramp_div=field_of(dividers_row, "ramp_div"),
             usrs=dividers_row.field_named("usrs"),
         )
 
     def with_mode(self, reference_word: int, mode: int) -> int:
         """The word to write for another ramp mode, the switch bits as they are."""
         return self.mode.pack(mode, over=reference_word) & self.reference.write_mask
+
+
+def field_of(register: Register, name: str) -> Field:
+    """The field of that name. Raises KeyError."""
+    found = register.field_named(name)
+    if found is None:
+        raise KeyError(f"{register.name} has no field {name}")
+    return found

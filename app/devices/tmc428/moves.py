@@ -10,14 +10,23 @@ from ...errors import UsageError, WriteRefused
 from ...links.queue import Priority
 from ...number_text import plain
 from ...registers.model import to_raw
-from ..core.axis_units import one_chip_unit, to_chip_velocity, to_position
-from ..core.device import MotionStarted
-from ..core.motion import Setting, checked_target, distance
+from ..core.axis_units import to_position
+from ..core.capabilities import Motion
+from ..core.events import MotionStarted
+from ..core.prediction import Prediction
 from ..core.register_io import Words
-from ..core.results import AxisMove, MoveStarted, Rotating
+from ..core.register_link import RegisterLink
+from ..core.results import AxisMove, MoveStarted, Rotating, StopMode, StopOutcome
 from .axis_rows import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOCITY_MODE, AxisRows
-from .chip import RampChip
-from .prediction import Origin, TickedPrediction
+from .memory import RampMemory
+from .prediction import Origin, TickedBook, TickedPrediction
+from .setting import Setting, checked_target, distance
+from .stops import RampStops
+from .switching import Switching
+from .velocity_units import one_chip_unit, to_chip_velocity
+
+CLOCKS_PER_STEP = 32
+"""The pulse generator makes a step in 32 clocks at the most: pulse_div 0, v_max 2047 of 2048 (DS-TMC428 8.14)."""
 
 
 @dataclass(slots=True)
@@ -43,21 +52,47 @@ class _Prepared:
         return self.setting.mode if self.positioning else RAMP_MODE
 
 
-class RampMoves(RampChip):
-    """`RampChip` that can be sent somewhere."""
+class RampMotion(Motion):
+    """Sends the axes of a ramp generator chip somewhere. `books` are the predictions by axis."""
+
+    def __init__(
+        self,
+        link: RegisterLink,
+        memory: RampMemory,
+        switching: Switching,
+        books: Sequence[TickedBook],
+        stops: RampStops,
+    ) -> None:
+        self._link = link
+        self._session = link.session
+        self._memory = memory
+        self._switching = switching
+        self._books = books
+        self._stops = stops
+
+    def speed_limit_pps(self, axis: int) -> float:
+        self._session.axis(axis)
+        return self._session.clock_hz / CLOCKS_PER_STEP
+
+    def prediction(self, axis: int) -> Prediction | None:
+        self._session.axis(axis)
+        return self._books[axis].present()
+
+    async def stop_axes(self, axes: Sequence[int], mode: StopMode = "ramp") -> list[StopOutcome]:
+        return await self._stops.stop_axes(axes, mode)
 
     # --- moves ----------------------------------------------------------------------------------
 
     async def move_together(self, moves: Sequence[AxisMove]) -> list[MoveStarted]:
-        axes = [self.axis(move.axis).index for move in moves]
+        axes = [self._session.axis(move.axis).index for move in moves]
         if len(set(axes)) != len(axes):
             raise UsageError("an axis is named twice in one move")
         if not axes:
             raise UsageError("a move of no axis")
-        self.require_connected()
-        async with self.queue.turn(Priority.COMMAND, self.stop_guard(axes)) as turn:
+        self._session.require_connected()
+        async with self._session.queue.turn(Priority.COMMAND, self._session.stop_guard(axes)) as turn:
             words = Words(turn)
-            common = await self._motion_warnings(words)
+            common = await self._switching.motion_warnings(words)
             prepared = [await self._prepare(words, move) for move in moves]
             self._allow_moves(prepared)
             for one in prepared:
@@ -80,15 +115,19 @@ class RampMoves(RampChip):
                     common + one.warnings,
                 )
             )
-            self._tell(MotionStarted(one.axis, one.started_at_s))
+            self._session.tell(MotionStarted(one.axis, one.started_at_s))
         return started
 
     async def retarget(self, axis: int, count_target: int) -> MoveStarted:
         """On the way to a target only the target is written: half the datagrams, and no ramp is worked out ahead."""
-        self.axis(axis)
-        self.require_connected()
-        rows, setting, not_stopped = self.rows[axis], self.setting(axis), self.stop_guard([axis])
-        async with self.queue.turn(Priority.COMMAND, not_stopped) as turn:
+        self._session.axis(axis)
+        self._session.require_connected()
+        rows, setting, not_stopped = (
+            self._memory.rows[axis],
+            self._memory.setting(axis),
+            self._session.stop_guard([axis]),
+        )
+        async with self._session.queue.turn(Priority.COMMAND, not_stopped) as turn:
             words = Words(turn)
             reference = await words.read(rows.reference)
             v_actual = await words.value(rows.v_actual)
@@ -102,22 +141,22 @@ class RampMoves(RampChip):
                 await self._start(words, one)
                 await self._check_target(words, one)
                 self._predict(one)
-                self._tell(MotionStarted(axis, one.started_at_s))
+                self._session.tell(MotionStarted(axis, one.started_at_s))
                 return MoveStarted(axis, x_actual, count_target, one.started_at_s, None, [])
         not_stopped()  # from here on a move looks out for itself
         return await super().retarget(axis, count_target)
 
     async def _prepare(self, words: Words, move: AxisMove) -> _Prepared:
         """Read what decides, and refuse what cannot go well. Nothing is written."""
-        rows = self.rows[move.axis]
-        setting = await self._read_setting(words, move.axis)
+        rows = self._memory.rows[move.axis]
+        setting = await self._memory.read_setting(words, move.axis)
         setting.require_motion(move.axis)
         setting.require_proportionality(move.axis)
         warnings = setting.proportionality_warnings()
-        left, right = await self._switches(words, move.axis)
+        left, right = await self._switching.read(words, move.axis)
         v_actual = await words.value(rows.v_actual)
         x_actual = await words.value(rows.x_actual)
-        wanted = to_position(self.mechanics(move.axis), move.target, move.unit)
+        wanted = to_position(self._memory.mechanics(move.axis), move.target, move.unit)
         if move.unit == "microsteps" and wanted != move.target:
             warnings.append(f"rounded to {wanted} microsteps")
         shown = "" if move.unit == "microsteps" else f"; {plain(move.target)} {move.unit} asked"
@@ -131,13 +170,15 @@ class RampMoves(RampChip):
 
     def _allow_moves(self, prepared: Sequence[_Prepared]) -> None:
         """Raises SoftLimit before anything of these moves is sent."""
-        if self.limiter is None:
+        if self._session.limiter is None:
             return
         for one in prepared:
-            self.limiter.require_target(one.axis, distance(one.target, 0), one.x_actual)
+            self._session.limiter.require_target(one.axis, distance(one.target, 0), one.x_actual)
             mode = one.rows.with_mode(one.setting.reference, one.mode)
             target = (one.rows.x_target.address, to_raw(one.target, one.rows.x_target.width))
-            self.limiter.check_writes([target] if one.positioning else [target, (one.rows.reference.address, mode)])
+            self._session.limiter.check_writes(
+                [target] if one.positioning else [target, (one.rows.reference.address, mode)]
+            )
 
     async def _start(self, words: Words, one: _Prepared) -> None:
         """Exactly one datagram, which sets the axis in motion."""
@@ -146,13 +187,13 @@ class RampMoves(RampChip):
         else:
             await words.write(one.rows.reference, one.rows.with_mode(one.setting.reference, RAMP_MODE))
         one.started_at_s = words.time_s
-        self.commanded(one.axis, "move", target=one.target)
+        self._session.commanded(one.axis, "move", target=one.target)
 
     async def _check_target(self, words: Words, one: _Prepared) -> None:
         rows = one.rows
         back = await words.value(rows.x_target)
         mode = await words.read(rows.reference)
-        self._saw_word(rows.reference, mode)
+        self._memory.saw(rows.reference, mode)
         if back != one.target:
             raise WriteRefused(rows.x_target.name, one.target, back, f"axis {one.axis} may go there: stop it")
         if rows.mode.unpack(mode) != one.mode:
@@ -166,7 +207,7 @@ class RampMoves(RampChip):
                 position=one.x_actual,
                 distance=distance(one.target, one.x_actual),
                 velocity=one.v_actual,
-                parameters=one.setting.parameters(self.clock_hz, one.mode),
+                parameters=one.setting.parameters(self._session.clock_hz, one.mode),
             )
         )
 
@@ -177,9 +218,9 @@ class RampMoves(RampChip):
 
         `asked` is what was asked for, in chip units and not rounded.
         """
-        limiter, rows = self.limiter, self.rows[axis]
+        limiter, rows = self._session.limiter, self._memory.rows[axis]
         assert limiter is not None
-        unit_pps = pulse_rate_hz(1, setting.pulse_div, self.clock_hz)
+        unit_pps = pulse_rate_hz(1, setting.pulse_div, self._session.clock_hz)
         limiter.require_velocity(axis, asked * unit_pps)
         limiter.require_way(axis, chip, x_actual)
         chip = limiter.rounded(axis, chip, unit_pps)
@@ -188,24 +229,26 @@ class RampMoves(RampChip):
         return chip
 
     async def rotate(self, axis: int, velocity: float, unit: str = "pps") -> Rotating:
-        self.axis(axis)
-        self.require_connected()
-        rows = self.rows[axis]
-        async with self.queue.turn(Priority.COMMAND, self.stop_guard([axis])) as turn:
+        self._session.axis(axis)
+        self._session.require_connected()
+        rows = self._memory.rows[axis]
+        async with self._session.queue.turn(Priority.COMMAND, self._session.stop_guard([axis])) as turn:
             words = Words(turn)
-            setting = await self._read_setting(words, axis)
+            setting = await self._memory.read_setting(words, axis)
             setting.require_motion(axis)
             chip, warnings = to_chip_velocity(
-                self.mechanics(axis), velocity, unit, setting.pulse_div, self.clock_hz, setting.v_max
+                self._memory.mechanics(axis), velocity, unit, setting.pulse_div, self._session.clock_hz, setting.v_max
             )
-            warnings += await self._motion_warnings(words)
-            left, right = await self._switches(words, axis)
+            warnings += await self._switching.motion_warnings(words)
+            left, right = await self._switching.read(words, axis)
             switch = setting.blocked(rows, chip, left, right)
             if switch:
                 warnings.append(f"the {switch} switch is active and stops motion that way")
             x_actual = await words.value(rows.x_actual)
-            if self.limiter is not None:
-                asked = velocity / one_chip_unit(self.mechanics(axis), unit, setting.pulse_div, self.clock_hz)
+            if self._session.limiter is not None:
+                asked = velocity / one_chip_unit(
+                    self._memory.mechanics(axis), unit, setting.pulse_div, self._session.clock_hz
+                )
                 chip = self._allow_rotation(axis, setting, asked, chip, x_actual)
             v_actual = await words.value(rows.v_actual)
             if setting.mode != VELOCITY_MODE:
@@ -215,15 +258,15 @@ class RampMoves(RampChip):
                 await words.write(rows.reference, rows.with_mode(setting.reference, VELOCITY_MODE))
             await words.put(rows.v_target, chip)
             started_at_s = words.time_s
-            self.commanded(axis, "rotate", velocity=chip)
+            self._session.commanded(axis, "rotate", velocity=chip)
             back = await words.value(rows.v_target)
             reference = await words.read(rows.reference)
-            self._saw_word(rows.reference, reference)
+            self._memory.saw(rows.reference, reference)
         if back != chip:
             raise WriteRefused(rows.v_target.name, chip, back, f"axis {axis} may turn at another speed: stop it")
         if rows.mode.unpack(reference) != VELOCITY_MODE:
             raise WriteRefused(rows.reference.name, VELOCITY_MODE, reference, f"axis {axis} did not take VELOCITY_MODE")
-        parameters = setting.parameters(self.clock_hz, VELOCITY_MODE, v_target=chip)
+        parameters = setting.parameters(self._session.clock_hz, VELOCITY_MODE, v_target=chip)
         self._books[axis].begin(Origin(axis, started_at_s, x_actual, 0, v_actual, parameters))
-        self._tell(MotionStarted(axis, started_at_s))
-        return Rotating(axis, chip, pulse_rate_hz(chip, setting.pulse_div, self.clock_hz), warnings)
+        self._session.tell(MotionStarted(axis, started_at_s))
+        return Rotating(axis, chip, pulse_rate_hz(chip, setting.pulse_div, self._session.clock_hz), warnings)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ..core.motion import Setting
 from ..core.results import AxisState
 from ..core.signs import Evidence, Sign, Signs, zero
 from .axis_rows import AxisRows
+from .setting import Setting
 
 V_MAX, A_MAX = 1000, 500
 """What a remedy writes where one of them is 0: half of the greatest speed, and a ramp of some tenths of a second."""

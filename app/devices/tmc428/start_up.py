@@ -11,14 +11,16 @@ from ...calc.microsteps.table import design_table
 from ...calc.ramps.pmul_pdiv import design, inverse
 from ...calc.units.mechanics import Mechanics
 from ...errors import UsageError
+from ..core.capabilities import DriverChainRam, MicrostepRam
 from ..core.device import Device
 from ..core.results import WriteItem
 from ..core.start_up import StartPlan, Wanted
+from .memory import RampMemory
 
 
 @dataclass(frozen=True, slots=True)
 class AxisStart:
-    """What one axis is set to, in register values. `usrs` is the TMC428's alone.
+    """What one axis is set to, in register values. `usrs` is for chips that drive a chain.
 
     pmul and pdiv are designed from these, reduced as the data sheets advise. The stop switches are
     in force where `stops` is.
@@ -34,6 +36,9 @@ class AxisStart:
 
 
 DRIVERS = ("tmc236", "tmc236", "tmc236")
+STEP_DIR = "tmc4210"
+"""Whose ramps are found without a microstep resolution of the chip's own."""
+GLOBAL_AT, INTERFACE_AT = 0x3F, 0x34
 CLK2_DIV = 7
 """The fastest clock of the driver chain, good for TMC236 and its family (DS-TMC428 9.7)."""
 
@@ -49,25 +54,26 @@ async def start_up(device: Device, axes: Sequence[AxisStart], drivers: Sequence[
     """Set a chip up after power-on, ready for `move` and `rotate`.
 
     A TMC428 gets driver chain, microstep table, LSMD and global parameters with multiplexed
-    switches sampled at rest; a TMC4210 its step/direction output and right switch. Then each axis.
+    switches sampled at rest, and so does a TMC429 that is not told to give steps (en_sd); a TMC4210 its step/direction
+    output and right switch. Then each axis.
 
     Raises BenchError: at the first write that the chip did not take, with the rest not tried.
     """
-    if device.model == "tmc428":
+    if _by_chain(device):
         # RAM first: as long as it is noise, a datagram to the chain may never end (DS-TMC428 chapter 11).
         chain = build_chain(drivers)
-        await device.write_driver_chain(chain.ram_words, chain.lsmd)
-        await device.write_microstep_table(design_table().values)
+        await device.need(DriverChainRam).write_driver_chain(chain.ram_words, chain.lsmd)
+        await device.need(MicrostepRam).write_microstep_table(design_table().values)
     for item in _global_items(device):
-        await device.write(item.name, item.axis, item.value, item.fields)
+        await device.registers.write(item.name, item.axis, item.value, item.fields)
     for axis, start in enumerate(axes):
         for item in _axis_items(device, axis, start):
-            await device.write(item.name, item.axis, item.value, item.fields)
+            await device.registers.write(item.name, item.axis, item.value, item.fields)
 
 
 async def plan(device: Device, wanted: Sequence[Wanted]) -> StartPlan:
     """What a chip after power-on needs, in its order; all axes share the driver chain and the table."""
-    spi = device.model == "tmc428"
+    spi = _by_chain(device)
     items = _global_items(device)
     tables: dict[str, Sequence[int]] = {}
     if spi:
@@ -92,7 +98,7 @@ def _start_of(device: Device, one: Wanted) -> AxisStart:
         raise UsageError(f"a {device.family.title} reads no encoder: leave counts_per_rev out")
     if figures.stop_low_active:
         raise UsageError(f"the stop switches of a {device.family.title} have a polarity for all: write it by hand")
-    spi = device.model == "tmc428"
+    spi = _by_chain(device)
     driver = one.settings.driver_microsteps
     microsteps = one.microsteps(MICROSTEPS[0], MICROSTEPS) if spi else driver
     if not spi and figures.microsteps not in (None, driver):
@@ -102,7 +108,7 @@ def _start_of(device: Device, one: Wanted) -> AxisStart:
         raise UsageError(f"a {device.family.title} brakes as it accelerates: leave deceleration_pps2 out")
     mechanics = Mechanics(one.settings.full_steps_per_rev, microsteps)
     try:
-        near = inverse(device.model, velocity, slope, mechanics, device.clock_hz)
+        near = inverse(device.model if spi else STEP_DIR, velocity, slope, mechanics, device.clock_hz)
     except ValueError as error:
         raise UsageError(str(error)) from error
     one.warnings += [f"axis {one.axis}: {said}" for said in near.warnings]
@@ -120,40 +126,50 @@ def _currents(one: Wanted) -> WriteItem:
     return WriteItem(CURRENTS, one.axis, fields={name: eighths % EIGHTHS for name, eighths in codes.items()})
 
 
+def _memory(device: Device) -> RampMemory:
+    memory = device.part(RampMemory)
+    assert memory is not None  # this plans for no other family
+    return memory
+
+
+def _by_chain(device: Device) -> bool:
+    """Whether the motors are driven through the chain of SPI drivers: a TMC429 told to give steps is not."""
+    return _memory(device).drives_chain
+
+
 def _global_items(device: Device) -> list[WriteItem]:
-    if device.model == "tmc428":
-        return [
-            WriteItem(
-                "stepper_motor_global_parameter_register",
-                fields={"clk2_div": CLK2_DIV, "continuous_update": 1, "refmux": 1},
-            )
-        ]
-    return [
-        WriteItem("IF_CONFIGURATION_4210", fields={"en_sd": 1}),
-        WriteItem("STEPPER_MOTOR_GLOBAL_PARAMETER_REGISTER", fields={"mot1r": 1}),
-    ]
+    table = device.family.table
+    shared = table.at(GLOBAL_AT)
+    assert shared is not None
+    if _by_chain(device):
+        return [WriteItem(shared.name, fields={"clk2_div": CLK2_DIV, "continuous_update": 1, "refmux": 1})]
+    interface = table.at(INTERFACE_AT)
+    assert interface is not None
+    # A TMC429 has its right switches at pins of their own, or none.
+    own = [WriteItem(shared.name, fields={"mot1r": 1})] if len(device.axes) == 1 else []
+    return [WriteItem(interface.name, fields={"en_sd": 1}), *own]
 
 
 def _axis_items(device: Device, axis: int, start: AxisStart) -> list[WriteItem]:
     pair = design(device.model, start.a_max, start.ramp_div, start.pulse_div, evaluate=False)
     if pair.pmul is None or pair.p_mul is None or pair.pdiv is None:
         raise UsageError(f"no pmul and pdiv fit a_max {start.a_max} with these dividers: {'; '.join(pair.warnings)}")
+    rows = _memory(device).rows[axis]
     dividers: dict[str, int | str] = {"pulse_div": start.pulse_div, "ramp_div": start.ramp_div}
-    if device.model == "tmc428":
+    if _by_chain(device):
         dividers["usrs"] = start.usrs
-    reference, mode = ("lp_ref_conf_rm", "rm") if device.model == "tmc428" else ("lp_REF_CONF_RAMP_MODE", "RAMP_MODE")
+    # Without its fixed leading one the mantissa has seven bits.
+    pmul = pair.pmul if rows.pmul.width == 7 else pair.p_mul
     ignored = int(not start.stops)
     return [
         WriteItem("v_min", axis, start.v_min),
         WriteItem("v_max", axis, start.v_max),
-        WriteItem(
-            "pulse_div_ramp_div_usrs" if device.model == "tmc428" else "PULSE_DIV_RAMP_DIV", axis, fields=dividers
-        ),
+        WriteItem(rows.dividers.name, axis, fields=dividers),
         WriteItem("a_max", axis, start.a_max),
+        WriteItem("pmul_pdiv", axis, fields={"pmul": pmul, "pdiv": pair.pdiv}),
         WriteItem(
-            "pmul_pdiv",
+            rows.reference.name,
             axis,
-            fields={"pmul": pair.pmul if device.model == "tmc428" else pair.p_mul, "pdiv": pair.pdiv},
+            fields={rows.mode.name: "RAMP_MODE", "disable_stop_l": ignored, "disable_stop_r": ignored},
         ),
-        WriteItem(reference, axis, fields={mode: "RAMP_MODE", "disable_stop_l": ignored, "disable_stop_r": ignored}),
     ]

@@ -7,26 +7,34 @@ from collections.abc import Sequence
 
 from ...errors import BenchError, LinkDown, LinkTimeout, OutOfRange, WriteRefused, WrongState
 from ...links.queue import Priority
-from ..core.motion import POSITION_MAX, POSITION_MIN
+from ..core.capabilities import PositionSetting
 from ..core.register_io import Words
 from ..core.results import StopMode, StopOutcome
+from ..core.session import Session
 from .axis_rows import HOLD_MODE, VELOCITY_MODE
-from .writes import RampWrites
+from .memory import RampMemory
+from .prediction import TickedBook
+from .setting import POSITION_MAX, POSITION_MIN
 
 
-class RampStops(RampWrites):
-    """`RampChip` that can be stopped."""
+class RampStops(PositionSetting):
+    """Stops the axes of a ramp generator chip, and calls the place where one stands by another number."""
+
+    def __init__(self, session: Session, memory: RampMemory, books: Sequence[TickedBook]) -> None:
+        self._session = session
+        self._memory = memory
+        self._books = books
 
     # --- stops ----------------------------------------------------------------------------------
 
-    async def _stop_axes(self, axes: Sequence[int], mode: StopMode = "ramp") -> list[StopOutcome]:
+    async def stop_axes(self, axes: Sequence[int], mode: StopMode = "ramp") -> list[StopOutcome]:
         began = time.perf_counter()
         for axis in axes:
-            self.stops[axis] += 1  # before anything waits: what is under way for these axes gives up
-            self.commanded(axis, "stop", mode=mode)
+            self._session.stops[axis] += 1  # before anything waits: what is under way for these axes gives up
+            self._session.commanded(axis, "stop", mode=mode)
         outcomes: list[StopOutcome] = []
         lost: BenchError | None = None
-        async with self.queue.turn(Priority.STOP) as turn:
+        async with self._session.queue.turn(Priority.STOP) as turn:
             words = Words(turn)
             sent: dict[int, bool | BenchError] = {}
             for axis in axes:  # all motors first, all checks afterwards
@@ -37,12 +45,12 @@ class RampStops(RampWrites):
             for axis, how in sent.items():
                 problem = how if isinstance(how, BenchError) else await self._check_stop(words, axis, how)
                 took_ms = (time.perf_counter() - began) * 1e3
-                outcomes.append(StopOutcome(self.id, axis, problem is None, took_ms, problem))
+                outcomes.append(StopOutcome(self._session.id, axis, problem is None, took_ms, problem))
         return outcomes
 
     async def _stop(self, words: Words, axis: int, mode: StopMode) -> bool | BenchError:
         """Send one axis its stop: whether at once (True) or by the ramp (False), or what went wrong."""
-        rows = self.rows[axis]
+        rows = self._memory.rows[axis]
         for attempt in (1, 2):  # a stop moves nothing, so it may be sent again
             try:
                 reference = await words.read(rows.reference)
@@ -64,11 +72,11 @@ class RampStops(RampWrites):
         raise AssertionError("unreachable")
 
     async def _check_stop(self, words: Words, axis: int, at_once: bool) -> BenchError | None:
-        rows = self.rows[axis]
+        rows = self._memory.rows[axis]
         wanted_mode, register = (HOLD_MODE, rows.v_actual) if at_once else (VELOCITY_MODE, rows.v_target)
         try:
             reference = await words.read(rows.reference)
-            self._saw_word(rows.reference, reference)
+            self._memory.saw(rows.reference, reference)
             if rows.mode.unpack(reference) != wanted_mode:
                 sent = rows.with_mode(reference, wanted_mode)
                 return WriteRefused(rows.reference.name, sent, reference, "stop again, or cut the power")
@@ -81,29 +89,29 @@ class RampStops(RampWrites):
 
     # --- setting the position -------------------------------------------------------------------
 
-    async def set_position(self, axis: int, position: int) -> int:
+    async def set_position(self, axis: int, position: int, /) -> int:
         """Call the place where the motor stands `position`; x_target follows. Returns what was subtracted.
 
         v_max is 0 meanwhile, as the sheets ask for (DS-TMC428 8.4), so nothing moves. Raises WrongState
         while the motor turns, OutOfRange outside 24 bits.
         """
-        self.axis(axis)
+        self._session.axis(axis)
         if not POSITION_MIN <= position <= POSITION_MAX:
             raise OutOfRange("position", position, POSITION_MIN, POSITION_MAX, "microsteps")
-        self.require_connected()
-        rows = self.rows[axis]
-        if self.limiter is not None:
-            self.limiter.require_target(axis, position)
+        self._session.require_connected()
+        rows = self._memory.rows[axis]
+        if self._session.limiter is not None:
+            self._session.limiter.require_target(axis, position)
         # No guard: a stop that comes between must not leave v_max at 0, and nothing here sets the motor in motion.
-        async with self.queue.turn(Priority.COMMAND) as turn:
+        async with self._session.queue.turn(Priority.COMMAND) as turn:
             words = Words(turn)
             if await words.value(rows.v_actual) != 0:
                 raise WrongState(f"axis {axis} moves", "stop it first")
             v_max = await words.read(rows.v_max)
-            if self.limiter is not None:  # else it would not come back
-                self.limiter.check_writes([(rows.v_max.address, 0), (rows.v_max.address, v_max)])
+            if self._session.limiter is not None:  # else it would not come back
+                self._session.limiter.check_writes([(rows.v_max.address, 0), (rows.v_max.address, v_max)])
             await words.write(rows.v_max, 0)
-            self.commanded(axis, "set_position", position=position)
+            self._session.commanded(axis, "set_position", position=position)
             before = await words.value(rows.x_actual)
             await words.put(rows.x_target, position)
             await words.put(rows.x_actual, position)

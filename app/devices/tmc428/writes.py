@@ -1,26 +1,64 @@
-"""What writes to a ramp generator's registers do besides storing a word, and how motions are foreseen after them."""
+"""What writes to a ramp generator's registers do besides storing a word, and how motions are predicted after them."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ...errors import BenchError, WriteRefused
-from ...links.queue import Priority
 from ...registers.model import Register
-from ..core.device import MotionStarted
-from ..core.motion import Setting, distance
+from ..core.events import MotionStarted
+from ..core.register_file import RegisterRules, changes_by_itself
 from ..core.register_io import Words
+from ..core.register_link import RegisterLink
 from .axis_rows import HOLD_MODE, POSITIONING_MODES, RAMP_MODE, VELOCITY_MODE
-from .moves import RampMoves
-from .prediction import Origin
+from .memory import RampMemory
+from .prediction import Origin, TickedBook
+from .setting import Setting, distance
 
 
-class RampWrites(RampMoves):
-    """`RampChip` that knows the side effects of its registers."""
+class RampWrites(RegisterRules):
+    """The side effects of the registers of a ramp generator chip."""
 
-    async def _before_write(self, words: Words, register: Register, word: int) -> list[str]:
+    def __init__(self, link: RegisterLink, memory: RampMemory, books: Sequence[TickedBook]) -> None:
+        self._link = link
+        self._session = link.session
+        self._memory = memory
+        self._books = books
+        self._motion = {
+            register.address: axis
+            for axis, rows in enumerate(memory.rows)
+            for register in (
+                *Setting.rows(rows),
+                rows.x_target,
+                rows.x_actual,
+                rows.v_target,
+                rows.v_actual,
+                rows.tolerance,
+            )
+        }
+        """Registers whose write may move or stop an axis."""
+        self._before: dict[int, tuple[int, int, float]] = {}
+        """Per axis: x_actual and v_actual just before a write, and when the write went out."""
+
+    def remembers(self, register: Register) -> bool:
+        return self._memory.remembers(register)
+
+    def saw(self, register: Register, word: int) -> None:
+        self._memory.saw(register, word)
+
+    def sent(self, register: Register, word: int) -> None:
+        del word
+        axis = self._motion.get(register.address)
+        if axis is not None:
+            x_actual, v_actual, _ = self._before.get(axis, (0, 1, 0.0))
+            self._before[axis] = (x_actual, v_actual, self._session.port.last_exchange_s)
+            self._session.commanded(axis, register.name)
+
+    async def before_write(self, words: Words, register: Register, word: int) -> list[str]:
         axis = self._motion.get(register.address)
         if axis is None:
-            return await super()._before_write(words, register, word)
-        rows = self.rows[axis]
+            return []
+        rows = self._memory.rows[axis]
         x_actual, v_actual = await words.value(rows.x_actual), await words.value(rows.v_actual)
         self._before[axis] = (x_actual, v_actual, words.time_s)
         notes: list[str] = []
@@ -39,7 +77,7 @@ class RampWrites(RampMoves):
         return notes
 
     async def _divider_notes(self, words: Words, axis: int, word: int) -> list[str]:
-        rows = self.rows[axis]
+        rows = self._memory.rows[axis]
         held = await words.read(rows.dividers)
         if rows.pulse_div.unpack(held) == rows.pulse_div.unpack(word):
             return []
@@ -48,11 +86,11 @@ class RampWrites(RampMoves):
             return []
         return [f"pulse_div changed in {rows.mode.values[mode]}: it may have forced a microstep (DS-TMC428 8.14)"]
 
-    async def _explain(self, words: Words, register: Register, word: int, back: int) -> str | None:
+    async def explain(self, words: Words, register: Register, word: int, back: int) -> str | None:
         axis = register.axis
         if axis is None:
-            return await super()._explain(words, register, word, back)
-        rows = self.rows[axis]
+            return changes_by_itself(register, back)
+        rows = self._memory.rows[axis]
         if register is rows.x_latched:
             return "the latch is armed and waits for the reference switch; the value itself cannot be written"
         if register is rows.v_target:
@@ -61,43 +99,47 @@ class RampWrites(RampMoves):
                 return None  # there it has to stay as written
             return f"in {rows.mode.values[mode]} the ramp generator sets {register.name}; it is yours in VELOCITY_MODE"
         if register is rows.x_actual:
-            if self._moving_now(await self._read_setting(words, axis), axis, await words.value(rows.v_actual)):
+            if self._moving_now(await self._memory.read_setting(words, axis), axis, await words.value(rows.v_actual)):
                 return f"the motor moves: it is at {register.decode(back)} now"
             x_target = await words.value(rows.x_target)
             return f"the motor drove on to {x_target}" if register.decode(back) == x_target else None
         if register is rows.v_actual:
             return None  # in HOLD_MODE nobody else sets it
-        return await super()._explain(words, register, word, back)
+        return changes_by_itself(register, back)
 
     @staticmethod
     def _moving_now(setting: Setting, axis: int, v_actual: int) -> bool:
         del axis
         return bool(v_actual) or (setting.mode in POSITIONING_MODES and bool(setting.v_max and setting.a_max))
 
-    async def _after_write(self, register: Register) -> None:
+    async def settle(self, words: Words, register: Register, *, read_back: bool) -> None:
         axis = self._motion.get(register.address)
         if axis is not None:
             try:
-                await self._foresee(axis)
+                await self._predict(words, axis, register if read_back else None)
             except BenchError:
                 # The write itself is done and verified; that the next read failed is not its failure.
-                self._books[axis].end(self.port.last_exchange_s, f"{register.name} was written")
+                self._books[axis].end(self._session.port.last_exchange_s, f"{register.name} was written")
 
-    async def _foresee(self, axis: int) -> None:
-        """Begin the prediction for whatever the axis does now."""
-        rows = self.rows[axis]
+    async def _predict(self, words: Words, axis: int, written: Register | None) -> None:
+        """Begin the prediction for whatever the axis does now; `written` was read back in this turn."""
+        rows = self._memory.rows[axis]
         x_before, v_before, sent_s = self._before.pop(axis, (0, 1, 0.0))
-        async with self.queue.turn(Priority.COMMAND) as turn:
-            words = Words(turn)
-            setting = await self._read_setting(words, axis)
-            x_target = await words.value(rows.x_target)
-            v_target = await words.value(rows.v_target)
-            v_actual = await words.value(rows.v_actual)
-            x_actual = await words.value(rows.x_actual)
-            time_s = words.time_s
-        if v_before == 0 and x_actual == x_before:
-            # From rest the start is known exactly: it was when the datagram went out.
-            v_actual, time_s = 0, min(time_s, sent_s) or time_s
+        setting = await self._memory.read_setting(words, axis, () if written is None else (written,))
+
+        async def value(register: Register) -> int:
+            if register is written and self._memory.remembers(register):
+                return register.decode(self._memory.word(register))
+            return await words.value(register)
+
+        x_target, v_target = await value(rows.x_target), await value(rows.v_target)
+        if v_before == 0 and written not in (None, rows.x_actual, rows.v_actual):
+            # From rest the start is known exactly: it was where the axis stood, when the datagram went out.
+            v_actual, x_actual, time_s = 0, x_before, sent_s or words.time_s
+        else:
+            v_actual, x_actual, time_s = await value(rows.v_actual), await value(rows.x_actual), words.time_s
+            if v_before == 0 and x_actual == x_before:
+                v_actual, time_s = 0, min(time_s, sent_s) or time_s
         book = self._books[axis]
         to_go = distance(x_target, x_actual)
         positioning = setting.mode in POSITIONING_MODES
@@ -117,9 +159,9 @@ class RampWrites(RampMoves):
                 distance=to_go if positioning else 0,
                 velocity=max(-2047, v_actual),
                 parameters=setting.parameters(
-                    self.clock_hz, setting.mode, v_target=max(-2047, v_target), v_actual=max(-2047, v_actual)
+                    self._session.clock_hz, setting.mode, v_target=max(-2047, v_target), v_actual=max(-2047, v_actual)
                 ),
             )
         )
         if v_before == 0:
-            self._tell(MotionStarted(axis, time_s))
+            self._session.tell(MotionStarted(axis, time_s))

@@ -2,40 +2,57 @@
 
 from __future__ import annotations
 
+from ..core.capabilities import PositionCounter
 from ..core.counter import CounterLook
+from ..core.register_io import Held
+from ..core.register_link import RegisterLink
+from ..core.session import Session
 from . import rows
-from .polling import Looks
+from .events import Events
+from .memory import ChipMemory
 
 LOOK = (rows.XACTUAL, rows.ENC_POS, rows.ENC_CONST, rows.REFERENCE_CONF)
+COUNTER_WRITES = frozenset({"set_position", rows.XACTUAL.name, "X_RANGE"})
+"""Commands after which the counter shows another number for the same place."""
 
 
-class Counting(Looks):
-    """A TMC4361 whose position counter can be followed."""
+def tell_position(session: Session, held: Held, asked_at_s: float) -> None:
+    """Tell who follows the position counter; the encoder's along, where it was read and counts."""
+    has_encoder = rows.ENC_POS.address in held.words and held.words.get(rows.ENC_CONST.address)
+    encoder = held.value(rows.ENC_POS) if has_encoder else None
+    session.saw_position(rows.AXIS, held.value(rows.XACTUAL), asked_at_s, encoder)
 
-    COUNTER_WRITES = frozenset({"set_position", rows.XACTUAL.name, "X_RANGE"})
 
-    _resets_told = 0
+class Counter(PositionCounter):
+    """Reads the counter, and whether the chip was reset."""
+
+    def __init__(self, link: RegisterLink, memory: ChipMemory, events: Events) -> None:
+        self._link = link
+        self._session = link.session
+        self._memory = memory
+        self._events = events
+        self._resets_told = 0
 
     def counter_bits(self, axis: int) -> int | None:
-        self.axis(axis)
-        conf = self.known(rows.REFERENCE_CONF)
+        self._session.axis(axis)
+        conf = self._memory.known(rows.REFERENCE_CONF)
         circular = conf is not None and rows.part(rows.REFERENCE_CONF, "circular_movement_en").unpack(conf)
         return None if circular else 32
 
     async def look(self, axis: int) -> CounterLook:
-        self.axis(axis)
-        self.require_connected()
-        async with self.queue.turn() as turn:
-            asked_at_s = self.device_time_s()
-            held = await self._look_at_events(self.words(turn), LOOK)
-        self._tell_position(held, asked_at_s)
-        before, self._resets_told = self._resets_told, self.resets
-        return CounterLook(held.value(rows.XACTUAL), asked_at_s, self.resets > before)
+        self._session.axis(axis)
+        self._session.require_connected()
+        async with self._link.turn() as turn:
+            asked_at_s = self._session.device_time_s()
+            held = await self._events.take(self._link.words(turn), LOOK)
+        tell_position(self._session, held, asked_at_s)
+        before, self._resets_told = self._resets_told, self._events.resets
+        return CounterLook(held.value(rows.XACTUAL), asked_at_s, self._events.resets > before)
 
     def latch_register(self, axis: int) -> str | None:
-        self.axis(axis)
+        self._session.axis(axis)
         return rows.X_LATCH.name
 
     def compare_register(self, axis: int) -> str | None:
-        self.axis(axis)
+        self._session.axis(axis)
         return "POS_COMP"

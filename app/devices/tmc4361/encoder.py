@@ -3,33 +3,46 @@
 from __future__ import annotations
 
 from ...calc.positions.encoder_resolution import constant_of, measured_encoder
+from ..core.capabilities import EncoderSetting
 from ..core.results import AxisState
+from ..core.session import Session
 from ..core.signs import EncoderSeen, Remedy, write_all
 from . import rows
-from .chip import Chip
-
-REGISTERS = frozenset({"ENC_IN_RES", "ENC_CONST", "ENC_IN_CONF", "ENC_POS", "XACTUAL", "STEP_CONF", "GENERAL_CONF"})
-"""A write to one of them gives the encoder, or the position, other numbers for the same place or way."""
+from .memory import ChipMemory
 
 
-def encoder_remedies(chip: Chip, axis: int, state: AxisState, seen: EncoderSeen) -> tuple[Remedy, ...]:
+class Encoder(EncoderSetting):
     """ENC_IN_RES by the way that was seen, and ENC_POS from the position; nothing where ENC_CONST is not known."""
-    word, conf = chip.known(rows.ENC_CONST), chip.known(rows.ENC_IN_CONF)
-    if not word or conf is None:
-        return ()
-    fields, mechanics = rows.ENC_IN_CONF.unpack(conf), chip.mechanics(axis)
-    turn = mechanics.full_steps_per_rev * mechanics.microsteps_per_full_step
-    constant = constant_of(word, decimal=bool(fields["enc_sel_decimal"]))
-    found = measured_encoder(seen.ratio * seen.way / constant, seen.way, turn, seen.slack)
-    counts = found.counts
-    if counts == 0:
-        return ()
-    writes: list[tuple[str, int | dict[str, int]]] = [
-        ("ENC_IN_RES", {"ENC_IN_RES": counts, "MANUAL_ENC_CONST": 0}),
-        (rows.ENC_POS.name, state.position),
-    ]
-    back = ""
-    if found.counts_per_turn < 0:
-        writes.insert(1, (rows.ENC_IN_CONF.name, {"invert_enc_dir": 1 - fields["invert_enc_dir"]}))
-        back = ", the other way"
-    return (write_all(f"set the encoder to {counts:,} counts a turn{back}", writes, axis),)
+
+    ENCODER_REGISTERS = frozenset(
+        {"ENC_IN_RES", "ENC_CONST", "ENC_IN_CONF", "ENC_POS", "XACTUAL", "STEP_CONF", "GENERAL_CONF"}
+    )
+
+    def __init__(self, session: Session, memory: ChipMemory) -> None:
+        self._session = session
+        self._memory = memory
+
+    def require_encoder(self, axis: int, /) -> None:
+        self._session.axis(axis)
+
+    def encoder_remedies(self, axis: int, state: AxisState, seen: EncoderSeen, /) -> tuple[Remedy, ...]:
+        axis = self._session.axis(axis).index
+        word, conf = self._memory.known(rows.ENC_CONST), self._memory.known(rows.ENC_IN_CONF)
+        if not word or conf is None:
+            return ()
+        fields, mechanics = rows.ENC_IN_CONF.unpack(conf), self._memory.mechanics(axis)
+        turn = mechanics.full_steps_per_rev * mechanics.microsteps_per_full_step
+        constant = constant_of(word, decimal=bool(fields["enc_sel_decimal"]))
+        found = measured_encoder(seen.ratio * seen.way / constant, seen.way, turn, seen.slack)
+        counts = found.counts
+        if counts == 0:
+            return ()
+        writes: list[tuple[str, int | dict[str, int]]] = [
+            ("ENC_IN_RES", {"ENC_IN_RES": counts, "MANUAL_ENC_CONST": 0}),
+            (rows.ENC_POS.name, state.position),
+        ]
+        back = ""
+        if found.counts_per_turn < 0:
+            writes.insert(1, (rows.ENC_IN_CONF.name, {"invert_enc_dir": 1 - fields["invert_enc_dir"]}))
+            back = ", the other way"
+        return (write_all(f"set the encoder to {counts:,} counts a turn{back}", writes, axis),)

@@ -13,45 +13,64 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...clock import Clock
 from ...errors import BenchError
-from ...links.port import FramePort
 from ...registers.model import Register
 from ...registers.tmc4361.bits import EVENT_MASK, event_names, selected_events
-from ..core.config import DeviceConfig
+from ..core.capabilities import EventLog, LatchedFlags
 from ..core.register_io import Held, Words, Write
+from ..core.register_link import RegisterLink
 from ..core.results import DeviceState, EventPage
 from ..core.timeline import Timeline
 from . import rows
-from .chip import Chip
+from .memory import ChipMemory
 
 ALL = 0xFFFF_FFFF
 RESET = "RST_EV"
 
 
-class Events(Chip):
-    """A TMC4361 whose events are kept."""
+class Events(EventLog, LatchedFlags):
+    """The events of one TMC4361. `memory` hears of what is read along, and of resets."""
 
-    def __init__(self, device_id: str, config: DeviceConfig, port: FramePort, clock: Clock) -> None:
-        super().__init__(device_id, config, port, clock)
+    def __init__(self, link: RegisterLink, memory: ChipMemory) -> None:
+        self.present = 0
+        """EVENTS as last seen."""
+        self.resets = 0
+        """How often a reset was seen, that of the power-on included where nobody had taken notice of it."""
+        self._link = link
+        self._session = link.session
+        self._memory = memory
         self._timeline = Timeline(rows.AXIS, EVENT_MASK, event_names)
         self._kept: int | None = None
         """EVENT_CLEAR_CONF as its user wants it; None where not seen yet."""
         self._owed: tuple[int, int] | None = None
         """What was written over EVENT_CLEAR_CONF and what is its user's, while that is not put back."""
-        self._events = 0
-        """EVENTS as last seen."""
-        self.resets = 0
-        """How often a reset was seen, that of the power-on included where nobody had taken notice of it."""
         self._acquainted = False
         """Whether EVENTS was read since the device is connected: the first RST_EV is that of its power-on."""
+        self._session.state_hooks.append(self._state_set)
 
-    def events(self, axis: int, after: int = 0, limit: int = 1000) -> EventPage:
+    def events(self, axis: int, after: int = 0, limit: int = 1000, /) -> EventPage:
         """The oldest `limit` entries of the timeline behind number `after`. Raises UnknownThing for the axis."""
-        self.axis(axis)
+        self._session.axis(axis)
         return self._timeline.page(after, limit)
 
-    async def _peek(self, words: Words, registers: Sequence[Register] = ()) -> Held:
+    async def clear_flags(self, axis: int, /) -> None:
+        """Take notice of EVENTS, as reading it does: an axis that an event holds goes on to its target."""
+        self._session.axis(axis)
+        self._session.require_connected()
+        await self.read_by_name()
+
+    def has(self, *names: str) -> bool:
+        """Whether one of these events is set, as last seen."""
+        return bool(self.present & rows.event(*names))
+
+    @property
+    def owes(self) -> bool:
+        """Whether EVENT_CLEAR_CONF holds something else than its user wants, until the next look puts it back."""
+        return self._owed is not None
+
+    # --- reading without losing one -------------------------------------------------------------
+
+    async def peek(self, words: Words, registers: Sequence[Register] = ()) -> Held:
         """`registers`, and EVENTS of the same moment told to the timeline; nothing is cleared."""
         kept = await self._user_keeps(words)
         asked = (*registers, rows.EVENTS)
@@ -62,10 +81,10 @@ class Events(Chip):
         *others, events = steps[0]
         self._saw_events(events, events, words.time_s)
         held = Held(registers, others)
-        self._saw(held)
+        self._memory.saw_all(held)
         return held
 
-    async def _clear(self, words: Words, bits: int) -> None:
+    async def clear(self, words: Words, bits: int) -> None:
         """Clear these bits of EVENTS; what came meanwhile is told, and stays."""
         if not bits:
             return
@@ -74,12 +93,24 @@ class Events(Chip):
         events = steps[0][0]
         self._saw_events(events, events & ~bits, words.time_s)
 
-    async def _look_at_events(self, words: Words, registers: Sequence[Register] = ()) -> Held:
-        """`_peek`, and clear what was seen and may be cleared, so that it can be seen to come again."""
-        held = await self._peek(words, registers)
-        free = ALL & ~(rows.BLOCKING | (await self._user_keeps(words)) | (self.known(rows.INTR_CONF) or 0))
-        await self._clear(words, self._events & free & EVENT_MASK)
+    async def take(self, words: Words, registers: Sequence[Register] = ()) -> Held:
+        """`peek`, and clear what was seen and may be cleared, so that it can be seen to come again."""
+        held = await self.peek(words, registers)
+        interrupts = self._memory.known(rows.INTR_CONF) or 0
+        free = ALL & ~(rows.BLOCKING | (await self._user_keeps(words)) | interrupts)
+        await self.clear(words, self.present & free & EVENT_MASK)
         return held
+
+    async def read_by_name(self) -> int:
+        """EVENTS for somebody who wants to read it, and so to clear it. Never asked twice: the answer may be all that
+        was lost."""
+        async with self._link.turn() as turn:
+            words = self._link.words(turn)
+            kept = await self._user_keeps(words)
+            replies = await turn.exchange_many(self._link.access.read_frames((rows.EVENTS.address,)))
+            word = self._link.access.words(replies)[0]
+            self._saw_events(word, word & kept, words.time_s)
+        return word
 
     async def _read_keeping(
         self, words: Words, meanwhile: int, registers: Sequence[Register], kept: int
@@ -100,61 +131,45 @@ class Events(Chip):
             return kept
         return self._kept
 
-    def _saw_events(self, word: int, left: int, time_s: float) -> None:
-        self._events = left
-        entry = self._timeline.read(word, left, time_s)
-        if entry is not None:
-            if RESET in entry.names and self._acquainted:
-                self._forget_setting()  # it has been reset while we knew it
-            self.resets += RESET in entry.names
-            self._fresh |= RESET in entry.names
-            self._tell(entry)
-        self._acquainted = True
+    # --- what was seen --------------------------------------------------------------------------
 
-    def _saw_status(self, time_s: float, status: int) -> None:
+    def saw(self, register: Register, word: int) -> None:
+        """A word was seen in the chip, or went out to it by somebody's hand."""
+        if register is rows.EVENT_CLEAR_CONF:
+            self._kept = word
+
+    def saw_status(self, time_s: float, status: int) -> None:
         """A status byte of that time: it shows up to eight events without reading EVENTS."""
-        bits = self._bits_of_status(status)
+        bits = self.bits_of_status(status)
         entry = self._timeline.glimpsed(bits, time_s) if bits else None
         if entry is not None:
-            self._events |= bits
+            self.present |= bits
             self.resets += RESET in entry.names
-            self._tell(entry)
+            self._session.tell(entry)
 
-    def _bits_of_status(self, status: int) -> int:
+    def bits_of_status(self, status: int) -> int:
         """Events that a status byte shows; none before SPI_STATUS_SELECTION was seen."""
-        selection = self.known(rows.SPI_STATUS_SELECTION)
+        selection = self._memory.known(rows.SPI_STATUS_SELECTION)
         if selection is None or not status:
             return 0
         return sum(1 << bit for place, bit in enumerate(selected_events(selection)) if status >> place & 1)
 
-    # --- by hand --------------------------------------------------------------------------------
+    def _saw_events(self, word: int, left: int, time_s: float) -> None:
+        self.present = left
+        entry = self._timeline.read(word, left, time_s)
+        if entry is not None:
+            if RESET in entry.names:
+                if self._acquainted:
+                    self._memory.forget_at_reset()  # it has been reset while we knew it
+                self.resets += 1
+                self._memory.reset_seen()
+            self._session.tell(entry)
+        self._acquainted = True
 
-    async def _read_alone(self, register: Register) -> int:
-        if register is not rows.EVENTS:
-            return await super()._read_alone(register)
-        # Somebody wants to read it, and so to clear it. Never asked twice: the answer may be all that was lost.
-        async with self.queue.turn() as turn:
-            words = self.words(turn)
-            kept = await self._user_keeps(words)
-            replies = await turn.exchange_many(self.access.read_frames((register.address,)))
-            word = self.access.words(replies)[0]
-            self._saw_events(word, word & kept, words.time_s)
-        return word
-
-    def _saw_word(self, register: Register, word: int) -> None:
-        super()._saw_word(register, word)
-        if register is rows.EVENT_CLEAR_CONF:
-            self._kept = word
-
-    def _sent(self, register: Register, word: int) -> None:
-        super()._sent(register, word)
-        if register is rows.EVENT_CLEAR_CONF:
-            self._kept = word
-
-    def set_state(self, state: DeviceState, problem: BenchError | None = None) -> None:
-        super().set_state(state, problem)
+    def _state_set(self, state: DeviceState, problem: BenchError | None) -> None:
+        del problem
         if state == "failed":
             self._kept = None
-            self._events = 0
+            self.present = 0
             self._acquainted = False
             self._timeline.forget()

@@ -4,23 +4,35 @@ from __future__ import annotations
 
 from ...registers.model import Register
 from ...registers.tmc4361.bits import event_names, selected_events
-from ..core.raw_frames import RawFrames
+from ..core.raw_datagrams import RawRules
 from . import rows
-from .samples import Samples
+from .memory import ChipMemory
+from .writes import Writes
 
 
-class Raw(Samples, RawFrames):
-    """A TMC4361 that takes raw frames."""
+class DatagramsByHand(RawRules):
+    """What single frames do to one TMC4361."""
 
-    async def _moved_by_hand(self, register: Register) -> bool:
+    def __init__(self, memory: ChipMemory, writes: Writes) -> None:
+        self._memory = memory
+        self._writes = writes
+
+    def read_by_hand(self, register: Register, data: int, time_s: float) -> None:
+        del time_s
+        self._writes.saw(register, data)
+
+    def known_word(self, register: Register) -> int | None:
+        return self._memory.known(register) if register.access.readable else self._memory.kept_word(register)
+
+    async def moved_by_hand(self, register: Register) -> bool:
         if register.address not in rows.MOVING:
             return False
-        await self._foresee_by_hand()
+        await self._writes.predict_by_hand()
         return True
 
-    def _status_flags(self, status: int) -> dict[str, bool]:
+    def status_flags(self, status: int) -> dict[str, bool]:
         """The status byte's bits by the events that SPI_STATUS_SELECTION shows there; none before that was seen."""
-        selection = self.known(rows.SPI_STATUS_SELECTION)
+        selection = self._memory.known(rows.SPI_STATUS_SELECTION)
         if selection is None:
             return {}
         return {

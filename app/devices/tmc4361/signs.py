@@ -6,7 +6,9 @@ from ...errors import WrongState
 from ..core.results import AxisState
 from ..core.signs import Evidence, Sign, Signs, clear_flags, start_up, write, zero
 from . import rows
+from .cruise import Cruise
 from .events import Events
+from .memory import ChipMemory
 from .switches import stopped_by
 
 VELOCITY_PPS = 51_200
@@ -18,7 +20,7 @@ DRIVER_FAULTS = {
 }
 
 
-def signs(chip: Events, axis: int, state: AxisState, *, stalled: bool) -> Signs:
+def signs(memory: ChipMemory, cruise: Cruise, events: Events, axis: int, state: AxisState, *, stalled: bool) -> Signs:
     """Of `state`, as it was read just now."""
     return Signs(
         faults=tuple(
@@ -26,33 +28,33 @@ def signs(chip: Events, axis: int, state: AxisState, *, stalled: bool) -> Signs:
             for name, cause in DRIVER_FAULTS.items()
             if state.flags.get(name)
         ),
-        blocks=tuple(_blocks(chip, axis, state)),
-        stall=_stall(chip, axis, state, stalled=stalled),
-        holds=tuple(_holds(chip, state)),
+        blocks=tuple(_blocks(memory, cruise, axis, state)),
+        stall=_stall(memory, axis, state, stalled=stalled),
+        holds=tuple(_holds(memory, state)),
         takes_encoder=True,
-        resets=chip.resets,
-        regulated=rows.REGULATION.unpack(chip.known(rows.ENC_IN_CONF) or 0) != 0,
+        resets=events.resets,
+        regulated=rows.REGULATION.unpack(memory.known(rows.ENC_IN_CONF) or 0) != 0,
     )
 
 
-def _blocks(chip: Events, axis: int, state: AxisState) -> list[Sign]:
+def _blocks(memory: ChipMemory, cruise: Cruise, axis: int, state: AxisState) -> list[Sign]:
     found = []
     if state.flags.get("FROZEN"):
         cause = "NFREEZE went low: the chip is frozen until a reset"
         found.append(Sign(cause, (Evidence(f"{rows.EVENTS.name}.FROZEN", "1", state.time_s),)))
-    setting = chip.setting()
+    setting = memory.setting()
     if setting is None or state.moving:
         return found
-    if chip.cruise.speed == 0:
+    if cruise.speed == 0:
         found.append(zero(rows.VMAX.name, axis, VELOCITY_PPS * 256 if setting.positioning else None, state.time_s))
     try:
-        setting.require_motion(chip.cruise.shape)
+        setting.require_motion(cruise.shape)
     except WrongState as error:
         found.append(Sign(str(error), (), (start_up(axis),)))
     return found
 
 
-def _stall(chip: Events, axis: int, state: AxisState, *, stalled: bool) -> Sign | None:
+def _stall(memory: ChipMemory, axis: int, state: AxisState, *, stalled: bool) -> Sign | None:
     evidence, helps = [], []
     for register, name in ((rows.STATUS, "ACTIVE_STALL_F"), (rows.EVENTS, "STOP_ON_STALL")):
         if state.flags.get(name):
@@ -61,15 +63,15 @@ def _stall(chip: Events, axis: int, state: AxisState, *, stalled: bool) -> Sign 
     if not evidence and not stalled:
         return None
     name = "drv_after_stall"
-    if stalled and not rows.REFERENCE_CONF.unpack(chip.known(rows.REFERENCE_CONF) or 0)[name]:
+    if stalled and not rows.REFERENCE_CONF.unpack(memory.known(rows.REFERENCE_CONF) or 0)[name]:
         evidence.append(Evidence(f"{rows.REFERENCE_CONF.name}.{name}", "0", state.time_s))
         helps.append(write(rows.REFERENCE_CONF.name, axis, 1, name))
     return Sign("the motor driver reported a stall", tuple(evidence), tuple(helps))
 
 
-def _holds(chip: Events, state: AxisState) -> list[Sign]:
+def _holds(memory: ChipMemory, state: AxisState) -> list[Sign]:
     flags = {name: int(value) for name, value in state.flags.items()}
-    reference = rows.REFERENCE_CONF.unpack(chip.known(rows.REFERENCE_CONF) or 0)
+    reference = rows.REFERENCE_CONF.unpack(memory.known(rows.REFERENCE_CONF) or 0)
     found = []
     for way, free in ((-1, "to greater positions"), (1, "to smaller positions")):
         stop = stopped_by(flags, reference, way)

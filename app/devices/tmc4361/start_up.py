@@ -70,7 +70,7 @@ async def start_up(device: Device, start: Start, full_steps_per_rev: int | None 
     that the chip did not take, with the rest not tried; UsageError for numbers that its registers cannot hold.
     """
     for item in _items(device, start, full_steps_per_rev or device.axes[0].settings.full_steps_per_rev):
-        await device.write(item.name, item.axis, item.value, item.fields)
+        await device.registers.write(item.name, item.axis, item.value, item.fields)
 
 
 async def plan(device: Device, wanted: Sequence[Wanted]) -> StartPlan:

@@ -6,45 +6,51 @@ What they hold is what was written through this connection since the chip's rese
 from __future__ import annotations
 
 from ...calc.microsteps.mslut import MslutRegisters
-from ...errors import BadReply
-from ...links.queue import Priority
+from ..core.capabilities import MslutTable
+from ..core.register_file import RegisterRules
+from ..core.register_link import RegisterLink
 from ..core.results import HeldMslut
+from ..core.unread_registers import tell_table
 from . import rows
-from .raw import Raw
+from .memory import ChipMemory
 
 TABLE = (*rows.MSLUT, rows.MSLUTSEL, rows.MSLUTSTART)
 
 
-class Tables(Raw):
-    """A TMC4361 with its tables."""
+class MicrostepTable(MslutTable):
+    """The table of one TMC4361; `rules` hear of what is written."""
+
+    def __init__(self, link: RegisterLink, memory: ChipMemory, rules: RegisterRules) -> None:
+        self._link = link
+        self._session = link.session
+        self._memory = memory
+        self._rules = rules
 
     async def read_mslut(self, axis: int = rows.AXIS) -> HeldMslut:
-        self.axis(axis)
-        self.require_connected()
-        async with self.queue.turn() as turn:
-            mscnt, currents = await self.words(turn).read_many((rows.MSCNT, rows.CURRENTS))
+        self._session.axis(axis)
+        self._session.require_connected()
+        async with self._link.turn() as turn:
+            mscnt, currents = await self._link.words(turn).read_many((rows.MSCNT, rows.CURRENTS))
         shown = rows.CURRENTS.unpack(currents)
         return HeldMslut(
             self._table(),
-            all(register.address in self._blind for register in TABLE),
+            all(self._memory.kept_word(register) is not None for register in TABLE),
             rows.MSCNT.decode(mscnt),
             shown["CURRENTA"],
             shown["CURRENTB"],
         )
 
     def _table(self) -> MslutRegisters:
-        *words, select, start = (self._blind.get(register.address, register.reset or 0) for register in TABLE)
+        *words, select, start = (self._memory.held_unread(register) for register in TABLE)
         return MslutRegisters(tuple(words), select, start)
 
     async def write_mslut(self, registers: MslutRegisters, axis: int | None = None) -> HeldMslut:
         """Raises BadReply where the link shows that a word may have arrived otherwise; then write it again."""
-        self.axis(axis or rows.AXIS)
-        self.require_connected()
+        self._session.axis(axis or rows.AXIS)
+        self._session.require_connected()
         with_offset = registers.with_dac_offset(rows.DAC_OFFSET.unpack(self._table().start))
         written = tuple(zip(TABLE, (*with_offset.words, with_offset.select, with_offset.start), strict=True))
-        async with self.queue.turn(Priority.COMMAND) as turn:
-            arrived = await self.words(turn).write_many(written)
-            self._wrote_table(written, arrived)
-        if not arrived:
-            raise BadReply(self.port.name, "a word of the microstep table may have arrived otherwise", b"")
+        async with self._link.turn() as turn:
+            arrived = await self._link.words(turn).write_many(written)
+            tell_table(self._link, self._rules, written, arrived)
         return await self.read_mslut()

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from ...errors import BenchError, LinkError
-from ...links.queue import Priority
 from ...registers.model import Register
-from ..core.device import MotionStarted
+from ..core.events import MotionStarted
+from ..core.register_file import RegisterRules, changes_by_itself
 from ..core.register_io import Held, Words
-from . import prediction as foresight
-from . import rows
+from ..core.register_link import RegisterLink
+from ..core.results import RegisterWritten
+from ..core.unread_registers import arrived_unread
+from . import prediction, rows
+from .events import Events
+from .expected_motion import ExpectedMotion
+from .memory import ChipMemory
 from .setting import Setting
-from .stops import Stops
 
 STATE = (rows.XACTUAL, rows.VACTUAL, rows.AACTUAL, rows.XTARGET)
 ELSEWHERE = (rows.XACTUAL, rows.VACTUAL)
@@ -19,13 +25,51 @@ BY_ITSELF = {"REFERENCE_CONF": "start_home_tracking", "ENC_IN_CONF": "clr_latch_
 """Bits that return to 0 by themselves."""
 
 
-class Writes(Stops):
-    """A TMC4361 that knows the side effects of its registers."""
+class Writes(RegisterRules):
+    """What is known of the registers of one TMC4361, and the side effects of writes to them."""
 
-    _before: tuple[int, int, float] = (0, 1, 0.0)
-    """XACTUAL and VACTUAL right before a write, and when the write went out."""
+    def __init__(self, link: RegisterLink, memory: ChipMemory, events: Events, expected: ExpectedMotion) -> None:
+        self._link = link
+        self._session = link.session
+        self._memory = memory
+        self._events = events
+        self._expected = expected
+        self._before: tuple[int, int, float] = (0, 1, 0.0)
+        """XACTUAL and VACTUAL right before a write, and when the write went out."""
 
-    async def _before_write(self, words: Words, register: Register, word: int) -> list[str]:
+    # --- words seen and sent --------------------------------------------------------------------
+
+    def remembers(self, register: Register) -> bool:
+        return self._memory.remembers(register)
+
+    def saw(self, register: Register, word: int) -> None:
+        self._memory.saw(register, word)
+        self._events.saw(register, word)
+
+    def sent(self, register: Register, word: int) -> None:
+        self._memory.sent(register, word)
+        if register.address in rows.MOVING:
+            self._session.commanded(rows.AXIS, register.name)
+        self._events.saw(register, word)
+        if register.address in rows.MOVING:
+            position, velocity, _ = self._before
+            self._before = (position, velocity, self._session.port.last_exchange_s)
+
+    async def read_alone(self, register: Register) -> int | None:
+        return await self._events.read_by_name() if register is rows.EVENTS else None
+
+    def kept_word(self, register: Register) -> int | None:
+        return self._memory.kept_word(register)
+
+    def held_unread(self, register: Register) -> int:
+        return self._memory.held_unread(register)
+
+    def written_unread(self, register: Register, word: int, notes: Sequence[str]) -> RegisterWritten:
+        return arrived_unread(register, word, notes)
+
+    # --- side effects ---------------------------------------------------------------------------
+
+    async def before_write(self, words: Words, register: Register, word: int) -> list[str]:
         if register.address not in rows.MOVING:
             return []
         read = await words.values((*ELSEWHERE, rows.RAMPMODE, rows.XTARGET))
@@ -43,13 +87,7 @@ class Writes(Stops):
             notes.append("changed while positioning: XTARGET may be overshot, and is come back to (DS-TMC4361 8.2.2)")
         return notes
 
-    def _sent(self, register: Register, word: int) -> None:
-        super()._sent(register, word)
-        if register.address in rows.MOVING:
-            position, velocity, _ = self._before
-            self._before = (position, velocity, self.port.last_exchange_s)
-
-    async def _explain(self, words: Words, register: Register, word: int, back: int) -> str | None:
+    async def explain(self, words: Words, register: Register, word: int, back: int) -> str | None:
         if register is rows.XACTUAL:
             velocity = await words.value(rows.VACTUAL)
             return f"the motor moves: it is at {register.decode(back)} now" if velocity else None
@@ -65,26 +103,26 @@ class Writes(Stops):
             if (word ^ back) & register.mask & ~rows.part(register, by_itself).mask:
                 return None
             return f"{by_itself} has returned to 0 by itself"
-        return await super()._explain(words, register, word, back)
+        return changes_by_itself(register, back)
 
-    async def _after_write(self, register: Register) -> None:
+    async def after_write(self, register: Register) -> None:
         if register.address not in rows.MOVING:
             return
         try:
-            await self._foresee()
+            await self._predict()
         except BenchError:
             # The write itself is done and judged; that the next reading failed is not its failure.
-            self._book.end(self.port.last_exchange_s, f"{register.name} was written")
+            self._expected.book.end(self._session.port.last_exchange_s, f"{register.name} was written")
 
-    async def _foresee(self) -> None:
+    async def _predict(self) -> None:
         """Begin the prediction for whatever the axis does now."""
         before_position, before_velocity, sent_s = self._before
         asked = (*rows.RAMP, *STATE)
-        async with self.queue.turn(Priority.COMMAND) as turn:
-            words = self.words(turn)
+        async with self._link.turn() as turn:
+            words = self._link.words(turn)
             held = Held(asked, await words.read_many(asked))
             time_s = words.time_s
-        self._saw(held)
+        self._memory.saw_all(held)
         setting = Setting(held.words)
         position, velocity, acceleration, target = (held.value(register) for register in STATE)
         if before_velocity == 0 and position == before_position:
@@ -93,26 +131,26 @@ class Writes(Stops):
         vmax_pps = setting.value(rows.VMAX) / 256
         moves = target != position and vmax_pps if setting.positioning else vmax_pps or velocity
         if not moves or rows.SDIN_MODE.unpack(held.word(rows.GENERAL_CONF)):
-            self._book.end(time_s, "a register was written")
+            self._expected.book.end(time_s, "a register was written")
             return
         if setting.positioning:
-            plan = foresight.to_position(
+            plan = prediction.to_position(
                 setting, setting.shape, abs(vmax_pps), target - position, velocity, acceleration
             )
         else:
-            plan = foresight.to_velocity(setting, setting.shape, vmax_pps, velocity, acceleration)
-        self._expect(time_s, position, plan)
+            plan = prediction.to_velocity(setting, setting.shape, vmax_pps, velocity, acceleration)
+        self._expected.expect(time_s, position, plan)
         if setting.positioning:
-            self._watch.began("position", time_s, target)
+            self._expected.watch.began("position", time_s, target)
         else:
-            self._watch.began("velocity", time_s)
+            self._expected.watch.began("velocity", time_s)
         if before_velocity == 0:
-            self._tell(MotionStarted(rows.AXIS, time_s))
+            self._session.tell(MotionStarted(rows.AXIS, time_s))
 
-    async def _foresee_by_hand(self) -> None:
+    async def predict_by_hand(self) -> None:
         """A raw datagram has written something that may move the axis."""
-        self._before = (0, 1, self.port.last_exchange_s)
+        self._before = (0, 1, self._session.port.last_exchange_s)
         try:
-            await self._foresee()
+            await self._predict()
         except LinkError as error:
-            self._motion_uncertain(str(error))
+            self._expected.uncertain(str(error))

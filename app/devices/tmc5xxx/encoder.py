@@ -5,41 +5,68 @@ from __future__ import annotations
 from fractions import Fraction
 
 from ...calc.positions.encoder_resolution import measured_encoder
+from ...errors import WrongState
+from ..core.capabilities import NO_ENCODER, EncoderSetting
 from ..core.results import AxisState
+from ..core.session import Session
 from ..core.signs import EncoderSeen, Remedy, write_all
-from .chip import Chip
+from .memory import ChipMemory
+from .setting import ChipSetting
 from .start_up import DECIMAL, encoder_constant
 
 REGISTERS = frozenset({"ENC_CONST", "ENCMODE", "X_ENC", "XACTUAL", "CHOPCONF", "GCONF"})
 """A write to one of them gives the encoder, or the position, other numbers for the same place or way."""
 
 
-def encoder_remedies(chip: Chip, axis: int, state: AxisState, seen: EncoderSeen) -> tuple[Remedy, ...]:
-    """ENC_CONST by the way that was seen, and X_ENC from the position; nothing where the present one is not known."""
-    rows, mechanics = chip.rows(axis), chip.mechanics(axis)
-    word = None if rows.enc_const is None else chip.word(rows.enc_const)
-    if rows.enc_const is None or rows.x_enc is None or not word:
-        return ()
-    mode = rows.encoder_mode
-    mode_word = None if mode is None else chip.known(mode)
-    fraction = word & 0xFFFF
-    if mode is None or (mode_word is None and 0 < fraction < DECIMAL):
-        return ()  # it may be a decimal one
-    decimal = bool(mode_word and mode.unpack(mode_word)["enc_sel_decimal"])
-    constant = (rows.enc_const.decode(word) >> 16) + Fraction(fraction, DECIMAL if decimal else 1 << 16)
-    turn = mechanics.full_steps_per_rev * mechanics.microsteps_per_full_step
-    found = measured_encoder(seen.ratio * seen.way / float(constant), seen.way, turn, seen.slack)
-    counts = found.counts
-    if counts == 0:
-        return ()
-    ratio = Fraction(turn, counts)
-    if not ratio < 1 << 15:
-        return ()
-    decimal, right = encoder_constant(-ratio if found.counts_per_turn < 0 else ratio)
-    writes = (
-        (mode.name, {"enc_sel_decimal": int(decimal)}),
-        (rows.enc_const.name, right),
-        (rows.x_enc.name, state.position),
-    )
-    back = ", the other way" if (found.counts_per_turn < 0) != (constant < 0) else ""
-    return (write_all(f"set the encoder to {counts:,} counts a turn{back}", writes, axis),)
+class SixPointEncoders(EncoderSetting):
+    """Knows which ENC_CONST fits the way that was seen."""
+
+    ENCODER_REGISTERS = REGISTERS
+
+    def __init__(self, session: Session, memory: ChipMemory, setting: ChipSetting) -> None:
+        self._session = session
+        self._memory = memory
+        self._setting = setting
+
+    def require_encoder(self, axis: int, /) -> None:
+        index = self._session.axis(axis).index
+        if self._memory.rows(index).x_enc is None:
+            what, instead = NO_ENCODER
+            raise WrongState(f"a {self._session.family.title} {what}", instead)
+        if not self._setting.counts_encoder(index):
+            raise WrongState(
+                "nobody has set what a count of the encoder is", "write ENC_CONST, or start the axis up with it"
+            )
+
+    def encoder_remedies(self, axis: int, state: AxisState, seen: EncoderSeen, /) -> tuple[Remedy, ...]:
+        """ENC_CONST by the way that was seen, and X_ENC from the position; nothing where the present one is not
+        known."""
+        axis = self._session.axis(axis).index
+        memory = self._memory
+        rows, mechanics = memory.rows(axis), self._setting.mechanics(axis)
+        word = None if rows.enc_const is None else memory.word(rows.enc_const)
+        if rows.enc_const is None or rows.x_enc is None or not word:
+            return ()
+        mode = rows.encoder_mode
+        mode_word = None if mode is None else memory.known(mode)
+        fraction = word & 0xFFFF
+        if mode is None or (mode_word is None and 0 < fraction < DECIMAL):
+            return ()  # it may be a decimal one
+        decimal = bool(mode_word and mode.unpack(mode_word)["enc_sel_decimal"])
+        constant = (rows.enc_const.decode(word) >> 16) + Fraction(fraction, DECIMAL if decimal else 1 << 16)
+        turn = mechanics.full_steps_per_rev * mechanics.microsteps_per_full_step
+        found = measured_encoder(seen.ratio * seen.way / float(constant), seen.way, turn, seen.slack)
+        counts = found.counts
+        if counts == 0:
+            return ()
+        ratio = Fraction(turn, counts)
+        if not ratio < 1 << 15:
+            return ()
+        decimal, right = encoder_constant(-ratio if found.counts_per_turn < 0 else ratio)
+        writes = (
+            (mode.name, {"enc_sel_decimal": int(decimal)}),
+            (rows.enc_const.name, right),
+            (rows.x_enc.name, state.position),
+        )
+        back = ", the other way" if (found.counts_per_turn < 0) != (constant < 0) else ""
+        return (write_all(f"set the encoder to {counts:,} counts a turn{back}", writes, axis),)

@@ -13,6 +13,8 @@ from .rows import AxisRows, ChipRows, part
 GSTAT_LSB = 16
 LATCHING = ("status_latch_l", "status_latch_r", "event_stop_sg", "event_pos_reached", "second_move")
 LASTING = ("event_stop_l", "event_stop_r")
+SAME = "register_reset"
+"""Comes with `reset`, and is no event of its own."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +36,7 @@ class AxisFlags:
         gstat = {
             field.lsb + GSTAT_LSB: field.name
             for field in chip.gstat.fields
-            if not field.name.startswith("drv_err") or field.name in errors
+            if field.name != SAME and (not field.name.startswith("drv_err") or field.name in errors)
         }
         return cls(
             names=dict(sorted({**stat, **gstat}.items())),

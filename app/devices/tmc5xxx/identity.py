@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from ...links.queue import LinkQueue
 from ...links.register_access import RegisterAccess
+from ...registers.tmc5xxx.models import MODELS
 from ..core.register_io import read_once_more
 
-VERSIONS = {"tmc5031": 0x01, "tmc5062": 0x01, "tmc5072": 0x10, "tmc5130": 0x11, "tmc5160": 0x30}
-"""VERSION of the first silicon of each, by their data sheets. A later one may have another, but not that of another
-chip."""
+VERSIONS = {model.name: model.version for model in MODELS if model.version is not None}
 INPUTS, GCONF = 0x04, 0x00
-SURE = frozenset({0x10, 0x11, 0x30})
+SURE = frozenset(VERSIONS.values()) - {0x01}
 """Versions that other chips are not likely to show at that address by chance."""
 
 

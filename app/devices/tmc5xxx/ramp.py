@@ -1,7 +1,7 @@
 """What moves an axis: its ramp registers, as far as anybody knows them, and what they make of a motion.
 
-None of the registers can be read. A word is None where it was set before this connection and the chip was not reset
-since.
+Most chips can read none of the registers. A word is None where it was set before this connection and the chip was not
+reset since.
 """
 
 from __future__ import annotations
@@ -10,15 +10,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from ...calc.ramps.sixpoint import SixPoint
-from ...calc.ramps.sixpoint_registers import findings, ramp_of
+from ...calc.ramps.sixpoint_registers import EIGHT_POINT, REGISTERS, findings, ramp_of
 from ...calc.units.tmc5xxx import VELOCITY_MAX, velocity_unit_pps
 from ...calc.units.tmc5xxx_times import zero_wait_s
 from ...errors import CannotMove
-from .rows import RAMP
+from .rows import FURTHER, RAMP
 
 LONG_WAIT_S = 0.5
 """From this TZEROWAIT on a move tells of it [s]."""
-TOLD = {"vstop_zero", "vstop_low", "vstart_above_vstop", "vstart_above_vmax", "d1_zero", "vmax_beyond"}
+TOLD = {"vstop_zero", "vstop_low", "vstart_above_vstop", "vstart_above_vmax", "d1_zero", "d2_zero", "vmax_beyond"}
 """What a move tells of its ramp; nothing that a user may well have meant."""
 
 
@@ -30,8 +30,8 @@ class Ramp:
     clock_hz: float
 
     def __post_init__(self) -> None:
-        if set(self.words) != set(RAMP):
-            raise ValueError(f"a ramp is {', '.join(RAMP)}")
+        if set(self.words) not in ({*RAMP}, {*RAMP, *FURTHER}):
+            raise ValueError(f"a ramp is {', '.join(RAMP)}, with eight points {', '.join(FURTHER)} besides")
 
     @property
     def known(self) -> bool:
@@ -56,7 +56,8 @@ class Ramp:
         if None in words.values():
             return None
         try:
-            return ramp_of({name: word or 0 for name, word in words.items()}, self.clock_hz)
+            registers = EIGHT_POINT if "V2" in words else REGISTERS
+            return ramp_of({name: word or 0 for name, word in words.items()}, self.clock_hz, registers)
         except ValueError:
             return None
 
@@ -70,16 +71,17 @@ class Ramp:
         if self.words["VMAX"] == 0:
             raise CannotMove(f"axis {axis} cannot move: VMAX is 0", f"write VMAX, 1..{VELOCITY_MAX}", axis)
         self.require_acceleration(axis)
-        needed = ("DMAX", *(("A1", "D1") if self.words["V1"] else ()))
+        v1, v2 = self.words["V1"] or 0, self.words.get("V2") or 0
+        needed = ("DMAX", *(("A1", "D1") if v1 else ()), *(("A2", "D2") if v2 > v1 else ()))
         for name in needed:
             if self.words[name] == 0:
-                why = "nothing brakes at a target" if name != "A1" else "nothing gets it to V1"
+                why = f"nothing gets it to V{name[1]}" if name in ("A1", "A2") else "nothing brakes at a target"
                 raise CannotMove(f"axis {axis} cannot move: {name} is 0, and {why}", f"write {name}, 1..65535", axis)
 
     def warnings(self) -> list[str]:
         """What a move by this ramp will do that nobody may want."""
         if not self.known:
-            unknown = [name for name in RAMP if self.words[name] is None]
+            unknown = [name for name, word in self.words.items() if word is None]
             names, were = ", ".join(unknown), "was" if len(unknown) == 1 else "were"
             return [f"{names} cannot be read and {were} set before this connection: nothing is predicted"]
         number = {name: word or 0 for name, word in self.words.items()}

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from ...links import datagram40
 from ...registers.model import Register
-from ..core.raw_frames import RawFrames
-from .samples import Samples
+from ..core.raw_datagrams import RawRules
+from .events import Events
+from .memory import ChipMemory
+from .written_motion import WrittenMotion
 
 SINGLE = (
     "reset_flag",
@@ -29,25 +31,34 @@ DUAL = (
 """Bits of the SPI status byte, from the lowest (NOTES-TMC5XXX 5)."""
 
 
-class Raw(Samples, RawFrames):
-    """A TMC5xxx that takes raw frames."""
+class DatagramsByHand(RawRules):
+    """What single datagrams do to the chip."""
 
-    def _behind(self, frame: bytes, register: Register) -> bytes | None:
+    def __init__(self, model: str, memory: ChipMemory, log: Events, motion: WrittenMotion) -> None:
+        self._model = model
+        self._memory = memory
+        self._log = log
+        self._motion = motion
+
+    def behind(self, frame: bytes, register: Register) -> bytes | None:
         # What a reading clears is asked for once, and something harmless brings the answer.
-        return datagram40.fetch_of(self.model) if register.read_clears else frame
+        return datagram40.fetch_of(self._model) if register.read_clears else frame
 
-    def _heed_reading(self, register: Register, data: int, time_s: float) -> None:
+    def read_by_hand(self, register: Register, data: int, time_s: float) -> None:
         if register.read_clears:
-            self._read_by_hand(register, data, time_s)
-        super()._heed_reading(register, data, time_s)
+            self._log.read_by_hand(register, data, time_s)
+        self._memory.saw_word(register, data)
 
-    async def _moved_by_hand(self, register: Register) -> bool:
-        rows = self._moved_by(register)
+    def known_word(self, register: Register) -> int | None:
+        return self._memory.known(register) if register.access.readable else self._memory.wanted(register)
+
+    async def moved_by_hand(self, register: Register) -> bool:
+        rows = self._memory.chip.moved_by(register)
         if rows is None:
             return False
-        await self._foresee_by_hand(rows)
+        await self._motion.written_by_frame(rows)
         return True
 
-    def _status_flags(self, status: int) -> dict[str, bool]:
-        names = DUAL if self.chip.two_axes else SINGLE
+    def status_flags(self, status: int) -> dict[str, bool]:
+        names = DUAL if self._memory.chip.two_axes else SINGLE
         return {name: bool(status >> bit & 1) for bit, name in enumerate(names)}

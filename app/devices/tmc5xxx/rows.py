@@ -1,4 +1,4 @@
-"""Rows of the register tables that the driver itself needs, by what they are: the same for all five chips.
+"""Rows of the register tables that the driver itself needs, by what they are: the same for all chips.
 
 The second axis has rows of its own, at other addresses; global rows are the same for both.
 """
@@ -14,6 +14,14 @@ from ...registers.tmc5xxx.table import AXES, TABLES
 POSITION, FORWARD, BACKWARD, HOLD = range(4)
 """RAMPMODE."""
 MODE_NAMES = ("position", "velocity", "velocity", "hold")
+LOWEST, HIGHEST = -(1 << 31), (1 << 31) - 1
+"""Of the position counter [microsteps]."""
+TABLE_MICROSTEPS = 256
+
+
+def signed(count: int) -> int:
+    """What a 32-bit counter shows: of a distance, the shorter way round."""
+    return (count + (1 << 31)) % (1 << 32) - (1 << 31)
 
 
 def part(register: Register, *names: str) -> Field:
@@ -74,8 +82,9 @@ class AxisRows:
 
     @cached_property
     def ramp(self) -> dict[str, Register]:
-        """The ramp's parameters by name; none of them can be read."""
-        return {name: self._get(name) for name in RAMP}
+        """The ramp's parameters by name; most chips cannot read them."""
+        further = {name: row for name in FURTHER if (row := self.find(name)) is not None}
+        return {name: self._get(name) for name in RAMP} | further
 
     @cached_property
     def sw_mode(self) -> Register:
@@ -92,6 +101,13 @@ class AxisRows:
     @cached_property
     def chopconf(self) -> Register:
         return self._get("CHOPCONF")
+
+    @cached_property
+    def current_range(self) -> tuple[Register, Field] | None:
+        """Where the range of the current is set, of a chip that has one."""
+        row = self.find("DRV_CONF")
+        field = None if row is None else row.field_named("CURRENT_RANGE")
+        return None if row is None or field is None else (row, field)
 
     @cached_property
     def drv_status(self) -> Register:
@@ -135,6 +151,21 @@ class AxisRows:
         return (self.rampmode, self.sw_mode, self.chopconf)
 
     @cached_property
+    def settings(self) -> tuple[Register, ...]:
+        """What is kept in mind as it was written, as far as this chip can read it: most can nothing of it."""
+        named = (self.find(name) for name in ("GLOBAL_SCALER", "DRV_CONF", "ENC_CONST"))
+        rows = (*self.ramp.values(), self.ihold_irun, *(row for row in named if row is not None), *self.mslut)
+        return tuple(row for row in rows if row.access.readable)
+
+    def microsteps(self, chopconf: int | None) -> int:
+        """Microsteps per full step, of CHOPCONF.mres; a TMC5031 has no such field, and always 256. So it is taken
+        where nobody knows the word."""
+        mres = self.chopconf.field_named("mres")
+        if mres is None or chopconf is None:
+            return TABLE_MICROSTEPS
+        return TABLE_MICROSTEPS >> min(mres.unpack(chopconf), 8)
+
+    @cached_property
     def moving(self) -> frozenset[int]:
         """Addresses a write to which may move or stop the motor, or change how it moves."""
         rows = (*self.ramp.values(), self.rampmode, self.xactual, self.xtarget, self.sw_mode)
@@ -142,6 +173,8 @@ class AxisRows:
 
 
 RAMP = ("VSTART", "A1", "V1", "AMAX", "VMAX", "DMAX", "D1", "VSTOP", "TZEROWAIT")
+FURTHER = ("TVMAX", "V2", "A2", "D2")
+"""Of the chips with ramps of eight points."""
 
 
 @dataclass(frozen=True)
@@ -175,6 +208,17 @@ class ChipRows:
     @cached_property
     def remembered(self) -> tuple[Register, ...]:
         return (self.gconf, *(row for axis in self.axes for row in axis.remembered))
+
+    @cached_property
+    def settings(self) -> tuple[Register, ...]:
+        return tuple(row for axis in self.axes for row in axis.settings)
+
+    def moved_by(self, register: Register) -> AxisRows | None:
+        """The axis that a write to `register` may move."""
+        for rows in self.axes:
+            if register.axis == rows.axis and register.access.writable and register.address in rows.moving:
+                return rows
+        return None
 
     @property
     def clears_on_read(self) -> bool:

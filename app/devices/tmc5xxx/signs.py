@@ -2,11 +2,18 @@
 
 from __future__ import annotations
 
-from ...calc.units.tmc5xxx import acceleration_units, velocity_units
+from ...calc.units.tmc5xxx import (
+    ACCELERATION_MAX,
+    VELOCITY_MAX,
+    acceleration_pps2,
+    acceleration_units,
+    velocity_pps,
+    velocity_units,
+)
 from ..core.results import AxisState
 from ..core.signs import Evidence, Sign, Signs, clear_flags, start_up, write, zero
 from . import rows as r
-from .events import Events
+from .memory import ChipMemory
 from .start_up import CHOPCONF
 
 VELOCITY_PPS, ACCELERATION_PPS2 = 51_200.0, 204_800.0
@@ -23,25 +30,27 @@ SHORTS = frozenset({"s2ga", "s2gb", "s2vsa", "s2vsb"})
 OFF_TIME = int(CHOPCONF["toff"])
 
 
-def signs(chip: Events, axis: int, state: AxisState, encoder_apart_s: float) -> Signs:
+def signs(
+    memory: ChipMemory, clock_hz: float, resets: int, axis: int, state: AxisState, encoder_apart_s: float
+) -> Signs:
     """Of `state`, as it was read just now."""
     return Signs(
-        faults=tuple(_faults(chip, axis, state)),
-        blocks=tuple(_blocks(chip, axis, state)),
-        stall=_stall(chip, axis, state),
-        holds=tuple(_holds(chip, axis, state)),
+        faults=tuple(_faults(memory, axis, state)),
+        blocks=tuple(_blocks(memory, clock_hz, axis, state)),
+        stall=_stall(memory, axis, state),
+        holds=tuple(_holds(memory, axis, state)),
         takes_encoder=True,
-        resets=chip.resets,
+        resets=resets,
         encoder_apart_s=encoder_apart_s,
     )
 
 
-def _faults(chip: Events, axis: int, state: AxisState) -> list[Sign]:
-    rows = chip.rows(axis)
+def _faults(memory: ChipMemory, axis: int, state: AxisState) -> list[Sign]:
+    rows = memory.rows(axis)
     errors = dict.fromkeys((f"drv_err{axis + 1}", "drv_err"), "the driver has shut down")
     found = []
     # The cause first: GSTAT says only that there is one.
-    for register, told in ((rows.drv_status, DRIVER_FAULTS), (chip.chip.gstat, {**GSTAT_FAULTS, **errors})):
+    for register, told in ((rows.drv_status, DRIVER_FAULTS), (memory.chip.gstat, {**GSTAT_FAULTS, **errors})):
         for name, cause in told.items():
             if state.flags.get(name):
                 # A short is kept until the driver is switched off; then what is beside it says how to switch it on.
@@ -51,9 +60,9 @@ def _faults(chip: Events, axis: int, state: AxisState) -> list[Sign]:
     return found
 
 
-def _blocks(chip: Events, axis: int, state: AxisState) -> list[Sign]:
-    rows, found = chip.rows(axis), []
-    chopper = chip.known(rows.chopconf)
+def _blocks(memory: ChipMemory, clock_hz: float, axis: int, state: AxisState) -> list[Sign]:
+    rows, found = memory.rows(axis), []
+    chopper = memory.known(rows.chopconf)
     if chopper is not None and r.part(rows.chopconf, "toff").unpack(chopper) == 0:
         name = f"{rows.chopconf.name}.toff"
         found.append(
@@ -63,36 +72,39 @@ def _blocks(chip: Events, axis: int, state: AxisState) -> list[Sign]:
                 (start_up(axis), write(rows.chopconf.name, axis, OFF_TIME, "toff")),
             )
         )
-    pin = chip.chip.disable_pin
+    pin = memory.chip.disable_pin
     if state.flags.get(pin):
-        evidence = (Evidence(f"{chip.chip.inputs.name}.{pin}", "1", state.time_s),)
+        evidence = (Evidence(f"{memory.chip.inputs.name}.{pin}", "1", state.time_s),)
         found.append(
             Sign("the pin DRV_ENN is high and switches the driver off (only its wire can change that)", evidence)
         )
     if state.moving:
         return found
+    # With a slow clock no register holds them: then as fast as it goes.
+    speed_pps = min(VELOCITY_PPS, velocity_pps(VELOCITY_MAX, clock_hz))
+    rate_pps2 = min(ACCELERATION_PPS2, acceleration_pps2(ACCELERATION_MAX, clock_hz))
     for row, value in (
-        (rows.vmax, velocity_units(VELOCITY_PPS, chip.clock_hz)),
-        (rows.amax, acceleration_units(ACCELERATION_PPS2, chip.clock_hz)),
+        (rows.vmax, velocity_units(speed_pps, clock_hz)),
+        (rows.amax, acceleration_units(rate_pps2, clock_hz)),
     ):
-        if chip.wanted(row) == 0:
+        if memory.wanted(row) == 0:
             positioning = state.target_position is not None
             found.append(zero(row.name, axis, round(value) if positioning or row is rows.amax else None, state.time_s))
     return found
 
 
-def _stall(chip: Events, axis: int, state: AxisState) -> Sign | None:
-    rows = chip.rows(axis)
-    stops = r.part(rows.sw_mode, "sg_stop").unpack(chip.known(rows.sw_mode) or 0)
+def _stall(memory: ChipMemory, axis: int, state: AxisState) -> Sign | None:
+    rows = memory.rows(axis)
+    stops = r.part(rows.sw_mode, "sg_stop").unpack(memory.known(rows.sw_mode) or 0)
     if not stops or not state.flags.get("event_stop_sg"):
         return None
     evidence = (Evidence(f"{rows.ramp_stat.name}.event_stop_sg", "1", state.time_s),)
     return Sign("StallGuard stopped the motor", evidence, (clear_flags(axis),))
 
 
-def _holds(chip: Events, axis: int, state: AxisState) -> list[Sign]:
-    rows, found = chip.rows(axis), []
-    switches = rows.sw_mode.unpack(chip.known(rows.sw_mode) or 0)
+def _holds(memory: ChipMemory, axis: int, state: AxisState) -> list[Sign]:
+    rows, found = memory.rows(axis), []
+    switches = rows.sw_mode.unpack(memory.known(rows.sw_mode) or 0)
     for side, letter, active, free in (
         ("left", "l", state.switches.left, "right (to greater positions)"),
         ("right", "r", state.switches.right, "left (to smaller positions)"),

@@ -11,13 +11,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from ...calc.current.coil import CHIPS, SCALER_FULL, CurrentStage, nearest_hold
+from ...calc.current.coil import SCALER_FULL, CurrentStage, nearest_hold
+from ...calc.tmc5xxx.chips import CHIPS
 from ...calc.units.tmc5xxx import acceleration_units, velocity_units
 from ...errors import OutOfRange, UsageError
 from ..core.config import AxisSettings
 from ..core.device import Device
 from ..core.results import WriteItem
 from ..core.start_up import HOLD_SHARE, StartPlan, Wanted, scale_of
+from .limits import range_share
 
 CHOPCONF: dict[str, int | str] = {"toff": 5, "hstrt": 5, "hend": 3, "tbl": 2, "chm": 0}
 CHOPCONF_5160: dict[str, int | str] = {"toff": 3, "hstrt": 5, "hend": 2, "tbl": 2, "chm": 0}
@@ -41,6 +43,7 @@ class Start:
     irun, ihold : 0..31; None for the maker's
     select : vsense, or of a TMC5160 the scaler of 256; None as it is set
     microsteps : per full step; None as it is set, and reckoned as 256
+    current_range : of a chip that has ranges; None as it is set
     counts_per_rev : of the encoder, four a line; 0 for none. That of a second axis takes the pins of both right
         switches, which then stop nothing
     stops : the stop switches are in force, active at high level unless `stop_low_active`
@@ -58,6 +61,7 @@ class Start:
     ihold: int | None = None
     select: int | None = None
     microsteps: int | None = None
+    current_range: int | None = None
     counts_per_rev: int = 0
     invert_encoder: bool = False
     stops: bool = True
@@ -75,7 +79,7 @@ async def plan(device: Device, wanted: Sequence[Wanted]) -> StartPlan:
         microsteps = one.microsteps(TABLE_MICROSTEPS, MICROSTEPS if fine else MICROSTEPS[:1])
         velocity, slope = one.velocity_pps(microsteps), one.acceleration_pps2(microsteps)
         braking = one.deceleration_pps2(slope)
-        irun, ihold, select = _currents(device.model, one)
+        irun, ihold, select, current_range = _currents(device.model, one)
         start = Start(
             vmax=velocity,
             amax=slope,
@@ -85,6 +89,7 @@ async def plan(device: Device, wanted: Sequence[Wanted]) -> StartPlan:
             ihold=ihold,
             select=select,
             microsteps=microsteps if fine else None,
+            current_range=current_range,
             counts_per_rev=figures.counts_per_rev,
             invert_encoder=figures.invert_encoder,
             stops=figures.stops,
@@ -98,12 +103,13 @@ async def plan(device: Device, wanted: Sequence[Wanted]) -> StartPlan:
     return StartPlan(items, encoders=encoders)
 
 
-def _currents(model: str, one: Wanted) -> tuple[int, int, int | None]:
-    """IRUN, IHOLD, and vsense or the scaler, nearest to the amperes asked for; the maker's where nobody tells any.
+def _currents(model: str, one: Wanted) -> tuple[int, int, int | None, int | None]:
+    """IRUN, IHOLD, vsense or the scaler, and the range, nearest to the amperes asked for, else the maker's.
 
     Raises UsageError where nobody knows what a scale is in A, OutOfRange beyond full scale.
     """
-    strong = CHIPS[model].scaled
+    sensing = CHIPS[model].sensing
+    strong = sensing.scaled
     limits, run_a = one.settings.limits, one.run_current_a()
     if run_a is not None and limits.current_full_scale_a is None and limits.sense_resistor_ohm is not None:
         stage = CurrentStage(model, limits.sense_resistor_ohm)
@@ -114,18 +120,22 @@ def _currents(model: str, one: Wanted) -> tuple[int, int, int | None]:
         least = min(stage.settings(), key=lambda setting: setting.peak_a)
         within = [s for s in stage.ranked(run_a * math.sqrt(2)) if s.rms_a <= run_a * (1 + 1e-9)]
         run = within[0] if within else least
-        return run.scale, nearest_hold(stage.settings(run.select), hold_a * math.sqrt(2)).scale, run.select
+        return run.scale, nearest_hold(stage.settings(run.select), hold_a * math.sqrt(2)).scale, run.select, None
     shares = one.share_of_full_scale("sense_resistor_ohm or current_full_scale_a")
     if shares is not None:
         run_share, hold_share = shares
-        return scale_of(run_share, MOST), scale_of(hold_share, MOST), SCALER_FULL if strong else 0
+        enough = [n for n in range(len(sensing.range_va)) if range_share(model, n) >= max(run_share, hold_share)]
+        current_range = enough[0] if enough else None
+        of_range = 1.0 if current_range is None else range_share(model, current_range)
+        irun, ihold = (scale_of(share / of_range, MOST) for share in shares)
+        return irun, ihold, SCALER_FULL if strong else 0, current_range
     maker = IRUN_5160 if strong else IRUN
     limit, full = limits.current_max_a, limits.current_full_scale_a
     if full is None and limits.sense_resistor_ohm is not None:
         full = CurrentStage(model, limits.sense_resistor_ohm).full_scale_a(SCALER_FULL if strong else 0) / math.sqrt(2)
     if limit is not None and full is not None:
         maker = min(maker, scale_of(limit / full, MOST))
-    return (*one.scales(MOST, maker, min(IHOLD, int(maker * HOLD_SHARE))), None)
+    return (*one.scales(MOST, maker, min(IHOLD, int(maker * HOLD_SHARE))), None, None)
 
 
 async def start_up(device: Device, starts: Sequence[Start]) -> None:
@@ -139,7 +149,7 @@ async def start_up(device: Device, starts: Sequence[Start]) -> None:
     second = any(start.counts_per_rev for start in starts[1:])
     for axis, start in enumerate(starts):
         for item in start_items(device, axis, start, right_switch=not second):
-            await device.write(item.name, item.axis, item.value, item.fields)
+            await device.registers.write(item.name, item.axis, item.value, item.fields)
 
 
 def start_items(
@@ -150,7 +160,7 @@ def start_items(
     right_switch : its pin is that of a switch, and not taken by the encoder of a second axis
     settings : of the axis as they will be; None for those that it has
     """
-    strong = device.model == "tmc5160"
+    strong = CHIPS[device.model].sensing.scaled
 
     def velocity(name: str, pps: float) -> WriteItem:
         return WriteItem(name, axis, _whole(name, velocity_units, pps, device.clock_hz))
@@ -178,6 +188,11 @@ def start_items(
             if strong and start.select is not None
             else []
         ),
+        *(
+            [WriteItem("DRV_CONF", axis, fields={"CURRENT_RANGE": start.current_range})]
+            if start.current_range is not None
+            else []
+        ),
         WriteItem("CHOPCONF", axis, fields=chopper),
         WriteItem(
             "SW_MODE",
@@ -193,8 +208,11 @@ def start_items(
         velocity("VSTART", start.vstart),
         velocity("VSTOP", max(start.vstop, start.vstart)),
         velocity("V1", start.v1),
+        # without the further corners the ramp is that of the sisters
+        *([WriteItem(name, axis, 0) for name in ("TVMAX", "V2", "A2")] if _has(device, "V2", axis) else []),
         rate("A1", start.a1),
         rate("D1", start.d1),
+        *([rate("D2", start.d1)] if _has(device, "V2", axis) else []),
         rate("AMAX", start.amax),
         rate("DMAX", start.dmax),
         velocity("VMAX", start.vmax),

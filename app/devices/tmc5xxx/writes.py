@@ -1,134 +1,125 @@
-"""What a write by hand does to a motion, besides storing a word; and what is expected after it."""
+"""What a write by hand does besides storing a word."""
 
 from __future__ import annotations
 
-from ...errors import BenchError, LinkError
-from ...links.queue import Priority
+from collections.abc import Sequence
+
 from ...registers.model import Register
-from ..core.device import MotionStarted
-from ..core.register_io import Held, Words
-from ..core.sixpoint_plans import move_plan, turn_plan
+from ..core.register_file import RegisterRules, changes_by_itself
+from ..core.register_io import Words
+from ..core.results import RegisterWritten
+from ..core.session import Session
+from ..core.unread_registers import arrived_unread
 from . import rows as r
-from .moves import _signed
-from .rows import AxisRows
-from .stops import Stops
+from .events import Events
+from .memory import ChipMemory
+from .reader import ChipReader
+from .written_motion import WrittenMotion
 
 
-class Writes(Stops):
-    """A TMC5xxx that knows the side effects of its registers."""
+class Writes(RegisterRules):
+    """The side effects of the registers, and who has to hear of what was read and written."""
 
-    _before_it: tuple[int, int, float] = (0, 1, 0.0)
-    """XACTUAL and VACTUAL right before a write, and when the write went out."""
+    def __init__(
+        self, session: Session, memory: ChipMemory, log: Events, reader: ChipReader, motion: WrittenMotion
+    ) -> None:
+        self._session = session
+        self._memory = memory
+        self._log = log
+        self._reader = reader
+        self._motion = motion
+        self._guessed: Register | None = None
+        """The write-only register of which fields are being written over others that nobody knows."""
 
-    def _moved_by(self, register: Register) -> AxisRows | None:
-        """The axis that a write to `register` may move."""
-        for rows in self.chip.axes:
-            if register.axis == rows.axis and register.access.writable and register.address in rows.moving:
-                return rows
-        return None
+    # --- reading --------------------------------------------------------------------------------
 
-    async def _before_write(self, words: Words, register: Register, word: int) -> list[str]:
+    def remembers(self, register: Register) -> bool:
+        return self._memory.remembers(register)
+
+    def saw(self, register: Register, word: int) -> None:
+        self._memory.saw_word(register, word)
+
+    async def read_alone(self, register: Register) -> int | None:
+        return await self._reader.read_alone(register)
+
+    def shown(self, register: Register, word: int) -> int:
+        if self._memory.overwritten(register):  # what a stop or a rotation has put there comes back with the next move
+            wanted = self._memory.wanted(register)
+            return word if wanted is None else wanted
+        return self._log.shown(register, word)
+
+    def delivered(self, register: Register) -> None:
+        self._log.delivered(register)
+
+    def kept_word(self, register: Register) -> int | None:
+        return self._memory.wanted(register)
+
+    # --- writing --------------------------------------------------------------------------------
+
+    def held_unread(self, register: Register) -> int:
+        held = self._memory.word(register)
+        self._guessed = register if held is None else None
+        return (register.reset or 0) if held is None else held
+
+    async def before_write(self, words: Words, register: Register, word: int) -> list[str]:
+        guessed, self._guessed = self._guessed, None
         notes = self._notes(register, word)
-        rows = self._moved_by(register)
-        if rows is None:
-            if register is self.chip.gconf and await self._turns_round(words, word):
-                notes.append("a motor that moves now turns the other way at once")
-            return notes
-        asked = (rows.xactual, rows.vactual, rows.rampmode, rows.xtarget)
-        held = Held(asked, await words.read_many(asked))
-        self._saw(held)
-        self._saw_positions(held, words.asked_s)
-        position, target = held.value(rows.xactual), held.value(rows.xtarget)
-        self._before_it = (position, held.word(rows.vactual), words.time_s)
-        positioning = held.value(rows.rampmode) == r.POSITION
-        if register is rows.xactual and positioning and register.decode(word) != target:
-            notes.append("while positioning the motor now drives to XTARGET")
-        elif register is rows.rampmode and word == r.POSITION and not positioning and target != position:
-            notes.append(f"the motor now drives to XTARGET, {target}")
+        rows = self._memory.chip.moved_by(register)
+        if rows is not None:
+            held = await self._motion.look_before(words, rows)
+            position, target = held.value(rows.xactual), held.value(rows.xtarget)
+            positioning = held.value(rows.rampmode) == r.POSITION
+            if register is rows.xactual and positioning and register.decode(word) != target:
+                notes.append("while positioning the motor now drives to XTARGET")
+            elif register is rows.rampmode and word == r.POSITION and not positioning and target != position:
+                notes.append(f"the motor now drives to XTARGET, {target}")
+        elif register is self._memory.chip.gconf and await self._turns_round(words, word):
+            notes.append("a motor that moves now turns the other way at once")
+        if guessed is register:
+            notes.append("its other fields were not known: they are as after a reset now")
         return notes
 
-    def _notes(self, register: Register, word: int) -> list[str]:
-        """What a word does by itself."""
-        for rows in self.chip.axes:
-            if register is rows.chopconf and not r.part(register, "toff").unpack(word):
-                return ["toff is 0: the driver is off"]
-            if register is rows.ramp.get("VSTOP") and word < (self.word(rows.ramp["VSTART"]) or 0):
-                return ["VSTOP is below VSTART: a short move may not end"]
-            if register is rows.ramp.get("D1") and word == 0:
-                return ["positioning must not have D1 0, even with V1 0"]
-        return []
+    def sent(self, register: Register, word: int) -> None:
+        self._memory.sent(register, word)
+        for rows in self._memory.chip.axes:
+            if register.address in rows.moving and register is self._memory.chip.table.at(register.address, write=True):
+                self._session.commanded(rows.axis, register.name)
+        self._log.sent(register, word)
+        if self._memory.chip.moved_by(register) is not None:
+            self._motion.sent()
 
-    async def _turns_round(self, words: Words, word: int) -> bool:
-        """Whether GCONF `word` has another shaft direction than the chip's."""
-        held = await words.read(self.chip.gconf)
-        shafts = sum(part.mask for part in self.chip.gconf.fields if part.name.startswith("shaft"))
-        return bool((held ^ word) & shafts)
-
-    def _sent(self, register: Register, word: int) -> None:
-        super()._sent(register, word)
-        if self._moved_by(register) is not None:
-            position, velocity, _ = self._before_it
-            self._before_it = (position, velocity, self.port.last_exchange_s)
-
-    async def _explain(self, words: Words, register: Register, word: int, back: int) -> str | None:
-        for rows in self.chip.axes:
+    async def explain(self, words: Words, register: Register, word: int, back: int) -> str | None:
+        for rows in self._memory.chip.axes:
             if register is rows.xactual:
                 velocity = await words.value(rows.vactual)
                 return f"the motor moves: it is at {register.decode(back)} now" if velocity else None
         encoder = register.name == "ENCMODE" and r.part(register, "clr_once", "clr_cont").mask
         if encoder and not (word ^ back) & register.mask & ~encoder:
             return "clr_once has returned to 0 by itself"
-        return await super()._explain(words, register, word, back)
+        return changes_by_itself(register, back)
 
-    async def _after_write(self, register: Register) -> None:
-        rows = self._moved_by(register)
-        if rows is None:
-            return
-        try:
-            await self._foresee(rows)
-        except BenchError:
-            # The write itself is done and judged; that the next reading failed is not its failure.
-            self._books[rows.axis].end(self.port.last_exchange_s, f"{register.name} was written")
+    def written_unread(self, register: Register, word: int, notes: Sequence[str]) -> RegisterWritten:
+        return arrived_unread(register, word, notes)
 
-    async def _foresee(self, rows: AxisRows) -> None:
-        """Begin the prediction for whatever the axis does now."""
-        axis = rows.axis
-        before_position, before_velocity, sent_s = self._before_it
-        asked = (rows.rampmode, rows.sw_mode, rows.xactual, rows.vactual, rows.xtarget)
-        async with self.queue.turn(Priority.COMMAND) as turn:
-            words = self.words(turn)
-            held = Held(asked, await words.read_many(asked))
-            time_s = words.time_s
-        self._saw(held)
-        self._saw_positions(held, words.asked_s)
-        position, velocity, target = (held.value(row) for row in (rows.xactual, rows.vactual, rows.xtarget))
-        if before_velocity == 0 and position == before_position:
-            # From rest the start is known exactly: it was when the datagram went out.
-            velocity, time_s = 0, min(time_s, sent_s) or time_s
-        mode, vmax, amax = held.value(rows.rampmode), self.word(rows.vmax), self.word(rows.amax)
-        moves = target != position and vmax != 0 if mode == r.POSITION else vmax != 0 or velocity != 0
-        if not moves or (mode == r.HOLD and not velocity):
-            self._books[axis].end(time_s, "a register was written")
-            return
-        ramp = self.ramp(axis)
-        unit = ramp.velocity_unit_pps
-        if mode == r.POSITION:
-            plan = move_plan(ramp.sixpoint(vmax, amax), _signed(target - position), velocity * unit)
-            self._watches[axis].began("position", time_s, target)
-        else:
-            way = -1 if mode == r.BACKWARD else 1
-            wanted = velocity if mode == r.HOLD else way * (vmax or 0)
-            known = None if vmax is None else ramp.sixpoint(vmax or 1, amax)
-            plan = turn_plan(known, wanted * unit, velocity * unit)
-            self._watches[axis].began("velocity", time_s)
-        self._expect(axis, time_s, position, plan)
-        if before_velocity == 0:
-            self._tell(MotionStarted(axis, time_s))
+    async def after_write(self, register: Register) -> None:
+        rows = self._memory.chip.moved_by(register)
+        if rows is not None:
+            await self._motion.written(rows, register)
 
-    async def _foresee_by_hand(self, rows: AxisRows) -> None:
-        """A raw datagram has written something that may move the axis."""
-        self._before_it = (0, 1, self.port.last_exchange_s)
-        try:
-            await self._foresee(rows)
-        except LinkError as error:
-            self._motion_uncertain(rows.axis, str(error))
+    def _notes(self, register: Register, word: int) -> list[str]:
+        """What a word does by itself."""
+        for rows in self._memory.chip.axes:
+            if register is rows.chopconf and not r.part(register, "toff").unpack(word):
+                return ["toff is 0: the driver is off"]
+            if register is rows.ramp.get("VSTOP") and word < (self._memory.word(rows.ramp["VSTART"]) or 0):
+                return ["VSTOP is below VSTART: a short move may not end"]
+            for rate, corner in (("D1", "V1"), ("D2", "V2")):
+                if register is rows.ramp.get(rate) and word == 0:
+                    return [f"positioning must not have {rate} 0, even with {corner} 0"]
+        return []
+
+    async def _turns_round(self, words: Words, word: int) -> bool:
+        """Whether GCONF `word` has another shaft direction than the chip's."""
+        held = await words.read(self._memory.chip.gconf)
+        shafts = sum(part.mask for part in self._memory.chip.gconf.fields if part.name.startswith("shaft"))
+        return bool((held ^ word) & shafts)

@@ -1,6 +1,7 @@
-"""Driver of the PD42-1241.
+"""Driver of TMCL modules, of parts that `family` puts together.
 
-Layers of one class, a subject each: `module` (who it is, what is remembered), `parameters` (reading and
-writing), `console` (commands as they are), `motion`, `stops`, `polling` (state, what ended a motion),
-`searches` (reference search), `samples` (telemetry), `driver` (the whole).
+What they share: `state` (what the module is, and how it is set), `link` (commands in turns), `ongoing` (the motion
+under way), `records` (what was read and written). Who answers: `identity`, `download_mode`. Parameters: `parameters`,
+`moving_writes`, `store`, `configuration`; commands as they are: `console`. Motion: `departure`, `motion`, `stops`,
+`borrowed` (the acceleration), `searches`. What is seen: `monitor`, `polling`, `signs`, `counter`, `encoder`, `samples`.
 """

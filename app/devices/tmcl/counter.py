@@ -6,78 +6,65 @@ the module was reset in between, or somebody has set the timer: either is a reas
 
 from __future__ import annotations
 
-import contextlib
-from dataclasses import replace
+from collections.abc import Callable
 
 from ...errors import UnknownParameter
-from ...links.queue import Priority, SampleDropped
-from ...registers.model import Space
-from ...registers.tmcl.pd42 import PD42
+from ..core.capabilities import PositionCounter
 from ..core.counter import CounterLook
-from ..core.results import AxisState
-from ..core.signs import Signs
-from . import rows
-from .calls import Calls
-from .searches import Searches
+from ..core.session import Session
+from ..core.tmcl_calls import Calls
+from ..core.tmcl_link import TmclLink
+from .roles import COUNTER_NAMES, RegisterRoles
+from .state import ModuleState
 
-_TICKS = PD42.at(132, Space.GLOBAL_0)
-assert _TICKS is not None
-TICKS = _TICKS
 TICKS_WRAP = 1 << 31
 BEHIND_S, BEHIND = 0.5, 0.01
 """How much the timer may lag: by questions asked again [s], and as a share, by two clocks that differ."""
 
 
-class Counting(Searches):
-    """A TMCL module whose position counter can be followed."""
+COUNTER_WRITES = frozenset({"set_position", *COUNTER_NAMES})
 
-    COUNTER_WRITES = frozenset({"set_position", rows.ACTUAL_POSITION.name, rows.MICROSTEPS.name})
 
-    _ticks: tuple[float, int] | None = None
-    """When the tick timer was read last, device time [s], and what it showed [ms]."""
-    _resets = _resets_told = 0
-    """How often a reset was seen, and how many of those `look` has told of."""
+def counter_writes(roles: RegisterRoles) -> Callable[[str], bool]:
+    """Tells whether after a command, as `Session.commanded` names it, the counter shows another number for the same
+    place."""
+    # By hand, and at the end of a search, which sets the counter to 0 by itself.
+    rows = (roles.actual_position, roles.microsteps)
+    by_hand = tuple(f"{command} {row.address}," for command in ("SAP", "AAP") for row in rows)
 
-    def writes_counter(self, what: str) -> bool:
-        # By hand, and at the end of a search, which sets the counter to 0 by itself.
-        by_hand = tuple(f"{command} {row.address}," for command in ("SAP", "AAP") for row in rows.COUNTER)
-        return super().writes_counter(what) or what.startswith(("RFS START", *by_hand))
+    def counts_as_written(what: str) -> bool:
+        return what in COUNTER_WRITES or what.startswith(("RFS START", *by_hand))
 
-    def speed_limit_pps(self, axis: int) -> float:
-        self.axis(axis)
-        return self.clock_hz / 2  # of the driver chip's ramp generator, whatever the module counts in
+    return counts_as_written
 
-    async def look(self, axis: int) -> CounterLook:
-        self.axis(axis)
-        self.require_connected()
-        async with self.calls() as calls:
-            asked_at_s = self.device_time_s()
-            count = await calls.get(rows.ACTUAL_POSITION)
-            seen = await self._reset_since(calls)
-        before, self._resets_told = self._resets_told, self._resets
-        reset_seen = None if seen is None else self._resets > before
-        self.saw_position(axis, count, asked_at_s)
-        return CounterLook(count, asked_at_s, reset_seen)
 
-    async def axis_state(self, axis: int, priority: Priority = Priority.COMMAND) -> AxisState:
-        state = await super().axis_state(axis, priority)
-        if priority is Priority.SAMPLE:  # whoever looks on all the time has to see a reset too
-            with contextlib.suppress(SampleDropped):  # the line is busy: later then
-                async with self.calls(priority=priority) as calls:
-                    await self._reset_since(calls)
-        return state
+class TickTimer:
+    """The module's own clock, and the resets that it has told of."""
 
-    def signs(self, axis: int, state: AxisState) -> Signs:
-        return replace(super().signs(axis, state), resets=None if self._ticks is None else self._resets)
+    def __init__(self, session: Session, state: ModuleState) -> None:
+        self._session = session
+        self._state = state
+        self._latest: tuple[float, int] | None = None
+        self._resets = 0
 
-    async def _reset_since(self, calls: Calls) -> bool | None:
-        """Whether the module was reset since the timer was read last; None where it never was."""
-        time_s = self.device_time_s()
+    @property
+    def latest(self) -> tuple[float, int] | None:
+        """When it was read last, device time [s], and what it showed [ms]; None where it never was."""
+        return self._latest
+
+    @property
+    def resets(self) -> int | None:
+        """How often a reset was seen; None where the timer was never read."""
+        return None if self._latest is None else self._resets
+
+    async def reset_since(self, calls: Calls) -> bool | None:
+        """Read it: whether the module was reset since the timer was read last; None where it never was."""
+        time_s = self._session.device_time_s()
         try:
-            ticks = await calls.get(TICKS)
+            ticks = await calls.get(self._state.roles.ticks)
         except UnknownParameter:
             return None
-        before, self._ticks = self._ticks, (time_s, ticks)
+        before, self._latest = self._latest, (time_s, ticks)
         if before is None:
             return None
         elapsed_s = time_s - before[0]
@@ -86,5 +73,42 @@ class Counting(Searches):
         self._resets += reset
         return reset
 
+
+class ModuleCounter(PositionCounter):
+    """AP 1, which wraps by as many bits as the module has for it."""
+
+    def __init__(self, session: Session, state: ModuleState, link: TmclLink, ticks: TickTimer) -> None:
+        self._session = session
+        self._state = state
+        self._link = link
+        self._ticks = ticks
+        self._resets_told = 0
+
+    async def look(self, axis: int) -> CounterLook:
+        session = self._session
+        session.axis(axis)
+        session.require_connected()
+        async with self._link.calls() as calls:
+            asked_at_s = session.device_time_s()
+            count = await calls.get(self._state.roles.actual_position)
+            seen = await self._ticks.reset_since(calls)
+        before, self._resets_told = self._resets_told, self._ticks.resets or 0
+        reset_seen = None if seen is None else self._resets_told > before
+        session.saw_position(axis, count, asked_at_s)
+        return CounterLook(count, asked_at_s, reset_seen)
+
+    def counter_bits(self, axis: int) -> int | None:
+        self._session.axis(axis)
+        return self._state.module.position_bits
+
     async def runs_for_s(self) -> float | None:
-        return None if self._ticks is None else self._ticks[1] / 1000
+        latest = self._ticks.latest
+        return None if latest is None else latest[1] / 1000
+
+    def latch_register(self, axis: int) -> str | None:
+        self._session.axis(axis)
+        return None
+
+    def compare_register(self, axis: int) -> str | None:
+        self._session.axis(axis)
+        return None

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from ..core.results import AxisState
 from ..core.signs import Evidence, Sign, Signs, start_up, write, zero
-from . import rows
-from .module import Module
+from .state import ModuleState
 
 FAULTS = {
     "overtemperature": "the driver is too hot and has switched off",
@@ -18,14 +17,14 @@ OFF_TIME, MAX_CURRENT = 5, 128
 """As it comes from the factory."""
 
 
-def signs(module: Module, axis: int, state: AxisState) -> Signs:
+def signs(module: ModuleState, axis: int, state: AxisState) -> Signs:
     """Of `state`, as it was read just now."""
     return Signs(
         faults=tuple(
             Sign(
                 cause,
-                (Evidence(f"{rows.DRIVER_FLAGS.name}.{name}", "1", state.time_s),),
-                (write(rows.OFF_TIME.name, axis, 0),) if name.startswith("short") else (),
+                (Evidence(f"{module.roles.driver_flags.name}.{name}", "1", state.time_s),),
+                (write(module.roles.off_time.name, axis, 0),) if name.startswith("short") else (),
             )
             for name, cause in FAULTS.items()
             if state.flags.get(name)
@@ -37,22 +36,22 @@ def signs(module: Module, axis: int, state: AxisState) -> Signs:
     )
 
 
-def _blocks(module: Module, axis: int, state: AxisState) -> list[Sign]:
+def _blocks(module: ModuleState, axis: int, state: AxisState) -> list[Sign]:
     found = []
     for row, factory, cause in (
-        (rows.OFF_TIME, OFF_TIME, "the driver is off"),
-        (rows.MAX_CURRENT, MAX_CURRENT, "the motor gets no current"),
+        (module.roles.off_time, OFF_TIME, "the driver is off"),
+        (module.roles.max_current, MAX_CURRENT, "the motor gets no current"),
     ):
-        if module.remembered_word(row.address) == 0:
+        if module.last(row) == 0:
             evidence = (Evidence(row.name, "0", state.time_s),)
             found.append(Sign(f"{cause} ({row.name} is 0)", evidence, (start_up(axis), write(row.name, axis, factory))))
     if state.moving:
         return found
     for row, value in (
-        (rows.MAX_SPEED, VELOCITY_PPS / module.speed_unit_pps),
-        (rows.MAX_ACCELERATION, ACCELERATION_PPS2 / module.acceleration_unit_pps2),
+        (module.roles.max_speed, VELOCITY_PPS / module.speed_unit_pps),
+        (module.roles.max_acceleration, ACCELERATION_PPS2 / module.acceleration_unit_pps2),
     ):
-        if module.remembered_word(row.address) == 0:
+        if module.last(row) == 0:
             found.append(zero(row.name, axis, round(value), state.time_s))
     return found
 
@@ -63,13 +62,13 @@ def _stopped(flag: str, cause: str, state: AxisState) -> Sign | None:
     return Sign(cause, (Evidence(f"extended_error_flags.{flag}", "1", state.time_s),))
 
 
-def _holds(module: Module, state: AxisState) -> list[Sign]:
+def _holds(module: ModuleState, state: AxisState) -> list[Sign]:
     found = []
     for side, active, off, free in (
-        ("left", state.switches.left, rows.LEFT_DISABLED, "to greater positions"),
-        ("right", state.switches.right, rows.RIGHT_DISABLED, "to smaller positions"),
+        ("left", state.switches.left, module.roles.left_disabled, "to greater positions"),
+        ("right", state.switches.right, module.roles.right_disabled, "to smaller positions"),
     ):
-        if active and module.remembered_word(off.address) == 0:
+        if active and module.last(off) == 0:
             found.append(
                 Sign(
                     f"the {side} switch is active: only the way {free} is free",

@@ -13,12 +13,11 @@ from ..tmc5xxx import EmulatedTmc5xxx, Tmc5xxxPatch
 from ..tmc4361 import EmulatedTmc4361, Tmc4361Patch
 from .firmware import VERSION_STRING, Firmware
 from .functions import BoardFunctions
-from .options import BoardFaults, BoardPatch, BoardState
+from .options import MODEL, BoardFaults, BoardPatch, BoardState
 from .registers import ChipRegisters
 from .sixpoint import SixPointBoard
 from .tmc4361 import Tmc4361Board
 
-MODEL = "landungsbruecke"
 BoardChip = EmulatedTmc4361 | EmulatedTmc5xxx
 
 

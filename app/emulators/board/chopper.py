@@ -65,6 +65,8 @@ END_READ: Mapping[str, Reader] = MappingProxyType(
         # two of them combine what they find with a comparison, or mask it after shifting
         "tmc5130": _either_way(_high, lambda word: 8 if _low(word) or _upper(word) else 0),
         "tmc5160": _either_way(lambda word: word >> 7 & _HIGH, lambda word: word >> 4 & _LOW | (8 if word & 11 else 0)),
+        # without CHM it reads register 6 instead of CHOPCONF, which is 0 unless X_COMPARE repeats
+        "tmc5240": _either_way(lambda word: word >> 7 & _HIGH, lambda word: 8 if word & 11 else 0),
     }
 )
 """165, of each board."""
@@ -75,6 +77,7 @@ END_WRITTEN: Mapping[str, Writer] = MappingProxyType(
         "tmc5072": _written_either_way(_with_high, lambda word, value: _with_low(_with_upper(word, value & 8), value)),
         "tmc5130": _written_either_way(_with_high, _decay_of_5130),
         "tmc5160": _written_either_way(_with_high, lambda word, value: _with_low(_with_upper(word, 0), value)),
+        "tmc5240": _written_either_way(_with_high, lambda word, value: _with_low(_with_high(word, value & 8), value)),
     }
 )
 START_READ: Mapping[str, Reader] = MappingProxyType(
@@ -84,6 +87,7 @@ START_READ: Mapping[str, Reader] = MappingProxyType(
         "tmc5072": _either_way(_low, lambda word: _high(word) | _upper(word)),
         "tmc5130": _either_way(_low, lambda word: 8 if _high(word) or _upper(word) else 0),
         "tmc5160": _either_way(lambda word: word >> 4 & _LOW, lambda word: word >> 7 & _HIGH | _upper(word)),
+        "tmc5240": _either_way(lambda word: word >> 4 & _LOW, lambda word: word >> 7 & _HIGH | _upper(word)),
     }
 )
 """166."""

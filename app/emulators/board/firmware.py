@@ -13,7 +13,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable
 
-from ...registers.landungsbruecke import (
+from ...registers.evaluation_board import (
     ADDRESS,
     CHANNEL_1_BOARDS,
     CHANNEL_2_BOARDS,
@@ -38,7 +38,6 @@ Handler = Callable[[int, int, int], int]
 """(type, motor or bank, value) to the value of the answer. Raises Refusal."""
 _BODY = struct.Struct(">BBBBi")
 _UF_WRITE, _UF_READ = 69, 70
-MEASURED_VELOCITY = 29
 NO_FUNCTION, NO_MOTOR = 2, 8
 """Error codes of the firmware (TMC_ERROR_FUNCTION, TMC_ERROR_MOTOR)."""
 _INFO = {
@@ -233,10 +232,10 @@ class Firmware:
         if slot == 0:
             if not self._board.measures_velocity:
                 return NO_FUNCTION, 0
-            return (0, axes[motor].get(MEASURED_VELOCITY)) if motor < len(axes) else (NO_MOTOR, 0)
+            return (0, axes[motor].get(axes[motor].measured_velocity)) if motor < len(axes) else (NO_MOTOR, 0)
         if driver is None:
             return NO_FUNCTION, 0
-        return (NO_MOTOR, 0) if motor else (0, driver.get(MEASURED_VELOCITY))
+        return (NO_MOTOR, 0) if motor else (0, driver.get(driver.measured_velocity))
 
     def _measured(self, type_: int, motor: int, value: int) -> int:
         """The measured velocity of the first board that measures one."""

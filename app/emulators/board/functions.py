@@ -11,6 +11,9 @@ from .refusal import wrong_type
 class AxisFunctions(Protocol):
     """One motor. Numbers that cannot be raise Refusal."""
 
+    measured_velocity: int
+    """The axis parameter that is the measured velocity; other commands tell it too."""
+
     def rotate(self, velocity: int) -> None:
         """Turn at a velocity, by its sign; 0 stops."""
         ...
@@ -39,6 +42,8 @@ Write = Callable[[int], None]
 class Parameters:
     """Axis parameters by number: how each is read, and written where it can be."""
 
+    measured_velocity = 29
+
     def __init__(self, known: dict[int, tuple[Read, Write | None]]) -> None:
         self._parameters = known
 
@@ -58,6 +63,8 @@ class Parameters:
 
 class DriverFunctions(Protocol):
     """The functions of the board in slot 2; it has one motor."""
+
+    measured_velocity: int
 
     @property
     def board_id(self) -> int:

@@ -12,6 +12,7 @@ from ..tmc5xxx.state import Tmc5xxxState
 from ..tmc4361.options import Tmc4361Patch
 from ..tmc4361.state import Tmc4361State
 
+MODEL = "landungsbruecke"
 Flag = Annotated[bool, Field(strict=True)]
 
 

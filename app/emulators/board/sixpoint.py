@@ -1,9 +1,9 @@
 """What the firmware does with a TMC5xxx in the slot: sets it up, moves its motors, names registers as parameters.
 
-Source: boards/TMC5031_eval.c, TMC5062_eval.c, TMC5072_eval.c, TMC5130_eval.c, TMC5160_eval.c of TMC-EvalSystem, and the
-register presets in the headers of TMC-API. Numbers are in the chip's own units: nothing is converted but where a
-parameter is a velocity and the register a TSTEP. Each board answers the numbers that its own file has, also where its
-chip has no such register or field, and refuses the others with status 3.
+Source: boards/TMC5031_eval.c, TMC5062_eval.c, TMC5072_eval.c, TMC5130_eval.c, TMC5160_eval.c and TMC5240_eval.c of
+TMC-EvalSystem, and the register presets in the headers of TMC-API. Numbers are in the chip's own units: nothing is
+converted but where a parameter is a velocity and the register a TSTEP. Each board answers the numbers that its own
+file has, also where its chip has no such register or field, and refuses the others with status 3.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ USUALLY_MEASURED_S = 0.005
 UNITS_MS = 1048.576
 """VACTUAL's unit, microsteps in 2^24 clocks of 16 MHz, in a millisecond."""
 BOARD_IDS: Mapping[str, int] = MappingProxyType(
-    {"tmc5031": 2, "tmc5062": 25, "tmc5072": 7, "tmc5130": 5, "tmc5160": 16}
+    {"tmc5031": 2, "tmc5062": 25, "tmc5072": 7, "tmc5130": 5, "tmc5160": 16, "tmc5240": 28}
 )
 """What the boards call themselves (BoardAssignment.h)."""
 PRESETS: Mapping[str, Mapping[str, int]] = MappingProxyType(
@@ -52,6 +52,18 @@ PRESETS: Mapping[str, Mapping[str, int]] = MappingProxyType(
             "TPOWERDOWN": 0xA,
             "VSTOP": 1,
             "ENC_CONST": 0x1_0000,
+            "CHOPCONF": 0x0041_0153,
+        },
+        "tmc5240": {
+            "GCONF": 0x8,
+            "DRV_CONF": 0x20,
+            "IHOLD_IRUN": 0x0007_0A03,
+            "TPOWERDOWN": 0xA,
+            "VSTOP": 10,
+            "D1": 10,
+            "D2": 10,
+            "ENC_CONST": 0x1_0000,
+            "OTW_OV_VTH": 0x0B92_0F25,
             "CHOPCONF": 0x0041_0153,
         },
     }
@@ -83,6 +95,7 @@ BITS: Mapping[str, Mapping[int, tuple[int, int]]] = MappingProxyType(
         "tmc5072": {163: (CHOPCONF_AT, 1 << 13)},  # CHM's number turns RNDTF
         "tmc5130": {30: (RAMPMODE_AT, 3)},
         "tmc5160": {34: (0x04, 1 << 1), 35: (0x0B, 0xFF), 184: (CHOPCONF_AT, 1 << 13), 185: (CHOPCONF_AT, 0xF << 20)},
+        "tmc5240": {34: (0x04, 1 << 1), 185: (CHOPCONF_AT, 0xF << 20)},
     }
 )
 """Parameters that are bits of a register at an address, whatever the chip has there."""
@@ -100,6 +113,20 @@ SINGLE_FIELDS = (
     (204, "PWMCONF", "freewheel"),
 )
 """Of the chips with one axis; where there are two for a number each chip has one of them."""
+EIGHT_POINT_REGISTERS = MappingProxyType({22: "V2", 23: "D2", 24: "A2", 25: "TVMAX", 27: "VDCMIN"})
+EIGHT_POINT_FIELDS = MappingProxyType(
+    {28: ("CHOPCONF", "vhighchm"), 29: ("CHOPCONF", "vhighfs"), 173: ("SG4_THRS", "sg4_filt_en"),
+     175: ("COOLCONF", "sfilt"), 176: ("COOLCONF", "sgt"), 184: ("SG4_THRS", "sg_angle_offset"),
+     195: ("PWMCONF", "pwm_meas_sd_enable"), 196: ("PWMCONF", "pwm_dis_reg_stst"),
+     212: ("DRV_CONF", "CURRENT_RANGE"), 216: ("OTW_OV_VTH", "OVERVOLTAGE_VTH"),
+     217: ("OTW_OV_VTH", "OVERTEMPPREWARNING_VTH")}
+)  # fmt: skip
+EIGHT_POINT_READINGS = MappingProxyType(
+    {193: ("PWM_SCALE", "PWM_SCALE_SUM"), 214: ("ADC_VSUPPLY_AIN", "ADC_AIN"), 215: ("ADC_VSUPPLY_AIN", "ADC_VSUPPLY")}
+)
+"""Of the board whose chip has ramps of eight points; it numbers several things otherwise than the others."""
+SUPPLY_STEP, TEMPERATURE_ZERO = 32 * 3052, 2038
+"""What the board takes the ADC for: 3.052 / 10 mV times 32, and 7.7 to a degree from there."""
 READINGS = MappingProxyType(
     {8: ("RAMP_STAT", "position_reached"), 180: ("DRV_STATUS", "CS_ACTUAL"), 206: ("DRV_STATUS", "SG_RESULT")}
 )
@@ -187,6 +214,7 @@ class SixPointAxis(Parameters):
         """VMAX before a rotation, where the board brings it back for the next move; 0 for none."""
         self._place, self._measured = 0, 0
         self._vref_mv = VREF_START_MV
+        self._resistor = 3
         known: dict[int, tuple[Read, Write | None]] = {
             2: (self._reader("VMAX"), lambda value: self._write("VMAX", abs(value))),
             3: (lambda: to_signed(self._read("VACTUAL") & (1 << VELOCITY_BITS) - 1, VELOCITY_BITS), None),
@@ -215,6 +243,8 @@ class SixPointAxis(Parameters):
         self._add_switches(model)
         # the TMC5031's board shows another register, which never changes
         self._parameters[29] = (lambda: 0 if model == "tmc5031" else self._measured, None)
+        if self._row("V2") is not None:
+            self._add_eight_points()
         self._parameters[140] = (self._resolution, self._set_resolution)
         self._add_chopper()
         self._parameters[181] = self._stall()
@@ -265,6 +295,47 @@ class SixPointAxis(Parameters):
             # an encoder position is asked from the chip, the others come from the firmware's memory
             read = (lambda: 0) if name == "X_ENC" else partial(self._registers.signed, address)
             self._parameters[number] = (read, partial(self._registers.write, address))
+
+    def _add_eight_points(self) -> None:
+        for number, name in EIGHT_POINT_REGISTERS.items():
+            self._add_register(number, name)
+        for number, (name, part) in EIGHT_POINT_FIELDS.items():
+            self._add_field(number, name, part)
+        for number, (name, part) in EIGHT_POINT_READINGS.items():
+            self._add_field(number, name, part)
+            self._parameters[number] = (self._parameters[number][0], None)
+        self._parameters[26] = (partial(self._velocity, "THIGH"), partial(self._set_velocity, "THIGH"))
+        self.measured_velocity = 30
+        self._parameters[30] = (lambda: self._measured, None)
+        self._parameters[35] = (self._reader("GLOBAL_SCALER"), self._set_scaler)
+        self._parameters[174] = (
+            lambda: to_signed(self._field("SG4_THRS", "SG4_THRS") & 0x7F, 7),
+            partial(self._set_field, "SG4_THRS", "SG4_THRS"),
+        )
+        self._parameters[194] = (self._reader("MSCNT"), None)
+        # which resistor the board puts to IREF: the emulated one has 12 kOhm whatever this says
+        self._parameters[211] = (lambda: self._resistor, self._set_resistor)
+        self._parameters[213] = (self._reader("ADC_TEMP"), None)
+        supply, warning = partial(self._field, "ADC_VSUPPLY_AIN"), partial(self._field, "OTW_OV_VTH")
+        self._parameters[218] = (lambda: 10 * (self._read("ADC_TEMP") - TEMPERATURE_ZERO) // 77, None)
+        self._parameters[219] = (lambda: 3052 * supply("ADC_AIN") // 10_000, None)
+        self._parameters[220] = (lambda: SUPPLY_STEP * supply("ADC_VSUPPLY") // 10_000, None)
+        self._parameters[221] = (
+            lambda: SUPPLY_STEP * warning("OVERVOLTAGE_VTH") // 10_000,
+            lambda value: self._set_field("OTW_OV_VTH", "OVERVOLTAGE_VTH", value * 10_000 // SUPPLY_STEP),
+        )
+        self._parameters[222] = (
+            lambda: int((warning("OVERTEMPPREWARNING_VTH") - TEMPERATURE_ZERO) / 7.7),
+            lambda value: self._set_field("OTW_OV_VTH", "OVERTEMPPREWARNING_VTH", int(value * 7.7) + TEMPERATURE_ZERO),
+        )
+        self._parameters[223] = (lambda: 1, lambda _: None)  # the chip is never put to sleep
+
+    def _set_scaler(self, value: int) -> None:
+        self._write("GLOBAL_SCALER", value & 0xFF if value > 31 else 0)
+
+    def _set_resistor(self, value: int) -> None:
+        if 0 <= value <= 3:
+            self._resistor = value
 
     def _bits(self, address: int, mask: int) -> tuple[Read, Write]:
         """Bits of a register of the first motor's, or of this one's."""

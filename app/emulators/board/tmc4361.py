@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from ...registers.landungsbruecke import BoardStatus
+from ...registers.evaluation_board import BoardStatus
 from .functions import Parameters, Read, Write
 from .refusal import Refusal, invalid_value, wrong_type
 from .registers import ChipRegisters

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import logging
 import random
 import threading
+import time
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
@@ -11,6 +13,12 @@ from pydantic import BaseModel
 
 from ...clock import Clock, ScaledClock
 from .noise import flip
+from .pace import SLICE_S, Pace
+
+log = logging.getLogger("stepscope.emulators")
+
+UNMEASURED_S = SLICE_S / 16
+"""Chip time that is worked out without a look at how much work it is [s]."""
 
 
 class FarEnd(ABC):
@@ -21,6 +29,9 @@ class FarEnd(ABC):
         self._lock = threading.Lock()
         self._latest_s = 0.0
         """Where it has been brought to, on `clock` [s]."""
+        self.pace: Pace | None = None
+        """Bounds the work of a catch-up; None where time waits for whoever works it out, as a test's does."""
+        self._skips = 0
 
     @property
     def brought_to_s(self) -> float:
@@ -28,8 +39,56 @@ class FarEnd(ABC):
         return self._latest_s
 
     @abstractmethod
+    def _run(self, until_s: float) -> None:
+        """Run to `until_s` [s], never back. The lock is held."""
+
+    @property
+    @abstractmethod
+    def _quiet(self) -> bool:
+        """Whether nothing will happen until somebody writes, so that any time is passed over at once."""
+
     def _run_until(self, at_s: float | None) -> None:
-        """Run to `at_s` [s], by default now; never back. The lock is held."""
+        """Run to `at_s` [s], by default now, or as far as `pace` lets it. The lock is held."""
+        self._run(self._reach(at_s))
+
+    def _reach(self, at_s: float | None) -> float:
+        """Where to run to for `at_s` [s], by default now; what is more than a little has been run then.
+
+        With a `pace`, and more to do than that allows, the chip's clock is set to where the chip is: it stood still
+        for the rest, which `clock.skipped_s` tells.
+        """
+        now_s = self.clock.now()
+        at_s = now_s if at_s is None else at_s
+        if self.pace is None:
+            return at_s
+        at_s = min(at_s, now_s)  # what it was asked for may have been skipped meanwhile
+        if at_s - self._latest_s <= UNMEASURED_S or self._quiet:
+            return at_s
+        allowed_s, began_s = self.pace.allowed_s(), time.thread_time()
+        worked_s = 0.0
+        while self._latest_s < at_s and worked_s < allowed_s and not self._quiet:
+            self._run(min(at_s, self._latest_s + SLICE_S))
+            worked_s = time.thread_time() - began_s
+        self.pace.spend(worked_s)
+        if self._latest_s < at_s and not self._quiet:
+            self._skip()
+            return self._latest_s
+        return at_s
+
+    def _skip(self) -> None:
+        self.clock.skip_to(self._latest_s)
+        self._skips += 1
+        if self._skips & self._skips - 1 == 0:  # 1, 2, 4, 8 ...: told, and no flood of lines
+            log.warning(
+                "an emulated %s stood still for %.3g s of its time in all: more than can be worked out in time",
+                self.model,
+                self.clock.skipped_s,
+            )
+
+    @property
+    @abstractmethod
+    def model(self) -> str:
+        """The name in the catalog."""
 
     def caught_up(self, lag_s: float = 1e-9) -> bool:
         """Has it been brought to within `lag_s` [s] of its clock?"""
@@ -38,17 +97,17 @@ class FarEnd(ABC):
     def catch_up(self, slice_s: float) -> bool:
         """Bring it on by at most `slice_s` [s] of its time; True once it is up to date.
 
-        Never needed for correctness: who asks after hours without it just waits for all of them at once.
+        Never needed for correctness: without a `pace`, who asks after hours just waits for all of them at once.
         """
         now_s = self.clock.now()
         with self._lock:
             until_s = min(now_s, self._latest_s + slice_s)
             self._run_until(until_s)
-        return until_s == now_s
+        return until_s == now_s or self._latest_s < until_s
 
-    def _clocks(self, at_s: float | None, clock_hz: float) -> int:
-        """Clocks of an oscillator by `at_s` [s], by default now; rounded so that exact instants stay exact."""
-        self._latest_s = max(self._latest_s, self.clock.now() if at_s is None else at_s)
+    def _clocks(self, until_s: float, clock_hz: float) -> int:
+        """Clocks of an oscillator by `until_s` [s]; rounded so that exact instants stay exact."""
+        self._latest_s = max(self._latest_s, until_s)
         return int(self._latest_s * clock_hz + 0.5)
 
 

@@ -16,16 +16,32 @@ from .table import wave_of
 from .units import bits, signed, wrap32
 from .world import OT_C, OTPW_C, UNDERVOLTAGE_V, Switches, Truth, World
 
-_VELOCITIES = {"VSTART": k.VSTART, "V1": k.V1, "VMAX": k.VMAX, "VSTOP": k.VSTOP}
+_VELOCITIES = {"VSTART": k.VSTART, "V1": k.V1, "V2": k.V2, "VMAX": k.VMAX, "VSTOP": k.VSTOP}
 # a deceleration of 0 would never end: it is taken for the least there is
-_ACCELERATIONS = {"A1": (k.A1, 0), "AMAX": (k.AMAX, 0), "DMAX": (k.DMAX, 1), "D1": (k.D1, 1)}
-_PLAIN = {"TPWMTHRS": k.TPWMTHRS, "TCOOLTHRS": k.TCOOLTHRS, "THIGH": k.THIGH, "RAMPMODE": k.MODE, "SW_MODE": k.SW}
+_ACCELERATIONS = {
+    "A1": (k.A1, 0),
+    "A2": (k.A2, 0),
+    "AMAX": (k.AMAX, 0),
+    "DMAX": (k.DMAX, 1),
+    "D2": (k.D2, 1),
+    "D1": (k.D1, 1),
+}
+_PLAIN = {
+    "TPWMTHRS": k.TPWMTHRS,
+    "TCOOLTHRS": k.TCOOLTHRS,
+    "THIGH": k.THIGH,
+    "RAMPMODE": k.MODE,
+    "SW_MODE": k.SW,
+    "VIRTUAL_STOP_L": k.VLEFT,
+    "VIRTUAL_STOP_R": k.VRIGHT,
+    "X_COMPARE_REPEAT": k.X_REPEAT,
+}
 _TABLE = ("MSLUTSEL", "MSLUTSTART", *(f"MSLUT[{i}]" for i in range(8)))
 _FASTSTANDSTILL, _EN_PWM_MODE, _SHAFT = 1 << 1, 1 << 2, 1 << 4
 _S2G = {"a": 1 << 27, "b": 1 << 28}
 _GSTAT_RESET, _GSTAT_DRV_ERR, _GSTAT_UV_CP = 1, 2, 4
 _STOP_SG = 1 << 6
-_KEPT = (k.TICK, k.CLOCK, k.WATCH, k.RNG, k.SUBSTEPS, k.BLOCKED, k.FORCE, k.FORCED, k.STALL_V, k.RIGID)
+_KEPT = (k.TICK, k.CLOCK, k.WATCH, k.RNG, k.SUBSTEPS, k.BLOCKED, k.FORCE, k.FORCED, k.STALL_V, k.RIGID, k.SG4)
 """Cells that a power cycle leaves."""
 
 
@@ -37,10 +53,11 @@ class Drive:
     write holds from the next one. So it makes no difference in how many pieces time is advanced.
 
     Chips that are not a TMC5160 in everything say so by the properties below `# --- the rest`: velocity thresholds
-    instead of TSTEP's, an N line, pins of switches that are taken, another full scale.
+    instead of TSTEP's, an N line, pins of switches that are taken, another full scale or least supply, StallGuard4.
 
     Not modelled: DcStep, vhighfs and vhighchm, short circuits, pins and buses. StealthChop differs from SpreadCycle
-    only in what the registers tell and in freewheeling; StallGuard2 tells 0 there.
+    only in what the registers tell and in freewheeling; StallGuard2 tells 0 there. StallGuard4 goes by the same
+    figures as StallGuard2 (a reading: nobody tells how the PWM's duty falls with load), and CoolStep does not use it.
 
     Nothing here is thread-safe; the kernel releases the GIL.
     """
@@ -58,6 +75,7 @@ class Drive:
         self._short = 0
         """s2ga or s2gb of DRV_STATUS: kept until the driver is switched off."""
         self._enabled, self._sense = True, 1.0
+        self._least_supply_v = UNDERVOLTAGE_V
         self._stall_stop_velocity: int | None = None
         self._set_constants()
         self.world = World(options, self._s, self._f, self._world_changed)
@@ -73,11 +91,8 @@ class Drive:
     def write(self, register: str, value: int) -> None:
         """Write a register by its TMC5160 name. Bits beyond its width are dropped, as on the bus.
 
-        Writable: GCONF GSTAT(1 clears) GLOBALSCALER IHOLD_IRUN TPOWERDOWN TPWMTHRS TCOOLTHRS THIGH RAMPMODE XACTUAL
-        VSTART A1 V1 AMAX VMAX DMAX D1 VSTOP TZEROWAIT XTARGET VDCMIN SW_MODE RAMP_STAT(1 clears) ENCMODE X_ENC
-        ENC_CONST ENC_STATUS(1 clears) ENC_DEVIATION MSLUT[0]..MSLUT[7] MSLUTSEL MSLUTSTART CHOPCONF COOLCONF DCCTRL
-        PWMCONF. Signed registers take either form of a negative number. The encoder registers are `external`'s;
-        ENC_DEVIATION only warns there.
+        Writable: those of `WRITABLE`, and GSTAT, RAMP_STAT and ENC_STATUS, where 1 clears. Signed registers take
+        either form of a negative number. The encoder registers are `external`'s; ENC_DEVIATION only warns there.
 
         Raises KeyError for a name that the chip does not have, PermissionError for one that can only be read.
         """
@@ -98,8 +113,8 @@ class Drive:
     def read(self, register: str) -> int:
         """A register by its TMC5160 name: signed where the chip counts signed. Reading has no side effects.
 
-        Besides what can be written (write-only ones read back here): VACTUAL TSTEP XLATCH ENC_LATCH MSCNT MSCURACT
-        DRV_STATUS PWM_SCALE PWM_AUTO LOST_STEPS. Raises KeyError for a name that the chip does not have.
+        Besides what can be written (write-only ones read back here) those of `READ_ONLY`. Raises KeyError for a name
+        that the chip does not have.
         """
         register = ALIASES.get(register, register)
         s = self._s
@@ -109,6 +124,12 @@ class Drive:
             case "VACTUAL":
                 v = int(s[k.V])
                 return (abs(v) >> k.VELOCITY_BITS) * (1 if v > 0 else -1)
+            case "AACTUAL":
+                return int(s[k.ACTUAL])
+            case "SG4_RESULT":
+                return int(s[k.SG]) if s[k.STEALTH] else 0
+            case "SG4_IND":
+                return int(s[k.SG4_LAST]) if s[k.SG4_FILTER] else int(s[k.SG4_LAST]) & 0xFF
             case "X_ENC":
                 return self.external.position
             case "TSTEP":
@@ -164,8 +185,10 @@ class Drive:
             s[cell] = max(value, least)
         elif register in _PLAIN:
             s[_PLAIN[register]] = value
-            if register == "SW_MODE" and not value >> 10 & 1:
-                s[k.LATCHED] &= ~_STOP_SG  # without sg_stop nothing holds the motor
+            if register == "SW_MODE":
+                s[k.VIRTUAL] = value >> 12
+                if not value >> 10 & 1:
+                    s[k.LATCHED] &= ~_STOP_SG  # without sg_stop nothing holds the motor
         elif register in _TABLE:
             self._load_table()
         else:
@@ -182,6 +205,11 @@ class Drive:
                     s[k.HEADING] = 0
             case "TZEROWAIT":
                 s[k.TZERO] = value * 512 // k.TICK_CLOCKS
+            case "TVMAX":
+                s[k.TVMAX] = value * 512 // k.TICK_CLOCKS
+                s[k.VWAIT] = min(int(s[k.VWAIT]), int(s[k.TVMAX]))
+            case "SG4_THRS":
+                s[k.SG4_THRS], s[k.SG4_FILTER] = bits(value, 0, 8), bits(value, 8, 1)
             case "GCONF":
                 s[k.SHAFT] = -1 if value & _SHAFT else 1
                 s[k.EN_PWM] = bool(value & _EN_PWM_MODE)
@@ -191,6 +219,7 @@ class Drive:
             case "IHOLD_IRUN":
                 s[k.IHOLD], s[k.IRUN] = bits(value, 0, 5), bits(value, 8, 5)
                 s[k.IHOLDDELAY] = bits(value, 16, 4) * k.TICKS_A_DELAY
+                s[k.IRUNDELAY] = bits(value, 24, 4) * 512 // k.TICK_CLOCKS
                 s[k.COOL_CS] = s[k.IRUN]
             case "TPOWERDOWN":
                 s[k.TPOWER] = value * k.TICKS_A_DELAY
@@ -339,6 +368,31 @@ class Drive:
         self._stall_stop_velocity = value
         self._s[k.STALL_V] = -1 if value is None else value << k.VELOCITY_BITS
 
+    @property
+    def stall_guard_4(self) -> bool:
+        """Whether load is measured with StealthChop too, which then works above TCOOLTHRS as well. False at first."""
+        return bool(self._s[k.SG4])
+
+    @stall_guard_4.setter
+    def stall_guard_4(self, value: bool) -> None:
+        self._s[k.SG4] = value
+        self._changed()
+
+    @property
+    def least_supply_v(self) -> float:
+        """The supply below which the bridges do not work [V]."""
+        return self._least_supply_v
+
+    @least_supply_v.setter
+    def least_supply_v(self, value: float) -> None:
+        self._least_supply_v = value
+        self._world_changed()
+
+    @property
+    def undervoltage(self) -> bool:
+        """Whether the supply is below that."""
+        return self._undervoltage
+
     def set_velocity_window(self, cool: int, high: int) -> None:
         """VCOOLTHRS and VHIGH of the chips that have them instead of TSTEP's thresholds [ramp units].
 
@@ -418,6 +472,11 @@ class Drive:
         return Switches(bool(pressed & 1), bool(pressed & 2), bool(pressed & 4))
 
     @property
+    def quiet(self) -> bool:
+        """Nothing happens until somebody writes or changes the world."""
+        return bool(self._s[k.QUIET])
+
+    @property
     def truth(self) -> Truth:
         """How motor and shaft really are."""
         return truth_of(self._s, self._f, self.options.motor)
@@ -453,7 +512,7 @@ class Drive:
     def _world_changed(self) -> None:
         if not self._registers:  # still being made
             return
-        self._undervoltage = self.world.supply_v < UNDERVOLTAGE_V
+        self._undervoltage = self.world.supply_v < self._least_supply_v
         was_hot = self._hot
         self._hot = self.world.temperature_c >= (OTPW_C if was_hot else OT_C)
         if self._hot and not was_hot:

@@ -8,9 +8,12 @@ velocity unit a clock), not how the ramp generator meets its target. Here everyt
 so that an acceleration of A adds A/512 velocity units a tick: velocity has 9 hidden fraction bits, and each tick adds
 it to a 25-bit accumulator whose overflows are the steps. On the way to a target a tick takes the highest velocity of
 those in reach (one tick of acceleration up, one of deceleration down) from which, after this tick, the way left still
-suffices to brake: DMAX down to V1, D1 down to VSTOP, then dead stop. That solves to a square root, taken in doubles
-(IEEE, so the same everywhere) and floored. A tick that would run past the target while a stop from its velocity is
-allowed ends on the target.
+suffices to brake: DMAX down to V2, D2 down to V1, D1 down to VSTOP, then dead stop (without a V2 above V1, as in most
+chips, DMAX down to V1). That solves to a square root, taken in doubles (IEEE, so the same everywhere) and floored. A
+tick that would run past the target while a stop from its velocity is allowed ends on the target. With TVMAX a
+positioning motor that has sped up keeps its velocity for so many ticks before it brakes, and the other way round, so it
+speeds up only as far as the way suffices for that too. It serves them also where a new target leaves no way for them (a
+reading).
 
 The motor is motor-physics' model: coils behind a regulator of first order that the supply clamps, back-EMF, detent,
 Coulomb friction with stiction, inertia, in semi-implicit Euler. A coil current within 1 nA of its reference is set on
@@ -94,7 +97,17 @@ seen last, and counts between which nothing can happen."""
 RIGID, STEADY, OFFSET, SLIP_M = range(112, 116)
 """0: physics, 1: none, 2: none and no leaps; the last tick changed nothing but sums; shaft ahead of the field and
 encoder's slip [microsteps of 1/256]."""
-INTEGERS = 116
+V2, A2, D2, TVMAX, VWAIT, SLOPE, ACTUAL = range(116, 123)
+"""The further segment (V2 0: none), TVMAX in ticks, ticks of it left, whether the speed rose (1) or fell (-1) last, and
+its change in the last tick (AACTUAL)."""
+X_REPEAT, VIRTUAL, VLEFT, VRIGHT, VSEEN = range(123, 128)
+"""Distance at which X_COMPARE repeats (less than 2: never); virtual stops: 1 left, 2 right, 4 by the encoder; where,
+and which hold now."""
+IRUNDELAY, UP = range(128, 130)
+"""Ticks for each step up to the run current, and of that gone."""
+SG4, SG4_THRS, SG4_FILTER, SG4_LAST = range(130, 134)
+"""StallGuard4 works in StealthChop; below twice that it is a stall; mean of four; the latest four, a byte each."""
+INTEGERS = 134
 
 # --- cells of `f` --------------------------------------------------------------------------------
 THETA, OMEGA, IA, IB, TORQUE, REF_A, REF_B = range(7)
@@ -128,6 +141,8 @@ LONGEST_LEAP = 1 << 29
 """Ticks: velocities are at most 2^32, and the sum of all has to fit."""
 N_WIDTH = 4
 """Counts of a turn, from its place 0, in which the N line is high."""
+N_REPEATS = 8
+"""Counts, two times A and B, in which everything between two pulses has happened twice."""
 POSITION, FORWARD, BACKWARD, HOLD_MODE = range(4)
 
 # RAMP_STAT's latching bits, and bits of SW_MODE
@@ -158,19 +173,15 @@ def wrap32(x: int) -> int:
     return ((x + 0x80000000) & 0xFFFFFFFF) - 0x80000000
 
 
-@inlined
-def direction_of(x: int) -> int:
-    """Its sign; 1 for zero."""
-    return -1 if x < 0 else 1
-
-
 # --- ramp generator ------------------------------------------------------------------------------
 
 
 @inlined
 def _faster(s: Cells, u: int) -> int:
-    """Speed after one tick of acceleration: A1 below V1, AMAX from there; V1 = 0 leaves A1 out."""
+    """Speed after one tick of acceleration: A1 below V1, A2 below V2, AMAX from there; 0 leaves a segment out."""
     v1 = s[V1]
+    if u < s[V2] and s[V2] > v1:
+        return _faster_below_v2(s, u)
     if u >= v1:
         return u + s[AMAX]
     a1 = s[A1]
@@ -179,10 +190,38 @@ def _faster(s: Cells, u: int) -> int:
     return v1 + s[AMAX] * (a1 - (v1 - u)) // a1
 
 
+@compiled
+def _faster_below_v2(s: Cells, u: int) -> int:
+    """The same where A2 has a part in it."""
+    v1, v2, a1, a2 = s[V1], s[V2], s[A1], s[A2]
+    if u < v1:
+        if u + a1 <= v1:
+            return u + a1
+        new = v1 + a2 * (a1 - (v1 - u)) // a1
+    else:
+        new = u + a2
+    return new if new <= v2 else v2 + s[AMAX] * (new - v2) // a2
+
+
+@compiled
+def _slower_by_d2(s: Cells, u: int) -> int:
+    """Speed after one tick of deceleration from above V1, where D2 has a part in it; maybe below zero."""
+    v1, v2, d2 = s[V1], s[V2], s[D2]
+    new = u - s[DMAX]
+    if u <= v2:
+        new = u - d2
+    elif new < v2:
+        new = v2 - d2 * (s[DMAX] - (u - v2)) // s[DMAX]
+    return new if new >= v1 or v1 == 0 else v1 - s[D1] * (v1 - new) // d2
+
+
 @inlined
 def _slower(s: Cells, u: int) -> int:
-    """Speed after one tick of deceleration, maybe below zero: DMAX down to V1, D1 below; V1 = 0 leaves D1 out."""
+    """Speed after one tick of deceleration, maybe below zero: DMAX down to V2, D2 to V1, D1 below; 0 leaves a segment
+    out."""
     v1 = s[V1]
+    if s[V2] > v1 and u > v1 and u - s[DMAX] < s[V2]:
+        return _slower_by_d2(s, u)
     if u - s[DMAX] >= v1 or v1 == 0:
         return u - s[DMAX]
     if u <= v1:
@@ -191,23 +230,37 @@ def _slower(s: Cells, u: int) -> int:
 
 
 @inlined
-def _allowed(s: Cells, way: int) -> int:
-    """The highest speed u with u + braking distance from u <= `way` [1/2^25 step], at least 1."""
+def _allowed(s: Cells, way: int, kept: int) -> int:
+    """The highest speed u with u + `kept` ticks of u + braking distance from u <= `way` [1/2^25 step], at least 1."""
     stop = s[VSTOP]
-    if way <= stop:
-        return max(way, 1)
+    ticks = 1 + kept
+    if way <= stop * ticks:
+        return max(way // ticks, 1)
     left = float(way)
     knee = float(stop)
     d = float(s[DMAX])
     if s[V1] > stop:
         v1, d1 = float(s[V1]), float(s[D1])
         below = (v1 * v1 - knee * knee) / (2.0 * d1)
-        if left <= v1 + below:
-            d = d1
-        else:
-            left -= below
-            knee = v1
-    return max(math.floor(math.sqrt(d * d + knee * knee + 2.0 * d * left) - d), 1)
+        if left <= v1 * ticks + below:
+            return _speed_of(d1, knee, left, ticks)
+        left -= below
+        knee = v1
+    if s[V2] > s[V1] and s[V2] > stop:
+        v2, d2 = float(s[V2]), float(s[D2])
+        below = (v2 * v2 - knee * knee) / (2.0 * d2)
+        if left <= v2 * ticks + below:
+            return _speed_of(d2, knee, left, ticks)
+        left -= below
+        knee = v2
+    return _speed_of(d, knee, left, ticks)
+
+
+@inlined
+def _speed_of(d: float, knee: float, left: float, ticks: int) -> int:
+    """The speed from which `left` suffices for so many ticks of it and then to brake by `d` down to `knee`."""
+    reach = d * ticks
+    return max(math.floor(math.sqrt(reach * reach + knee * knee + 2.0 * d * left) - reach), 1)
 
 
 @inlined
@@ -257,14 +310,17 @@ def _ramp(s: Cells) -> int:
         wanted = _faster(s, u)
         if wanted > s[VMAX]:
             wanted = s[VMAX]
-        new = min(wanted, _allowed(s, left))
+        new = min(wanted, _allowed(s, left, 0))
+        if s[TVMAX]:
+            new = _by_tvmax(s, u if v != 0 else 0, wanted, new, left)
         if v != 0:  # a start takes no more of VSTART than the way allows
             new = max(new, lowest)
-        if new >= left and new <= s[VSTOP] + max(s[DMAX], s[D1]):
+        if new >= left and new <= s[VSTOP] + max(s[DMAX], s[D1], s[D2] if s[V2] > s[V1] else 0):
             s[ACC] = 0
             s[X] = s[XT]
             s[V] = 0
             s[ZWAIT] = s[TZERO]
+            s[VWAIT] = s[SLOPE] = 0
             return way
         return _move(s, direction, new)
     if mode == HOLD_MODE:
@@ -276,9 +332,37 @@ def _ramp(s: Cells) -> int:
     return _move(s, direction, 0 if u < s[VSTOP] or u <= 0 else u)
 
 
+@compiled
+def _by_tvmax(s: Cells, u: int, wanted: int, new: int, left: int) -> int:
+    """The speed of a positioning motor that goes at `u` and may go at `new`, where TVMAX has a part in it.
+
+    wanted : one tick of acceleration on; new : that, or what the way left allows without TVMAX
+    """
+    if new > u:
+        if s[SLOPE] < 0 and s[VWAIT] > 0:
+            return u
+        return max(min(wanted, _allowed(s, left, s[TVMAX])), u)
+    return u if s[SLOPE] > 0 and s[VWAIT] > 0 else new
+
+
+@inlined
+def _keep_slope(s: Cells, u: int) -> None:
+    """Note which way the speed changes to `u`: TVMAX counts from there."""
+    before = abs(s[V])
+    if u == 0:
+        s[VWAIT] = s[SLOPE] = 0
+    elif u != before:
+        s[SLOPE] = 1 if u > before else -1
+        s[VWAIT] = s[TVMAX]
+    elif s[VWAIT] > 0:
+        s[VWAIT] -= 1
+
+
 @inlined
 def _move(s: Cells, direction: int, u: int) -> int:
     """Go on for one tick at speed `u`; at 0 the wait begins and what was left of a step is dropped."""
+    if s[TVMAX]:
+        _keep_slope(s, u)
     if u == 0:
         if s[V] != 0:
             s[V] = 0
@@ -324,7 +408,10 @@ def _thresholds(s: Cells) -> None:
         s[STEALTH] = s[EN_PWM] != 0 and _compared(abs(s[V])) < _compared(s[COOL_V])
     else:
         s[STEALTH] = (
-            s[EN_PWM] != 0 and (s[TPWMTHRS] == 0 or tstep >= s[TPWMTHRS]) and tstep > s[TCOOLTHRS] and tstep > s[THIGH]
+            s[EN_PWM] != 0
+            and (s[TPWMTHRS] == 0 or tstep >= s[TPWMTHRS])
+            and (tstep > s[TCOOLTHRS] or s[SG4] != 0)
+            and tstep > s[THIGH]
         )
 
 
@@ -369,7 +456,15 @@ def _standing(s: Cells, steps: int) -> int:
             if s[CS] <= s[IHOLD] or s[IHOLDDELAY] == 0:
                 s[PHASE] = HOLD
     if s[PHASE] == RUN:
-        s[CS] = s[COOL_CS] if s[SEMIN] else s[IRUN]
+        wanted = s[COOL_CS] if s[SEMIN] else s[IRUN]
+        if s[CS] >= wanted or s[IRUNDELAY] == 0:
+            s[CS] = wanted
+            s[UP] = 0
+        else:
+            s[UP] += 1
+            if s[UP] >= s[IRUNDELAY]:
+                s[UP] = 0
+                s[CS] += 1
     elif s[PHASE] == HOLD:
         s[CS] = s[IHOLD]
     bridges = REGULATED
@@ -479,9 +574,11 @@ def stall_guard(s: Cells, f: Floats) -> None:
     torque = abs(f[SUM_T]) / ticks
     open_window(s, f)
     if s[STEALTH]:
-        s[SG] = s[SG_VALID] = s[SG_COUNT] = s[SG_SUM] = 0
+        s[SG_COUNT] = s[SG_SUM] = 0
         s[COOL_CS] = s[IRUN]
-        return
+        if not s[SG4]:
+            s[SG] = s[SG_VALID] = 0
+            return
     if abs(turned) < 128:
         return  # the rest of the full step in which the motor started says nothing yet
     s[RNG] = (s[RNG] * 0x5DEECE66D + 0xB) & 0xFFFFFFFFFFFF
@@ -493,7 +590,11 @@ def stall_guard(s: Cells, f: Floats) -> None:
         value = f[S0] * speed / (speed + f[V_HALF]) * followed
         value *= min(current / wanted, 1.0) * (1.0 - min(torque / (f[KT] * current), 1.0))
         value -= WITHOUT_EMF * f[S0] * (1.0 - followed)
-    value += 8.0 * s[SGT] + f[NOISE] * (s[RNG] / float(1 << 47) - 1.0)
+    value += f[NOISE] * (s[RNG] / float(1 << 47) - 1.0)
+    if s[STEALTH]:
+        _stall_guard_4(s, value)
+        return
+    value += 8.0 * s[SGT]
     measured = int(min(max(value, 0.0), 1023.0))
     if s[SFILT]:
         s[SG_SUM] += measured
@@ -505,6 +606,18 @@ def stall_guard(s: Cells, f: Floats) -> None:
     s[SG] = measured
     s[SG_VALID] = 1
     _cool_step(s)
+
+
+@compiled
+def _stall_guard_4(s: Cells, value: float) -> None:
+    """A value of StallGuard4: eight bits, told doubled, or with the filter the mean of the latest four."""
+    measured = int(min(max(value / 2.0, 0.0), 255.0))
+    s[SG4_LAST] = (s[SG4_LAST] << 8 | measured) & 0xFFFFFFFF
+    if s[SG4_FILTER]:
+        last = s[SG4_LAST]
+        measured = ((last & 255) + (last >> 8 & 255) + (last >> 16 & 255) + (last >> 24)) // 4
+    s[SG] = 2 * measured
+    s[SG_VALID] = 1
 
 
 @inlined
@@ -529,8 +642,11 @@ def _cool_step(s: Cells) -> None:
 
 @inlined
 def stalled(s: Cells) -> bool:
-    """DRV_STATUS.stallGuard: a value of 0 while the motor is driven with SpreadCycle. Not at standstill (a reading)."""
-    return s[SG_VALID] != 0 and s[SG] == 0 and s[V] != 0 and not s[STEALTH]
+    """DRV_STATUS.stallGuard: a value of 0 while the motor is driven with SpreadCycle, with StealthChop one of
+    StallGuard4 up to twice its threshold. Not at standstill (a reading)."""
+    if s[STEALTH]:
+        return s[SG4] != 0 and s[SG_VALID] != 0 and s[V] != 0 and s[SG] <= 2 * s[SG4_THRS]
+    return s[SG_VALID] != 0 and s[SG] == 0 and s[V] != 0
 
 
 @inlined
@@ -566,7 +682,7 @@ def ramp_stat(s: Cells) -> int:
         word |= 1 << 11
     if stalled(s) and stall_may_stop(s):
         word |= 1 << 13
-    return word
+    return word | s[VSEEN] << 14
 
 
 @compiled
@@ -609,6 +725,22 @@ def see_switches(s: Cells) -> None:
         left, right = right, left
     s[LSEEN], s[RSEEN] = left, right
     s[LSTOP], s[RSTOP] = left & mode, right & mode >> 1
+
+
+@compiled
+def _see_virtual_stops(s: Cells, f: Floats) -> None:
+    """The stops at positions, beside those of the switches: XACTUAL or X_ENC at VIRTUAL_STOP_L or below, at
+    VIRTUAL_STOP_R or above. Where the comparison includes the position itself on the left is a reading."""
+    see_switches(s)
+    place = s[X]
+    if s[VIRTUAL] & 4:
+        place = position_of(s, EXTERNAL, external_counts(s, f))
+    s[VSEEN] = 0
+    if s[VIRTUAL] & 1 and place <= s[VLEFT]:
+        s[VSEEN] = s[LSTOP] = 1
+    if s[VIRTUAL] & 2 and place >= s[VRIGHT]:
+        s[VSEEN] |= 2
+        s[RSTOP] = 1
 
 
 @compiled
@@ -757,16 +889,30 @@ def _n_bounds(s: Cells) -> None:
 
 
 @compiled
-def _look_for_n(s: Cells, counts: int) -> None:
-    """Go through all counts from the last one to this: N may have come and gone between two ticks."""
+def look_for_n(s: Cells, counts: int) -> None:
+    """Take the N line through all counts from the last one to this: N may have come and gone between two ticks.
+
+    Where A and B only repeat themselves between two pulses, and turns the turn before, counts are passed over: an
+    event latches and clears as the latest two and the first have left it, however many came between.
+    """
     mode, per_turn = s[N_MODE], s[EXTERNAL + E_PER_TURN]
     edges = mode >> 6 & 3
     at, way = s[N_AT], 1 if counts > s[N_AT] else -1
     if at > s[N_LOW] or at < s[N_HIGH]:
         at = s[N_HIGH] if way > 0 else s[N_LOW]
     was = n_condition(mode, at, per_turn)
+    turns_from, passed = at, 0
     while at != counts:
+        if abs(at - turns_from) > 2 * per_turn and abs(counts - at) > 2 * per_turn:
+            at += way * ((abs(counts - at) - 2 * per_turn) // per_turn * per_turn)
+        if passed >= N_REPEATS:
+            place = at % per_turn
+            left = min(per_turn - 1 - place if way > 0 else place - N_WIDTH, abs(counts - at))
+            if left > 2 * N_REPEATS:
+                at += way * ((left - N_REPEATS) // 4 * 4)
+                passed = 0
         at += way
+        passed = passed + 1 if at % per_turn >= N_WIDTH else 0
         now = n_condition(mode, at, per_turn)
         begins, ends = now and not was, was and not now
         if (edges == 0 and now) or (edges & 1 != 0 and begins) or (edges & 2 != 0 and ends):
@@ -795,8 +941,13 @@ def _follow(s: Cells, f: Floats, table: Floats) -> None:
 def _rigid_load(s: Cells, f: Floats) -> None:
     """StallGuard2 of a motor that nothing can load."""
     speed = abs(s[V]) * f[FS_A_V]
-    value = f[S0] * speed / (speed + f[V_HALF]) + 8.0 * s[SGT]
-    s[SG] = 0 if s[STEALTH] else int(min(max(value, 1.0), 1023.0))
+    value = f[S0] * speed / (speed + f[V_HALF])
+    if not s[STEALTH]:
+        s[SG] = int(min(max(value + 8.0 * s[SGT], 1.0), 1023.0))
+    elif s[SG4]:
+        _stall_guard_4(s, value)
+    else:
+        s[SG] = 0
 
 
 @inlined
@@ -835,6 +986,35 @@ def _steady_steps(s: Cells, f: Floats, direction: int) -> int:
     return steps
 
 
+@inlined
+def _braking_way(s: Cells, u: float) -> float:
+    """From speed `u` down to VSTOP [1/2^25 step]."""
+    stop = float(s[VSTOP])
+    v1 = float(max(s[V1], s[VSTOP]))
+    v2 = max(float(s[V2]), v1) if s[V2] > s[V1] else v1
+    brake = max(u * u - v2 * v2, 0.0) / (2.0 * s[DMAX])
+    if v2 > v1:
+        knee = min(v2, u)
+        brake += max(knee * knee - v1 * v1, 0.0) / (2.0 * s[D2])
+    if v1 > stop:
+        knee = min(v1, u)
+        brake += max(knee * knee - stop * stop, 0.0) / (2.0 * s[D1])
+    return brake
+
+
+@inlined
+def _repeats(s: Cells, steps: int) -> int:
+    """How often the way of the last `steps` to XACTUAL came upon X_COMPARE, or with X_REPEAT upon one of its
+    repetitions."""
+    now = wrap32(s[X] - s[X_COMPARE])
+    way = abs(steps)
+    ahead = now if steps > 0 else -now
+    # `ahead` counts the way that was gone: of ahead - way + 1 to ahead each multiple is one
+    if s[X_REPEAT] > 1:
+        return ahead // s[X_REPEAT] - (ahead - way) // s[X_REPEAT]
+    return 1 if 0 <= ahead < way else 0
+
+
 @compiled
 def _leap(s: Cells, f: Floats, table: Floats, end: int) -> bool:
     """Add up ticks of a rigid motor at constant velocity, at most until `end`; whether there were any."""
@@ -845,16 +1025,14 @@ def _leap(s: Cells, f: Floats, table: Floats, end: int) -> bool:
         return False
     if s[LATCHED] & _STOP_SG or _deviates(s) or (direction < 0 and s[LSTOP]) or (direction > 0 and s[RSTOP]):
         return False
+    if s[VIRTUAL] or (s[IRUNDELAY] and s[CS] < s[IRUN]):
+        return False
     ticks = min(end - s[TICK], LONGEST_LEAP)
     if mode == POSITION:
         if u != s[VMAX]:
             return False
         left = direction * wrap32(s[XT] - s[X]) * (1 << STEP_BITS) - s[ACC]
-        stop, v1 = float(s[VSTOP]), float(max(s[V1], s[VSTOP]))
-        brake = max(float(u) * u - v1 * v1, 0.0) / (2.0 * s[DMAX])
-        if s[V1] > s[VSTOP]:
-            knee = min(v1, float(u))
-            brake += max(knee * knee - stop * stop, 0.0) / (2.0 * s[D1])
+        brake = _braking_way(s, float(u))
         # doubles and their floor in `_allowed`: far less than this
         ticks = min(ticks, (left - int(brake) - 8 * u - (1 << 34)) // u)
     elif mode != HOLD_MODE and (u != s[VMAX] or (direction > 0) != (mode == FORWARD)):
@@ -869,6 +1047,9 @@ def _leap(s: Cells, f: Floats, table: Floats, end: int) -> bool:
     s[ACC] = way & ((1 << STEP_BITS) - 1)
     steps = way >> STEP_BITS
     s[X] = wrap32(s[X] + direction * steps)
+    if s[X_REPEAT] > 1:
+        s[PASSED] += _repeats(s, direction * steps)
+    s[VWAIT] = max(s[VWAIT] - ticks, 0)
     s[STILL] = s[ACC] // u if steps else s[STILL] + ticks
     s[TICK] += ticks
     _sequence(s, direction * steps)
@@ -886,6 +1067,8 @@ def _tick(s: Cells, f: Floats, table: Floats) -> int:
     """One tick; returns the events that happened in it."""
     before = s[V]
     events = 0
+    if s[VIRTUAL]:
+        _see_virtual_stops(s, f)
     stopping = (before < 0 and s[LSTOP]) or (before > 0 and s[RSTOP])
     if stopping and not s[STOPPING]:
         events |= _EV_SWITCH_STOP
@@ -893,6 +1076,8 @@ def _tick(s: Cells, f: Floats, table: Floats) -> int:
     waiting = s[ZWAIT]
     steps = _ramp(s)
     now = s[V]
+    # a jump from VSTOP or to VSTART is no acceleration
+    s[ACTUAL] = now - before if now != 0 and before != 0 else 0
     if now != before:
         _thresholds(s)
         if s[RIGID]:
@@ -909,8 +1094,8 @@ def _tick(s: Cells, f: Floats, table: Floats) -> int:
         s[REACHED] = reached
         if reached:
             s[LATCHED] |= _POS_REACHED
-    if steps != 0 and 0 < direction_of(steps) * wrap32(s[X_COMPARE] - s[X] + steps) <= abs(steps):
-        s[PASSED] += 1
+    if steps != 0:
+        s[PASSED] += _repeats(s, steps)
     arrived = reached and now == 0 and s[MODE] == POSITION
     if arrived and not s[ARRIVED]:
         events |= _EV_POSITION
@@ -954,7 +1139,7 @@ def _tick(s: Cells, f: Floats, table: Floats) -> int:
         counts = external_counts(s, f)
         if counts != s[N_AT]:
             if counts < s[N_LOW] or counts > s[N_HIGH]:
-                _look_for_n(s, counts)
+                look_for_n(s, counts)
             else:
                 s[N_AT] = counts
     s[STEADY] = s[RIGID] == LEAPS and before == now and now != 0 and events == 0
@@ -991,7 +1176,11 @@ def refresh(s: Cells, f: Floats) -> None:
         ahead = f[THETA] * f[TEETH] * 512.0 / math.pi - s[LOOK]
         s[OFFSET] = 1024 * math.floor(ahead / 1024.0 + 0.5)
         s[SLIP_M] = math.floor(f[SLIP_E] * f[TEETH] * 512.0 / math.pi + 0.5)
-    see_switches(s)
+    s[VSEEN] = 0
+    if s[VIRTUAL]:
+        _see_virtual_stops(s, f)
+    else:
+        see_switches(s)
     _thresholds(s)
     if s[X] != s[XT]:
         s[REACHED] = s[ARRIVED] = 0

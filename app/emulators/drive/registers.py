@@ -16,7 +16,7 @@ class Row(NamedTuple):
 WRITABLE: dict[str, Row] = {
     "GCONF": Row(18, reset=0x8),
     "GLOBALSCALER": Row(8),
-    "IHOLD_IRUN": Row(20),
+    "IHOLD_IRUN": Row(28),
     "TPOWERDOWN": Row(8, reset=0xA),
     "TPWMTHRS": Row(20),
     "TCOOLTHRS": Row(20),
@@ -24,17 +24,25 @@ WRITABLE: dict[str, Row] = {
     "RAMPMODE": Row(2),
     "XACTUAL": Row(32, signed=True),
     "VSTART": Row(18),
-    "A1": Row(16),
+    "A1": Row(18),
     "V1": Row(20),
-    "AMAX": Row(16),
+    "AMAX": Row(18),
     "VMAX": Row(23),
-    "DMAX": Row(16),
-    "D1": Row(16),
+    "DMAX": Row(18),
+    "D1": Row(18),
     "VSTOP": Row(18, reset=1),
     "TZEROWAIT": Row(16),
     "XTARGET": Row(32, signed=True),
     "VDCMIN": Row(23),
-    "SW_MODE": Row(12),
+    "V2": Row(20),
+    "A2": Row(18),
+    "D2": Row(18),
+    "TVMAX": Row(16),
+    "SW_MODE": Row(15),
+    "VIRTUAL_STOP_L": Row(32, signed=True),
+    "VIRTUAL_STOP_R": Row(32, signed=True),
+    "X_COMPARE_REPEAT": Row(24),
+    "SG4_THRS": Row(10),
     "ENCMODE": Row(11),
     "X_ENC": Row(32, signed=True),
     "ENC_CONST": Row(32, reset=0x10000),
@@ -54,7 +62,9 @@ WRITABLE: dict[str, Row] = {
     "DCCTRL": Row(24),
     "PWMCONF": Row(32, reset=0xC40C001E),
 }
-"""What holds what was written. The module's DS-TMC5160 p. 32-56; MSLUT's resets from the vendor's API."""
+"""What holds what was written. The module's DS-TMC5160 p. 32-56; MSLUT's resets from the vendor's API. V2, A2, D2,
+TVMAX, virtual stops, X_COMPARE_REPEAT, StallGuard4, IRUNDELAY and the upper bits of accelerations are the TMC5240's
+(API): a chip that has none of them never writes there."""
 
 CLEARED_BY_ONES = {"GSTAT": 0x7, "RAMP_STAT": 0x10CC, "ENC_STATUS": 0x3}
 """Registers whose latching bits go when a 1 is written to them."""
@@ -62,6 +72,9 @@ CLEARED_BY_ONES = {"GSTAT": 0x7, "RAMP_STAT": 0x10CC, "ENC_STATUS": 0x3}
 READ_ONLY = frozenset(
     {
         "VACTUAL",
+        "AACTUAL",
+        "SG4_RESULT",
+        "SG4_IND",
         "TSTEP",
         "XLATCH",
         "ENC_LATCH",

@@ -23,6 +23,9 @@ BITS_A_BYTE = 10
 EVENT_POLL_S = 0.002
 """How often modules are asked for events while somebody has asked for one [s]."""
 
+SEED = 485
+"""Of the noise on a line that is told none."""
+
 
 class Delivery(NamedTuple):
     """Bytes for one client; the last of them has arrived at `due_s` [s]."""
@@ -53,7 +56,7 @@ class Line:
         echo: bool = False,
         faults: LineFaults | None = None,
         addresses: Sequence[int] = (),
-        seed: int = 1241,
+        seed: int = SEED,
         framing: Framing = TMCL,
     ) -> None:
         self.modules = tuple(modules)

@@ -9,7 +9,7 @@ from ...clock import Clock, ScaledClock
 from ...links.datagram_uart import form_of
 from .faults import LineFaults
 from .framing import UartDatagrams
-from .line import Line
+from .line import SEED, Line
 
 
 class UartSpeaker(Protocol):
@@ -79,7 +79,7 @@ def uart_line(
     baud: int | None = None,
     echo: bool = False,
     shared_bus: bool = False,
-    seed: int = 1241,
+    seed: int = SEED,
 ) -> Line:
     """A single wire with these chips on it, all with datagrams of one form; `nodes` is what they are called."""
 

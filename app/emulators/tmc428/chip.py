@@ -96,6 +96,15 @@ class Chip(ABC):
         status: int = k.advance(self.axes, self.chip, clock - self._offset)
         return status
 
+    @property
+    def quiet(self) -> bool:
+        """Nothing happens until somebody writes."""
+        if self.powered_down:
+            return True
+        chip, axes = self.chip, self.axes
+        sending = chip[k.BUSY] or chip[k.REQ] or chip[k.CU]
+        return not sending and bool((axes[:, k.STEADY] != 0).all()) and not axes[:, k.V8].any()
+
     def exchange(self, word: int, clock: int) -> int:
         """The 32-bit reply to a 32-bit datagram at `clock` clocks of the outside."""
         if self.powered_down:  # the falling edge of the chip select wakes the chip (DS-TMC428 9.5)
@@ -282,7 +291,7 @@ class Chip(ABC):
             axis[k.STEPS] += 1
             self.chip[k.REQ] = 1
             if self.chip[k.EN_SD]:
-                self.chip[k.SOUT] += 1
+                axis[k.SOUT] += 1
 
     def _arm_latch(self, index: int, _data: int) -> None:
         self.axes[index, k.LP] = 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Mapping
 from dataclasses import asdict
 
 from ...clock import Clock
@@ -13,8 +14,12 @@ from ..core.ground_truth import GroundTruth
 from . import stage
 from .options import EmulatorOptions, EmulatorPatch
 from .state import EmulatorState, Faults, Inputs
+from .step_dir import StepDirChip
 from .tmc428 import Tmc428
+from .tmc429 import Tmc429
 from .tmc4210 import Tmc4210
+
+CHIPS: Mapping[str, type[Tmc428 | Tmc4210]] = {"tmc428": Tmc428, "tmc429": Tmc429, "tmc4210": Tmc4210}
 
 
 class EmulatedDevice(FarEnd):
@@ -22,12 +27,17 @@ class EmulatedDevice(FarEnd):
 
     def __init__(self, model: str, clock: Clock, options: EmulatorOptions) -> None:
         super().__init__(clock, options.time_scale)
-        self.model = model
+        self._model = model
         self._clock_hz = options.clock_hz
-        self._chip = Tmc428(options) if model == "tmc428" else Tmc4210(options)
+        self._chip = CHIPS[model](options)
         self._options = options
         self._faults = ChipFaults()
         self._noise = random.Random(options.seed)
+
+    @property
+    def model(self) -> str:
+        """The name in the catalog."""
+        return self._model
 
     def exchange(self, frame: bytes, at_s: float | None = None) -> bytes:
         """Answer one 4-byte frame at chip time `at_s` [s], by default now; never before the latest time used.
@@ -39,7 +49,8 @@ class EmulatedDevice(FarEnd):
             raise ValueError(f"a datagram has {FRAME_BYTES} bytes, not {len(frame)}")
         self._faults.require_plugged(self.model)
         with self._lock:
-            reply: int = self._chip.exchange(int.from_bytes(frame, "big"), self._clocks(at_s, self._clock_hz))
+            clocks = self._clocks(self._reach(at_s), self._clock_hz)
+            reply: int = self._chip.exchange(int.from_bytes(frame, "big"), clocks)
             return self._faults.pass_on(self.model, reply.to_bytes(FRAME_BYTES, "big"), self._noise)
 
     def state(self, at_s: float | None = None) -> EmulatorState:
@@ -65,7 +76,7 @@ class EmulatedDevice(FarEnd):
         if change.drivers and not isinstance(chip, Tmc428):
             raise OutOfRange("drivers", len(change.drivers), 0, 0, f"a {self.model} has no driver chain")
         with self._lock:
-            clocks = self._clocks(at_s, self._clock_hz)
+            clocks = self._clocks(self._reach(at_s), self._clock_hz)
             chip.advance(clocks)
             if change.power_cycle:
                 chip.power_cycle(clocks)
@@ -90,15 +101,21 @@ class EmulatedDevice(FarEnd):
             self._run_until(at_s)
             return GroundTruth(stage.describe(axis, self._chip.axes[axis], self._chip.stage_units).position_fullsteps)
 
-    def _run_until(self, at_s: float | None) -> None:
-        self._chip.advance(self._clocks(at_s, self._clock_hz))
+    def _run(self, until_s: float) -> None:
+        self._chip.advance(self._clocks(until_s, self._clock_hz))
+
+    @property
+    def _quiet(self) -> bool:
+        return self._chip.quiet
 
     def _describe(self) -> EmulatorState:
         chip = self._chip
+        step_dir = chip.describe_step_dirs() if isinstance(chip, StepDirChip) else []
         return EmulatorState(
-            model="tmc428" if isinstance(chip, Tmc428) else "tmc4210",
+            model=self.model,
             time_scale=self.clock.scale,
             chip_time_s=self._latest_s,
+            time_skipped_s=self.clock.skipped_s,
             clock_hz=self._clock_hz,
             wiring=self._options.wiring if isinstance(chip, Tmc428) else "triple-switch",
             v_actual_writable=self._options.v_actual_writable,
@@ -107,5 +124,6 @@ class EmulatedDevice(FarEnd):
             faults=Faults(**asdict(self._faults)),
             powered_down=chip.powered_down,
             driver_chain=chip.describe_chain() if isinstance(chip, Tmc428) else None,
-            step_dir=chip.describe_step_dir() if isinstance(chip, Tmc4210) else None,
+            step_dir=step_dir[0] if step_dir else None,
+            step_dirs=step_dir,
         )

@@ -62,20 +62,22 @@ COND, LSTOP, RSTOP, STOPPING = range(48, 52)
 GUARD, GDIR, STEADY, LAST, NEXT, DFAR, TFAR, CLASS, STOPT = range(52, 61)
 """Steps to the next guarded position and in which direction; settled; ticks done; next event; target speed afar;
 current class; tick of the last stop."""
-AXIS_COLUMNS = 61
+SOUT, MERGED, PULSE_END = range(61, 64)
+"""Step/dir output: pulses sent, pulses that merged with the one before, end of the last one [clock]."""
+AXIS_COLUMNS = 64
 
 # --- cells of `chip` -----------------------------------------------------------------------------
 TICK, CLOCK, NAXES, KIND = range(4)
-"""Ticks and clocks done, axes, 0 TMC428 or 1 TMC4210."""
+"""Ticks and clocks done, axes, 0 TMC428 and TMC429 or 1 TMC4210."""
 REFMUX, MOT1R, WIRING, IDLE, CU, INVREF, GPIN, CROSS = range(4, 12)
 """Input sharing; the board's wiring; nSCS_S level at rest; continuous update; one motor's pin is another's switch."""
 DURATION, BUSY, BUSY_UNTIL, PENDING, REQ, CW, CAPTURE, CU_NEXT, SENT_COUNT = range(12, 21)
 """Driver chain: clocks a datagram takes, under way, until when, asked again, asked now, cover waits (1) or goes (2),
 capture armed (1), under way (2), done (3); next continuous update; datagrams so far."""
-EN_SD, HALF, PULSE_LEN, PULSE_END, SOUT, MERGED = range(21, 27)
-"""Step/dir output: on, edge a step, pulse clocks, its end, pulses sent, pulses that merged with the one before."""
-COMP, COMP_ON, COMP_MASK, COMP_FLAG = range(27, 31)
-"""Position compare."""
+EN_SD, HALF, PULSE_LEN, EN_REFR = range(21, 25)
+"""Step/dir outputs: on, edge a step, pulse clocks; right switches at pins of their own."""
+COMP, COMP_ON, COMP_MASK, COMP_FLAG = range(25, 29)
+"""Position compare; COMP_ON is the motor's number from 1, 0 for none."""
 SNAP = 32
 """Snapshot of the last datagram's signals: for each motor sequencer index, width, scale, step, direction."""
 SNAP_WIDTH = 5
@@ -238,14 +240,18 @@ def _seen(axes: Cells, chip: Cells, i: int) -> Any:
         left = (axes[0, PHYS] | axes[0, PHYS] >> 2) & 1
         right = (axes[0, PHYS] >> 1) & 1
         return left ^ chip[INVREF], (right ^ chip[INVREF]) * chip[MOT1R]
+    invert = chip[INVREF]
+    if chip[EN_REFR]:
+        left = (axes[i, PHYS] | axes[i, PHYS] >> 2) & 1
+        return left ^ invert, (axes[i, PHYS] >> 1) & 1 ^ invert
     if chip[REFMUX]:
-        return _pin(axes, chip, i, chip[IDLE]), _pin(axes, chip, i, 1 - chip[IDLE])
+        return _pin(axes, chip, i, chip[IDLE]) ^ invert, _pin(axes, chip, i, 1 - chip[IDLE]) ^ invert
     idle = chip[IDLE]
     if chip[MOT1R]:
         if i == 0:
-            return _pin(axes, chip, 0, idle), _pin(axes, chip, 2, idle)
-        return _pin(axes, chip, 1, idle) * (i == 1), 0
-    return _pin(axes, chip, i, idle), 0
+            return _pin(axes, chip, 0, idle) ^ invert, _pin(axes, chip, 2, idle) ^ invert
+        return (_pin(axes, chip, 1, idle) ^ invert) * (i == 1), 0
+    return _pin(axes, chip, i, idle) ^ invert, 0
 
 
 @compiled
@@ -277,7 +283,7 @@ def _evaluate(axes: Cells, chip: Cells, i: int, tick: int, landed: bool) -> None
         now |= _WRONG
     if x == 0 and not reference:
         now |= _MISS
-    if chip[COMP_ON] and i == 0 and x == chip[COMP]:
+    if chip[COMP_ON] == i + 1 and x == chip[COMP]:
         now |= _COMP
     risen = now & ~a[COND]
     a[COND] = now
@@ -340,7 +346,7 @@ def _switches_moved(axes: Cells, chip: Cells, tick: int, i: int) -> None:
     Axes after `i` have not had their turn in `tick` yet.
     """
     for j in range(chip[NAXES]):
-        if chip[KIND] == TMC4210_KIND or not chip[REFMUX]:
+        if chip[KIND] == TMC4210_KIND or not chip[REFMUX] or chip[EN_REFR]:
             _see(axes, chip, j, tick, tick if j <= i else tick - 1)
         else:
             left, right = _seen(axes, chip, j)
@@ -357,7 +363,7 @@ def _quiet_steps(a: Cells, chip: Cells, steps: int, direction: int) -> None:
     a[DIR] = direction
     a[GUARD] -= steps
     if chip[EN_SD]:
-        chip[SOUT] += steps
+        a[SOUT] += steps
 
 
 @inlined
@@ -383,7 +389,7 @@ def _sync(a: Cells, chip: Cells, tick: int) -> None:
             _quiet_steps(a, chip, total >> 11, 1 if a[V8] > 0 else -1)
             if chip[EN_SD]:
                 step_tick = ((tick >> a[PD]) - a[ACC] // v) << a[PD]
-                chip[PULSE_END] = 32 * step_tick + chip[PULSE_LEN]
+                a[PULSE_END] = 32 * step_tick + chip[PULSE_LEN]
     if a[STEADY]:
         _settled_ramp_ticks(a, (tick >> a[RD]) - (a[LAST] >> a[RD]))
     a[LAST] = tick
@@ -401,12 +407,12 @@ def _settled(a: Cells, x: int, v8: int, target: int) -> bool:
 @inlined
 def _bulk(a: Cells, chip: Cells) -> bool:
     """May steps between guarded positions be taken together?"""
-    if chip[KIND] == TMC428_KIND:
+    if chip[KIND] == TMC428_KIND and not chip[EN_SD]:
         return chip[BUSY] != 0
     if chip[HALF] or not chip[EN_SD]:
         return True
     next_pulse = 32 * (((a[LAST] >> a[PD]) + 1) << a[PD])
-    return 32 << a[PD] >= chip[PULSE_LEN] and chip[PULSE_END] <= next_pulse
+    return 32 << a[PD] >= chip[PULSE_LEN] and a[PULSE_END] <= next_pulse
 
 
 @inlined
@@ -515,7 +521,7 @@ def _run(a: Cells, chip: Cells, limit: int, bulk: bool, locked: bool, pause: boo
     if done:
         _quiet_steps(a, chip, done, direction)
         if chip[EN_SD]:
-            chip[PULSE_END] = 32 * last_step + chip[PULSE_LEN]
+            a[PULSE_END] = 32 * last_step + chip[PULSE_LEN]
 
 
 @compiled
@@ -615,9 +621,9 @@ def _step(axes: Cells, chip: Cells, i: int, tick: int) -> None:
     moved = True
     if chip[EN_SD]:
         # A pulse that begins before the last one ended is no new edge: the driver misses the step.
-        moved = chip[HALF] != 0 or 32 * tick >= chip[PULSE_END]
-        chip[SOUT if moved else MERGED] += 1
-        chip[PULSE_END] = 32 * tick + chip[PULSE_LEN]
+        moved = chip[HALF] != 0 or 32 * tick >= a[PULSE_END]
+        a[SOUT if moved else MERGED] += 1
+        a[PULSE_END] = 32 * tick + chip[PULSE_LEN]
     if moved:
         a[MECH] += direction * a[MINC]
     a[GUARD] -= 1
@@ -691,10 +697,10 @@ def _end_datagram(axes: Cells, chip: Cells, clock: int) -> None:
         chip[CW] = 0
     if chip[CAPTURE] == 2:
         chip[CAPTURE] = 3
-    wanted = chip[PENDING]
+    wanted = chip[PENDING] and not chip[EN_SD]
     for i in range(chip[NAXES]):
         _sync(axes[i], chip, tick)
-        if axes[i, STEPS] != axes[i, SENT]:
+        if axes[i, STEPS] != axes[i, SENT] and not chip[EN_SD]:
             wanted = 1
     chip[BUSY] = 0
     if wanted and not _leap(axes, chip, clock):
@@ -705,7 +711,7 @@ def _end_datagram(axes: Cells, chip: Cells, clock: int) -> None:
 def _request(axes: Cells, chip: Cells, clock: int, tick: int) -> None:
     """Something wants a datagram sent."""
     chip[REQ] = 0
-    if chip[KIND] == TMC4210_KIND:
+    if chip[KIND] == TMC4210_KIND or chip[EN_SD]:
         return
     if chip[BUSY]:
         chip[PENDING] = 1

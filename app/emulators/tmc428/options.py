@@ -46,7 +46,7 @@ class EmulatorOptions(_Closed):
         default=428, description="seed of the RAM noise after power-on and of bit errors"
     )
     clock_hz: Annotated[float, Field(strict=True, ge=1.0, le=32e6, allow_inf_nan=False)] = Field(
-        default=16e6, description="the chip's clock [Hz]: TMC428 up to 16 MHz, TMC4210 up to 32 MHz"
+        default=16e6, description="the chip's clock [Hz]: TMC428 up to 16 MHz, TMC429 and TMC4210 up to 32 MHz"
     )
     time_scale: Annotated[float, Field(strict=True, ge=0, le=1000, allow_inf_nan=False)] = Field(
         default=1.0, description="how fast chip time passes; 0 stands still"
@@ -65,7 +65,7 @@ class EmulatorOptions(_Closed):
         default_factory=list, description="one stage an axis; axes beyond the list have the default stage"
     )
     driver_microsteps: Annotated[int, Field(strict=True, ge=1, le=256)] = Field(
-        default=16, description="TMC4210: microsteps per full step of the step/direction driver"
+        default=16, description="TMC4210, TMC429 with en_sd: microsteps per full step of the step/direction drivers"
     )
 
 

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 from pydantic import BaseModel, Field
 
+from ...registers.names import PmulName
 from .options import VActualWritable
 
 
@@ -68,7 +67,7 @@ class DriverState(BaseModel):
 
 
 class ChainState(BaseModel):
-    """The driver chain of a TMC428."""
+    """The driver chain of a TMC428 or TMC429."""
 
     datagrams_sent: int
     busy: bool
@@ -80,7 +79,7 @@ class ChainState(BaseModel):
 
 
 class StepDirState(BaseModel):
-    """The step/direction output of a TMC4210."""
+    """The step/direction output of one motor."""
 
     enabled: bool
     steps_sent: int = Field(description="step pulses that left the chip")
@@ -91,9 +90,12 @@ class StepDirState(BaseModel):
 
 
 class EmulatorState(BaseModel):
-    model: Literal["tmc428", "tmc4210"]
+    model: PmulName
     time_scale: float
     chip_time_s: float
+    time_skipped_s: float = Field(
+        description="how long it stood still because more had to be worked out than this machine can in time [s]"
+    )
     clock_hz: float
     wiring: str
     v_actual_writable: VActualWritable = Field(description="where a write to V_ACTUAL counts: see the link's option")
@@ -102,4 +104,5 @@ class EmulatorState(BaseModel):
     faults: Faults
     powered_down: bool
     driver_chain: ChainState | None
-    step_dir: StepDirState | None
+    step_dir: StepDirState | None = Field(description="of motor 1; null: the chip has no such output")
+    step_dirs: list[StepDirState] = Field(description="of each motor")

@@ -27,15 +27,25 @@ class Tmc428(Chip):
     """The chip, its three drivers and their stages."""
 
     kind = k.TMC428_KIND
+    name = "tmc428"
 
     def __init__(self, options: EmulatorOptions) -> None:
         self.ram = [0] * 128
         self.driver_status = [chain.DRIVER_STATUS_HEALTHY] * chain.DRIVERS_ON_BOARD
-        super().__init__(MODELS["tmc428"], options, STAGE_UNITS)
+        super().__init__(MODELS[self.name], options, self._units(options))
+
+    def _units(self, options: EmulatorOptions) -> int:
+        """Stage units of a full step."""
+        del options  # an external driver's microsteps are not its own
+        return STAGE_UNITS
+
+    def _power_on_ram(self) -> list[int]:
+        """Not initialised by power-on (DS-TMC428 7.3)."""
+        noise = random.Random(f"{self.options.seed} {self.power_cycles}")
+        return [noise.getrandbits(6) for _ in range(128)]
 
     def _reset(self) -> None:
-        noise = random.Random(f"{self.options.seed} {self.power_cycles}")
-        self.ram = [noise.getrandbits(6) for _ in range(128)]  # not initialised by power-on (DS-TMC428 7.3)
+        self.ram = self._power_on_ram()
         self._shift = 0
         self._cover_pos_stored = 0
         self._last: Datagram | None = None

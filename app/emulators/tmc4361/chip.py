@@ -104,8 +104,12 @@ class EmulatedTmc4361(FarEnd):
             self._run_until(at_s)
             return ground_truth(self._chip.feedback.truth, self._chip.feedback.world)
 
-    def _run_until(self, at_s: float | None) -> None:
-        self._chip.advance(self._clocks(at_s, self.options.clock_hz))
+    def _run(self, until_s: float) -> None:
+        self._chip.advance(self._clocks(until_s, self.options.clock_hz))
+
+    @property
+    def _quiet(self) -> bool:
+        return self._chip.quiet
 
     def _describe(self) -> Tmc4361State:
         return world.describe(
@@ -113,5 +117,6 @@ class EmulatedTmc4361(FarEnd):
             ChipFaultsState(**asdict(self._faults)),
             time_scale=self.clock.scale,
             chip_time_s=self._latest_s,
+            time_skipped_s=self.clock.skipped_s,
             clock_hz=self.options.clock_hz,
         )

@@ -16,6 +16,10 @@ OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy",
 """As in the TMC428's kernel: on disk, off the GIL, no checks for division by zero, nothing to count references of."""
 
 
+STAMP_FIELD = "_source_stamp"
+"""Where Numba keeps what a cached function was made of: no option of its tells it of more files than the function's."""
+
+
 def _stamp() -> tuple[tuple[str, float, int], ...]:
     here = Path(__file__).parent
     package = sorted((*here.glob("*.py"), *here.glob("feedback/*.py")))
@@ -31,7 +35,7 @@ _STAMP = _stamp()
 def _keyed(dispatcher: Any) -> Any:
     cache_file = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
     if cache_file is not None:  # no cache where nothing can be written, or under NUMBA_DISABLE_JIT
-        cache_file._source_stamp = _STAMP
+        setattr(cache_file, STAMP_FIELD, _STAMP)
     return dispatcher
 
 

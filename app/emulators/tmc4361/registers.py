@@ -126,6 +126,11 @@ class Chip:
             if self.r[c.GENERAL_CONF] != self._general_told:  # the pipeline has changed it
                 self._tell(c.GENERAL_CONF)
 
+    @property
+    def quiet(self) -> bool:
+        """Nothing happens until somebody writes."""
+        return bool(self.s[c.IDLE]) and self.s[c.WAKE] == c.NEVER
+
     def settle(self, ramp: bool = False) -> None:
         """Take over what was changed from outside."""
         clock = int(self.s[c.CLOCK])

@@ -64,6 +64,9 @@ class Tmc4361State(BaseModel):
     model: Literal["tmc4361"] = "tmc4361"
     time_scale: float
     chip_time_s: float
+    time_skipped_s: float = Field(
+        description="how long it stood still because more had to be worked out than this machine can in time [s]"
+    )
     clock_hz: float
     motor: FeedbackMotor
     load_torque_nm: float

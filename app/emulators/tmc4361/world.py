@@ -69,7 +69,13 @@ def _force(chip: Chip, pin: int, forced: Forced) -> None:
 
 
 def describe(
-    chip: Chip, faults: ChipFaultsState, *, time_scale: float, chip_time_s: float, clock_hz: float
+    chip: Chip,
+    faults: ChipFaultsState,
+    *,
+    time_scale: float,
+    chip_time_s: float,
+    time_skipped_s: float,
+    clock_hz: float,
 ) -> Tmc4361State:
     """The chip and its bench as the API tells them."""
     r, s, f = chip.r, chip.s, chip.f
@@ -82,6 +88,7 @@ def describe(
     return Tmc4361State(
         time_scale=time_scale,
         chip_time_s=chip_time_s,
+        time_skipped_s=time_skipped_s,
         clock_hz=clock_hz,
         motor=behind.motor,
         load_torque_nm=behind.load_torque_nm,

@@ -1,4 +1,4 @@
-"""Emulated TMC5031, 5062, 5072, 5130 and 5160: SPI and UART on one side, motors, encoders and switches on the other."""
+"""Emulated TMC5031 to TMC5240: SPI and UART on one side, motors, encoders and switches on the other."""
 
 from __future__ import annotations
 

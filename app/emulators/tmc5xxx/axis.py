@@ -11,10 +11,14 @@ from ..drive.units import bits
 from .chips import Kind
 from .options import Tmc5xxxOptions
 
-LIVE = READ_ONLY | {"XACTUAL", "XTARGET", "X_ENC", "RAMP_STAT", "ENC_STATUS", "PWM_STATUS"}
+ADC_NAMES = {"ADC_VSUPPLY_AIN", "ADC_TEMP"}
+LIVE = READ_ONLY | ADC_NAMES | {"XACTUAL", "XTARGET", "X_ENC", "RAMP_STAT", "ENC_STATUS", "PWM_STATUS"}
 """What the drive answers; everything else that can be read is as it was written."""
 _NAMES = ALIASES | {"PWM_STATUS": "PWM_SCALE"}
 _MRES, _INTPOL, _VSENSE, _LATCH_NOW = 24, 28, 17, 11
+_OTPW, _WARN_AT = 1 << 26, 16
+_SUPPLY_V, _ZERO_C, _PER_C, _ADC_MOST = 9.732e-3, 2038, 7.7, (1 << 13) - 1
+"""The ADC's steps (KLIPPER, of the TMC2240, which measures alike)."""
 
 
 class Axis:
@@ -23,9 +27,13 @@ class Axis:
     def __init__(self, kind: Kind, options: Tmc5xxxOptions, has_encoder: bool) -> None:
         self._kind = kind
         self._cool = self._high = 0
+        self._warn_at: int | None = None
+        """ADC_TEMP from which on otpw is told, where a register says it."""
         self.has_stealth_chop = kind.single
         """Dual chips: PWM_AMPL is not 0."""
         self.drive = Drive(options.drive(kind.full_scale_a, has_encoder))
+        self.drive.stall_guard_4 = kind.stall_guard_4
+        self.drive.least_supply_v = kind.least_supply_v
 
     def reset(self) -> None:
         """As after power-on, but for the registers, which the chip writes."""
@@ -37,7 +45,25 @@ class Axis:
     def reader(self, row: Register) -> Callable[[], int]:
         """What reads a live register, as an unsigned word."""
         read, name, mask = self.drive.read, _NAMES.get(row.name, row.name), row.mask
+        match row.name:
+            case "ADC_VSUPPLY_AIN":  # nothing is connected to AIN
+                return lambda: _measured(self.drive.world.supply_v / _SUPPLY_V)
+            case "ADC_TEMP":
+                return self._temperature
+            case "DRV_STATUS":
+                return lambda: self._warned(read(name)) & mask
+            case "PWM_SCALE":
+                return lambda: read(name) << self._kind.scale_shift & mask
         return lambda: read(name) & mask
+
+    def _temperature(self) -> int:
+        return _measured(_ZERO_C + _PER_C * self.drive.world.temperature_c)
+
+    def _warned(self, status: int) -> int:
+        """DRV_STATUS, whose warning of temperature a register may say."""
+        if self._warn_at is None:
+            return status
+        return status & ~_OTPW | (_OTPW if self._temperature() >= self._warn_at else 0)
 
     def clear(self, row: Register, ones: int) -> None:
         """Let flags go."""
@@ -57,6 +83,11 @@ class Axis:
                 drive.set_velocity_window(self._cool, self._high)
             case "CHOPCONF":
                 self._write_chopper(word)
+            case "DRV_CONF":
+                if len(self._kind.ranges) > 1:
+                    drive.sense_share = self._kind.ranges[bits(word, 0, 2)]
+            case "OTW_OV_VTH":
+                self._warn_at = bits(word, _WARN_AT, 13)
             case "PWMCONF":
                 self.has_stealth_chop = self._kind.single or bits(word, 0, 8) > 0
                 drive.write("PWMCONF", word)
@@ -83,3 +114,8 @@ class Axis:
         if bits(word, _MRES, 4) not in kind.interpolates:
             word &= ~(1 << _INTPOL)
         self.drive.write("CHOPCONF", word)
+
+
+def _measured(value: float) -> int:
+    """What the ADC makes of it."""
+    return min(max(round(value), 0), _ADC_MOST)

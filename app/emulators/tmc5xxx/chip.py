@@ -11,6 +11,7 @@ from ..core.base import ChipFaults, FarEnd
 from ..core.ground_truth import GroundTruth
 from ..drive.bench import ChipFaultsState, ground_truth
 from . import world
+from .chips import CHIPS
 from .options import Tmc5xxxModel, Tmc5xxxOptions, Tmc5xxxPatch
 from .registers import Chip
 from .state import Tmc5xxxState
@@ -26,7 +27,7 @@ class EmulatedTmc5xxx(FarEnd):
 
     def __init__(self, model: Tmc5xxxModel, clock: Clock, options: Tmc5xxxOptions | None = None) -> None:
         """A chip that has just been switched on and lives by `clock`."""
-        self.options = options = options or Tmc5xxxOptions()
+        self.options = options = (options or Tmc5xxxOptions()).for_clock(CHIPS[model].clock_hz)
         super().__init__(clock, options.time_scale)
         self._model: Tmc5xxxModel = model
         self._chip = Chip(model, options)
@@ -142,8 +143,12 @@ class EmulatedTmc5xxx(FarEnd):
             drive = self._chip.axes[axis].drive
             return ground_truth(drive.truth, drive.world)
 
-    def _run_until(self, at_s: float | None) -> None:
-        self._chip.advance(self._clocks(at_s, self.options.clock_hz))
+    def _run(self, until_s: float) -> None:
+        self._chip.advance(self._clocks(until_s, self.options.clock_hz))
+
+    @property
+    def _quiet(self) -> bool:
+        return self._chip.quiet
 
     def _describe(self) -> Tmc5xxxState:
         return world.describe(
@@ -153,4 +158,5 @@ class EmulatedTmc5xxx(FarEnd):
             ChipFaultsState(**asdict(self._faults)),
             time_scale=self.clock.scale,
             chip_time_s=self._latest_s,
+            time_skipped_s=self.clock.skipped_s,
         )

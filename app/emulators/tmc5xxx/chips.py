@@ -1,10 +1,11 @@
-"""What the five chips differ in, beyond what their register tables say."""
+"""What the chips differ in, beyond what their register tables say."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Literal
 
+from ..drive.world import UNDERVOLTAGE_V
 from .options import Tmc5xxxModel
 
 
@@ -29,6 +30,16 @@ class Kind:
     """Delays of 2^18 clocks that TPOWERDOWN counts too many: a TMC5130 waits one less."""
     interpolates: tuple[int, ...] = tuple(range(9))
     """MRES settings that intpol acts on."""
+    clock_hz: float = 16e6
+    """fCLK, unless the bench says another [Hz]."""
+    ranges: tuple[float, ...] = (1.0,)
+    """Share of full scale that the coils get, by DRV_CONF.CURRENT_RANGE."""
+    stall_guard_4: bool = False
+    """Load is measured with StealthChop too."""
+    least_supply_v: float = UNDERVOLTAGE_V
+    """The supply below which the bridges do not work [V]."""
+    scale_shift: int = 0
+    """Bits that PWM_SCALE_SUM has more than eight."""
 
     @property
     def single(self) -> bool:
@@ -42,4 +53,16 @@ CHIPS: dict[Tmc5xxxModel, Kind] = {
     "tmc5072": Kind(2, 0x10, "node", full_scale_a=1.5, vsense=0.5625, interpolates=(4,)),
     "tmc5130": Kind(1, 0x11, "node", full_scale_a=2.5, vsense=0.18 / 0.325, power_down_less=1),
     "tmc5160": Kind(1, 0x30, "node", full_scale_a=4.2),
+    # 12 kOhm at IREF: 36 kOhm A over them (KLIPPER, TMC2240). Least supply: the headline of the data sheet (PY)
+    "tmc5240": Kind(
+        1,
+        0x40,
+        "node",
+        full_scale_a=3.0,
+        clock_hz=12.5e6,
+        ranges=(11.75 / 36, 24 / 36, 1.0, 1.0),
+        stall_guard_4=True,
+        least_supply_v=4.5,
+        scale_shift=2,
+    ),
 }

@@ -21,7 +21,7 @@ from ..drive.bench import (
 )
 from ..drive.options import DriveOptions, EncoderOptions, FullSteps, LoadOptions, MotorOptions, StageSwitches
 
-Tmc5xxxModel = Literal["tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160"]
+Tmc5xxxModel = Literal["tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160", "tmc5240"]
 MODELS: tuple[Tmc5xxxModel, ...] = get_args(Tmc5xxxModel)
 Rigid = Literal["rigid"]
 
@@ -41,7 +41,8 @@ class Tmc5xxxOptions(Closed):
 
     time_scale: TimeScale = Field(default=1.0, description="how fast the chip's time passes; 0 stands still")
     clock_hz: Annotated[float, Field(strict=True, ge=4e6, le=18e6, allow_inf_nan=False)] = Field(
-        default=16e6, description="fCLK, which the units of all registers hang on [Hz]"
+        default=16e6,
+        description="fCLK, which the units of all registers hang on [Hz]; left out, a TMC5240 has its own 12.5 MHz",
     )
     motor: MotorOptions | Rigid = Field(
         default_factory=MotorOptions,
@@ -54,12 +55,16 @@ class Tmc5xxxOptions(Closed):
     supply_v: Supply = Field(default=24.0, description="motor supply [V]")
     full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30, allow_inf_nan=False)] | None = Field(
         default=None,
-        description="peak coil current at current scale 31, vsense 0 or GLOBALSCALER 0; null: as the chip's "
-        "evaluation board has it [A]",
+        description="peak coil current at current scale 31, vsense 0 or GLOBALSCALER 0, and the widest CURRENT_RANGE; "
+        "null: as the chip's evaluation board has it [A]",
     )
     start_fullsteps: FullSteps = Field(default=0.0, description="where the rotors stand at first [full steps]")
     node_pin: Flag = Field(default=False, description="NEXTADDR is high: the UART's node address is one more")
     seed: Seed = Field(default=5160, description="of the noise in the load value and of bit errors")
+
+    def for_clock(self, clock_hz: float) -> Tmc5xxxOptions:
+        """The same with the clock that a chip has by itself, where nobody has said another."""
+        return self if "clock_hz" in self.model_fields_set else self.model_copy(update={"clock_hz": clock_hz})
 
     @property
     def rigid(self) -> bool:
@@ -128,7 +133,7 @@ class Tmc5xxxPatch(Closed):
 
     time_scale: TimeScale | None = None
     axes: list[AxisChange] = Field(default_factory=list, max_length=2)
-    supply_v: Supply | None = Field(default=None, description="motor supply [V]; the driver needs 8")
+    supply_v: Supply | None = Field(default=None, description="motor supply [V]; the driver needs 8, of a TMC5240 4.5")
     pins: PinsChange = Field(default_factory=PinsChange)
     faults: ChipFaultsChange = Field(default_factory=ChipFaultsChange)
     power_cycle: Flag = Field(default=False, description="off and on again; motors and stages stay where they are")

@@ -1,4 +1,4 @@
-"""The register file behind SPI and UART: what a write changes and what a read gives, of all five chips.
+"""The register file behind SPI and UART: what a write changes and what a read gives, of all chips.
 
 A write takes effect at once, a read is taken when its datagram has come. Registers that can only be written read as 0.
 """
@@ -17,6 +17,8 @@ from .options import Tmc5xxxModel, Tmc5xxxOptions
 GCONF, OUTPUT = 0x00, 0x04
 _RESET, _DRV_ERR, _UV_CP = 1, 2, 4
 """GSTAT of a TMC5160, which is what a drive has."""
+_REGISTER_RESET, _VM_UVLO = 8, 16
+"""What a TMC5240 has besides: after power-on the first (a reading), and whether its supply was too low."""
 _EVENTS = 0xF0
 """RAMP_STAT: stops left, right and by StallGuard2, position reached."""
 
@@ -32,7 +34,9 @@ class Chip:
         self._clock = 0
         self._drv_enn = False
         self.node_pin = options.node_pin
+        self._external_clock = options.clock_hz != self.kind.clock_hz
         self.ifcnt = 0
+        self._gstat_more = 0
         self._words: dict[int, int] = {}
         self._encoders = [True] * self.kind.axes
         self._readers = {row.address: self._reader(row) for row in self.table if row.access.readable and not row.when}
@@ -44,8 +48,10 @@ class Chip:
         """Registers and ramp generators as after power-on; the world stays, and time goes on."""
         self._words = {}
         self.ifcnt = 0
+        self._gstat_more = _REGISTER_RESET & self.table.get("GSTAT").mask
         for axis in self.axes:
             axis.reset()
+        self.supply_changed()
         for row in self.table:
             if row.access.writable and row.access is not Access.R_W1C and not row.when:
                 self._take(row, row.reset or 0)
@@ -56,6 +62,11 @@ class Chip:
             self._clock = clock
             for axis in self.axes:
                 axis.drive.advance(clock)
+
+    @property
+    def quiet(self) -> bool:
+        """Nothing happens until somebody writes."""
+        return all(axis.drive.quiet for axis in self.axes)
 
     # --- the buses -------------------------------------------------------------------------------
 
@@ -111,6 +122,7 @@ class Chip:
 
     def _clear(self, row: Register, ones: int) -> None:
         if row.name == "GSTAT":
+            self._gstat_more &= ~ones
             for axis in self.axes:
                 axis.drive.write("GSTAT", _RESET | _DRV_ERR | _UV_CP if row.read_clears else ones)
         else:
@@ -145,8 +157,13 @@ class Chip:
         """GSTAT: dual chips have a driver error for each motor."""
         words = [axis.drive.gstat for axis in self.axes]
         if self.kind.single:
-            return words[0]
+            return words[0] | self._gstat_more
         return words[0] & (_RESET | _DRV_ERR) | (words[1] & _DRV_ERR) << 1 | bool((words[0] | words[1]) & _UV_CP) << 3
+
+    def supply_changed(self) -> None:
+        """The motor supply is another now."""
+        if self.axes[0].drive.undervoltage:
+            self._gstat_more |= _VM_UVLO & self.table.get("GSTAT").mask
 
     @property
     def spi_status(self) -> int:
@@ -180,7 +197,8 @@ class Chip:
     def position_compare(self) -> bool:
         """XACTUAL of motor 1 is X_COMPARE."""
         drive = self.axes[0].drive
-        return drive.read("XACTUAL") == drive.x_compare
+        ahead, repeat = drive.read("XACTUAL") - drive.x_compare, drive.read("X_COMPARE_REPEAT")
+        return ahead % repeat == 0 if repeat > 1 else ahead == 0
 
     @property
     def shows_position_compare(self) -> bool:
@@ -207,6 +225,9 @@ class Chip:
         if self.kind.single:
             a, b, n = self.encoder_lines(0)
             levels |= {"ENCA_DCIN_CFG5": a, "ENCB_DCEN_CFG4": b, "ENC_N_DCO": n, "ENC_N_DCO_CFG6": n}
+            # a resistor at IREF is there, and the clock comes from outside unless it is the chip's own
+            levels |= {"ENCA_CFG5": a, "ENCB_CFG4": b, "ENCN_CFG6": n, "OUTPUT": bool(output >> 12 & 1)}
+            levels |= {"EXT_RES_DET": True, "EXT_CLK": self._external_clock}
         word = 0
         for part in row.fields:
             word |= (self.kind.version if part.name == "VERSION" else levels.get(part.name, False)) << part.lsb

@@ -69,6 +69,9 @@ class Tmc5xxxState(BaseModel):
     model: Tmc5xxxModel
     time_scale: float
     chip_time_s: float
+    time_skipped_s: float = Field(
+        description="how long it stood still because more had to be worked out than this machine can in time [s]"
+    )
     clock_hz: float
     rigid: bool = Field(description="no physics: the shafts follow the fields exactly")
     supply_v: float

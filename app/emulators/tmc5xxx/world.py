@@ -51,6 +51,7 @@ def change(chip: Chip, wanted: Tmc5xxxPatch) -> None:
     if wanted.supply_v is not None:
         for axis in chip.axes:
             axis.drive.world.supply_v = wanted.supply_v
+        chip.supply_changed()
     for one in wanted.axes:
         _change_axis(chip.axes[one.axis].drive, one)
 
@@ -81,6 +82,7 @@ def describe(
     *,
     time_scale: float,
     chip_time_s: float,
+    time_skipped_s: float,
 ) -> Tmc5xxxState:
     """The chip and its bench as the API tells them."""
     uart, first = UartEnd(chip), chip.axes[0].drive
@@ -88,6 +90,7 @@ def describe(
         model=model,
         time_scale=time_scale,
         chip_time_s=chip_time_s,
+        time_skipped_s=time_skipped_s,
         clock_hz=options.clock_hz,
         rigid=options.rigid,
         supply_v=first.world.supply_v,

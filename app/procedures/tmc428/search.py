@@ -14,11 +14,11 @@ the carriage stands right of the reference switch.
 from __future__ import annotations
 
 from ...clock import Clock
-from ...devices.tmc428.stops import RampStops
+from ...devices.core.device import Device
 from ...errors import OutOfRange, WrongState
-from ..edges import SLACK_S, EdgeFinder, Switch
 from ..procedure import Failed
-from ..search import ReferenceSearchState, Search, State
+from ..search import SLACK_S, ReferenceSearchState, Search, State, Switch
+from .edges import EdgeFinder
 
 PHASES = ("prepare", "leave", "first edge", "second edge", "to the centre")
 
@@ -38,7 +38,7 @@ class ReferenceSearch(Search):
 
     def __init__(
         self,
-        device: RampStops,
+        device: Device,
         axis: int,
         clock: Clock,
         switch: Switch = "reference",
@@ -85,16 +85,16 @@ class ReferenceSearch(Search):
         setting = await finder.setting()
         setting.require_motion(self.axis)
         setting.require_proportionality(self.axis)
-        problem = finder.chip.switch_problem()
+        problem = finder.switching.problem()
         if problem:
             raise WrongState(*problem)
         # Twice, for two samples: the first may have begun before the switches were set up.
-        await finder.pass_time(2 * finder.chip.switch_latency_s())
+        await finder.pass_time(2 * finder.switching.latency_s())
         switches = (await finder.state()).switches
         if (switches.right if self.switch == "right" else switches.left) is None:
             side = "right" if self.switch == "right" else "left"
             raise WrongState(f"axis {self.axis} has no {side} switch", "see refmux and mot1r (DS-TMC428 Table 9-3)")
-        one_pps = finder.chip.clock_hz / (2**setting.pulse_div * 2048 * 32)
+        one_pps = self.device.clock_hz / (2**setting.pulse_div * 2048 * 32)
         wanted = setting.v_max / 4 if self._velocity_pps is None else self._velocity_pps / one_pps
         if wanted > setting.v_max:
             raise OutOfRange(
@@ -106,7 +106,7 @@ class ReferenceSearch(Search):
             await finder.borrow(field, value)
         await finder.borrow("soft_stop", 0)
         if self.switch == "reference":
-            self._tolerance_before = (await finder.chip.read("dx_ref_tolerance", self.axis)).value
+            self._tolerance_before = (await self.device.registers.read("dx_ref_tolerance", self.axis)).value
             await finder.set_tolerance(0)
 
     async def _touch(self, way: int) -> None:
@@ -178,7 +178,7 @@ class ReferenceSearch(Search):
                 notes.append(f"dx_ref_tolerance ends at {TOLERANCE_MAX} and does not cover the whole switch")
         # The last way may lead into the active switch, where it has to be allowed to end.
         await finder.borrow("disable_stop_r" if self.switch == "right" else "disable_stop_l", 1)
-        started = await finder.chip.move(self.axis, 0)
+        started = await self.device.motion.move(self.axis, 0)
         await finder.wait(
             lambda state: state.position_reached and not state.moving,
             (started.predicted_duration_s or 0.0) + SLACK_S,

@@ -8,9 +8,10 @@ the left end if it has not met both edges.
 from __future__ import annotations
 
 from ...clock import Clock
-from ...devices.tmc4361.driver import Tmc4361
-from ..edges import Switch
+from ...devices.core.device import Device
+from ...devices.tmc4361.position import Position
 from ..procedure import POLL_S, Failed
+from ..search import Switch
 from ..stop_search import MAX_TRAVEL, Latching, StopSearch
 
 MARGIN = 8
@@ -38,15 +39,16 @@ class LatchSearch(StopSearch):
 
     def __init__(
         self,
-        device: Tmc4361,
+        device: Device,
         axis: int,
         clock: Clock,
         switch: Switch = "reference",
         velocity_pps: float | None = None,
         max_travel: int | None = None,
     ) -> None:
-        super().__init__(device, device, axis, clock, switch, velocity_pps, max_travel)
-        self._chip = device
+        position = device.part(Position)
+        assert position is not None  # no other device is searched by this
+        super().__init__(device, position, axis, clock, switch, velocity_pps, max_travel)
 
     async def _find(self) -> None:
         if self.switch == "reference":
@@ -57,7 +59,7 @@ class LatchSearch(StopSearch):
     # --- home -----------------------------------------------------------------------------------
 
     async def _cross(self) -> None:
-        conf = (await self._chip.read("REFERENCE_CONF", self.axis)).fields
+        conf = (await self.device.registers.read("REFERENCE_CONF", self.axis)).fields
         high = conf["home_event"] not in LOW_ACTIVE
         self._before = {"home_event": conf["home_event"], "start_home_tracking": conf["start_home_tracking"]}
         # Going left the right end of the zone comes first. What is not met on the way is met on the way back.
@@ -81,17 +83,21 @@ class LatchSearch(StopSearch):
 
     async def _track(self, way: int, home_event: int) -> int | None:
         """Go `way` until home tracking has an edge of that kind; None where the motor is stopped before."""
-        await self._chip.write("REFERENCE_CONF", self.axis, fields={"home_event": home_event, "start_home_tracking": 1})
+        await self.device.registers.write(
+            "REFERENCE_CONF", self.axis, fields={"home_event": home_event, "start_home_tracking": 1}
+        )
         tracking = True
 
         async def caught() -> bool:
             nonlocal tracking
-            tracking = bool((await self._chip.read("REFERENCE_CONF", self.axis)).fields["start_home_tracking"])
+            tracking = bool(
+                (await self.device.registers.read("REFERENCE_CONF", self.axis)).fields["start_home_tracking"]
+            )
             return not tracking
 
         state = await self._look()
         if not state.moving or state.velocity_pps * way <= 0:
-            await self._chip.rotate(self.axis, way * self._speed_pps)
+            await self.device.motion.rotate(self.axis, way * self._speed_pps)
         began = state.position
         deadline_s = self._deadline()
         while not await caught():
@@ -99,16 +105,16 @@ class LatchSearch(StopSearch):
             state = await self._look()
             if not state.moving and not await caught():
                 return None
-            if abs(state.position - began) > self._max_travel or self._chip.device_time_s() > deadline_s:
+            if abs(state.position - began) > self._max_travel or self.device.device_time_s() > deadline_s:
                 raise Failed(f"no edge of the home switch within {abs(state.position - began)} microsteps")
-        return (await self._chip.read("X_HOME", self.axis)).value
+        return (await self.device.registers.read("X_HOME", self.axis)).value
 
     async def _at_zero(self, width: int) -> list[str]:
         if self.switch != "reference":
             return await super()._at_zero(width)
         half = (width + 1) // 2 + MARGIN
-        await self._chip.write("X_HOME", self.axis, value=0)
-        await self._chip.write("HOME_SAFETY_MARGIN", self.axis, value=min(half, MARGIN_MAX))
+        await self.device.registers.write("X_HOME", self.axis, value=0)
+        await self.device.registers.write("HOME_SAFETY_MARGIN", self.axis, value=min(half, MARGIN_MAX))
         if half > MARGIN_MAX:
             return [f"HOME_SAFETY_MARGIN ends at {MARGIN_MAX} and does not cover the whole switch"]
         return []

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from ...clock import Clock
-from ...devices.tmc5xxx.driver import Tmc5xxx
+from ...devices.core.device import Device
+from ...devices.tmc5xxx.position import PositionCalls
+from ...devices.tmc5xxx.setting import ChipSetting
 from ...errors import WrongState
-from ..edges import Switch
+from ..search import Switch
 from ..stop_search import Latching, StopSearch
 
 
@@ -25,7 +27,7 @@ class SwitchSearch(StopSearch):
 
     def __init__(
         self,
-        device: Tmc5xxx,
+        device: Device,
         axis: int,
         clock: Clock,
         switch: Switch = "left",
@@ -36,8 +38,11 @@ class SwitchSearch(StopSearch):
             raise WrongState(
                 f"a {device.family.title} has no reference switch of its own", "search for the left or the right switch"
             )
-        if switch == "right" and not device.has_right_switch():
+        position, setting = device.part(PositionCalls), device.part(ChipSetting)
+        assert position is not None  # no other device is searched by this
+        assert setting is not None
+        if switch == "right" and not setting.has_right_switch():
             raise WrongState(
                 "encoder 2 has the pins of the right switches", "search for the left one, or write GCONF.enc2_enable 0"
             )
-        super().__init__(device, device, axis, clock, switch, velocity_pps, max_travel)
+        super().__init__(device, position, axis, clock, switch, velocity_pps, max_travel)

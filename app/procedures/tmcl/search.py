@@ -7,8 +7,8 @@ the search speed until a switch was found, the switch speed for finding the edge
 from __future__ import annotations
 
 from ...clock import Clock
-from ...devices.tmcl.driver import Pd42
-from ...devices.tmcl.searches import SearchLook
+from ...devices.core.device import Device
+from ...devices.tmcl.searches import Searches, SearchState
 from ...errors import BadReply, OutOfRange
 from ...registers.tmcl.commands import HOME_INVERTED, SWAPPED, reference_modes
 from ..procedure import Failed
@@ -34,7 +34,7 @@ class ModuleSearch(Search):
 
     def __init__(
         self,
-        device: Pd42,
+        device: Device,
         axis: int,
         clock: Clock,
         mode: int | None = None,
@@ -50,7 +50,9 @@ class ModuleSearch(Search):
                 raise OutOfRange(name, speed, 0, 8e6, "above 0, in pps")
         if max_travel is not None and not 1 <= max_travel < 1 << 31:
             raise OutOfRange("max_travel", max_travel, 1, (1 << 31) - 1)
-        self._module = device
+        searches = device.part(Searches)
+        assert searches is not None  # no other device is searched by this
+        self._searches = searches
         self._mode = mode
         self._speeds = {"ap194": search_speed_pps, "ap195": switch_speed_pps}
         self._max_travel = max_travel or MAX_TRAVEL
@@ -83,32 +85,31 @@ class ModuleSearch(Search):
 
     async def _run(self) -> None:
         await self._prepare()
-        await self._module.start_search()
+        await self._searches.start()
         await self._follow()
         await self._finish()
 
     async def _prepare(self) -> None:
         """What the search goes by is written and read back; it stays so, for it says nothing else."""
-        module = self._module
+        registers = self.device.registers
         if self._mode is not None:
-            await module.write("ap193", self.axis, self._mode)
-        self._mode = (await module.read("ap193", self.axis)).value
-        await module.read("ap255", self.axis)
+            await registers.write("ap193", self.axis, self._mode)
+        self._mode = (await registers.read("ap193", self.axis)).value
+        await self._searches.read_units()
         for name, speed_pps in self._speeds.items():
             if speed_pps is not None:
-                await module.write(name, self.axis, max(1, round(speed_pps / module.speed_unit_pps)))
-        switch_speed = (await module.read("ap195", self.axis)).value
-        self._switch_speed_pps = switch_speed * module.speed_unit_pps
+                await registers.write(name, self.axis, max(1, round(speed_pps / self._searches.speed_unit_pps)))
+        switch_speed = (await registers.read("ap195", self.axis)).value
+        self._switch_speed_pps = switch_speed * self._searches.speed_unit_pps
 
     async def _follow(self) -> None:
         """Until the module says that it searches no more."""
-        module = self._module
-        first: SearchLook | None = None
-        moved: SearchLook | None = None
+        first: SearchState | None = None
+        moved: SearchState | None = None
         while True:
             began_s = self.clock.now()
             try:
-                look = await module.look_at_search()
+                look = await self._searches.poll()
             except BadReply:
                 await self.clock.sleep(LOOKS_S)
                 continue  # noise on the line; the search goes on without us
@@ -118,14 +119,14 @@ class ModuleSearch(Search):
             if moved is None or look.position != moved.position:
                 moved = look
             self._phase, self._detail = self._seen(look)
-            if abs(look.position - first.position) > self._max_travel:
+            if self._searches.apart(look.position, first.position) > self._max_travel:
                 raise Failed(f"nothing was found within {self._max_travel} microsteps")
             if look.time_s - moved.time_s > STANDS_S:
                 raise Failed(f"the motor stands at {look.position} in the middle of the search: {self._stuck(look)}")
             took_s = self.clock.now() - began_s
             await self.clock.sleep(max(LOOKS_S, 4 * took_s))
 
-    def _seen(self, look: SearchLook) -> tuple[str, str]:
+    def _seen(self, look: SearchState) -> tuple[str, str]:
         """Phase, and which way it goes."""
         if not look.speed_pps:
             return (self._phase if self._phase != PHASES[0] else PHASES[1]), self._detail
@@ -137,15 +138,15 @@ class ModuleSearch(Search):
         phase = PHASES[1] if fast or not found else PHASES[2]
         return phase, f"{way}{', on the ' + ' and '.join(switches) + ' switch' if switches else ''}"
 
-    def _stuck(self, look: SearchLook) -> str:
+    def _stuck(self, look: SearchState) -> str:
         switches = [name for name, on in (("left", look.left), ("right", look.right)) if on]
         where = f"the {' and the '.join(switches)} stop switch is active" if switches else "no stop switch is active"
         return f"{where}, and the module still searches; is the switch there that mode {self._mode} looks for?"
 
     async def _finish(self) -> None:
         self._phase, self._detail = PHASES[3], ""
-        result = await self._module.search_result()
-        state = await self._module.axis_state(self.axis)
+        result = await self._searches.result()
+        state = await self.device.monitor.axis_state(self.axis)
         # After a search the counter is 0 where the reference is, and the motor stands there.
         if abs(result.position) > self._slack() or state.moving:
             raise Failed(f"the search ended at {result.position} without a reference: something else stopped it")

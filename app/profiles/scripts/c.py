@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from ...devices.tmcl.frames import writing
+from ...devices.core.tmcl_frames import writing
 from ...links import datagram32, datagram40, tmcl
 from ...registers.catalog import Model
 from .plan import Plan, Write, meaning

@@ -129,7 +129,7 @@ def _put(folder: Path, file: str, text: str) -> None:
 
 async def _read_curl(plan: Plan, text: str) -> Trial:
     async with emulated(plan.model, plan.clock_hz) as device:
-        result = await device.write_many(writes_of_curl(text))
+        result = await device.registers.write_many(writes_of_curl(text))
         if result.failed is not None:
             raise result.failed
         return Trial("read", await _captured(device))
@@ -170,9 +170,9 @@ async def _captured(device: Device) -> ProfileDocument:
 
 
 async def _send(device: Device, frame: bytes) -> None:
-    reply = (await device.exchange(frame)).reply
+    reply = (await device.raw.exchange(frame)).reply
     if device.family.kind == "module" and has_reply(frame):
-        answer = check_reply(device.port.name, frame, reply)
+        answer = check_reply(device.session.port.name, frame, reply)
         if not answer.ok:
             request = Request.decode(frame)
             raise ValueError(f"command {request.opcode} {request.type}, {request.value}: {answer.status_text}")

@@ -6,8 +6,9 @@ import json
 import textwrap
 from collections.abc import Iterator, Mapping
 
+from ..rules import Busy
 from .plan import Plan, Write, meaning
-from .standing import Busy, busy_of, target_of
+from .standing import busy_of, target_of
 from .text import WIDTH, lines, one_line
 
 GLUE = "\u00a0"

@@ -6,49 +6,25 @@ That is motion, not configuration, and stays: as when the server applies a profi
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from ...registers.catalog import MODELS
 from ...registers.model import Field, Register, Space
-from ..items import Item, family_of
-from ..steps import GATES
+from ..families import rules_of
+from ..items import Item
+from ..rules import Busy
 from ..words import Key, Want
-
-POSITIONING = {"tmc4361": ("RAMPMODE", "OPERATION_MODE", 1), "tmc5xxx": ("RAMPMODE", "", 0)}
-"""By family: register, field and value of positioning. In velocity mode VMAX is the speed that it turns at."""
-TARGET: Mapping[str, str] = {
-    "tmc428": "x_target",
-    "tmc4210": "X_TARGET",
-    "tmc4361": "XTARGET",
-    "tmc5xxx": "XTARGET",
-}
-"""By family: the register that gets the position at which the motor stands."""
-
-
-@dataclass(frozen=True, slots=True)
-class Busy:
-    """Something that has to be 0 before anything is written: `field` of it, or all of it."""
-
-    register: str
-    axis: int | None
-    field: str
-    why: str
-
-
-BUSY: Mapping[str, tuple[Busy, ...]] = {
-    "tmc4361": (Busy("ENC_IN_CONF", 0, "regulation_modus", "the closed loop is on: switch it off first"),),
-    "pd42-1241": (Busy("tmcl_application_status", None, "", "a program runs on the module: stop it first"),),
-}
 
 
 def target_of(model: str) -> str:
     """The register that gets the position; empty for a module, whose motor has to stand at its target."""
-    return TARGET.get(family_of(model), "")
+    row = MODELS[model].table.find(rules_of(model).target, 0)
+    return row[0].name if row else ""
 
 
 def busy_of(model: str) -> tuple[Busy, ...]:
     """What has to be 0."""
-    return BUSY.get(family_of(model), ())
+    return rules_of(model).busy
 
 
 def ready_of(model: str, wants: Mapping[Key, Want]) -> list[Want]:
@@ -67,7 +43,7 @@ def kept_ready(want: Want) -> Want:
 
 
 def _positioning(model: str) -> list[Want]:
-    name, field, value = POSITIONING.get(family_of(model), ("", "", 0))
+    name, field, value = rules_of(model).positioning or ("", "", 0)
     rows = (row for row in MODELS[model].table if row.name == name)
     return [_alone(row, row.field_named(field) if field else None, value) for row in rows]
 
@@ -80,8 +56,9 @@ def _alone(row: Register, part: Field | None, value: int) -> Want:
 
 
 def _open_gates(model: str, wants: Mapping[Key, Want]) -> list[Want]:
-    if model != "tmc4361":
+    gates = rules_of(model).gates
+    if gates is None:
         return []
-    start = MODELS[model].table.get("START_CONF", 0)
+    start = MODELS[model].table.get(gates.register, 0)
     want = wants.get((Space.REGISTER, start.address))
-    return [] if want is None else [replace(want, word=want.word & ~GATES)]
+    return [] if want is None else [replace(want, word=want.word & ~gates.mask)]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from ...devices.tmcl.frames import spelled, writing
+from ...devices.core.tmcl_frames import spelled, writing
 from ...errors import WrongState
 from ...links.tmcl import Request
 from ...registers.tmcl.commands import Opcode

@@ -18,18 +18,23 @@ OWN_CLOCK = "the emulated clock is as exact as the bench sets it"
 OWN_SCALE = "the bench sets the emulated full scale"
 TWO_PHASES = "the emulated motor has two phases"
 FACTORY = "for the factory alone"
+TWO_PHASES_APART = "the phases of the emulated driver are a quarter of a turn apart"
+NO_PHASE_SHIFT = "the emulated driver has no shift of phase between its choppers"
 
 _CHOPPER = ("hstrt", "tfd_2_0", "hend", "offset", "fd3", "disfdcc", "rndtf", "chm", "tbl", "sync", "tpfd")
 _DIAGNOSTICS = (
     *("diag0_error", "diag0_otpw", "diag0_stall", "diag0_step", "diag1_stall", "diag1_dir", "diag1_index"),
     *("diag1_onstate", "diag1_steps_skipped", "diag0_int_pushpull", "diag1_poscomp_pushpull", "stop_enable"),
+    *("diag0_stall_step", "diag1_stall_dir", "length_step_pulse"),
 )
-_STEALTH = ("PWM_AMPL", "PWM_OFS", "PWM_GRAD", "pwm_freq", "pwm_autoscale", "pwm_autograd", "pwm_symmetric")
+_STEALTH = (
+    *("PWM_AMPL", "PWM_OFS", "PWM_GRAD", "pwm_freq", "pwm_autoscale", "pwm_autograd", "pwm_symmetric"),
+    *("pwm_meas_sd_enable", "pwm_dis_reg_stst"),
+)
 REGISTERS = {
     "VDCMIN": NO_DCSTEP,
     "DCCTRL": NO_DCSTEP,
     "SHORT_CONF": NO_SHORTS,
-    "DRV_CONF": LAG,
     "OTP_PROG": NO_FUSES,
     "FACTORY_CONF": OWN_CLOCK,
     "TEST_SEL": FACTORY,
@@ -37,6 +42,9 @@ REGISTERS = {
 }
 """By name; of such a register no field does anything."""
 FIELDS = {
+    "DRV_CONF": dict.fromkeys(
+        ("BBMTIME", "BBMCLKS", "OTSELECT", "DRVSTRENGTH", "FILT_ISENSE", "SLOPE_CONTROL", "BBM_CLKS"), LAG
+    ),
     "GCONF": {
         **dict.fromkeys(_DIAGNOSTICS, NO_PINS),
         **dict.fromkeys(("stepdir1_enable", "stepdir2_enable", "small_hysteresis", "multistep_filt"), NO_STEP_DIR),
@@ -57,6 +65,9 @@ FIELDS = {
         **dict.fromkeys(_STEALTH, REGULATED),
         **dict.fromkeys(("PWM_REG", "PWM_LIM"), REGULATED),
     },
+    "OTW_OV_VTH": {"OVERVOLTAGE_VTH": NO_PINS},
+    "MSLUTSTART": {"OFFSET_SIN90": TWO_PHASES_APART},
+    "SG4_THRS": {"sg_angle_offset": NO_PHASE_SHIFT},
     "SLAVECONF": {"TEST_SEL": FACTORY},
     "OUTPUT": {"OUTPUT_PIN_POLARITY": NO_PINS},
 }

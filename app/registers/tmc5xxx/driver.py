@@ -85,7 +85,7 @@ _DECAY = (
         when=_CONSTANT_OFF,
     ),
 )
-_RANDOM = flag(13, "rndtf", "the off time varies at random")
+RANDOM = flag(13, "rndtf", "the off time varies at random")
 _CHM = Field("chm", 1, "kind of chopper", lsb=14, values={0: "SpreadCycle", 1: "constant off time"})
 _TBL = Field(
     "tbl",
@@ -129,11 +129,11 @@ def _chopconf(width: int, *fields: Field, reset: int = 0) -> Register:
     )
 
 
-CHOPCONF_5031 = _chopconf(31, _RANDOM, _CHM, _TBL, _VSENSE, *_HIGH_SPEED, _SYNC, _SHORT_TO_GROUND)
+CHOPCONF_5031 = _chopconf(31, RANDOM, _CHM, _TBL, _VSENSE, *_HIGH_SPEED, _SYNC, _SHORT_TO_GROUND)
 """Always 256 microsteps: no mres."""
 CHOPCONF_5062 = _chopconf(
     32,
-    _RANDOM,
+    RANDOM,
     _CHM,
     _TBL,
     _VSENSE,
@@ -154,10 +154,10 @@ CHOPCONF_5062 = _chopconf(
     flag(12, "csync", "the choppers of all phases are kept in step", when=_THREE_PHASES),
 )
 CHOPCONF_5072 = _chopconf(
-    31, _RANDOM, _CHM, _TBL, _VSENSE, *_HIGH_SPEED, _MRES, _intpol("intpol16"), _DEDGE, _SHORT_TO_GROUND
+    31, RANDOM, _CHM, _TBL, _VSENSE, *_HIGH_SPEED, _MRES, _intpol("intpol16"), _DEDGE, _SHORT_TO_GROUND
 )
 CHOPCONF_5130 = _chopconf(
-    31, _RANDOM, _CHM, _TBL, _VSENSE, *_HIGH_SPEED, _SYNC, _MRES, _intpol("intpol"), _DEDGE, _SHORT_TO_GROUND
+    31, RANDOM, _CHM, _TBL, _VSENSE, *_HIGH_SPEED, _SYNC, _MRES, _intpol("intpol"), _DEDGE, _SHORT_TO_GROUND
 )
 CHOPCONF_5160 = _chopconf(
     32,

@@ -1,10 +1,11 @@
-"""What the rows of the TMC5031, TMC5062, TMC5072, TMC5130 and TMC5160 share: units, names of values, sources.
+"""What the rows of the TMC5xxx share: units, names of values, sources.
 
 Rows are written once, as the first axis has them; `tmc5xxx` puts them onto the axes of each chip. A source begins with
 the chip's data sheet and the place in it, where that tells the row: DS-TMC5031 and DS-TMC5062 by section (their
 revisions of 2023 and before), DS-TMC5072 (Rev. 1.26), DS-TMC5130 (Rev. 1.21) and DS-TMC5160 (Rev. 1.18) by page. Second
 sources:
 
+- FIELDS-TMC5240: what an older header of the maker says of each field of that chip, whose data sheet was not at hand;
 - API: the vendor's TMC-API headers, and PY: PyTrinamic's tables; one origin, so together one source.
 """
 
@@ -191,10 +192,14 @@ _PLACES = {
     "tmc5160": _PAGES_5160,
 }
 """Where a chip's data sheet tells a register: by its name, else by its group, else what stands at ""."""
+_WITHOUT_SHEET = {"tmc5240": "FIELDS-TMC5240"}
+"""What is cited of a chip whose data sheet nobody had."""
 
 
 def sheet(model: str, name: str, group: str) -> str:
     """The chip's data sheet and where in it the register is told. Raises KeyError where nobody has looked that up."""
+    if model in _WITHOUT_SHEET:
+        return _WITHOUT_SHEET[model]
     places = _PLACES[model]
     key = next(key for key in (name.partition("[")[0], group, "") if key in places)
     return f"DS-{model.upper()} {places[key]}"

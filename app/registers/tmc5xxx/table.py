@@ -1,4 +1,4 @@
-"""Registers of the TMC5031, TMC5062, TMC5072, TMC5130 and TMC5160: 40-bit datagrams, 7-bit addresses, 32 data bits.
+"""Registers of the TMC5031 to TMC5240: 40-bit datagrams, 7-bit addresses, 32 data bits.
 
 All have the same ramp generator and nearly the same driver. Of the chips with two axes the second has its own copy of
 the ramp, switches and encoder 0x20 above the first, of the driver 0x10 and of StealthChop 0x08 above; the TMC5072 has
@@ -11,11 +11,11 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ..model import GLOBAL_AXIS, Register, RegisterTable
-from . import driver, general, motion
+from . import driver, general, motion, tmc5240
 from .behaviour import with_behaviour
 from .rows import sheet
 
-AXES = {"tmc5031": 2, "tmc5062": 2, "tmc5072": 2, "tmc5130": 1, "tmc5160": 1}
+AXES = {"tmc5031": 2, "tmc5062": 2, "tmc5072": 2, "tmc5130": 1, "tmc5160": 1, "tmc5240": 1}
 CLOCK_HZ_DEFAULT = 16e6
 CLOCK_HZ_MIN = 4e6
 CLOCK_HZ_MAX = 18e6
@@ -145,6 +145,7 @@ _TMC5160 = _rows(
     ),
     (),
 )
+_TMC5240 = _rows("tmc5240", tmc5240.CHIP, (*tmc5240.AXIS, *tmc5240.RAMP, *tmc5240.ADC, *tmc5240.DRIVER), ())
 
 TABLES = {
     "tmc5031": RegisterTable("tmc5031", tuple(_TMC5031)),
@@ -152,6 +153,7 @@ TABLES = {
     "tmc5072": RegisterTable("tmc5072", tuple(_TMC5072)),
     "tmc5130": RegisterTable("tmc5130", tuple(_TMC5130)),
     "tmc5160": RegisterTable("tmc5160", tuple(_TMC5160)),
+    "tmc5240": RegisterTable("tmc5240", tuple(_TMC5240)),
 }
 """Every register of each chip, by model name. Axes count from 0."""
 

@@ -15,6 +15,8 @@ COORDINATES_IN_EEPROM = 255
 """As motor of SCO and GCO: copy between RAM and EEPROM (FM-PD42-1241 3.6.22 and 3.6.23)."""
 CONTROL_FIRST = 128
 """Commands from here on are control commands: never stored in a program (FM-PD42-1241 3.6.36)."""
+PROGRAM_COMMANDS = 2048
+"""Length of the program memory [commands]: what the family's header and older manuals say."""
 MAGIC = 1234
 """What factory settings and reset want as value, so that no slip of a byte causes them."""
 
@@ -28,6 +30,8 @@ class Opcode(IntEnum):
     MVP = 4
     SAP = 5
     GAP = 6
+    STAP = 7
+    RSAP = 8
     SGP = 9
     GGP = 10
     STGP = 11
@@ -155,6 +159,11 @@ class CommandRow:
     reads: bool = False
     """Whether it only reads."""
 
+    @property
+    def jumps(self) -> bool:
+        """Whether the value of this command of a program is an address of the program."""
+        return bool(self.mnemonic) and self.value == "address"
+
     def __post_init__(self) -> None:
         object.__setattr__(self, "types", MappingProxyType(dict(self.types)))
 
@@ -186,6 +195,10 @@ COMMANDS: tuple[CommandRow, ...] = (
                type="axis parameter", motor=_MOTOR, value="value", moves=True),
     CommandRow(6, "GAP", "get axis parameter", "Read an axis parameter.", "FM-PD42-1241 3.6.6", type="axis parameter",
                motor=_MOTOR, reply="value", reads=True),
+    CommandRow(7, "STAP", "store axis parameter", "Copy an axis parameter to EEPROM, on modules that keep them there.",
+               "PyTrinamic", type="axis parameter", motor=_MOTOR),
+    CommandRow(8, "RSAP", "restore axis parameter", "Copy an axis parameter back from EEPROM, where STAP is known.",
+               "PyTrinamic", type="axis parameter", motor=_MOTOR, moves=True),
     CommandRow(9, "SGP", "set global parameter", "Write a global parameter or user variable.", "FM-PD42-1241 3.6.7",
                type="parameter", motor=_BANK, value="value"),
     CommandRow(10, "GGP", "get global parameter", "Read a global parameter or user variable.", "FM-PD42-1241 3.6.8",
@@ -277,6 +290,16 @@ COMMANDS: tuple[CommandRow, ...] = (
                "FM-PD42-1241 3.6.36", value="1234",
                moves=True),
 )  # fmt: skip
+
+INTERRUPT_NAMES: Mapping[str, int] = MappingProxyType(
+    {
+        "TI_TIMER0": 0, "TI_TIMER1": 1, "TI_TIMER2": 2, "TI_POSITION_REACHED": 3, "TI_STALL": 15, "TI_DEVIATION": 21,
+        "TI_STOP_LEFT": 27, "TI_STOP_RIGHT": 28, "TI_INPUT0": 39, "TI_INPUT1": 40, "TI_INPUT2": 41, "TI_INPUT3": 42,
+        "TI_GLOBAL": 255,
+    }
+)  # fmt: skip
+"""Interrupts by name (numbers: TMCM-1290 manual, that of input 3 inferred from PyTrinamic's numbering of bank 3). The
+manual shows TI_TIMER0 and TI_GLOBAL (FM-PD42-1241 3.5.6.4); the other names are ours."""
 
 BY_OPCODE: Mapping[int, CommandRow] = MappingProxyType({row.opcode: row for row in COMMANDS})
 BY_MNEMONIC: Mapping[str, CommandRow] = MappingProxyType({row.mnemonic: row for row in COMMANDS if row.mnemonic})

@@ -9,6 +9,7 @@ Ranges in pps and pps^2 are those of unit mode 1; `internal_range` is what unit 
 from __future__ import annotations
 
 from ..model import RegisterTable
+from .description import TmclModule
 from .pd42_axis import AXIS_PARAMETERS
 from .pd42_globals import COORDINATE_ROWS, GLOBAL_PARAMETERS, PORTS
 
@@ -18,3 +19,4 @@ CLOCK_HZ = 16e6
 MODULE = 1241
 
 PD42 = RegisterTable("PD42-1241", (*AXIS_PARAMETERS, *GLOBAL_PARAMETERS, *PORTS, *COORDINATE_ROWS))
+PD42_1241 = TmclModule(MODULE, "1.44", PD42, CLOCK_HZ)

@@ -8,9 +8,10 @@ from dataclasses import dataclass, replace
 from typing import cast
 
 from app.clock import Clock, VirtualClock
+from app.devices.core.axis_limits import AxisLimits
 from app.devices.core.config import AxisSettings, DeviceConfig
-from app.devices.core.device import Device, DeviceEvent, LimitReached
-from app.devices.limits.axis_limits import AxisLimits
+from app.devices.core.device import Device
+from app.devices.core.events import DeviceEvent, LimitReached
 from app.devices.manager import DeviceChange, DeviceManager
 from app.emulators.build import build_emulator, options_of
 from app.links.emulator import EmulatorPort
@@ -36,6 +37,9 @@ def limits_of(model: str, limits: AxisLimits = LIMITS) -> AxisLimits:
         return replace(limits, current_max_a=None)
     if model == "tmc5160" and limits is LIMITS:
         limits = replace(limits, current_max_a=0.15)  # whatever GLOBAL_SCALER was left at, it can be passed
+    if model == "tmc5240":
+        limits = replace(limits, sense_resistor_ohm=None)
+        return replace(limits, current_max_a=0.55) if limits.current_max_a == 0.7 else limits  # as after a reset it has
     return replace(limits, current_full_scale_a=None) if model.startswith("tmc5") else limits
 
 
@@ -70,7 +74,7 @@ class Bench:
 
     @property
     def port(self) -> Overheard:
-        return cast("Overheard", self.device.port)
+        return cast("Overheard", self.device.session.port)
 
     @property
     def reached(self) -> list[LimitReached]:
@@ -90,7 +94,7 @@ class Bench:
         seen = []
         for _ in range(round(seconds / step_s)):
             await self.clock.advance(step_s)
-            seen.append((await self.device.axis_state(axis)).position)
+            seen.append((await self.device.monitor.axis_state(axis)).position)
         return min(seen), max(seen)
 
 

@@ -6,17 +6,18 @@ A chip is a dictionary of words, as after power-on and as each frame changes it.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from app.calc.current.coil import CurrentStage
 from app.calc.units.tmc5xxx import acceleration_unit_pps2, velocity_unit_pps
 from app.calc.units.tmc428 import acceleration_hz_s, pulse_rate_hz
-from app.devices.limits.axis_limits import AxisLimits
+from app.devices.core.axis_limits import AxisLimits
 from app.links.tmcl import Request
-from app.registers.catalog import MODELS
+from app.registers.catalog import CHIPS_32, MODELS
 from app.registers.model import Register, Space
 from app.registers.tmcl.commands import Opcode
+from app.registers.tmcl.modules import MODULES
 
 CLOCK_HZ = 16e6
 
@@ -49,10 +50,10 @@ class Oracle:
                 self.words[address] = word
 
     def _writes(self, frame: bytes) -> Iterator[tuple[int, int]]:
-        if self.model in ("tmc428", "tmc4210"):
+        if self.model in CHIPS_32:
             if not frame[0] & 1:
                 yield frame[0] >> 1, int.from_bytes(frame[1:], "big")
-        elif self.model == "pd42-1241":
+        elif self.model in MODULES:
             request = Request.decode(frame)
             if request.opcode == Opcode.SAP and self._takes(request.type, request.value):
                 yield request.type, request.value
@@ -90,11 +91,11 @@ class Oracle:
     def meanings(self) -> Iterator[Meaning]:
         """Everything that the chip holds."""
         for axis in range(MODELS[self.model].axes):
-            if self.model in ("tmc428", "tmc4210"):
+            if self.model in CHIPS_32:
                 yield from self._ramp(axis)
             elif self.model == "tmc4361":
                 yield from self._s_ramp()
-            elif self.model == "pd42-1241":
+            elif self.model in MODULES:
                 yield from self._module()
             else:
                 yield from self._sixpoint(axis)
@@ -111,7 +112,7 @@ class Oracle:
             yield Meaning("position", name, axis, self.value(name, axis))
 
     def _ramp(self, axis: int) -> Iterator[Meaning]:
-        dividers = self.row("pulse_div_ramp_div_usrs" if self.model == "tmc428" else "PULSE_DIV_RAMP_DIV", axis)
+        dividers = self.row("PULSE_DIV_RAMP_DIV" if self.model == "tmc4210" else "pulse_div_ramp_div_usrs", axis)
         fields = {name.casefold(): value for name, value in dividers.unpack(self.words[dividers.address]).items()}
         pulse, ramp = min(13, fields["pulse_div"]), min(13, fields["ramp_div"])
         for name in ("v_max", "v_min", "v_target", "v_actual"):
@@ -123,12 +124,19 @@ class Oracle:
         yield from self._positions(axis, "x_target", "x_actual")
 
     def _sixpoint(self, axis: int) -> Iterator[Meaning]:
+        clock_hz = 12.5e6 if self.model == "tmc5240" else CLOCK_HZ
         for name in ("VMAX", "VSTART", "VSTOP"):
-            yield Meaning("velocity", name, axis, self.value(name, axis) * velocity_unit_pps(CLOCK_HZ))
-        for name in ("AMAX", "DMAX", "A1", "D1"):
-            yield Meaning("acceleration", name, axis, self.value(name, axis) * acceleration_unit_pps2(CLOCK_HZ))
+            yield Meaning("velocity", name, axis, self.value(name, axis) * velocity_unit_pps(clock_hz))
+        further = ("A2", "D2") if self.model == "tmc5240" else ()
+        for name in ("AMAX", "DMAX", "A1", "D1", *further):
+            yield Meaning("acceleration", name, axis, self.value(name, axis) * acceleration_unit_pps2(clock_hz))
         yield from self._positions(axis, "XTARGET", "XACTUAL")
         currents = self.row("IHOLD_IRUN", axis).unpack(self.words[self.row("IHOLD_IRUN", axis).address])
+        if self.model == "tmc5240":
+            share = (11.75 / 36, 24 / 36, 1.0, 1.0)[self.value("DRV_CONF") & 3]
+            share *= max(self.value("GLOBAL_SCALER") or 256, 32) / 256 * (max(currents["IRUN"], currents["IHOLD"]) + 1)
+            yield Meaning("current", "IHOLD_IRUN", axis, share / 32 * (self.limits.current_full_scale_a or 0.0))
+            return
         if self.model == "tmc5160":
             select = self.value("GLOBAL_SCALER") or 256
             select = max(select, 32)
@@ -162,18 +170,24 @@ class Oracle:
         yield from self._positions(0, "XTARGET", "XACTUAL")
 
     def _module(self) -> Iterator[Meaning]:
-        pps = self.words.get(255, 1) != 0
-        for number in (2, 4, 19, 20, 194, 195):
-            yield Meaning(
-                "velocity", f"ap{number}", 0, abs(self.words.get(number, 0)) * (1 if pps else CLOCK_HZ / 2**24)
-            )
-        for number in (5, 15, 17, 18):
-            unit = 1 if pps else CLOCK_HZ**2 / 2**41
-            yield Meaning("acceleration", f"ap{number}", 0, self.words.get(number, 0) * unit)
+        speeds: Sequence[int]
+        rates: Sequence[int]
+        if MODULES[self.model].counting == "unit mode":
+            pps = self.words.get(255, 1) != 0
+            one, one2 = (1.0, 1.0) if pps else (CLOCK_HZ / 2**24, CLOCK_HZ**2 / 2**41)
+            speeds, rates, scaler = (2, 4, 19, 20, 194, 195), (5, 15, 17, 18), self.words.get(178, 0)
+        else:
+            pulse, ramp = self.words.get(154, 0), self.words.get(153, 0)
+            one, one2 = CLOCK_HZ / 2 ** (16 + pulse), CLOCK_HZ**2 / 2 ** (29 + pulse + ramp)
+            speeds, rates, scaler = (2, 4, 130, 194, 195), (5,), 0
+        for number in speeds:
+            yield Meaning("velocity", f"ap{number}", 0, abs(self.words.get(number, 0)) * one)
+        for number in rates:
+            yield Meaning("acceleration", f"ap{number}", 0, self.words.get(number, 0) * one2)
         for number in (0, 1):
             yield Meaning("position", f"ap{number}", 0, self.words.get(number, 0))
         full_scale_a = self.limits.current_full_scale_a
         assert full_scale_a is not None
         for number in (6, 7):
-            share = self.words.get(number, 0) / 255 * ((self.words.get(178, 0) or 256) / 256)
+            share = self.words.get(number, 0) / 255 * ((scaler or 256) / 256)
             yield Meaning("current", f"ap{number}", 0, share * full_scale_a)

@@ -14,21 +14,23 @@ from app.devices.core.results import WriteItem
 from app.errors import BenchError, SoftLimit
 from app.links import datagram32, datagram40
 from app.links.tmcl import Request
-from app.registers.catalog import MODELS
+from app.registers.catalog import CHIPS_32, MODELS
 from app.registers.model import Register, Space
 from app.registers.tmcl.commands import Opcode
+from app.registers.tmcl.modules import MODULES
 from tests.devices.limits.bench import ALL_MODELS, Bench, bench, limits_of
 from tests.devices.limits.oracle import Oracle
+from tests.devices.limits.setup import module_ramp
 
 PATHS = ("value", "field", "batch", "raw", "queue")
-REGISTER_MODELS = tuple(model for model in ALL_MODELS if model != "pd42-1241")
+REGISTER_MODELS = tuple(model for model in ALL_MODELS if model not in MODULES)
 
 
 def frame_of(device: Device, register: Register, word: int) -> bytes:
     """The frame that writes a word, made here and not by the driver."""
-    if device.model in ("tmc428", "tmc4210"):
+    if device.model in CHIPS_32:
         return datagram32.write(register.address, word & 0xFF_FFFF)
-    if device.model == "pd42-1241":
+    if device.model in MODULES:
         signed = word - (1 << 32) if word >> 31 else word
         return Request(1, Opcode.SAP, register.address, 0, signed).encode()
     return datagram40.write(register.address, word)
@@ -46,16 +48,16 @@ async def put(device: Device, register: Register, word: int, path: str) -> SoftL
     items = items_of(register, word) or [WriteItem(register.name, register.axis, value)]
     try:
         if path == "value":
-            await device.write(register.name, register.axis, value)
+            await device.registers.write(register.name, register.axis, value)
         elif path == "field":
             for item in items:
-                await device.write(item.name, item.axis, item.value, item.fields)
+                await device.registers.write(item.name, item.axis, item.value, item.fields)
         elif path == "batch":
-            await device.write_many(items)
+            await device.registers.write_many(items)
         elif path == "raw":
-            await device.exchange(frame_of(device, register, word))
+            await device.raw.exchange(frame_of(device, register, word))
         else:
-            await device.queue.exchange(frame_of(device, register, word))
+            await device.session.queue.exchange(frame_of(device, register, word))
     except SoftLimit as refused:
         return refused
     except BenchError:
@@ -66,7 +68,7 @@ async def put(device: Device, register: Register, word: int, path: str) -> SoftL
 def writable(model: str) -> list[Register]:
     """Every register or axis parameter that can be written at its address."""
     table = MODELS[model].table
-    wanted = Space.AXIS if model == "pd42-1241" else Space.REGISTER
+    wanted = Space.AXIS if model in MODULES else Space.REGISTER
     return [row for row in table if row.access.writable and row.space is wanted and not row.when]
 
 
@@ -80,19 +82,17 @@ async def at_rest_within(made: Bench, model: str) -> Oracle:
     """Limits on a chip that holds nothing beyond them: what it does hold after power-on is written first."""
     limits = limits_of(model)
     oracle = Oracle(model, limits)
-    await made.device.refresh()
-    if model == "pd42-1241":
-        for number, value in ((4, 1000), (5, 100_000), (15, 100_000), (17, 100_000), (18, 100_000), (6, 60), (7, 8)):
-            await made.device.write(f"ap{number}", 0, value)
-        for number in (194, 195):
-            await made.device.write(f"ap{number}", 0, 500)
+    await made.device.identity.refresh()
+    if model in MODULES:
+        for name, value in {**module_ramp(model, 1000.0, 100_000.0, 500.0), "ap6": 60, "ap7": 8}.items():
+            await made.device.registers.write(name, 0, value)
         for row in writable(model):
-            oracle.words[row.address] = (await made.device.read(row.name, row.axis)).value
+            oracle.words[row.address] = (await made.device.registers.read(row.name, row.axis)).value
     oracle.heard(made.port.frames)
     await made.limit(limits)
     if model == "tmc428":
         for axis in range(3):
-            await made.device.write("is_agtat_is_aleat_is_v0_a_threshold", axis, 0x222000)
+            await made.device.registers.write("is_agtat_is_aleat_is_v0_a_threshold", axis, 0x222000)
     made.port.frames.clear()
     assert [meaning for meaning in oracle.beyond() if meaning.quantity != "current"] == []
     return oracle

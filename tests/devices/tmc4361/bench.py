@@ -8,11 +8,13 @@ from dataclasses import dataclass, field
 from typing import cast
 
 from app.clock import Clock, VirtualClock
+from app.devices.core.capabilities import EventLog
 from app.devices.core.config import DeviceConfig
-from app.devices.core.device import DeviceEvent
+from app.devices.core.device import Device
+from app.devices.core.events import DeviceEvent
 from app.devices.core.results import AxisState
 from app.devices.manager import DeviceManager
-from app.devices.tmc4361.driver import Tmc4361
+from app.devices.tmc4361.memory import ChipMemory
 from app.devices.tmc4361.start_up import Closed, Start, start_up
 from app.emulators.build import build_emulator
 from app.emulators.tmc4361 import EmulatedTmc4361, Tmc4361Options
@@ -56,12 +58,19 @@ class Bench:
 
     clock: VirtualClock
     manager: DeviceManager
-    device: Tmc4361
+    device: Device
     told: list[DeviceEvent] = field(default_factory=list)
 
     @property
+    def memory(self) -> ChipMemory:
+        """The shadow of the chip's registers."""
+        memory = self.device.part(ChipMemory)
+        assert memory is not None
+        return memory
+
+    @property
     def port(self) -> Overheard:
-        return cast("Overheard", self.device.port)
+        return cast("Overheard", self.device.session.port)
 
     @property
     def wire(self) -> EmulatedTmc4361:
@@ -80,7 +89,7 @@ class Bench:
         self.patch(Tmc4361Patch(pins=PinsChange(freeze=False)))
 
     async def state(self) -> AxisState:
-        return await self.device.axis_state(0)
+        return await self.device.monitor.axis_state(0)
 
     async def at_rest(self, within_s: float = 30.0) -> AxisState:
         """Let time pass until the axis rests."""
@@ -93,7 +102,7 @@ class Bench:
 
     def event_names(self) -> list[str]:
         """Every event of the timeline, in order."""
-        return [name for entry in self.device.events(0).events for name in entry.names]
+        return [name for entry in self.device.need(EventLog).events(0).events for name in entry.names]
 
 
 @asynccontextmanager
@@ -102,7 +111,6 @@ async def bench(start: Start | None = START, **options: object) -> AsyncIterator
     clock = VirtualClock()
     manager = DeviceManager({"emulator": emulator_port}, clock)
     device = await manager.add(DeviceConfig("Bench", "tmc4361", {"kind": "emulator", **options}))
-    assert isinstance(device, Tmc4361)
     assert device.state == "connected", device.problem
     if start is not None:
         await start_up(device, start)

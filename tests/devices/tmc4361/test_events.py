@@ -19,7 +19,7 @@ async def test_a_motion_is_told_event_by_event() -> None:
     async with bench() as b:
         await b.clock.advance(1)
         already = len(b.event_names())
-        await b.device.move(0, 51_200)
+        await b.device.motion.move(0, 51_200)
         await b.at_rest()
         await b.clock.advance(0.5)
         told = b.event_names()[already:]
@@ -31,7 +31,7 @@ async def test_a_motion_is_told_event_by_event() -> None:
 async def test_an_event_that_comes_again_is_told_again() -> None:
     async with bench() as b:
         for target in (1_000, 2_000, 3_000):
-            await b.device.move(0, target)
+            await b.device.motion.move(0, target)
             await b.at_rest()
             await b.clock.advance(0.3)
         assert b.event_names().count("TARGET_REACHED") == 3
@@ -42,7 +42,7 @@ async def test_no_reading_of_events_clears_what_was_not_told() -> None:
     """However an event falls between two datagrams: every reading that clears is told what it may clear."""
     async with bench() as b:
         b.port.frames.clear()
-        await b.device.move(0, 51_200)
+        await b.device.motion.move(0, 51_200)
         await b.at_rest()
         kept = 0
         for frame in b.port.frames:
@@ -55,7 +55,7 @@ async def test_no_reading_of_events_clears_what_was_not_told() -> None:
 
 async def test_an_event_between_peek_and_clear_is_told() -> None:
     async with bench() as b:
-        await b.device.write("POS_COMP", 0, 100)
+        await b.device.registers.write("POS_COMP", 0, 100)
         await b.clock.advance(1)
         began = len(b.event_names())
         fired: list[bytes] = []
@@ -67,7 +67,7 @@ async def test_an_event_between_peek_and_clear_is_told() -> None:
                 b.wire.exchange(bytes([0xB7]) + (100).to_bytes(4, "big"))
 
         b.port.before_frame = come_between
-        await b.device.move(0, 50)
+        await b.device.motion.move(0, 50)
         await b.clock.advance(2)
         assert fired
         assert "POS_COMP_REACHED" in b.event_names()[began:]
@@ -75,12 +75,12 @@ async def test_an_event_between_peek_and_clear_is_told() -> None:
 
 async def test_what_the_user_keeps_is_kept_and_what_he_reads_is_told() -> None:
     async with bench() as b:
-        await b.device.write("EVENT_CLEAR_CONF", 0, 1)  # TARGET_REACHED
-        await b.device.move(0, 500)
+        await b.device.registers.write("EVENT_CLEAR_CONF", 0, 1)  # TARGET_REACHED
+        await b.device.motion.move(0, 500)
         await b.at_rest()
         await b.clock.advance(2)
-        assert (await b.device.read("EVENT_CLEAR_CONF", 0)).value == 1
-        held = (await b.device.read("EVENTS", 0)).fields
+        assert (await b.device.registers.read("EVENT_CLEAR_CONF", 0)).value == 1
+        held = (await b.device.registers.read("EVENTS", 0)).fields
         assert held["TARGET_REACHED"] == 1  # still: nobody here may clear it
         assert held["VEL_STATE_01"] == 0  # seen and cleared
         assert b.event_names().count("TARGET_REACHED") == 1
@@ -88,30 +88,30 @@ async def test_what_the_user_keeps_is_kept_and_what_he_reads_is_told() -> None:
 
 async def test_what_makes_an_interrupt_is_left_to_whom_it_interrupts() -> None:
     async with bench() as b:
-        await b.device.write("INTR_CONF", 0, 1)
-        await b.device.refresh()
-        await b.device.move(0, 500)
+        await b.device.registers.write("INTR_CONF", 0, 1)
+        await b.device.identity.refresh()
+        await b.device.motion.move(0, 500)
         await b.at_rest()
         await b.clock.advance(1)
         assert b.wire.state().pins.intr is not None
-        assert (await b.device.read("EVENTS", 0)).fields["TARGET_REACHED"] == 1
+        assert (await b.device.registers.read("EVENTS", 0)).fields["TARGET_REACHED"] == 1
 
 
 async def test_reading_events_by_hand_tells_what_it_clears() -> None:
     async with bench() as b:
-        await b.device.write("EVENT_CLEAR_CONF", 0, 0)
-        await b.device.write("POS_COMP", 0, 7)
-        await b.device.write("XACTUAL", 0, 7)
+        await b.device.registers.write("EVENT_CLEAR_CONF", 0, 0)
+        await b.device.registers.write("POS_COMP", 0, 7)
+        await b.device.registers.write("XACTUAL", 0, 7)
         await b.clock.advance(0.001)
-        held = (await b.device.read("EVENTS", 0)).fields
+        held = (await b.device.registers.read("EVENTS", 0)).fields
         if held["POS_COMP_REACHED"]:
             assert "POS_COMP_REACHED" in b.event_names()
-        assert (await b.device.read("EVENTS", 0)).fields["POS_COMP_REACHED"] == 0
+        assert (await b.device.registers.read("EVENTS", 0)).fields["POS_COMP_REACHED"] == 0
 
 
 async def test_a_link_that_fails_in_between_leaves_no_other_choice_of_events() -> None:
     async with bench() as b:
-        await b.device.write("EVENT_CLEAR_CONF", 0, 0x8)
+        await b.device.registers.write("EVENT_CLEAR_CONF", 0, 0x8)
         pulled: list[bytes] = []
 
         def pull(frame: bytes) -> None:
@@ -124,22 +124,22 @@ async def test_a_link_that_fails_in_between_leaves_no_other_choice_of_events() -
         assert pulled
         b.fault(unplugged=False)
         await b.clock.advance(3)
-        assert (await b.device.read("EVENT_CLEAR_CONF", 0)).value == 0x8
+        assert (await b.device.registers.read("EVENT_CLEAR_CONF", 0)).value == 0x8
 
 
 async def test_a_reset_is_noticed_and_forgets_what_was_written() -> None:
     async with bench() as b:
         await b.clock.advance(1)
-        await b.device.write("PID_P", 0, 99)
-        await b.device.write("RESET_CLK_GATING", 0, fields={"RESET_REG": 0x525354})
+        await b.device.registers.write("PID_P", 0, 99)
+        await b.device.registers.write("RESET_CLK_GATING", 0, fields={"RESET_REG": 0x525354})
         await b.clock.advance(2)
         assert b.event_names().count("RST_EV") == 2  # of power-on, and now
-        assert b.device.kept_word(b.device.table.get("PID_P", 0)) is None
+        assert b.memory.kept_word(b.device.family.table.get("PID_P", 0)) is None
 
 
 async def test_events_are_told_to_listeners() -> None:
     async with bench() as b:
-        await b.device.move(0, 500)
+        await b.device.motion.move(0, 500)
         await b.at_rest()
         await b.clock.advance(0.5)
         told = [event for event in b.told if isinstance(event, ChipEvents)]

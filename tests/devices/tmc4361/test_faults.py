@@ -16,9 +16,9 @@ async def test_a_move_without_an_answer_is_not_sent_again() -> None:
         _silent_from(b, XTARGET)
         b.port.frames.clear()
         with pytest.raises(LinkTimeout):
-            await b.device.move(0, 5_000)
+            await b.device.motion.move(0, 5_000)
         assert b.port.written(XTARGET) == [5_000]
-        assert b.device.prediction(0) is None
+        assert b.device.motion.prediction(0) is None
 
 
 async def test_a_rotation_without_an_answer_is_not_sent_again() -> None:
@@ -26,7 +26,7 @@ async def test_a_rotation_without_an_answer_is_not_sent_again() -> None:
         _silent_from(b, VMAX)
         b.port.frames.clear()
         with pytest.raises(LinkTimeout):
-            await b.device.rotate(0, 1_000)
+            await b.device.motion.rotate(0, 1_000)
         assert b.port.written(VMAX) == [256_000]
 
 
@@ -35,13 +35,13 @@ async def test_a_write_without_an_answer_is_not_sent_again() -> None:
         _silent_from(b, 0x28)
         b.port.frames.clear()
         with pytest.raises(LinkTimeout):
-            await b.device.write("AMAX", 0, 1_000)
+            await b.device.registers.write("AMAX", 0, 1_000)
         assert b.port.written(0x28) == [1_000]
 
 
 async def test_a_stop_whose_first_answer_is_lost_is_sent_again() -> None:
     async with bench() as b:
-        await b.device.rotate(0, 30_000)
+        await b.device.motion.rotate(0, 30_000)
         await b.clock.advance(0.5)
         _silent_from(b, VMAX, times=1)
         b.port.frames.clear()
@@ -55,7 +55,7 @@ async def test_a_stop_whose_first_answer_is_lost_is_sent_again() -> None:
 
 async def test_a_stop_goes_out_though_nothing_is_answered() -> None:
     async with bench() as b:
-        await b.device.move(0, 51_200)
+        await b.device.motion.move(0, 51_200)
         await b.clock.advance(0.5)
         b.fault(silence=True)
         outcome = (await b.device.stop_axes([0]))[0]
@@ -69,25 +69,25 @@ async def test_a_stop_goes_out_though_nothing_is_answered() -> None:
 
 async def test_a_pulled_cable_ends_the_motion_in_the_books() -> None:
     async with bench() as b:
-        await b.device.move(0, 51_200)
+        await b.device.motion.move(0, 51_200)
         await b.clock.advance(0.5)
         b.fault(unplugged=True)
         outcome = (await b.device.stop_axes([0]))[0]
         assert isinstance(outcome.problem, LinkDown)
         assert b.device.state == "failed"
-        assert b.device.motion_ends(0)[-1].reason == "lost_link"
-        assert b.device.prediction(0) is None
+        assert b.device.monitor.motion_ends(0)[-1].reason == "lost_link"
+        assert b.device.motion.prediction(0) is None
         b.fault(unplugged=False)
         await b.clock.advance(3)
         assert _state(b) == "connected"
-        await b.device.move(0, 0)
+        await b.device.motion.move(0, 0)
 
 
 async def test_with_flipped_bits_a_stop_stops() -> None:
     async with bench() as b:
         for _ in range(5):
             b.fault(errors=0.0)
-            await b.device.rotate(0, 20_000)
+            await b.device.motion.rotate(0, 20_000)
             await b.clock.advance(0.3)
             b.fault(errors=0.002)
             for _ in range(4):  # whoever stops and hears that it went wrong stops again
@@ -103,8 +103,8 @@ async def test_flipped_bits_never_become_a_motion() -> None:
         b.fault(errors=0.01)
         for _ in range(30):
             try:
-                await b.device.axis_state(0)
-                await b.device.refresh()
+                await b.device.monitor.axis_state(0)
+                await b.device.identity.refresh()
                 await b.clock.advance(0.3)
             except BenchError:
                 continue
@@ -114,8 +114,8 @@ async def test_flipped_bits_never_become_a_motion() -> None:
 
 async def test_a_stop_overtakes_a_command_that_waits() -> None:
     async with bench() as b:
-        await b.device.rotate(0, 10_000)
-        guard = b.device.stop_guard([0])
+        await b.device.motion.rotate(0, 10_000)
+        guard = b.device.session.stop_guard([0])
         await b.device.stop(0)
         with pytest.raises(BenchError, match="overtook"):
             guard()

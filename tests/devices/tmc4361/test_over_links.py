@@ -5,20 +5,19 @@ from __future__ import annotations
 import asyncio
 import time
 from collections.abc import AsyncIterator, Mapping
-from typing import cast
 
 import pytest
 
 from app.clock import Clock, WallClock
 from app.devices.core.config import DeviceConfig
+from app.devices.core.device import Device
 from app.devices.manager import DeviceManager
-from app.devices.tmc4361.driver import Tmc4361
 from app.devices.tmc4361.start_up import start_up
 from app.emulators.server import serve_tcp
 from app.emulators.tmc4361 import EmulatedTmc4361
 from app.links.emulator import EmulatorPort
 from app.links.port import FramePort
-from app.links.registry import Link, PortFactory, landungsbruecke_factory, tcp_factory
+from app.links.registry import Link, PortFactory, board_factory, tcp_factory
 from app.links.spidev_port import SpidevPort
 from tests.devices.tmc4361.bench import START
 from tests.links.test_chains import SpiThatIsAChip
@@ -44,12 +43,12 @@ KINDS: Mapping[str, PortFactory] = {
     "emulator": emulator_port,
     "spidev": spi_port,
     "tcp": tcp_factory,
-    "landungsbruecke": landungsbruecke_factory,
+    "landungsbruecke": board_factory,
 }
 
 
 @pytest.fixture(params=[*KINDS])
-async def device(request: pytest.FixtureRequest) -> AsyncIterator[Tmc4361]:
+async def device(request: pytest.FixtureRequest) -> AsyncIterator[Device]:
     kind = str(request.param)
     link: dict[str, object] = {"kind": kind}
     server: asyncio.Server | None = None
@@ -63,7 +62,7 @@ async def device(request: pytest.FixtureRequest) -> AsyncIterator[Tmc4361]:
         link |= {"bus": 0, "device": 0}
     manager = DeviceManager(KINDS, WallClock())
     try:
-        yield cast("Tmc4361", await manager.add(DeviceConfig("far", "tmc4361", link)))
+        yield await manager.add(DeviceConfig("far", "tmc4361", link))
     finally:
         await manager.close()
         if server is not None:
@@ -71,24 +70,24 @@ async def device(request: pytest.FixtureRequest) -> AsyncIterator[Tmc4361]:
             await server.wait_closed()
 
 
-async def reached(device: Tmc4361, register: str, value: int) -> None:
+async def reached(device: Device, register: str, value: int) -> None:
     until_s = time.monotonic() + WITHIN_S
-    while (await device.read(register, 0)).value != value:
+    while (await device.registers.read(register, 0)).value != value:
         assert time.monotonic() < until_s, f"{register} never is {value}"
 
 
-async def test_it_starts_up_moves_arrives_and_stops(device: Tmc4361) -> None:
+async def test_it_starts_up_moves_arrives_and_stops(device: Device) -> None:
     assert device.state == "connected", device.problem
     await start_up(device, START)
-    await device.move(0, 5000)
+    await device.motion.move(0, 5000)
     await reached(device, "XACTUAL", 5000)
-    assert (await device.read("XTARGET", 0)).value == 5000
-    await device.rotate(0, -20_000)
+    assert (await device.registers.read("XTARGET", 0)).value == 5000
+    await device.motion.rotate(0, -20_000)
     await reached(device, "VACTUAL", -20_000)
     assert (await device.stop(0)).ok
     await reached(device, "VACTUAL", 0)
 
 
-async def test_what_is_written_is_compared_with_what_is_held(device: Tmc4361) -> None:
+async def test_what_is_written_is_compared_with_what_is_held(device: Device) -> None:
     for value in (-(2**31), -1, 0, 2**31 - 1):
-        assert (await device.write("POS_COMP", 0, value)).value == value
+        assert (await device.registers.write("POS_COMP", 0, value)).value == value

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from app.devices.core.sample_plan import FloatArray
-from app.devices.tmc4361.samples import QUANTITIES
+from app.devices.tmc4361.telemetry import QUANTITIES
 from app.errors import UnknownThing, UsageError
 from tests.devices.tmc4361.bench import Bench, bench
 
@@ -15,7 +15,7 @@ class Rows:
     """Samples of some channels, taken on the chip's own time."""
 
     def __init__(self, b: Bench, channels: list[str], period_s: float = 0.01) -> None:
-        self.plan = b.device.sample_plan(channels)
+        self.plan = b.device.telemetry.sample_plan(channels)
         self.times: list[float] = []
         self.replies: list[bytes] = []
         self._bench = b
@@ -39,7 +39,7 @@ async def test_every_channel_has_a_column_of_numbers() -> None:
     async with bench() as b:
         names = [f"{name}.0" for name in QUANTITIES]
         rows = Rows(b, names)
-        await b.device.move(0, 20_000)
+        await b.device.motion.move(0, 20_000)
         await b.clock.advance(0.3)
         times, columns = rows.decoded()
         assert columns.shape == (len(times), len(names))
@@ -51,7 +51,7 @@ async def test_every_channel_has_a_column_of_numbers() -> None:
 async def test_the_residual_of_an_s_ramp_stays_within_two_steps() -> None:
     async with bench() as b:
         rows = Rows(b, ["residual.0", "predicted_acceleration.0", "acceleration.0", "velocity.0"], 0.002)
-        await b.device.move(0, 51_200)
+        await b.device.motion.move(0, 51_200)
         await b.clock.advance(1.3)
         _, columns = rows.decoded()
         residual, expected, acceleration, _ = columns.T
@@ -64,7 +64,7 @@ async def test_the_residual_of_an_s_ramp_stays_within_two_steps() -> None:
 async def test_velocity_and_target_velocity_count_in_pps() -> None:
     async with bench() as b:
         rows = Rows(b, ["velocity.0", "target_velocity.0"])
-        await b.device.rotate(0, -12_345.5)
+        await b.device.motion.rotate(0, -12_345.5)
         await b.clock.advance(1)
         _, columns = rows.decoded()
         assert columns[-1].tolist() == pytest.approx([-12_345.5, -12_345.5], abs=1)
@@ -73,9 +73,9 @@ async def test_velocity_and_target_velocity_count_in_pps() -> None:
 async def test_events_of_the_status_byte_have_the_time_of_their_row() -> None:
     async with bench() as b:
         await b.clock.advance(1)
-        await b.device.refresh()
+        await b.device.identity.refresh()
         rows = Rows(b, ["position.0", "events.0"], 0.001)
-        started = await b.device.move(0, 3_000)
+        started = await b.device.motion.move(0, 3_000)
         assert started.predicted_duration_s is not None
         arrival_s = started.started_at_s + started.predicted_duration_s
         await b.clock.advance(started.predicted_duration_s + 0.02)
@@ -98,16 +98,16 @@ async def test_without_an_encoder_its_channels_are_unknown() -> None:
 @pytest.mark.parametrize("code", [3, 12, 6, 9])
 async def test_home_is_told_where_the_chip_lets_it_be_known(code: int) -> None:
     async with bench() as b:
-        await b.device.write("X_HOME", 0, 500)
-        await b.device.write("HOME_SAFETY_MARGIN", 0, 20)
-        await b.device.write("REFERENCE_CONF", 0, fields={"home_event": code})
+        await b.device.registers.write("X_HOME", 0, 500)
+        await b.device.registers.write("HOME_SAFETY_MARGIN", 0, 20)
+        await b.device.registers.write("REFERENCE_CONF", 0, fields={"home_event": code})
         rows = Rows(b, ["switch_home.0"], 0.005)
         for level in (True, False):
             b.switches(home=level)
             await b.clock.advance(0.1)
             assert (await b.state()).switches.home is level
             assert rows.decoded()[1][-1, 0] == float(level)
-        await b.device.move(0, 510)
+        await b.device.motion.move(0, 510)
         await b.at_rest()
         assert (await b.state()).switches.home is None
         assert np.isnan(rows.decoded()[1][-1, 0])
@@ -116,6 +116,6 @@ async def test_home_is_told_where_the_chip_lets_it_be_known(code: int) -> None:
 async def test_what_is_no_channel_is_told() -> None:
     async with bench() as b:
         with pytest.raises(UnknownThing, match="position"):
-            b.device.sample_plan(["nonsense.0"])
+            b.device.telemetry.sample_plan(["nonsense.0"])
         with pytest.raises(UsageError):
-            b.device.sample_plan([])
+            b.device.telemetry.sample_plan([])

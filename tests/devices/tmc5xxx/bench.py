@@ -8,11 +8,15 @@ from dataclasses import dataclass, field, replace
 from typing import cast
 
 from app.clock import Clock, VirtualClock
+from app.devices.core.capabilities import EventLog
 from app.devices.core.config import DeviceConfig
-from app.devices.core.device import DeviceEvent
+from app.devices.core.device import Device
+from app.devices.core.events import DeviceEvent
 from app.devices.core.results import AxisState
 from app.devices.manager import DeviceManager
-from app.devices.tmc5xxx.driver import Tmc5xxx
+from app.devices.tmc5xxx.memory import ChipMemory
+from app.devices.tmc5xxx.ramp import Ramp
+from app.devices.tmc5xxx.setting import ChipSetting
 from app.devices.tmc5xxx.start_up import Start, start_up
 from app.emulators.build import build_emulator
 from app.emulators.drive.bench import ChipFaultsChange
@@ -23,7 +27,7 @@ from app.links.port import FramePort
 from app.links.registry import Link
 from app.registers.tmc5xxx.table import AXES
 
-MODELS = ("tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160")
+MODELS = ("tmc5031", "tmc5062", "tmc5072", "tmc5130", "tmc5160", "tmc5240")
 START = Start(vmax=50_000, amax=200_000, vstart=0, counts_per_rev=40_000)
 """0.25 s to full speed, on 6250 microsteps."""
 
@@ -59,12 +63,30 @@ class Bench:
 
     clock: VirtualClock
     manager: DeviceManager
-    device: Tmc5xxx
+    device: Device
     told: list[DeviceEvent] = field(default_factory=list)
 
     @property
+    def memory(self) -> ChipMemory:
+        """What the driver knows of the chip's registers."""
+        memory = self.device.part(ChipMemory)
+        assert memory is not None
+        return memory
+
+    @property
+    def setting(self) -> ChipSetting:
+        """What that means."""
+        setting = self.device.part(ChipSetting)
+        assert setting is not None
+        return setting
+
+    def ramp(self, axis: int = 0) -> Ramp:
+        """The ramp as the user wants it."""
+        return self.setting.ramp(axis)
+
+    @property
     def port(self) -> Overheard:
-        return cast("Overheard", self.device.port)
+        return cast("Overheard", self.device.session.port)
 
     @property
     def wire(self) -> EmulatedTmc5xxx:
@@ -80,10 +102,10 @@ class Bench:
         self.patch(Tmc5xxxPatch(axes=[AxisChange(axis=axis, switches=SwitchesChange(left=left, right=right))]))
 
     def address(self, name: str, axis: int = 0) -> int:
-        return self.device.table.get(name, axis).address
+        return self.memory.table.get(name, axis).address
 
     async def state(self, axis: int = 0) -> AxisState:
-        return await self.device.axis_state(axis)
+        return await self.device.monitor.axis_state(axis)
 
     async def at_rest(self, axis: int = 0, within_s: float = 30.0) -> AxisState:
         """Let time pass until the axis rests."""
@@ -96,7 +118,7 @@ class Bench:
 
     def event_names(self, axis: int = 0) -> list[str]:
         """Every event of the timeline, in order."""
-        return [name for entry in self.device.events(axis).events for name in entry.names]
+        return [name for entry in self.device.need(EventLog).events(axis).events for name in entry.names]
 
 
 @asynccontextmanager
@@ -108,13 +130,12 @@ async def bench(
     manager = DeviceManager({"emulator": emulator_port}, clock)
     link = {"kind": "emulator", "motor": motor, **options}
     device = await manager.add(DeviceConfig("Bench", model, {name: value for name, value in link.items() if value}))
-    assert isinstance(device, Tmc5xxx)
     assert device.state == "connected", device.problem
+    made = Bench(clock, manager, device)
     if start is not None:
-        first = start if device.rows(0).x_enc is not None else replace(start, counts_per_rev=0)
+        first = start if made.memory.rows(0).x_enc is not None else replace(start, counts_per_rev=0)
         # A second encoder would take the pins of the right switches.
         await start_up(device, [first, replace(start, counts_per_rev=0)][: AXES[model]])
-    made = Bench(clock, manager, device)
     device.listen(made.told.append)
     try:
         yield made

@@ -18,10 +18,10 @@ async def test_a_move_without_an_answer_is_not_sent_again() -> None:
         _silent_from(b, b.address("AMAX"))
         b.port.frames.clear()
         with pytest.raises(LinkTimeout):
-            await b.device.move(0, 5_000)
+            await b.device.motion.move(0, 5_000)
         assert b.port.written(b.address("AMAX")) == [1718]
         assert b.port.written(b.address("XTARGET")) == [0]  # where it stands, until all else has arrived
-        assert b.device.prediction(0) is None
+        assert b.device.motion.prediction(0) is None
 
 
 async def test_a_rotation_without_an_answer_is_not_sent_again() -> None:
@@ -29,7 +29,7 @@ async def test_a_rotation_without_an_answer_is_not_sent_again() -> None:
         _silent_from(b, b.address("VMAX"))
         b.port.frames.clear()
         with pytest.raises(LinkTimeout):
-            await b.device.rotate(0, 1_000)
+            await b.device.motion.rotate(0, 1_000)
         assert b.port.written(b.address("VMAX")) == [1049]
 
 
@@ -38,7 +38,7 @@ async def test_a_write_without_an_answer_is_not_sent_again() -> None:
         _silent_from(b, b.address("A1"))
         b.port.frames.clear()
         with pytest.raises(LinkTimeout):
-            await b.device.write("A1", 0, 1_000)
+            await b.device.registers.write("A1", 0, 1_000)
         assert b.port.written(b.address("A1")) == [1_000]
 
 
@@ -49,7 +49,7 @@ async def test_what_comes_back_otherwise_did_not_arrive_for_sure() -> None:
         told: list[str] = []
         for value in range(100, 130):
             try:
-                await b.device.write("A1", 0, value)
+                await b.device.registers.write("A1", 0, value)
             except BadReply as error:
                 told.append(str(error))
         assert told
@@ -60,18 +60,18 @@ async def test_after_a_failed_move_the_next_writes_everything_again() -> None:
     async with bench() as b:
         _silent_from(b, b.address("VMAX"), times=1)
         with pytest.raises(LinkTimeout):
-            await b.device.move(0, 5_000)
+            await b.device.motion.move(0, 5_000)
         b.port.before_frame = lambda _: None
         b.fault(silence=False)
         b.port.frames.clear()
-        await b.device.move(0, 6_000)
+        await b.device.motion.move(0, 6_000)
         assert [len(b.port.written(b.address(name))) for name in ("VMAX", "AMAX")] == [1, 1]
         assert (await b.at_rest()).position == 6_000
 
 
 async def test_a_stop_whose_first_answer_is_lost_is_sent_again() -> None:
     async with bench() as b:
-        await b.device.rotate(0, 30_000)
+        await b.device.motion.rotate(0, 30_000)
         await b.clock.advance(0.5)
         _silent_from(b, b.address("VMAX"), times=1)
         b.port.frames.clear()
@@ -85,7 +85,7 @@ async def test_a_stop_whose_first_answer_is_lost_is_sent_again() -> None:
 @pytest.mark.parametrize("model", MODELS)
 async def test_a_stop_goes_out_though_nothing_is_answered(model: str) -> None:
     async with bench(model) as b:
-        await b.device.move(0, 51_200)
+        await b.device.motion.move(0, 51_200)
         await b.clock.advance(0.5)
         b.fault(silence=True)
         outcome = (await b.device.stop_axes([0]))[0]
@@ -100,20 +100,20 @@ async def test_a_stop_goes_out_though_nothing_is_answered(model: str) -> None:
 
 async def test_a_pulled_cable_ends_the_motion_in_the_books() -> None:
     async with bench("tmc5072") as b:
-        await b.device.move_together([AxisMove(0, 51_200), AxisMove(1, 51_200)])
+        await b.device.motion.move_together([AxisMove(0, 51_200), AxisMove(1, 51_200)])
         await b.clock.advance(0.5)
         b.fault(unplugged=True)
         outcome = (await b.device.stop_axes([0]))[0]
         assert isinstance(outcome.problem, LinkDown)
         assert b.device.state == "failed"
         for axis in (0, 1):
-            assert b.device.motion_ends(axis)[-1].reason == "lost_link"
-            assert b.device.prediction(axis) is None
+            assert b.device.monitor.motion_ends(axis)[-1].reason == "lost_link"
+            assert b.device.motion.prediction(axis) is None
         b.fault(unplugged=False)
         await b.clock.advance(3)
         assert _state(b) == "connected"
         # It was not reset, so what was written still holds.
-        started = await b.device.move(0, 0)
+        started = await b.device.motion.move(0, 0)
         assert started.predicted_duration_s is not None
         assert started.warnings == []
 
@@ -127,14 +127,14 @@ async def test_power_that_was_cut_while_unplugged_is_seen_afterwards() -> None:
         assert _state(b) == "connected"
         assert b.event_names().count("reset") == 2
         with pytest.raises(BenchError, match="VMAX is 0"):
-            await b.device.move(0, 100)
+            await b.device.motion.move(0, 100)
 
 
 async def test_with_flipped_bits_a_stop_stops() -> None:
     async with bench() as b:
         for _ in range(5):
             b.fault(errors=0.0)
-            await b.device.rotate(0, 20_000)
+            await b.device.motion.rotate(0, 20_000)
             await b.clock.advance(0.3)
             b.fault(errors=0.002)
             for _ in range(4):  # whoever stops and hears that it went wrong stops again
@@ -150,8 +150,8 @@ async def test_flipped_bits_never_become_a_motion() -> None:
         b.fault(errors=0.01)
         for _ in range(30):
             try:
-                await b.device.axis_state(1)
-                await b.device.refresh()
+                await b.device.monitor.axis_state(1)
+                await b.device.identity.refresh()
                 await b.clock.advance(0.3)
             except BenchError:
                 continue
@@ -164,34 +164,34 @@ async def test_a_flipped_bit_is_no_reset() -> None:
         await b.clock.advance(1)
         flipped = b.port.wire = Flipping(b.wire, b.address("GSTAT"))
         for _ in range(3):
-            await b.device.refresh()
+            await b.device.identity.refresh()
         assert flipped.flips >= 3
         assert b.event_names() == ["reset"]
-        assert b.device.ramp(0).words["VMAX"] == 52_429
+        assert b.ramp(0).words["VMAX"] == 52_429
 
 
 async def test_a_reset_after_which_somebody_else_set_the_chip_up_again_is_one() -> None:
     async with bench("tmc5130") as b:
-        chopconf = (await b.device.read("CHOPCONF", 0)).raw
+        chopconf = (await b.device.registers.read("CHOPCONF", 0)).raw
         b.patch(Tmc5xxxPatch(power_cycle=True))
         b.wire.write(b.address("CHOPCONF"), chopconf)
-        await b.device.refresh()
+        await b.device.identity.refresh()
         assert b.event_names() == ["reset", "reset"]
-        assert b.device.ramp(0).words["VMAX"] == 0
+        assert b.ramp(0).words["VMAX"] == 0
 
 
 async def test_another_chip_is_told_by_its_version() -> None:
     async with bench("tmc5160") as b:
-        b.device.config = replace(b.device.config, model="tmc5130")
+        b.device.session.config = replace(b.device.config, model="tmc5130")
         with pytest.raises(BenchError, match="VERSION reads 0x30, which is that of a TMC5160"):
-            await b.device.probe()
+            await b.device.identity.probe()
 
 
 async def test_a_bus_without_a_chip_says_so() -> None:
     async with bench() as b:
         b.port.wire = Nobody(b.wire)
         with pytest.raises(BenchError, match="no TMC5160 answers here: all bits read 1"):
-            await b.device.probe()
+            await b.device.identity.probe()
 
 
 class Flipping:

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from app.calc.units.tmc5xxx import VELOCITY_MAX, velocity_unit_pps
-from app.devices.core.device import MotionStarted
+from app.devices.core.capabilities import PositionSetting
+from app.devices.core.events import MotionStarted
 from app.devices.core.results import AxisMove, MotionEnd
 from app.devices.tmc5xxx.start_up import Start
 from app.errors import OutOfRange, UsageError, WrongState
@@ -22,7 +23,7 @@ SIX_POINTS = replace(START, vstart=2_000, v1=20_000, a1=400_000, d1=500_000, dma
 async def test_a_move_ends_on_its_target(model: str) -> None:
     async with bench(model) as b:
         for axis in range(AXES[model]):
-            started = await b.device.move(axis, 30_000)
+            started = await b.device.motion.move(axis, 30_000)
             assert (started.from_position, started.target_position, started.warnings) == (0, 30_000, [])
             assert started.predicted_duration_s is not None
             await b.clock.advance(started.predicted_duration_s - 0.02)
@@ -31,14 +32,14 @@ async def test_a_move_ends_on_its_target(model: str) -> None:
             state = await b.state(axis)
             assert (state.position, state.moving, state.position_reached) == (30_000, False, True)
             assert (state.mode, state.velocity_pps) == ("position", 0)
-            assert b.device.motion_ends(axis)[-1].reason == "target_reached"
+            assert b.device.monitor.motion_ends(axis)[-1].reason == "target_reached"
 
 
 @pytest.mark.parametrize("start", [START, SIX_POINTS], ids=["trapezoid", "six points"])
 async def test_a_prediction_is_where_the_axis_is(start: Start) -> None:
     async with bench("tmc5130", start) as b:
-        await b.device.move(0, 51_200)
-        expected = b.device.prediction(0)
+        await b.device.motion.move(0, 51_200)
+        expected = b.device.motion.prediction(0)
         assert expected is not None
         for _ in range(13):
             await b.clock.advance(0.1)
@@ -50,7 +51,7 @@ async def test_a_prediction_is_where_the_axis_is(start: Start) -> None:
 async def test_two_axes_set_off_in_successive_datagrams() -> None:
     async with bench("tmc5072") as b:
         b.port.frames.clear()
-        started = await b.device.move_together([AxisMove(0, 20_000), AxisMove(1, -30_000)])
+        started = await b.device.motion.move_together([AxisMove(0, 20_000), AxisMove(1, -30_000)])
         assert [(move.axis, move.target_position) for move in started] == [(0, 20_000), (1, -30_000)]
         writes = [frame[0] & 0x7F for frame in b.port.frames if frame[0] & 0x80]
         assert writes[-2:] == [b.address("XTARGET", 0), b.address("XTARGET", 1)]
@@ -64,7 +65,7 @@ async def test_two_axes_set_off_together_out_of_velocity_mode_too() -> None:
         for axis in (0, 1):
             await b.device.stop(axis)
         b.port.frames.clear()
-        await b.device.move_together([AxisMove(1, 200), AxisMove(0, 100)])
+        await b.device.motion.move_together([AxisMove(1, 200), AxisMove(0, 100)])
         writes = [frame[0] & 0x7F for frame in b.port.frames if frame[0] & 0x80]
         assert writes[-2:] == [b.address("XTARGET", 1), b.address("XTARGET", 0)]
         await b.at_rest(1)
@@ -74,26 +75,26 @@ async def test_two_axes_set_off_together_out_of_velocity_mode_too() -> None:
 async def test_an_axis_is_in_a_move_together_once() -> None:
     async with bench("tmc5072") as b:
         with pytest.raises(UsageError, match="only once"):
-            await b.device.move_together([AxisMove(0, 1), AxisMove(0, 2)])
+            await b.device.motion.move_together([AxisMove(0, 1), AxisMove(0, 2)])
         with pytest.raises(UsageError, match="no axis"):
-            await b.device.move_together([])
+            await b.device.motion.move_together([])
 
 
 async def test_one_axis_that_cannot_move_keeps_the_other_from_moving() -> None:
     async with bench("tmc5031") as b:
-        await b.device.write("AMAX", 1, 0)
+        await b.device.registers.write("AMAX", 1, 0)
         with pytest.raises(WrongState, match="axis 1 cannot change its speed: AMAX is 0"):
-            await b.device.move_together([AxisMove(0, 20_000), AxisMove(1, 20_000)])
+            await b.device.motion.move_together([AxisMove(0, 20_000), AxisMove(1, 20_000)])
         await b.clock.advance(0.5)
         assert (await b.state(0)).position == 0
 
 
 async def test_a_move_under_way_is_sent_elsewhere_without_a_stop() -> None:
     async with bench() as b:
-        await b.device.move(0, 51_200)
+        await b.device.motion.move(0, 51_200)
         await b.clock.advance(0.4)
         assert (await b.state()).velocity_pps > 45_000
-        started = await b.device.move(0, 60_000)
+        started = await b.device.motion.move(0, 60_000)
         assert started.predicted_duration_s is not None
         await b.clock.advance(0.05)
         assert (await b.state()).velocity_pps > 45_000
@@ -103,9 +104,9 @@ async def test_a_move_under_way_is_sent_elsewhere_without_a_stop() -> None:
 
 async def test_a_move_back_while_going_on_reverses() -> None:
     async with bench() as b:
-        await b.device.move(0, 51_200)
+        await b.device.motion.move(0, 51_200)
         await b.clock.advance(0.5)
-        started = await b.device.move(0, -1_000, relative=True)
+        started = await b.device.motion.move(0, -1_000, relative=True)
         assert started.target_position == started.from_position - 1_000
         assert (await b.at_rest()).position == started.target_position
         assert "second_move" in b.event_names()
@@ -113,23 +114,23 @@ async def test_a_move_back_while_going_on_reverses() -> None:
 
 async def test_relative_moves_and_units_are_those_of_the_axis() -> None:
     async with bench() as b:
-        await b.device.move(0, 0.5, unit="rev")
+        await b.device.motion.move(0, 0.5, unit="rev")
         assert (await b.at_rest()).position == 25_600
-        await b.device.move(0, -90, relative=True, unit="deg")
+        await b.device.motion.move(0, -90, relative=True, unit="deg")
         assert (await b.at_rest()).position == 12_800
 
 
 async def test_microsteps_are_those_of_chopconf() -> None:
     async with bench("tmc5130") as b:
-        await b.device.write("CHOPCONF", 0, fields={"mres": 4})
-        assert b.device.mechanics(0).microsteps_per_full_step == 16
-        await b.device.move(0, 1, unit="rev")
+        await b.device.registers.write("CHOPCONF", 0, fields={"mres": 4})
+        assert b.setting.mechanics(0).microsteps_per_full_step == 16
+        await b.device.motion.move(0, 1, unit="rev")
         assert (await b.at_rest()).position == 3_200
 
 
 async def test_rotation_and_stop_leave_the_speed_limit_as_it_was_set() -> None:
     async with bench() as b:
-        rotating = await b.device.rotate(0, -20_000)
+        rotating = await b.device.motion.rotate(0, -20_000)
         assert rotating.velocity_pps == pytest.approx(-20_000, abs=1)
         assert rotating.velocity_chip == round(-20_000 / velocity_unit_pps())
         await b.clock.advance(0.5)
@@ -139,20 +140,20 @@ async def test_rotation_and_stop_leave_the_speed_limit_as_it_was_set() -> None:
         await b.device.stop(0)
         state = await b.at_rest()
         assert (state.velocity_pps, state.mode) == (0, "velocity")
-        await b.device.move(0, 51_200, relative=True)
+        await b.device.motion.move(0, 51_200, relative=True)
         await b.clock.advance(0.5)
         assert (await b.state()).velocity_pps == pytest.approx(50_000, abs=1)  # not 20,000, and not 0
 
 
 async def test_a_rotation_goes_over_into_a_move_and_back() -> None:
     async with bench() as b:
-        await b.device.rotate(0, 30_000)
+        await b.device.motion.rotate(0, 30_000)
         await b.clock.advance(0.6)
         position = (await b.state()).position
-        await b.device.move(0, position + 40_000)
+        await b.device.motion.move(0, position + 40_000)
         await b.clock.advance(0.1)
         assert (await b.state()).velocity_pps >= 29_999
-        await b.device.rotate(0, -10_000)
+        await b.device.motion.rotate(0, -10_000)
         await b.clock.advance(1.0)
         assert (await b.state()).velocity_pps == pytest.approx(-10_000, abs=1)
 
@@ -160,20 +161,20 @@ async def test_a_rotation_goes_over_into_a_move_and_back() -> None:
 async def test_a_rotation_beyond_vmax_names_the_limit() -> None:
     async with bench() as b:
         with pytest.raises(OutOfRange, match="8388096 is the chip's limit") as told:
-            await b.device.rotate(0, 9e6)
+            await b.device.motion.rotate(0, 9e6)
         assert told.value.maximum == pytest.approx(VELOCITY_MAX * velocity_unit_pps())
         with pytest.raises(OutOfRange, match="standstill"):
-            await b.device.rotate(0, 1e-4)
+            await b.device.motion.rotate(0, 1e-4)
         with pytest.raises(UsageError, match="no unit of velocity"):
-            await b.device.rotate(0, 1, "furlongs")
-        assert (await b.device.rotate(0, 1000, "chip")).velocity_chip == 1000
+            await b.device.motion.rotate(0, 1, "furlongs")
+        assert (await b.device.motion.rotate(0, 1000, "chip")).velocity_chip == 1000
 
 
 async def test_a_prediction_of_a_rotation_and_of_its_stop() -> None:
     async with bench() as b:
-        for command in (b.device.rotate(0, 40_000), b.device.rotate(0, -30_000), b.device.stop(0)):
+        for command in (b.device.motion.rotate(0, 40_000), b.device.motion.rotate(0, -30_000), b.device.stop(0)):
             await command
-            expected = b.device.prediction(0)
+            expected = b.device.motion.prediction(0)
             assert expected is not None
             for _ in range(6):
                 await b.clock.advance(0.06)
@@ -189,7 +190,7 @@ async def test_a_prediction_of_a_rotation_and_of_its_stop() -> None:
 async def test_a_stop_at_once_brakes_as_hard_as_the_ramp_can() -> None:
     """INFERRED choice: immediate is AMAX 65535, which needs nothing to be known of switches."""
     async with bench() as b:
-        await b.device.move(0, -51_200)
+        await b.device.motion.move(0, -51_200)
         await b.clock.advance(0.5)
         before = await b.state()
         assert before.velocity_pps < -45_000
@@ -202,7 +203,7 @@ async def test_a_stop_at_once_brakes_as_hard_as_the_ramp_can() -> None:
         assert abs(state.position - before.position) < 200
         # The user's acceleration comes back with the next move.
         b.port.frames.clear()
-        started = await b.device.move(0, 0)
+        started = await b.device.motion.move(0, 0)
         assert b.port.written(b.address("AMAX")) == [round(200_000 / 116.415321827)]
         assert started.predicted_duration_s is not None
         await b.clock.advance(started.predicted_duration_s + 0.01)
@@ -211,7 +212,7 @@ async def test_a_stop_at_once_brakes_as_hard_as_the_ramp_can() -> None:
 
 async def test_a_stop_brakes_first_and_changes_the_mode_behind() -> None:
     async with bench() as b:
-        await b.device.move(0, 51_200)
+        await b.device.motion.move(0, 51_200)
         await b.clock.advance(0.5)
         b.port.frames.clear()
         assert (await b.device.stop(0)).ok
@@ -219,25 +220,25 @@ async def test_a_stop_brakes_first_and_changes_the_mode_behind() -> None:
         assert writes == [b.address("VMAX"), b.address("AMAX"), b.address("RAMPMODE")]
         state = await b.at_rest()
         assert state.position < 51_200
-        end = b.device.motion_ends(0)[-1]
+        end = b.device.monitor.motion_ends(0)[-1]
         assert (end.reason, end.position) == ("stop_command", state.position)
 
 
 async def test_an_amax_of_0_does_not_keep_a_motor_from_stopping() -> None:
     async with bench() as b:
-        await b.device.rotate(0, 20_000)
+        await b.device.motion.rotate(0, 20_000)
         await b.clock.advance(0.5)
-        await b.device.write("AMAX", 0, 0)
+        await b.device.registers.write("AMAX", 0, 0)
         await b.device.stop(0)
         assert (await b.at_rest()).velocity_pps == 0
         with pytest.raises(WrongState, match="AMAX is 0"):
-            await b.device.move(0, 0)  # the user's own AMAX is the one that counts
+            await b.device.motion.move(0, 0)  # the user's own AMAX is the one that counts
 
 
 async def test_a_stop_of_one_axis_leaves_the_other_alone() -> None:
     async with bench("tmc5072") as b:
         for axis in (0, 1):
-            await b.device.rotate(axis, 10_000)
+            await b.device.motion.rotate(axis, 10_000)
         await b.clock.advance(0.5)
         await b.device.stop(1)
         await b.at_rest(1)
@@ -248,8 +249,8 @@ async def test_a_stop_of_one_axis_leaves_the_other_alone() -> None:
 
 async def test_stops_are_told_before_anything_waits() -> None:
     async with bench() as b:
-        await b.device.rotate(0, 10_000)
-        guard = b.device.stop_guard([0])
+        await b.device.motion.rotate(0, 10_000)
+        guard = b.device.session.stop_guard([0])
         await b.device.stop(0)
         with pytest.raises(WrongState, match="overtook"):
             guard()
@@ -258,20 +259,20 @@ async def test_stops_are_told_before_anything_waits() -> None:
 async def test_a_fresh_chip_says_what_it_needs() -> None:
     async with bench(start=None) as b:
         with pytest.raises(WrongState, match="VMAX is 0"):
-            await b.device.move(0, 100)
-        await b.device.write("VMAX", 0, 50_000)
+            await b.device.motion.move(0, 100)
+        await b.device.registers.write("VMAX", 0, 50_000)
         with pytest.raises(WrongState, match="AMAX is 0"):
-            await b.device.move(0, 100)
-        await b.device.write("AMAX", 0, 1_000)
+            await b.device.motion.move(0, 100)
+        await b.device.registers.write("AMAX", 0, 1_000)
         with pytest.raises(WrongState, match="DMAX is 0, and nothing brakes"):
-            await b.device.move(0, 100)
-        await b.device.write("DMAX", 0, 1_000)
-        await b.device.write("V1", 0, 1_000)
+            await b.device.motion.move(0, 100)
+        await b.device.registers.write("DMAX", 0, 1_000)
+        await b.device.registers.write("V1", 0, 1_000)
         with pytest.raises(WrongState, match="A1 is 0"):
-            await b.device.move(0, 100)
-        await b.device.write("A1", 0, 1_000)
+            await b.device.motion.move(0, 100)
+        await b.device.registers.write("A1", 0, 1_000)
         with pytest.raises(WrongState, match="D1 is 0"):
-            await b.device.move(0, 100)
+            await b.device.motion.move(0, 100)
         await b.clock.advance(1)
         assert (await b.state()).position == 0
 
@@ -293,63 +294,65 @@ async def test_a_fresh_chip_says_what_it_needs() -> None:
 async def test_a_setting_that_nobody_may_want_is_warned_of(writes: dict[str, int], warning: str) -> None:
     async with bench("tmc5130") as b:
         for name, value in writes.items():
-            await b.device.write(name, 0, value)
-        started = await b.device.move(0, 1_000)
+            await b.device.registers.write(name, 0, value)
+        started = await b.device.motion.move(0, 1_000)
         assert any(warning in told for told in started.warnings), started.warnings
 
 
 async def test_vmax_above_the_limit_is_not_taken() -> None:
     async with bench() as b:
         with pytest.raises(OutOfRange, match=str(VELOCITY_MAX)):
-            await b.device.write("VMAX", 0, VELOCITY_MAX + 1)
+            await b.device.registers.write("VMAX", 0, VELOCITY_MAX + 1)
 
 
 async def test_a_switch_that_is_active_is_warned_of_and_stops() -> None:
     async with bench() as b:
         b.switches(right=True)
         await b.clock.advance(0.01)
-        started = await b.device.move(0, 10_000)
+        started = await b.device.motion.move(0, 10_000)
         assert started.warnings == ["the right switch is active and stops motion that way"]
         await b.clock.advance(1)
         state = await b.state()
         assert (state.position, state.moving, state.switches.right) == (0, False, True)
-        started = await b.device.move(0, -10_000)
+        started = await b.device.motion.move(0, -10_000)
         assert started.warnings == []
         assert (await b.at_rest()).position == -10_000
-        assert (await b.device.rotate(0, 5_000)).warnings == ["the right switch is active and stops motion that way"]
+        assert (await b.device.motion.rotate(0, 5_000)).warnings == [
+            "the right switch is active and stops motion that way"
+        ]
 
 
 async def test_targets_keep_within_32_bits_unless_they_may_go_over_the_end() -> None:
     async with bench() as b:
         with pytest.raises(OutOfRange, match="target of axis 0"):
-            await b.device.move(0, 2**31)
-        await b.device.set_position(0, 2**31 - 100)
+            await b.device.motion.move(0, 2**31)
+        await b.device.need(PositionSetting).set_position(0, 2**31 - 100)
         with pytest.raises(OutOfRange, match="distance of axis 0"):
-            await b.device.move(0, -100)
-        started = await b.device.retarget(0, -(2**31) + 900)
+            await b.device.motion.move(0, -100)
+        started = await b.device.motion.retarget(0, -(2**31) + 900)
         assert started.target_position == -(2**31) + 900
         assert (await b.at_rest()).position == -(2**31) + 900  # 1000 on, over the end
 
 
 async def test_setting_the_position_moves_nothing_and_takes_the_encoder_along() -> None:
     async with bench() as b:
-        await b.device.move(0, 10_000)
+        await b.device.motion.move(0, 10_000)
         before = await b.at_rest()
         assert before.deviation is not None
-        assert await b.device.set_position(0, 250) == 9_750
+        assert await b.device.need(PositionSetting).set_position(0, 250) == 9_750
         await b.clock.advance(0.2)
         after = await b.state()
         assert (after.position, after.moving) == (250, False)
         assert after.deviation == before.deviation
-        await b.device.rotate(0, 1_000)
+        await b.device.motion.rotate(0, 1_000)
         await b.clock.advance(0.1)
         with pytest.raises(WrongState, match="moves"):
-            await b.device.set_position(0, 0)
+            await b.device.need(PositionSetting).set_position(0, 0)
 
 
 async def test_a_motion_is_told_when_it_starts_and_ends() -> None:
     async with bench() as b:
-        await b.device.move(0, 5_000)
+        await b.device.motion.move(0, 5_000)
         await _passes(b, 2.0)
         starts = [told for told in b.told if isinstance(told, MotionStarted)]
         ends = [told for told in b.told if isinstance(told, MotionEnd)]

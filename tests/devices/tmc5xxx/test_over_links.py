@@ -13,10 +13,11 @@ from typing import cast
 import pytest
 
 from app.clock import Clock, WallClock
+from app.devices.core.capabilities import EventLog, PositionSetting
 from app.devices.core.config import DeviceConfig
+from app.devices.core.device import Device
 from app.devices.core.results import AxisMove
 from app.devices.manager import DeviceManager
-from app.devices.tmc5xxx.driver import Tmc5xxx
 from app.devices.tmc5xxx.start_up import Start, start_up
 from app.emulators.board.build import build_board
 from app.emulators.drive.bench import ChipFaultsChange
@@ -28,7 +29,7 @@ from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxModel, Tmc5xxxOptions,
 from app.errors import LinkError
 from app.links.emulator import EmulatorPort
 from app.links.port import FramePort
-from app.links.registry import Link, PortFactory, landungsbruecke_factory, tcp_factory, uart_factory
+from app.links.registry import Link, PortFactory, board_factory, tcp_factory, uart_factory
 from app.links.spidev_port import SpidevPort
 from app.registers.tmc5xxx.table import AXES
 from app.telemetry.sampling import Sampling
@@ -58,7 +59,7 @@ KINDS: Mapping[str, PortFactory] = {
     "emulator": emulator_port,
     "spidev": spi_port,
     "tcp": tcp_factory,
-    "landungsbruecke": landungsbruecke_factory,
+    "landungsbruecke": board_factory,
     "uart": uart_factory,
 }
 WAYS = (
@@ -100,7 +101,7 @@ def far_end(kind: str, model: str, path: Path) -> Iterator[dict[str, object]]:
 
 
 @pytest.fixture(params=WAYS, ids=" ".join)
-async def device(request: pytest.FixtureRequest, tmp_path: Path) -> AsyncIterator[Tmc5xxx]:
+async def device(request: pytest.FixtureRequest, tmp_path: Path) -> AsyncIterator[Device]:
     kind, model = cast("tuple[str, str]", request.param)
     server: asyncio.Server | None = None
     with far_end(kind, model, tmp_path / "tty") as link:
@@ -109,7 +110,7 @@ async def device(request: pytest.FixtureRequest, tmp_path: Path) -> AsyncIterato
             link |= {"host": "127.0.0.1", "port": server.sockets[0].getsockname()[1], "timeout_s": WITHIN_S}
         manager = DeviceManager(KINDS, WallClock())
         try:
-            yield cast("Tmc5xxx", await manager.add(DeviceConfig("far", model, link)))
+            yield await manager.add(DeviceConfig("far", model, link))
         finally:
             await manager.close()
             if server is not None:
@@ -117,42 +118,42 @@ async def device(request: pytest.FixtureRequest, tmp_path: Path) -> AsyncIterato
                 await server.wait_closed()
 
 
-async def reached(device: Tmc5xxx, register: str, axis: int, value: int) -> None:
+async def reached(device: Device, register: str, axis: int, value: int) -> None:
     until_s = time.monotonic() + WITHIN_S
-    while (await device.read(register, axis)).value != value:
+    while (await device.registers.read(register, axis)).value != value:
         assert time.monotonic() < until_s, f"{register} never is {value}"
 
 
-async def test_it_starts_up_moves_arrives_and_stops(device: Tmc5xxx) -> None:
+async def test_it_starts_up_moves_arrives_and_stops(device: Device) -> None:
     assert device.state == "connected", device.problem
     axes = AXES[device.model]
     await start_up(device, [START] * axes)
-    started = await device.move_together([AxisMove(axis, 5_000 * (1 - 2 * axis)) for axis in range(axes)])
+    started = await device.motion.move_together([AxisMove(axis, 5_000 * (1 - 2 * axis)) for axis in range(axes)])
     assert [move.warnings for move in started] == [[]] * axes
     for axis in range(axes):
         await reached(device, "XACTUAL", axis, 5_000 * (1 - 2 * axis))
     last = axes - 1
-    rotating = await device.rotate(last, -20_000)
+    rotating = await device.motion.rotate(last, -20_000)
     await reached(device, "VACTUAL", last, rotating.velocity_chip)
     assert (await device.stop(last)).ok
     await reached(device, "VACTUAL", last, 0)
-    assert (await device.axis_state(last)).mode == "velocity"
-    names = [name for entry in device.events(last).events for name in entry.names]
+    assert (await device.monitor.axis_state(last)).mode == "velocity"
+    names = [name for entry in device.need(EventLog).events(last).events for name in entry.names]
     assert names[0] == "reset"
     assert "event_pos_reached" in names
 
 
-async def test_what_cannot_be_read_is_known_to_have_arrived(device: Tmc5xxx) -> None:
+async def test_what_cannot_be_read_is_known_to_have_arrived(device: Device) -> None:
     for value in (0, 1, 65_535):
-        written = await device.write("AMAX", 0, value)
+        written = await device.registers.write("AMAX", 0, value)
         assert (written.value, written.verified) == (value, True)
         assert "arrived" in written.note
     for value in (-(2**31), -1, 0, 2**31 - 1):
-        assert (await device.write("XTARGET", 0, value)).value == value
+        assert (await device.registers.write("XTARGET", 0, value)).value == value
 
 
-async def test_samples_come_with_numbers(device: Tmc5xxx) -> None:
-    await device.set_position(0, 1_234)
+async def test_samples_come_with_numbers(device: Device) -> None:
+    await device.need(PositionSetting).set_position(0, 1_234)
     names = ["position.0", "velocity.0", "switch_left.0", "mscnt.0"]
     failures: list[Exception] = []
     sampling = Sampling(device, names, 100.0, WallClock(), failures.append)
@@ -160,8 +161,8 @@ async def test_samples_come_with_numbers(device: Tmc5xxx) -> None:
         until_s = time.monotonic() + WITHIN_S
         while True:
             await asyncio.sleep(0.02)
-            if device.sampling_port is not None:
-                device.sampling_port.run_due_samples()
+            if device.session.sampling_port is not None:
+                device.session.sampling_port.run_due_samples()
             block = sampling.take()
             assert not failures
             if len(block.time_s):
@@ -178,10 +179,10 @@ async def test_a_stop_goes_out_over_a_uart_that_answers_nothing(tmp_path: Path) 
     with served(uart_line([far], clock, echo=True), tmp_path / "tty") as port:
         manager = DeviceManager(KINDS, clock)
         link = {"kind": "uart", "port": port, "timeout_s": 1.0}
-        device = cast("Tmc5xxx", await manager.add(DeviceConfig("far", "tmc5130", link)))
+        device = await manager.add(DeviceConfig("far", "tmc5130", link))
         try:
             await start_up(device, [START])
-            rotating = await device.rotate(0, 20_000)
+            rotating = await device.motion.rotate(0, 20_000)
             await reached(device, "VACTUAL", 0, rotating.velocity_chip)
             far.patch(Tmc5xxxPatch(faults=ChipFaultsChange(silence=True)))
             outcome = (await device.stop_axes([0]))[0]

@@ -8,7 +8,7 @@ import pytest
 from app.devices.core.counter import PositionSeen
 from app.devices.core.sample_plan import FloatArray
 from app.devices.tmc5xxx.rows import rows_of
-from app.devices.tmc5xxx.samples import Samples
+from app.devices.tmc5xxx.telemetry import quantities
 from app.emulators.tmc5xxx import Tmc5xxxPatch
 from app.errors import UnknownThing, UsageError
 from app.registers.tmc5xxx.table import AXES
@@ -19,7 +19,7 @@ class Rows:
     """Samples of some channels, taken on the chip's own time."""
 
     def __init__(self, b: Bench, channels: list[str], period_s: float = 0.01) -> None:
-        self.plan = b.device.sample_plan(channels)
+        self.plan = b.device.telemetry.sample_plan(channels)
         self.times: list[float] = []
         self.replies: list[bytes] = []
         self._bench = b
@@ -42,10 +42,10 @@ class Rows:
 @pytest.mark.parametrize("model", MODELS)
 async def test_every_channel_has_a_column_of_numbers(model: str) -> None:
     async with bench(model) as b:
-        names = [channel.name for channel in b.device.channels()]
+        names = [channel.name for channel in b.device.telemetry.channels()]
         rows = Rows(b, names)
         for axis in range(AXES[model]):
-            await b.device.move(axis, 20_000)
+            await b.device.motion.move(axis, 20_000)
         await b.clock.advance(0.3)
         times, columns = rows.decoded()
         assert columns.shape == (len(times), len(names))
@@ -56,28 +56,28 @@ async def test_every_channel_has_a_column_of_numbers(model: str) -> None:
 
 
 def test_channels_are_those_of_the_chip() -> None:
-    def quantities(model: str) -> set[str]:
-        return set(Samples._quantities(rows_of(model).axes[0]))
+    def names(model: str) -> set[str]:
+        return set(quantities(rows_of(model).axes[0]))
 
-    assert quantities("tmc5160") - quantities("tmc5072") == {"tstep"}
-    assert quantities("tmc5072") - quantities("tmc5031") == {"encoder_position", "deviation"}
-    assert quantities("tmc5130") == quantities("tmc5160")
+    assert names("tmc5160") - names("tmc5072") == {"tstep"}
+    assert names("tmc5072") - names("tmc5031") == {"encoder_position", "deviation"}
+    assert names("tmc5130") == names("tmc5160")
 
 
 @pytest.mark.parametrize("model", MODELS)
 async def test_no_sample_clears_a_flag(model: str) -> None:
     async with bench(model) as b:
-        stat, gstat = b.device.rows(0).ramp_stat, b.device.chip.gstat
-        names = [channel.name for channel in b.device.channels()]
-        asked = {frame[0] for frame in b.device.sample_plan(names).frames}
+        stat, gstat = b.memory.rows(0).ramp_stat, b.memory.chip.gstat
+        names = [channel.name for channel in b.device.telemetry.channels()]
+        asked = {frame[0] for frame in b.device.telemetry.sample_plan(names).frames}
         assert gstat.address not in asked
-        assert (stat.address in asked) == (model == "tmc5160")
+        assert (stat.address in asked) == (model in ("tmc5160", "tmc5240"))
 
 
 async def test_the_residual_of_a_ramp_stays_within_three_steps() -> None:
     async with bench() as b:
         rows = Rows(b, ["residual.0", "acceleration.0", "velocity.0", "position.0"], 0.002)
-        await b.device.move(0, 51_200)
+        await b.device.motion.move(0, 51_200)
         await b.clock.advance(1.3)
         _, columns = rows.decoded()
         residual, acceleration, velocity, _ = columns.T
@@ -91,7 +91,7 @@ async def test_the_residual_of_a_ramp_stays_within_three_steps() -> None:
 async def test_velocity_and_target_velocity_count_in_pps() -> None:
     async with bench("tmc5072") as b:
         rows = Rows(b, ["velocity.1", "target_velocity.1", "velocity.0"])
-        await b.device.rotate(1, -12_345.5)
+        await b.device.motion.rotate(1, -12_345.5)
         await b.clock.advance(1)
         _, columns = rows.decoded()
         assert columns[-1, :2].tolist() == pytest.approx([-12_345.5, -12_345.5], abs=1)
@@ -113,7 +113,7 @@ async def test_switches_show_without_a_flag_being_read(model: str) -> None:
 
 async def test_polarity_and_swapping_count_for_pins_too() -> None:
     async with bench("tmc5130") as b:
-        await b.device.write("SW_MODE", 0, fields={"pol_stop_l": 1, "swap_lr": 1})
+        await b.device.registers.write("SW_MODE", 0, fields={"pol_stop_l": 1, "swap_lr": 1})
         rows = Rows(b, ["switch_left.0", "switch_right.0"], 0.005)
         for left, right in ((True, False), (False, True), (False, False)):
             b.switches(0, left=left, right=right)
@@ -136,7 +136,7 @@ async def test_without_a_set_encoder_its_channels_are_unknown() -> None:
 async def test_rows_tell_where_the_counter_is_until_the_chip_is_reset() -> None:
     async with bench() as b:
         rows = Rows(b, ["position.0", "deviation.0"])
-        await b.device.rotate(0, 10_000)
+        await b.device.motion.rotate(0, 10_000)
         await b.clock.advance(0.35)
         b.told.clear()
         _, columns = rows.decoded()
@@ -153,8 +153,8 @@ async def test_rows_tell_where_the_counter_is_until_the_chip_is_reset() -> None:
 async def test_what_is_no_channel_is_told() -> None:
     async with bench() as b:
         with pytest.raises(UnknownThing, match="position"):
-            b.device.sample_plan(["nonsense.0"])
+            b.device.telemetry.sample_plan(["nonsense.0"])
         with pytest.raises(UnknownThing):
-            b.device.sample_plan(["position.1"])
+            b.device.telemetry.sample_plan(["position.1"])
         with pytest.raises(UsageError):
-            b.device.sample_plan([])
+            b.device.telemetry.sample_plan([])

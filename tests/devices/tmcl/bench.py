@@ -1,20 +1,19 @@
-"""A bench for the PD42-1241: real driver, real emulator, time owned by the test, and every frame noted down."""
+"""A bench for a TMCL module: real driver, real emulator, time owned by the test, and every frame noted down."""
 
 from __future__ import annotations
 
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
-from typing import cast
+from typing import TypeVar, cast
 
 from app.clock import Clock, ScaledClock, VirtualClock
 from app.devices.core.config import DeviceConfig
 from app.devices.core.device import Device
 from app.devices.manager import DeviceManager
-from app.devices.tmcl.driver import Pd42
-from app.emulators.build import build_emulator
+from app.emulators.tmcl.family import FAMILY
 from app.emulators.tmcl.module import EmulatedModule
-from app.emulators.tmcl.options import Pd42Options, Pd42Patch
+from app.emulators.tmcl.options import TmclOptions, TmclPatch
 from app.links.emulator import EmulatorPort
 from app.links.port import FramePort
 from app.links.registry import Link
@@ -50,12 +49,14 @@ class Tap:
         return sum(request.opcode in opcodes for request in self.frames)
 
 
+P = TypeVar("P")
+
 MOVERS = (Opcode.MVP, Opcode.ROR, Opcode.ROL, Opcode.MST, Opcode.RFS)
 
 
 def module_port(model: str, link: Link, clock: Clock) -> FramePort:
-    options = Pd42Options.model_validate({key: value for key, value in link.items() if key != "kind"})
-    return EmulatorPort(Tap(build_emulator(model, clock, options)))
+    options = TmclOptions.model_validate({key: value for key, value in link.items() if key != "kind"})
+    return EmulatorPort(Tap(FAMILY.make(model, clock, options)))
 
 
 def state_of(device: Device) -> str:
@@ -69,11 +70,17 @@ class Bench:
 
     clock: VirtualClock
     manager: DeviceManager
-    device: Pd42
+    device: Device
+
+    def part(self, kind: type[P]) -> P:
+        """What this family alone has."""
+        part = self.device.part(kind)
+        assert part is not None
+        return part
 
     @property
     def tap(self) -> Tap:
-        return cast("Tap", cast("EmulatorPort", self.device.port).wire)
+        return cast("Tap", cast("EmulatorPort", self.device.session.port).wire)
 
     @property
     def module(self) -> EmulatedModule:
@@ -81,27 +88,27 @@ class Bench:
 
     def patch(self, **change: object) -> None:
         """Change the world; samples that fell due before are taken first, as by everybody who uses the port."""
-        cast("EmulatorPort", self.device.port).take_turn()
-        self.module.patch(Pd42Patch.model_validate(change))
+        cast("EmulatorPort", self.device.session.port).take_turn()
+        self.module.patch(TmclPatch.model_validate(change))
 
     async def at_rest(self, within_s: float = 60.0) -> int:
         """Let time pass until the axis rests; returns where."""
         for _ in range(int(within_s / 0.05)):
             await self.clock.advance(0.05)
-            state = await self.device.axis_state(0)
+            state = await self.device.monitor.axis_state(0)
             if not state.moving:
                 return state.position
         raise AssertionError(f"the axis still moves after {within_s} s")
 
 
 @asynccontextmanager
-async def bench(**options: object) -> AsyncIterator[Bench]:
+async def bench(model: str = "pd42-1241", **options: object) -> AsyncIterator[Bench]:
     """A connected module, as it comes from the factory."""
     clock = VirtualClock()
     manager = DeviceManager({"emulator": module_port}, clock)
-    device = await manager.add(DeviceConfig("Bench", "pd42-1241", {"kind": "emulator", **options}))
+    device = await manager.add(DeviceConfig("Bench", model, {"kind": "emulator", **options}))
     assert device.state == "connected", device.problem
     try:
-        yield Bench(clock, manager, cast("Pd42", device))
+        yield Bench(clock, manager, device)
     finally:
         await manager.close()

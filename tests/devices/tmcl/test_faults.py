@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from app.devices.core.background_tasks import OwnTasks
 from app.devices.core.config import DeviceConfig
 from app.errors import BenchError, LinkDown, LinkError, WrongState
 from app.links.tmcl import Reply, Request
@@ -49,14 +50,14 @@ def _rows(reader: Reader, b: Bench) -> list[np.ndarray]:
 @pytest.mark.parametrize("fault", list(FAULTS))
 async def test_moves_under_faults_are_sent_once_each_and_positions_are_true(fault: str) -> None:
     async with bench() as b:
-        await b.device.write("ap4", 0, 200_000)
+        await b.device.registers.write("ap4", 0, 200_000)
         asked: list[int] = []
         b.patch(faults=FAULTS[fault])
         for turn in range(25):
             target = 100 * (turn + 1)
             sent = len(_sent(b))
             try:
-                await b.device.move(0, target)
+                await b.device.motion.move(0, target)
             except BenchError:
                 assert len(_sent(b)) - sent <= 1
             else:
@@ -65,7 +66,7 @@ async def test_moves_under_faults_are_sent_once_each_and_positions_are_true(faul
             await b.clock.advance(0.1)
             truth = _position(b)
             try:
-                shown = (await b.device.axis_state(0)).position
+                shown = (await b.device.monitor.axis_state(0)).position
             except LinkError:
                 continue
             assert shown == truth
@@ -80,7 +81,7 @@ async def test_telemetry_under_faults_has_holes_and_no_wrong_numbers(fault: str)
         hub = TelemetryHub(b.clock, 1.0)
         hub.sync(b.manager.devices)
         joined = hub.join("bench", ("position.0", "encoder_position.0"), 200.0)
-        await b.device.rotate(0, 20_000)
+        await b.device.motion.rotate(0, 20_000)
         rows: list[np.ndarray] = []
         for faults, seconds in (({}, 0.4), (FAULTS[fault], 0.4), (NO_FAULT, 2.8)):
             b.patch(faults=faults)
@@ -103,17 +104,17 @@ async def test_telemetry_under_faults_has_holes_and_no_wrong_numbers(fault: str)
 
 async def test_a_module_unplugged_on_the_way_is_unknown_until_it_is_back() -> None:
     async with bench() as b:
-        await b.device.move(0, 500_000)
+        await b.device.motion.move(0, 500_000)
         await b.clock.advance(1.0)
         b.patch(faults={"unplugged": True})
         with pytest.raises(LinkDown):
-            await b.device.axis_state(0)
+            await b.device.monitor.axis_state(0)
         assert state_of(b.device) == "failed"
-        assert b.device.prediction(0) is None
+        assert b.device.motion.prediction(0) is None
         b.patch(faults={"unplugged": False})
         await b.clock.advance(3.0)
         assert state_of(b.device) == "connected"
-        assert (await b.device.axis_state(0)).moving
+        assert (await b.device.monitor.axis_state(0)).moving
         assert len(_sent(b)) == 1
 
 
@@ -123,7 +124,7 @@ async def test_another_module_is_named() -> None:
             bytes.fromhex("02 01 64 88 04 D8 01 2C F8") if request.opcode == Opcode.GET_VERSION else reply
         )
         with pytest.raises(WrongState, match=r"module 1240, firmware 1\.44"):
-            await b.device.probe()
+            await b.device.identity.probe()
 
 
 async def test_another_firmware_is_told_and_tried() -> None:
@@ -131,14 +132,14 @@ async def test_another_firmware_is_told_and_tried() -> None:
         b.tap.spoil = lambda request, reply: (
             bytes.fromhex("02 01 64 88 04 D9 01 2F FC") if request.opcode == Opcode.GET_VERSION else reply
         )
-        assert "knows 1.44" in await b.device.probe()
+        assert "knows 1.44" in await b.device.identity.probe()
 
 
 async def test_letting_go_stops_what_was_set_in_motion_and_leaves_no_task() -> None:
     async with bench() as b:
-        await b.device.rotate(0, 20_000)
+        await b.device.motion.rotate(0, 20_000)
         await b.clock.advance(0.5)
         await b.manager.remove(b.device.id)
         assert _sent(b)[-1][0] == Opcode.MST
-        assert not b.device._tasks
+        assert not b.part(OwnTasks)
         await b.manager.add(DeviceConfig("Again", "pd42-1241", {"kind": "emulator"}))

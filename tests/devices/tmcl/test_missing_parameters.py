@@ -9,6 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from app.devices.core.capabilities import TmclCommands
 from app.errors import UnknownParameter
 from app.profiles.capture import capture
 from app.registers.model import Space
@@ -42,9 +43,9 @@ async def drive_without(made: Bench, lacking: frozenset[int]) -> None:
     module = made.module._firmware.axis
     assert state_of(device) == "connected", device.problem
 
-    await _or_refused(device.axis_state(0), lacking, STATE_NEEDS)
+    await _or_refused(device.monitor.axis_state(0), lacking, STATE_NEEDS)
 
-    moved = await _or_refused(device.move(0, TARGET), lacking, MOVE_NEEDS)
+    moved = await _or_refused(device.motion.move(0, TARGET), lacking, MOVE_NEEDS)
     if moved is not None:
         for _ in range(200):
             await clock.advance(0.05)
@@ -52,15 +53,15 @@ async def drive_without(made: Bench, lacking: frozenset[int]) -> None:
                 break
         await clock.advance(1.0)
         assert module.position == TARGET
-        assert [end.reason for end in device.motion_ends(0)] == ["target_reached"]
-        reached = await device.axis_state(0)
+        assert [end.reason for end in device.monitor.motion_ends(0)] == ["target_reached"]
+        reached = await device.monitor.axis_state(0)
         assert not reached.moving
         assert reached.position == TARGET
 
     for mode in ("ramp", "immediate"):
-        turning = await _or_refused(device.rotate(0, 20_000), lacking, MOVE_NEEDS)
+        turning = await _or_refused(device.motion.rotate(0, 20_000), lacking, MOVE_NEEDS)
         if turning is None:  # by another hand then: a stop has to work all the same
-            await device.tmcl("ROR", 0, 0, 20_000)
+            await device.need(TmclCommands).tmcl("ROR", 0, 0, 20_000)
         await clock.advance(0.3)
         assert module.drive.read("VACTUAL") != 0
         outcome = (await device.stop_axes([0], mode))[0]
@@ -68,8 +69,8 @@ async def drive_without(made: Bench, lacking: frozenset[int]) -> None:
         await clock.advance(3.0)
         assert module.drive.read("VACTUAL") == 0
 
-    await device.refresh()
-    readings = {reading.name for reading in await device.read_all()}
+    await device.identity.refresh()
+    readings = {reading.name for reading in await device.registers.read_all()}
     assert not readings & {row.name for row in rows}
     held = await _or_refused(capture(device), lacking, STATE_NEEDS)
     if held is not None:
@@ -79,7 +80,7 @@ async def drive_without(made: Bench, lacking: frozenset[int]) -> None:
     assert state_of(device) == "connected"
     for row in rows:
         if not row.read_clears:
-            assert any(row.alias in note for note in device.shortcomings)
+            assert any(row.alias in note for note in device.identity.shortcomings)
 
 
 _names: set[str] = set()

@@ -18,7 +18,7 @@ from app.emulators.tmc4361 import EmulatedTmc4361
 from app.errors import UnknownThing
 from app.links.datagram40 import Request as Datagram
 from app.links.tmcl import Reply, Request, sound
-from app.registers.landungsbruecke import BoardOpcode
+from app.registers.evaluation_board import BoardOpcode
 from app.registers.tmc4361.table import TMC4361
 from app.registers.tmcl.commands import Opcode, Status
 

@@ -14,10 +14,10 @@ from app.emulators.board.sixpoint import BOARD_IDS
 from app.emulators.tmc5xxx import MODELS, EmulatedTmc5xxx, Tmc5xxxModel
 from app.errors import UsageError
 from app.links.datagram40 import Request as Datagram
-from app.links.landungsbruecke import MODELS as ON_BOARDS
+from app.links.evaluation_board import MODELS as ON_BOARDS
 from app.links.tmcl import Reply, Request
 from app.registers.catalog import MODELS as CATALOG
-from app.registers.landungsbruecke import CHANNEL_1_BOARDS, BoardOpcode
+from app.registers.evaluation_board import CHANNEL_1_BOARDS, BoardOpcode
 from app.registers.tmcl.commands import Opcode, Status
 
 RAMPMODE, XACTUAL, VMAX, XTARGET, AMAX, DMAX, D1, SW_MODE, RAMP_STAT = (
@@ -33,7 +33,7 @@ RAMPMODE, XACTUAL, VMAX, XTARGET, AMAX, DMAX, D1, SW_MODE, RAMP_STAT = (
 )
 CHOPCONF, COOLCONF = 0x6C, 0x6D
 DUAL: tuple[Tmc5xxxModel, ...] = ("tmc5031", "tmc5062", "tmc5072")
-SINGLE: tuple[Tmc5xxxModel, ...] = ("tmc5130", "tmc5160")
+SINGLE: tuple[Tmc5xxxModel, ...] = ("tmc5130", "tmc5160", "tmc5240")
 
 
 class WatchedChip(EmulatedTmc5xxx):
@@ -100,7 +100,7 @@ def test_who_it_is(bench: Bench) -> None:
 
 
 def test_after_power_on_the_chip_is_set_up(bench: Bench) -> None:
-    chopconf = 0x0041_0153 if bench.chip.model == "tmc5160" else 0x0001_01D5
+    chopconf = 0x0041_0153 if bench.chip.model in ("tmc5160", "tmc5240") else 0x0001_01D5
     assert bench.read(CHOPCONF) == chopconf
     assert bench.read(0x60) & 0xFFFF_FFFF == 0xAAAA_B554, "the sine of the chip, from the firmware's memory"
     if bench.chip.model == "tmc5160":
@@ -204,6 +204,8 @@ def test_parameters_that_are_registers(bench: Bench, number: int, value: int, ad
      (173, 1, COOLCONF, 24)],
 )  # fmt: skip
 def test_parameters_that_are_fields(bench: Bench, number: int, value: int, address: int, shift: int) -> None:
+    if (bench.chip.model, number) == ("tmc5240", 173):
+        address, shift = 0x74, 8  # StallGuard4's filter
     if (bench.chip.model, number) == ("tmc5072", 163):
         shift = 13  # its firmware turns RNDTF by this number
     before = bench.read(address)
@@ -215,8 +217,9 @@ def test_parameters_that_are_fields(bench: Bench, number: int, value: int, addre
 
 
 def test_a_signed_field(bench: Bench) -> None:
-    bench.set(174, -20)
-    assert bench.get(174) == -20
+    number = 176 if bench.chip.model == "tmc5240" else 174
+    bench.set(number, -20)
+    assert bench.get(number) == -20
     assert bench.read(COOLCONF) >> 16 & 0x7F == -20 & 0x7F
 
 
@@ -277,6 +280,8 @@ ANSWERED = {
     "tmc5072": ALWAYS | {22, 23, 179, 211},
     "tmc5130": ALWAYS | {9, 23, 27, 30, 33, 34, 179, 185, 186, 187, 188, 191, 192, 204},
     "tmc5160": ALWAYS | {23, 27, 33, 34, 35, 185, 186, 187, 188, 191, 192, 204},
+    "tmc5240": ALWAYS
+    | {22, 23, *range(25, 28), 30, 34, 35, 175, 176, *range(185, 189), *range(191, 197), 204, *range(211, 224)},
 }
 """The numbers in each board's list of parameters."""
 
@@ -386,12 +391,14 @@ def test_the_measured_velocity_is_that_of_the_last_milliseconds(bench: Bench, po
     alike = 1049 / (every_s * 1000) + 200_000 * 16e-6 / every_s + 1
     bench.set(5, 5000)
     assert bench.get(29) == 0
+    # the TMC5240's board has another number for it, and reckons with 16 MHz where the chip has 12.5
+    number, share = (30, 12.5 / 16) if bench.chip.model == "tmc5240" else (29, 1.0)
     for way, sign in ((Opcode.ROR, 1), (Opcode.ROL, -1)):
         bench.ask(way, 0, 0, 200_000)
-        until_s = bench.clock.now() + 0.8
+        until_s = bench.clock.now() + 0.8 / share
         while bench.clock.now() < until_s:
             bench.clock.set(bench.clock.now() + polled_s)
-            actual, measured = bench.get(3), bench.get(29)
+            actual, measured = bench.get(3) * share, bench.get(number)
             if bench.chip.model == "tmc5031":
                 assert measured == 0, "its firmware shows something that never changes"
             else:
@@ -399,9 +406,9 @@ def test_the_measured_velocity_is_that_of_the_last_milliseconds(bench: Bench, po
                 slack = alike + 2 * (every_s + polled_s) * 5000 * 122
                 assert measured == pytest.approx(actual, abs=slack)
         if bench.chip.model != "tmc5031":
-            assert measured == pytest.approx(sign * 200_000, abs=alike)
+            assert measured == pytest.approx(sign * 200_000 * share, abs=alike)
         assert bench.ask(Opcode.UF4).value == measured
-    assert bench.set(29, 0) == Status.WRONG_TYPE
+    assert bench.set(number, 0) == Status.WRONG_TYPE
     assert bench.ask(Opcode.UF4, 0, 5).status == Status.WRONG_TYPE
 
 
@@ -458,4 +465,4 @@ def test_reading_what_reading_clears_takes_two_datagrams(bench: Bench) -> None:
     bench.read(RAMP_STAT)
     assert [datagram.address for datagram in bench.chip.heard] == [RAMP_STAT] * 2
     table = CATALOG[bench.chip.model].table
-    assert table.get("RAMP_STAT", 0).read_clears is (bench.chip.model != "tmc5160")
+    assert table.get("RAMP_STAT", 0).read_clears is (bench.chip.model not in ("tmc5160", "tmc5240"))

@@ -10,7 +10,7 @@ from app.clock import VirtualClock
 from app.emulators.line.framing import GAP_S
 from app.emulators.line.line import Line
 from app.emulators.tmcl.module import EmulatedModule
-from app.emulators.tmcl.options import Pd42Options, Pd42Patch
+from app.emulators.tmcl.options import TmclOptions, TmclPatch
 from app.links import tmcl
 from app.registers.tmcl.commands import Opcode, Status
 
@@ -20,7 +20,7 @@ class Bench:
 
     def __init__(self, addresses: tuple[int, ...] = (1,), *, baud: int | None = None) -> None:
         self.clock = VirtualClock(5.0)
-        self.modules = [EmulatedModule(self.clock, Pd42Options(address=address)) for address in addresses]
+        self.modules = [EmulatedModule("pd42-1241", self.clock, TmclOptions(address=address)) for address in addresses]
         self.line = Line(self.modules, self.clock, baud=baud, addresses=addresses)
         self.line.join("client")
 
@@ -43,7 +43,7 @@ class Bench:
 
     def fault(self, **change: object) -> None:
         for module in self.modules:
-            module.patch(Pd42Patch.model_validate({"faults": change}))
+            module.patch(TmclPatch.model_validate({"faults": change}))
 
 
 def test_a_thousand_corrupt_inputs_during_a_move_change_nothing_they_should_not() -> None:
@@ -83,7 +83,7 @@ def test_a_thousand_random_commands_never_crash_a_module() -> None:
         ).encode()
         assert len(bench.say(request, 0.001)) % 9 == 0
     for module in bench.modules:
-        module.patch(Pd42Patch(factory_default=True))
+        module.patch(TmclPatch(factory_default=True))
     assert bench.ask(Opcode.GET_VERSION, 1).status == Status.OK
 
 
@@ -121,7 +121,7 @@ def test_two_modules_are_two_modules() -> None:
     bench.ask(Opcode.MVP, 0, value=-51_200, address=2)
     bench.wait(10.0)
     assert [bench.ask(Opcode.GAP, 1, address=address).value for address in (1, 2)] == [51_200, -51_200]
-    bench.modules[0].patch(Pd42Patch.model_validate({"blocked": True, "faults": {"silence": True}}))
+    bench.modules[0].patch(TmclPatch.model_validate({"blocked": True, "faults": {"silence": True}}))
     assert bench.ask(Opcode.GAP, 1, address=2).value == -51_200
 
 

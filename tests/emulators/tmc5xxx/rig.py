@@ -25,7 +25,7 @@ RAMP = {
     "VSTOP": 10,
 }
 DUAL: tuple[Tmc5xxxModel, ...] = ("tmc5031", "tmc5062", "tmc5072")
-SINGLE: tuple[Tmc5xxxModel, ...] = ("tmc5130", "tmc5160")
+SINGLE: tuple[Tmc5xxxModel, ...] = ("tmc5130", "tmc5160", "tmc5240")
 WITH_ENCODER: tuple[Tmc5xxxModel, ...] = MODELS[1:]
 PLACES = [(model, axis) for model in MODELS for axis in range(AXES[model])]
 """Every axis of every chip."""
@@ -39,7 +39,7 @@ class Bench:
         motor = {"motor": "rigid"} if rigid else {}
         self.model = model
         self.table = TABLES[model]
-        self.chip = EmulatedTmc5xxx(model, VirtualClock(), Tmc5xxxOptions(**(motor | options)))
+        self.chip = EmulatedTmc5xxx(model, VirtualClock(), Tmc5xxxOptions(**({"clock_hz": CLOCK_HZ} | motor | options)))
         self.now_s = 0.0
 
     def wait(self, seconds: float) -> None:

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.clock import VirtualClock
-from app.emulators.build import build_emulator
 from app.emulators.tmc5xxx import MODELS, EmulatedTmc5xxx, Tmc5xxxModel, Tmc5xxxOptions
+from app.emulators.tmc5xxx.family import FAMILY
 from app.links.datagram40 import read, write
 from tests.emulators.tmc5xxx.rig import DUAL, SINGLE, Bench, moving
 
@@ -124,4 +124,4 @@ def test_faults_between_the_chip_and_us(model: Tmc5xxxModel) -> None:
 
 def test_the_factory_makes_each() -> None:
     for model in MODELS:
-        assert build_emulator(model, VirtualClock(), Tmc5xxxOptions(clock_hz=12e6)).state().clock_hz == 12e6
+        assert FAMILY.make(model, VirtualClock(), Tmc5xxxOptions(clock_hz=12e6)).state().clock_hz == 12e6

@@ -10,7 +10,7 @@ import pytest
 
 from app.emulators.tmc5xxx import MODELS, Tmc5xxxModel
 from app.links.datagram40 import read
-from tests.emulators.tmc5xxx.rig import DUAL, PLACES, TURN, Bench, moving
+from tests.emulators.tmc5xxx.rig import DUAL, PLACES, SINGLE, TURN, Bench, moving
 
 BY_READING: tuple[Tmc5xxxModel, ...] = ("tmc5031", "tmc5062", "tmc5072", "tmc5130")
 LATCHING = {"status_latch_l", "status_latch_r", "event_stop_sg", "event_pos_reached", "second_move"}
@@ -66,10 +66,10 @@ def test_a_read_over_spi_clears_although_its_answer_comes_later(model: Tmc5xxxMo
 def test_gstat_tells_a_reset_once(model: Tmc5xxxModel) -> None:
     bench = Bench(model)
     assert bench.field("GSTAT", "reset") == 1
-    if model == "tmc5160":
+    if model in ("tmc5160", "tmc5240"):
         bench.write("GSTAT", 0)
         assert bench.field("GSTAT", "reset") == 1
-        bench.write("GSTAT", 1)
+        bench.write("GSTAT", 1 if model == "tmc5160" else 1 | 1 << 3)
     assert bench.raw("GSTAT") == 0
     bench.patch(power_cycle=True)
     assert bench.field("GSTAT", "reset") == 1
@@ -80,9 +80,9 @@ def test_gstat_tells_errors_of_the_drivers(model: Tmc5xxxModel) -> None:
     bench = Bench(model)
     bench.write("GSTAT", bench.raw("GSTAT"))
     bench.stage(motor={"temperature_c": 155})
-    assert bench.field("GSTAT", "drv_err" if model in ("tmc5130", "tmc5160") else "drv_err1") == 1
+    assert bench.field("GSTAT", "drv_err" if model in SINGLE else "drv_err1") == 1
     bench.write("GSTAT", bench.raw("GSTAT"))
-    bench.patch(supply_v=5.0)
+    bench.patch(supply_v=4.0)
     assert bench.field("GSTAT", "uv_cp") == 1
     bench.write("GSTAT", bench.raw("GSTAT"))
     assert bench.field("GSTAT", "uv_cp") == 1, "it stays as long as the cause does"

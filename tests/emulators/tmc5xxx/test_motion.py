@@ -216,7 +216,7 @@ def test_tzerowait_is_told_while_it_lasts(model: Tmc5xxxModel) -> None:
 @pytest.mark.parametrize(("model", "axis"), PLACES)
 def test_shaft_turns_the_motor_the_other_way(model: Tmc5xxxModel, axis: int) -> None:
     bench = moving(model, axis)
-    bit = 4 if model in ("tmc5130", "tmc5160") else 8 + axis
+    bit = 4 if model in ("tmc5130", "tmc5160", "tmc5240") else 8 + axis
     bench.write("GCONF", 1 << bit)
     bench.put(axis, XTARGET=2560)
     bench.wait(1)

@@ -77,7 +77,7 @@ def test_the_two_axes_do_not_share_registers(model: Tmc5xxxModel) -> None:
 
 @pytest.mark.parametrize(
     ("model", "version"),
-    [("tmc5031", 0x01), ("tmc5062", 0x01), ("tmc5072", 0x10), ("tmc5130", 0x11), ("tmc5160", 0x30)],
+    [("tmc5031", 0x01), ("tmc5062", 0x01), ("tmc5072", 0x10), ("tmc5130", 0x11), ("tmc5160", 0x30), ("tmc5240", 0x40)],
 )
 def test_the_version(model: Tmc5xxxModel, version: int) -> None:
     """The notes of IOIN and INPUT in the register facts."""
@@ -106,7 +106,7 @@ def test_levels_at_the_pins_can_be_read(model: Tmc5xxxModel) -> None:
     assert row.unpack(bench.chip.read(0x04))[enable] == 1
 
 
-@pytest.mark.parametrize("model", ["tmc5130", "tmc5160"])
+@pytest.mark.parametrize("model", ["tmc5130", "tmc5160", "tmc5240"])
 def test_switches_are_seen_at_ioin(model: Tmc5xxxModel) -> None:
     bench = Bench(model)
     bench.stage(switches={"left": True})

@@ -8,6 +8,7 @@ from pydantic import ValidationError
 from app.clock import VirtualClock
 from app.emulators.build import EMULATED, build_emulator, options_of
 from app.emulators.tmc5xxx import MODELS, EmulatedTmc5xxx, Tmc5xxxModel, Tmc5xxxOptions, Tmc5xxxPatch
+from app.emulators.tmc5xxx.family import FAMILY
 from app.errors import OutOfRange, WrongState
 from tests.emulators.tmc5xxx.rig import DUAL, FORWARD, PLACES, SINGLE, TURN, Bench, moving
 
@@ -95,7 +96,7 @@ def test_changes_that_cannot_be() -> None:
 
 def test_its_time_can_be_faster_than_ours() -> None:
     clock = VirtualClock()
-    chip = build_emulator("tmc5160", clock, Tmc5xxxOptions(motor="rigid", time_scale=2.0))
+    chip = FAMILY.make("tmc5160", clock, Tmc5xxxOptions(motor="rigid", time_scale=2.0))
     clock.set(3.0)
     assert chip.state().chip_time_s == 6.0
     chip.patch(Tmc5xxxPatch(time_scale=0.0))

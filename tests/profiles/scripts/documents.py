@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from app.profiles.document import AxisPart, MslutPart, ParameterPart, ProfileDocument, RegisterPart, Tables
+from app.registers.tmcl.modules import MODULES
 
 
 def profile_of(model: str, name: str = "tuned", note: str = "") -> ProfileDocument:
@@ -16,7 +17,7 @@ def profile_of(model: str, name: str = "tuned", note: str = "") -> ProfileDocume
         captured_unix_s=1.8e9,
         axes=[AxisPart(name="x", full_steps_per_rev=200)],
         registers=REGISTERS.get(model, []),
-        parameters=PARAMETERS if model == "pd42-1241" else [],
+        parameters=PARAMETERS if model in MODULES else [],
         tables=TABLES.get(model, Tables()),
     )
 

@@ -22,6 +22,8 @@ from tests.profiles.scripts.documents import profile_of
 IN_PROCESS: tuple[tuple[str, Language], ...] = (
     *((model, "c") for model in ("tmc428", "tmc4210", "tmc4361", "tmc5031", "tmc5072", "tmc5160", "pd42-1241")),
     ("pd42-1241", "tmcl"),
+    ("tmcm-1161", "tmcl"),
+    ("tmcm-1161", "c"),
 )
 
 
@@ -29,7 +31,7 @@ IN_PROCESS: tuple[tuple[str, Language], ...] = (
 async def test_what_was_captured_comes_back_by_its_script(model: str, language: Language) -> None:
     async with emulated(model, 16e6) as device:
         for part in profile_of(model).registers:
-            await device.write(part.name, part.axis, part.value, part.fields)
+            await device.registers.write(part.name, part.axis, part.value, part.fields)
         document = await capture(device)
     script = await Scripts().make(document, language)
     assert script.checked.model == model

@@ -1,0 +1,1 @@
+"""What the calculators know of each chip of this family."""

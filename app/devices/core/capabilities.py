@@ -1,0 +1,470 @@
+"""What a device can, as small protocols: a driver's parts fulfil them, and everybody above asks for one of them.
+
+Every device has those of the first half. Those of the second half some have: `Device.part` finds one, and `Device.need`
+says what to do where there is none. A part has the capabilities that it inherits, and takes over what stands here as
+their default; a method of the same name makes none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from typing import ClassVar, Protocol
+
+from ...calc.microsteps.mslut import MslutRegisters
+from ...calc.tmcl.assembler import Assembly
+from ...calc.tmcl.instructions import Command, InstructionSet
+from ...errors import WrongState
+from ...links.queue import Priority
+from ...registers.model import Register
+from .counter import CounterLook
+from .prediction import Prediction
+from .results import (
+    AxisMove,
+    AxisState,
+    BatchResult,
+    ChainContents,
+    EventPage,
+    HeldMslut,
+    MotionEnd,
+    MoveStarted,
+    ProgramDownload,
+    ProgramState,
+    RawExchange,
+    RegisterReading,
+    RegisterWritten,
+    Rotating,
+    StopMode,
+    StopOutcome,
+    TmclExchange,
+    WriteItem,
+)
+from .sample_plan import Channel, SamplePlan, Taken
+from .signs import EncoderSeen, Remedy, Signs
+
+# --- what every device has ----------------------------------------------------------------------
+
+
+class Identity(Protocol):
+    """Who answers at the far end, and what the driver has to know of it."""
+
+    async def probe(self) -> str:
+        """Ask something harmless; returns what was found, for people. Raises LinkError, or WrongState (other chip)."""
+        ...
+
+    async def refresh(self) -> None:
+        """Read again what the driver remembers of the chip (dividers): somebody else may have changed it."""
+        ...
+
+    def only_reads(self, frame: bytes) -> bool:
+        """Whether a frame of this link reads, and neither writes nor moves anything."""
+        ...
+
+    @property
+    def shortcomings(self) -> tuple[str, ...]:
+        """What this very device has not that others of its model have, for people."""
+        return ()
+
+    def ways_out(self, why: WrongState) -> tuple[Remedy, ...]:
+        """What ends that the driver keeps still because of `why`."""
+        del why
+        return ()
+
+    async def let_go(self) -> None:
+        """End whatever the driver does on its own; the port is closed next."""
+
+
+class Registers(Protocol):
+    """Registers or parameters by name, read past any cache and read back after each write."""
+
+    async def read(self, name: str, axis: int | None = None) -> RegisterReading:
+        """Read one register, or a field by its own name, from the chip, past any cache."""
+        ...
+
+    def clears_when_read(self, name: str, axis: int | None = None) -> bool:
+        """Whether reading that register, or field, sets it back. Raises UnknownThing, UsageError."""
+        ...
+
+    async def read_all(self, axis: int | None = None, groups: Collection[str] = ()) -> list[RegisterReading]:
+        """Every readable register; with `axis` only of that axis (no global ones), with `groups` only of those."""
+        ...
+
+    def kept(self, axis: int | None = None, groups: Collection[str] = ()) -> list[RegisterReading]:
+        """Registers that cannot be read, where the driver knows what they hold: nothing is asked of the chip."""
+        del axis, groups
+        return []
+
+    async def write(
+        self,
+        name: str,
+        axis: int | None = None,
+        value: int | None = None,
+        fields: dict[str, int | str] | None = None,
+    ) -> RegisterWritten:
+        """Write the whole value, or some fields, and read back.
+
+        Raises UnknownThing, OutOfRange, WrongState (read-only), WriteRefused (the chip did not take it).
+        """
+        ...
+
+    async def write_many(self, items: Sequence[WriteItem]) -> BatchResult:
+        """Several writes in order; the first that fails ends it."""
+        ...
+
+    async def check_writes(self, items: Sequence[WriteItem]) -> None:
+        """Raises SoftLimit where one of these writes, made in this order, would go beyond a soft limit. Sends no write.
+
+        For whoever writes many things and wants to know before the first: batches, profiles. Raises UnknownThing,
+        OutOfRange, LinkError too.
+        """
+        ...
+
+
+class RawFrames(Protocol):
+    """Single frames as they go over the wire."""
+
+    async def exchange(self, frame: bytes) -> RawExchange:
+        """One raw frame. Raises OutOfRange for a wrong length."""
+        ...
+
+
+class Motion(Protocol):
+    """Sends axes somewhere, and stops them."""
+
+    async def move_together(self, moves: Sequence[AxisMove]) -> list[MoveStarted]:
+        """Prepare all, then start all in successive datagrams (DS-TMC428 9.10)."""
+        ...
+
+    async def move(self, axis: int, target: float, relative: bool = False, unit: str = "microsteps") -> MoveStarted:
+        """Go to `target` by the axis's ramp. Raises WrongState where the setting cannot move the motor."""
+        return (await self.move_together([AxisMove(axis, target, relative, unit)]))[0]
+
+    async def retarget(self, axis: int, count_target: int) -> MoveStarted:
+        """Go on to where the counter shows `count_target`, the shorter way round, also over the counter's end.
+
+        What `move` raises. The axis may stand or be under way, by an earlier target or at a velocity.
+        """
+        return (await self.move_together([AxisMove(axis, count_target, over_the_end=True)]))[0]
+
+    async def rotate(self, axis: int, velocity: float, unit: str = "pps") -> Rotating:
+        """Turn on and on. Never clipped: raises OutOfRange with the limit in the same unit."""
+        ...
+
+    async def stop_axes(self, axes: Sequence[int], mode: StopMode) -> list[StopOutcome]:
+        """Stop ahead of everything that waits for this link. Failures are in the outcomes, not raised."""
+        ...
+
+    def speed_limit_pps(self, axis: int) -> float:
+        """What the ramp generator can at most do at this clock, however its registers are set [pps]."""
+        ...
+
+    def prediction(self, axis: int) -> Prediction | None:
+        """The ramp expected for the present motion; None where there was none, or something changed it."""
+        ...
+
+
+class AxisMonitor(Protocol):
+    """Tells how an axis is now, and why it came to rest."""
+
+    async def axis_state(self, axis: int, priority: Priority = Priority.COMMAND) -> AxisState:
+        """Position, velocity, switches and flags now."""
+        ...
+
+    def signs(self, axis: int, state: AxisState) -> Signs:
+        """What is known of the axis beside `state`, as it was read just now. Asks nothing of the chip."""
+        ...
+
+    def motion_ends(self, axis: int) -> tuple[MotionEnd, ...]:
+        """Why the motor came to rest, the latest last; empty where the family does not watch."""
+        ...
+
+
+class PositionCounter(Protocol):
+    """The position counter, which wraps, and what is compared with it or latches it."""
+
+    async def look(self, axis: int) -> CounterLook:
+        """Read the position counter, and then whether the chip was reset. Raises BenchError."""
+        ...
+
+    def counter_bits(self, axis: int) -> int | None:
+        """Bits of the position counter of `axis`, which wraps; None where it wraps elsewhere as the chip is set."""
+        ...
+
+    async def runs_for_s(self) -> float | None:
+        """How long ago the chip was switched on or reset, device time [s]; None where it cannot tell."""
+        return None
+
+    def latch_register(self, axis: int) -> str | None:
+        """The register that keeps the counter's number at an edge of a switch; None where there is none."""
+        del axis
+        return None
+
+    def compare_register(self, axis: int) -> str | None:
+        """The register that the counter is compared with; None where there is none."""
+        del axis
+        return None
+
+
+class Telemetry(Protocol):
+    """Channels, and what to ask for them."""
+
+    def channels(self) -> tuple[Channel, ...]:
+        """Every telemetry channel of this device."""
+        ...
+
+    def sample_plan(self, channels: Sequence[str]) -> SamplePlan:
+        """What to ask for these channels, and how to read the answers. Raises UnknownThing."""
+        ...
+
+    async def take_samples(self, plan: SamplePlan, rows: int = 1) -> Taken:
+        """Samples over the link. Raises LinkError, and SampleDropped where the link is too busy."""
+        ...
+
+    @property
+    def rate_max_hz(self) -> float:
+        """Samples a second that this link is good for, of one channel."""
+        ...
+
+    def sample_rate_max_hz(self, plan: SamplePlan) -> float:
+        """Samples a second that this link is good for when `plan` makes them."""
+        ...
+
+    def rows_at_once(self, plan: SamplePlan, rate_hz: float) -> int:
+        """How many samples to take in one go at `rate_hz`: more than one where the link would be idle in between."""
+        ...
+
+    @property
+    def shares_rows(self) -> bool:
+        """Whether each sample costs readers something, so that history and readers have to share them."""
+        ...
+
+    @property
+    def calls_per_s_possible(self) -> float | None:
+        """Questions a second that the wire can carry; None where it sets no limit."""
+        ...
+
+    @property
+    def calls_per_s(self) -> float:
+        """Questions a second that everybody on this wire asks."""
+        ...
+
+
+class ConfigurationRules(Protocol):
+    """Knows what its registers mean as a configuration, and keeps a motor still while one is written."""
+
+    @property
+    def firmware(self) -> str:
+        """As the device itself tells it, e.g. "1.44"; empty where it tells none, or was not asked yet."""
+        return ""
+
+    def unit_of(self, register: Register, /) -> str:
+        """What the numbers of `register` count in, as the device is set now."""
+        return register.unit
+
+    def as_set(self, register: Register, word: int, /) -> int:
+        """`word`, read from `register`, as its user has set it and as one would have to write it again."""
+        del register
+        return word
+
+    def unread(self, register: Register, /) -> int | None:
+        """What a register that cannot be read holds; None where nobody knows."""
+        del register
+        return None
+
+    def commanded_bits(self, register: Register, word: int, /) -> int:
+        """Bits of `word` that say what the motor was last told to do, though at other times they are configuration."""
+        del register, word
+        return 0
+
+    async def require_idle(self) -> None:
+        """Raises WrongState while something runs, a motor apart, that writing a configuration must not disturb;
+        BenchError."""
+
+    async def hold_still(self, axis: int, state: AxisState, /) -> list[str]:
+        """Take every reason to move from `axis`, which rests as `state` says; what was done to that end, for people.
+        Raises BenchError."""
+        ...
+
+
+# --- what some have -----------------------------------------------------------------------------
+
+
+class EncoderSetting(Protocol):
+    """Knows what sets an encoder right whose resolution is set wrong."""
+
+    ENCODER_REGISTERS: ClassVar[frozenset[str]]
+    """Registers a write to which gives an encoder, or the position, other numbers for the same place or way."""
+
+    def encoder_remedies(self, axis: int, state: AxisState, seen: EncoderSeen, /) -> tuple[Remedy, ...]:
+        """Writes after which an encoder whose resolution is set wrong tells the way that the motor goes, and starts
+        from where `state` says the axis rests; empty where none are known. Asks nothing of the chip."""
+        ...
+
+    def require_encoder(self, axis: int, /) -> None:
+        """Raises WrongState where no encoder shows the way of `axis`; UnknownThing for the axis."""
+        ...
+
+
+class PositionFromEncoder(Protocol):
+    """Can take its position from an encoder."""
+
+    async def position_from_encoder(self, axis: int, /) -> int:
+        """Call the place where the motor stands what its encoder shows; the difference. Raises WrongState."""
+        ...
+
+
+class PositionSetting(Protocol):
+    """Can call the place where the motor stands by another number."""
+
+    async def set_position(self, axis: int, position: int, /) -> int:
+        """Call the place where the motor stands `position` [microsteps]; the difference. Raises WrongState while it
+        moves, OutOfRange."""
+        ...
+
+
+class VelocityJumps(Protocol):
+    """Can move with a velocity that jumps."""
+
+    async def move_in_steps(
+        self, axis: int, target: int, *, relative: bool = False, velocity_pps: float | None = None
+    ) -> MoveStarted:
+        """Go without a ramp, at `velocity_pps` (None: as it is set) [pps]. Raises what `Motion.move` raises."""
+        ...
+
+    async def stand_ready(self, axis: int) -> None:
+        """Positioning again with the user's ramps, the target where the axis stands. Raises WrongState while it
+        moves."""
+        ...
+
+
+class LatchedFlags(Protocol):
+    """Keeps flags until somebody has taken notice of them."""
+
+    async def clear_flags(self, axis: int, /) -> None: ...
+
+
+class EventLog(Protocol):
+    """Has an event register, whose edges are kept as a timeline."""
+
+    def events(self, axis: int, after: int = 0, limit: int = 1000, /) -> EventPage:
+        """The oldest `limit` entries behind number `after`. Raises UnknownThing for the axis."""
+        ...
+
+
+class TmclCommands(Protocol):
+    """Speaks TMCL."""
+
+    async def tmcl(self, command: int | str, type_: int | str = 0, motor: int = 0, value: int = 0, /) -> TmclExchange:
+        """One command as it is, by numbers or by names. Raises LinkError; a bad status is an answer."""
+        ...
+
+
+class ParameterStore(Protocol):
+    """Has an EEPROM that keeps parameters."""
+
+    async def store(self, name: str, axis: int | None = None) -> RegisterReading:
+        """Copy a parameter to EEPROM. Raises UnknownThing, and WrongState where that one cannot be stored."""
+        ...
+
+    async def restore(self, name: str, axis: int | None = None) -> RegisterReading:
+        """Copy a parameter back from EEPROM."""
+        ...
+
+
+class MicrostepRam(Protocol):
+    """Has a table of 64 values of a quarter of a wave in its RAM."""
+
+    async def read_microstep_table(self) -> list[int]:
+        """The 64 values."""
+        ...
+
+    async def write_microstep_table(self, values: Sequence[int]) -> list[int]:
+        """Write 64 values of 0..63 and return the read-back. Raises UsageError, WriteRefused."""
+        ...
+
+
+class MslutTable(Protocol):
+    """Has a table of one-bit differences (MSLUT)."""
+
+    async def read_mslut(self, axis: int = 0) -> HeldMslut:
+        """The registers of an axis's table."""
+        ...
+
+    async def write_mslut(self, registers: MslutRegisters, axis: int | None = None) -> HeldMslut:
+        """Write MSLUT, MSLUTSEL and MSLUTSTART, of all axes or of one; what else shares a register (DAC_OFFSET) stays.
+        Raises BadReply where the link shows that a word may have arrived otherwise."""
+        ...
+
+
+class DriverChainRam(Protocol):
+    """Drives a chain of SPI drivers by datagrams that it composes."""
+
+    async def read_driver_chain(self) -> ChainContents:
+        """The chain's RAM and LSMD."""
+        ...
+
+    async def write_driver_chain(self, ram_words: Sequence[int], lsmd: int) -> ChainContents:
+        """Write up to 32 RAM words and LSMD and return the read-back. Raises UsageError, WriteRefused."""
+        ...
+
+
+class ProgramMemory(Protocol):
+    """Has a memory for a program, and executes it by itself."""
+
+    @property
+    def instructions(self) -> InstructionSet:
+        """The commands that its programs are made of."""
+        ...
+
+    def assemble(self, text: str, files: Mapping[str, str], name: str = "program") -> Assembly:
+        """The commands of a program; it may include `files` and those that every program may have."""
+        ...
+
+    async def download(self, commands: Sequence[Command], address: int = 0) -> ProgramDownload:
+        """Store commands from `address` on, and read them back. A program that runs is stopped.
+
+        Raises SoftLimit and WrongState before anything is sent, WriteRefused where another command is read back,
+        LinkError.
+        """
+        ...
+
+    async def read_program(self, address: int, count: int) -> list[Command]:
+        """What the memory holds from `address` on. Raises WrongState where it is protected, LinkError."""
+        ...
+
+    async def run_program(self, address: int | None = None) -> None:
+        """Begin at `address`, or go on where it stopped."""
+        ...
+
+    async def stop_program(self) -> None:
+        """Stop the program. The motor goes on as it was told last."""
+        ...
+
+    async def step_program(self) -> None:
+        """Do one command."""
+        ...
+
+    async def reset_program(self) -> None:
+        """Stop it, and go to its start."""
+        ...
+
+    async def program_state(self, variables: Sequence[int] = ()) -> ProgramState:
+        """What it does now, with these of its variables."""
+        ...
+
+
+NO_ENCODER = ("has no encoder to record", "use a controller with an encoder input")
+MISSING: dict[type, tuple[str, str]] = {
+    EncoderSetting: NO_ENCODER,
+    PositionFromEncoder: ("cannot take its position from an encoder", "search its reference"),
+    PositionSetting: ("cannot have its position set", "search its reference"),
+    VelocityJumps: ("moves on ramps only", "let it go on its ramp"),
+    LatchedFlags: ("keeps no flags", "its condition tells what is so now"),
+    EventLog: ("has no event register", "its flags are in the axis's state"),
+    TmclCommands: ("speaks no TMCL", "send it a datagram: POST .../exchange"),
+    ProgramMemory: ("has no memory for programs", "let a script command it: stepscope has a client"),
+    ParameterStore: ("has no EEPROM", "keep its profile: GET .../profile"),
+    MicrostepRam: ("has no microstep table", "its step/direction driver makes microsteps"),
+    MslutTable: ("has no table of differences (MSLUT)", ""),
+    DriverChainRam: ("drives no chain of SPI drivers", "it has a step/direction output"),
+}
+"""What is said of a device without it, and what to do instead."""

@@ -1,0 +1,46 @@
+"""What a family of chips or modules is to the layer of drivers."""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Sequence
+from dataclasses import dataclass
+from typing import Protocol, TypeAlias
+
+from ...clock import Clock
+from ...links.port import FramePort
+from ...links.queue import LinkQueue
+from ...links.register_access import RegisterAccess
+from .axis_limits import AxisLimits
+from .config import DeviceConfig
+from .device import Device
+from .limit_rules.rules import Rules
+from .start_up import StartPlanner
+
+LimitRules: TypeAlias = Callable[[Device, Sequence[AxisLimits], float], Rules]
+"""What a family's registers mean for soft limits: of a device, the limits of its axes and a clock [Hz]."""
+FoundBy: TypeAlias = Callable[[LinkQueue, RegisterAccess], Awaitable[tuple[str, ...]]]
+"""Models of a family that answer where another chip was expected; empty where none does. Raises LinkError, BadReply."""
+
+
+class Compose(Protocol):
+    """Makes a device of the family's parts; over `queue` where it is not the connection's own."""
+
+    def __call__(
+        self, device_id: str, config: DeviceConfig, port: FramePort, clock: Clock, queue: LinkQueue | None = None
+    ) -> Device: ...
+
+
+@dataclass(frozen=True, slots=True)
+class DeviceFamily:
+    """One family's drivers.
+
+    models : by name, as in the catalog. limit_rules : what registers mean for soft limits
+    start_plan : how a device is set up after power-on. found_by : how it is known where another family was expected
+    """
+
+    name: str
+    models: tuple[str, ...]
+    compose: Compose
+    limit_rules: LimitRules
+    start_plan: StartPlanner
+    found_by: FoundBy | None = None

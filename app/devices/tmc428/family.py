@@ -1,0 +1,119 @@
+"""The TMC428 family: what the layer of drivers knows of it, and how its drivers are composed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from ...clock import Clock
+from ...links.access32 import SPI32
+from ...links.port import FramePort
+from ...links.queue import LinkQueue
+from ...registers.model import RegisterTable
+from ..core.axis_limits import AxisLimits
+from ..core.config import DeviceConfig
+from ..core.device import Device, Parts
+from ..core.family import DeviceFamily
+from ..core.register_file import RegisterFile
+from ..core.register_link import RegisterLink
+from ..core.session import Session
+from . import tmc428, tmc429, tmc4210
+from .axis_rows import AxisRows
+from .configuration import RampConfiguration
+from .counter import COUNTER_WRITES, RampCounter
+from .identity import RampIdentity
+from .limits import RampRules
+from .memory import RampMemory
+from .monitor import RampMonitor
+from .moves import RampMotion
+from .prediction import TickedBook
+from .ram import Ram
+from .raw import RawDatagrams32
+from .resets import Resets
+from .start_up import plan
+from .stops import RampStops
+from .switching import Switching
+from .telemetry import RampTelemetry
+from .writes import RampWrites
+
+
+@dataclass(frozen=True, slots=True)
+class Chip:
+    """What of a driver is one chip's own. `besides` are the global registers that are remembered."""
+
+    axis_rows: Callable[[RegisterTable, int], AxisRows]
+    besides: tuple[str, ...]
+    identity: Callable[[RegisterLink, RampMemory, Resets], RampIdentity]
+    switching: Callable[[RegisterLink, RampMemory], Switching]
+    writes: Callable[[RegisterLink, RampMemory, Sequence[TickedBook]], RampWrites] = RampWrites
+    ram: Callable[[RegisterLink, RegisterFile], Ram] | None = None
+    compare: str | None = None
+
+
+CHIPS = {
+    "tmc428": Chip(
+        tmc428.axis_rows, (tmc428.GLOBAL,), tmc428.Tmc428Identity, tmc428.Tmc428Switching, tmc428.Tmc428Writes, Ram
+    ),
+    "tmc429": Chip(
+        tmc428.axis_rows,
+        (tmc428.GLOBAL, tmc429.INTERFACE),
+        tmc429.Tmc429Identity,
+        tmc429.Tmc429Switching,
+        tmc428.Tmc428Writes,
+        Ram,
+        compare=tmc429.COMPARE,
+    ),
+    "tmc4210": Chip(
+        tmc4210.axis_rows,
+        (tmc4210.GLOBAL,),
+        tmc4210.Tmc4210Identity,
+        tmc4210.Tmc4210Switching,
+        compare=tmc4210.COMPARE,
+    ),
+}
+
+
+def compose(
+    device_id: str, config: DeviceConfig, port: FramePort, clock: Clock, queue: LinkQueue | None = None
+) -> Device:
+    """A device of this family, of its parts."""
+    chip = CHIPS[config.model]
+    session = Session(device_id, config, port, clock, COUNTER_WRITES.__contains__, queue)
+    link = RegisterLink(session, SPI32, session.family.table)
+    axes = session.family.axes
+    rows = [chip.axis_rows(link.table, axis) for axis in range(axes)]
+    memory = RampMemory(link, rows, [link.table.get(name) for name in chip.besides])
+    books = tuple(TickedBook() for _ in rows)
+    switching = chip.switching(link, memory)
+    resets = Resets(memory)
+    writes = chip.writes(link, memory, books)
+    registers = RegisterFile(link, writes, axes)
+    stops = RampStops(session, memory, books)
+    parts = Parts(
+        identity=chip.identity(link, memory, resets),
+        registers=registers,
+        raw=RawDatagrams32(link, memory, writes, switching.status_names),
+        motion=RampMotion(link, memory, switching, books, stops),
+        monitor=RampMonitor(link, memory, switching, books, resets),
+        counter=RampCounter(link, memory, resets, chip.compare),
+        telemetry=RampTelemetry(link, memory, switching, books),
+        configuration=RampConfiguration(registers, memory, writes),
+        others=(
+            stops,
+            memory,
+            switching,
+            *(() if chip.ram is None else (chip.ram(link, registers),)),
+        ),
+    )
+    return Device(session, parts)
+
+
+def limit_rules(device: Device, limits: Sequence[AxisLimits], clock_hz: float) -> RampRules:
+    """What its registers mean for soft limits."""
+    registers, memory = device.part(RegisterFile), device.part(RampMemory)
+    assert registers is not None  # it was composed here
+    assert memory is not None
+    return RampRules(registers, memory, limits, clock_hz)
+
+
+FAMILY = DeviceFamily("tmc428", tuple(CHIPS), compose, limit_rules, plan)

@@ -1,0 +1,50 @@
+"""Who answers at the far end, by version and clock."""
+
+from __future__ import annotations
+
+from ...errors import OtherModel, WrongState
+from ..core.background_tasks import OwnTasks
+from ..core.capabilities import Identity
+from ..core.register_link import RegisterLink
+from ..core.unread_registers import NOTHING, on_board
+from . import rows
+from .identity import is_one
+from .memory import ChipMemory
+
+
+class ChipIdentity(Identity):
+    """Tells one TMC4361 from everything else; `tasks` are the driver's own, which end when it is let go."""
+
+    def __init__(self, link: RegisterLink, memory: ChipMemory, tasks: OwnTasks) -> None:
+        self._link = link
+        self._session = link.session
+        self._memory = memory
+        self._tasks = tasks
+
+    async def probe(self) -> str:
+        where = await on_board(self._link)
+        async with self._link.turn() as turn:
+            version, clock_hz = await self._link.words(turn).read_many((rows.VERSION, rows.CLK_FREQ))
+        if is_one(version, clock_hz):
+            return f"a TMC4361 answers, version {version}, CLK_FREQ {clock_hz / 1e6:g} MHz{where}"
+        found = await self._session.models_found(self._link.access)
+        if version == clock_hz and version in NOTHING and not found:
+            raise WrongState(
+                f"no TMC4361 answers here: all bits read {version & 1}", "check power, wiring and chip select"
+            )
+        raise OtherModel(
+            f"this is no TMC4361: VERSION_NO reads {version:#010x} and CLK_FREQ {clock_hz:#010x}",
+            self._session.model,
+            found,
+            foreign=True,
+        )
+
+    async def refresh(self) -> None:
+        async with self._link.turn() as turn:
+            await self._memory.refresh(self._link.words(turn))
+
+    def only_reads(self, frame: bytes) -> bool:
+        return self._link.access.is_read(frame)
+
+    async def let_go(self) -> None:
+        await self._tasks.end()

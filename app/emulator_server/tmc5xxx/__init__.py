@@ -1,0 +1,1 @@
+"""TMC5xxx on an emulated UART, and their control port."""

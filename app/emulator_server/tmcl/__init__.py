@@ -1,0 +1,1 @@
+"""TMCL modules on an emulated line, and their control port."""

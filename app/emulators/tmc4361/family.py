@@ -1,0 +1,43 @@
+"""The family as the rest of the program sees it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from ...clock import Clock, VirtualClock
+from ..core.family import AxisLoad, EmulatorFamily
+from .chip import MODEL, EmulatedTmc4361
+from .options import Tmc4361Options, Tmc4361Patch
+from .state import Tmc4361State
+
+
+def build(model: str, clock: Clock, options: Tmc4361Options, eeprom: Path | None = None) -> EmulatedTmc4361:
+    """A chip with its motor and encoder."""
+    del model, eeprom  # there is one, without a memory
+    return EmulatedTmc4361(clock, options)
+
+
+def warm_up() -> None:
+    EmulatedTmc4361(VirtualClock()).exchange(bytes(5), 1e-3)
+
+
+def _load_nm(state: Tmc4361State, axis: int) -> float:
+    del axis
+    return state.load_torque_nm
+
+
+def _loaded(axis: int, load_nm: float) -> Tmc4361Patch:
+    del axis
+    return Tmc4361Patch(load_torque_nm=load_nm)
+
+
+FAMILY = EmulatorFamily(
+    "tmc4361",
+    (MODEL,),
+    Tmc4361Options,
+    Tmc4361Patch,
+    Tmc4361State,
+    build,
+    warm_up,
+    load=AxisLoad(_load_nm, _loaded),
+)

@@ -1,0 +1,70 @@
+"""What a family has to say for its configuration to be written in a safe order."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol, TypeAlias
+
+from ..registers.model import Register
+
+
+class Counted(Protocol):
+    """A device, or a profile of one, as far as units depend on how it is set."""
+
+    @property
+    def clock_hz(self) -> float: ...
+
+    def field(self, name: str, axis: int) -> int | None:
+        """A field or parameter as it is held; None where nobody knows."""
+        ...
+
+
+PhysicalOf: TypeAlias = Callable[[Counted, Register, int], tuple[float, str] | None]
+"""What a number in a register means: how much, and in which unit; None where the family has no unit of its own for it.
+Raises ValueError, KeyError, ZeroDivisionError where it is set as no formula allows."""
+
+
+@dataclass(frozen=True, slots=True)
+class Busy:
+    """Something that has to be 0 before anything is written: `field` of it, or all of it."""
+
+    register: str
+    axis: int | None
+    field: str
+    why: str
+
+
+@dataclass(frozen=True, slots=True)
+class Gates:
+    """The register, and the bits of it, that make writes wait for a start signal, or a start write over them."""
+
+    register: str
+    mask: int
+
+
+@dataclass(frozen=True, slots=True)
+class ProfileRules:
+    """One family's.
+
+    state : registers that can be written, but are state, happen once, or belong to the individual
+    order : groups of registers in the order in which they are written; those that are not named follow
+    state_fields : fields of which the same is true as of `state`
+    target : the register that gets the position at which the motor stands; empty for a module, whose motor has to
+        stand at its target
+    positioning : register, field and value of positioning where a velocity mode makes a speed limit the speed
+    busy : what has to be 0 first
+    gates : what makes writes wait for a start signal, where there is that
+    physical : what numbers in units of its own mean
+    known : whether it is known what of a device is configuration; of modules known by name alone it is not
+    """
+
+    state: frozenset[str]
+    order: tuple[str, ...]
+    state_fields: frozenset[str] = frozenset()
+    target: str = ""
+    positioning: tuple[str, str, int] | None = None
+    busy: tuple[Busy, ...] = ()
+    gates: Gates | None = None
+    physical: PhysicalOf | None = None
+    known: bool = True

@@ -1,0 +1,54 @@
+"""An entry of the catalog: a chip or module, what it is and what it can."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from .capabilities import Capability
+from .model import RegisterTable
+from .wires import Wire
+
+Tier = Literal["full", "names"]
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """A chip or module: its name on the API, what it is, and its registers or parameters."""
+
+    name: str
+    family: str
+    """Whose driver, emulator and tables it has: the name of its folder in each layer."""
+    title: str
+    summary: str
+    description: str
+    """What it is among all devices: "a chip with SixPoint ramps"."""
+    axes: int
+    table: RegisterTable
+    clock_hz_default: float
+    clock_hz_max: float
+    capabilities: frozenset[Capability]
+    wires: frozenset[Wire]
+    """The kinds of links that lead to it."""
+    clock_hz_min: float = 0.0
+    """0: the sources name no lowest clock."""
+    current_scale: Literal["", "sense_resistor", "full_scale"] = ""
+    """What makes amperes of its current settings; empty where it sets no current."""
+    kind: Literal["chip", "module"] = "chip"
+    """A chip has registers; a module speaks TMCL and has parameters."""
+    datagram_bits: int = 32
+    """Length of one datagram on the wire of a chip; 0 for a module, whose frames TMCL tells."""
+    fetch_address: int = 0
+    """What is read to fetch the answer to the datagram before, where answers come one later: reading it clears
+    nothing."""
+    uart: Literal["", "plain", "node"] = ""
+    """A chip's UART besides SPI: none, datagrams of one chip on a line, or with the address of one of several."""
+    board: str = ""
+    """What the maker's evaluation board calls the chip in its slot; empty where it takes none."""
+    tier: Tier = "full"
+    """How deep it is known: with calculators and a physical emulator, or by the names of its parameters alone."""
+    version: int | None = None
+    """What a chip with a VERSION shows there; None for those that have none."""
+
+    def can(self, capability: Capability) -> bool:
+        return capability in self.capabilities
