@@ -1,10 +1,11 @@
 import { Center, Loader } from "@mantine/core";
 import { type ComponentType, Suspense } from "react";
 import { Redirect, Route, Switch } from "wouter";
+import type { PageEntry } from "./families/family";
 import { lazily } from "./lib/later";
-import { OtherFamily } from "./lib/OtherFamily";
 import BenchPage from "./pages/bench/BenchPage";
-import { insteadOf, PAGES, type PageEntry } from "./shell/pages";
+import { OtherDevice } from "./shell/OtherDevice";
+import { FAMILY_PAGES, PAGES } from "./shell/pages";
 import { Shell } from "./shell/Shell";
 
 const page = (load: () => Promise<{ default: ComponentType }>) => lazily(async () => (await load()).default);
@@ -13,17 +14,9 @@ const Recordings = page(() => import("./pages/recordings/RecordingsPage"));
 const COMPONENTS: Record<string, ComponentType> = {
   "/": BenchPage, // where most begin: in one file with the shell it packs better than in dozens that others share
   "/registers": page(() => import("./pages/registers/RegistersPage")),
-  "/ramps": page(() => import("./pages/ramps/RampsPage")),
-  "/sramp": page(() => import("./pages/sramp/SRampPage")),
-  "/sixpoint": page(() => import("./pages/sixpoint/SixPointPage")),
-  "/closed-loop": page(() => import("./pages/closedloop/ClosedLoopPage")),
-  "/filters": page(() => import("./pages/filters/FiltersPage")),
   "/microsteps": page(() => import("./pages/microsteps/MicrostepsPage")),
-  "/chain": page(() => import("./pages/chain/ChainPage")),
-  "/parameters": page(() => import("./pages/parameters/ParametersPage")),
   "/encoder": page(() => import("./pages/encoder/EncoderPage")),
   "/stallguard": page(() => import("./pages/stallguard/StallGuardPage")),
-  "/currents": page(() => import("./pages/currents/CurrentsPage")),
   "/rotary": page(() => import("./pages/rotary/RotaryPage")),
   "/twin": page(() => import("./pages/twin/TwinPage")),
   "/health": page(() => import("./pages/health/HealthPage")),
@@ -32,6 +25,7 @@ const COMPONENTS: Record<string, ComponentType> = {
   "/profiles": page(() => import("./pages/profiles/ProfilesPage")),
   "/console": page(() => import("./pages/console/ConsolePage")),
   "/connections": page(() => import("./pages/connections/ConnectionsPage")),
+  ...Object.fromEntries(FAMILY_PAGES.map(({ path, load }) => [path, page(load)])),
 };
 const PlotSpeed = page(() => import("./pages/speed/PlotSpeedPage"));
 
@@ -66,8 +60,8 @@ function Entry({ entry }: { entry: PageEntry }) {
   const Page = COMPONENTS[entry.path];
   if (Page === undefined) return null;
   return (
-    <OtherFamily page={entry.label} families={entry.families} instead={(family) => insteadOf(entry, family)}>
+    <OtherDevice entry={entry}>
       <Page />
-    </OtherFamily>
+    </OtherDevice>
   );
 }

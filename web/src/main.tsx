@@ -1,7 +1,8 @@
-import "@mantine/core/styles.css";
+import "@mantine/core/styles.layer.css";
 import "uplot/dist/uPlot.min.css";
+import "./tokens.css";
+import "./lib/ui.css";
 import "./app.css";
-import "./lib/words.css";
 import { MantineProvider } from "@mantine/core";
 import { QueryClient, QueryClientProvider } from "@tanstack/react-query";
 import { StrictMode } from "react";
@@ -12,7 +13,7 @@ import { watchLease } from "./api/lease/bench";
 import { conditions } from "./live/conditions";
 import { RootBoundary } from "./shell/RootBoundary";
 import { Toasts } from "./shell/Toasts";
-import { cssVariables, theme } from "./theme";
+import { theme } from "./theme";
 
 const queries = new QueryClient({
   // A bench is local: a failed call is shown at once instead of being tried again behind the user's back.
@@ -29,7 +30,7 @@ const root = document.getElementById("root");
 if (!root) throw new Error("index.html has no #root");
 createRoot(root).render(
   <StrictMode>
-    <MantineProvider theme={theme} cssVariablesResolver={cssVariables} defaultColorScheme="auto">
+    <MantineProvider theme={theme} defaultColorScheme="auto">
       <QueryClientProvider client={queries}>
         <Toasts />
         <RootBoundary>

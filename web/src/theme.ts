@@ -1,4 +1,4 @@
-import { type CSSVariablesResolver, createTheme, type MantineColorsTuple } from "@mantine/core";
+import { createTheme, type MantineColorsTuple } from "@mantine/core";
 
 /** The one accent. Red is kept for stop and faults alone. */
 const accent: MantineColorsTuple = [
@@ -27,13 +27,6 @@ const red: MantineColorsTuple = [
   "#c02525",
   "#a82020",
 ];
-
-/** Small grey text that still reaches 4.5:1 on our surfaces; Mantine's own does not. */
-export const cssVariables: CSSVariablesResolver = () => ({
-  variables: {},
-  light: { "--mantine-color-dimmed": "#5a6472" },
-  dark: { "--mantine-color-dimmed": "#a4adb8" },
-});
 
 export const theme = createTheme({
   primaryColor: "accent",

@@ -1,15 +1,46 @@
-import { useQuery } from "@tanstack/react-query";
+import { queryOptions, useQuery, useQueryClient } from "@tanstack/react-query";
 import { api, type Schemas, unwrap } from "./client";
 
-export type Device = Schemas["DeviceInfo"];
+/** A chip or module as the catalog lists it: what it is, what it can, and which links lead to it. */
+export type Model = Schemas["CatalogEntry"];
+export type Capability = Model["capabilities"][number];
+/** A connected thing, with what the catalog says of its model. */
+export type Device = Schemas["DeviceInfo"] & { about: Model };
+
+const CATALOG = queryOptions({
+  queryKey: ["catalog"],
+  queryFn: async () => unwrap(await api.GET("/api/v1/catalog")),
+  staleTime: Number.POSITIVE_INFINITY,
+});
+
+export function useCatalog() {
+  return useQuery(CATALOG);
+}
+
+/** What the catalog says of a model by its name, once it is there. */
+export function useModel(name: string | undefined): Model | undefined {
+  return useCatalog().data?.find((model) => model.name === name);
+}
 
 /** All devices, looked at once a second: connection states change by themselves. */
 export function useDevices() {
+  const queries = useQueryClient();
   return useQuery({
     queryKey: ["devices"],
-    queryFn: async () => unwrap(await api.GET("/api/v1/devices")),
+    queryFn: async () => {
+      const [answer, models] = await Promise.all([api.GET("/api/v1/devices"), queries.ensureQueryData(CATALOG)]);
+      return unwrap(answer).flatMap((device): Device[] => {
+        const about = models.find((model) => model.name === device.model);
+        return about ? [{ ...device, about }] : [];
+      });
+    },
     refetchInterval: 1000,
   });
+}
+
+/** Whether a device can do that; without a device nothing can. */
+export function can(device: Pick<Device, "about"> | undefined, capability: Capability): boolean {
+  return device?.about.capabilities.includes(capability) === true;
 }
 
 export function useCatalogModel(model: string | undefined) {

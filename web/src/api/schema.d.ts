@@ -899,6 +899,150 @@ export interface paths {
         patch?: never;
         trace?: never;
     };
+    "/api/v1/devices/{device}/program/assemble": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Assemble Program
+         * @description The commands of a program, or everything that is wrong with it. Nothing is sent.
+         */
+        post: operations["assemble_program"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/program": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Read Program
+         * @description What the memory holds, as text that assembles to the same commands.
+         */
+        get: operations["read_program"];
+        /**
+         * Write Program
+         * @description Assemble a program, store it in the device and read it back. One that runs is stopped; the motor has to rest.
+         */
+        put: operations["write_program"];
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/program/run": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Run Program
+         * @description Run the program from an address, or from where it stopped. It may move the motor.
+         */
+        post: operations["run_program"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/program/stop": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Stop Program
+         * @description Stop the program. The motor goes on as it was told last: a stop of the axis ends both.
+         */
+        post: operations["stop_program"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/program/step": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Step Program
+         * @description Do one command of the program.
+         */
+        post: operations["step_program"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/program/reset": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        get?: never;
+        put?: never;
+        /**
+         * Reset Program
+         * @description Stop the program and go to its start; registers are cleared.
+         */
+        post: operations["reset_program"];
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/devices/{device}/program/state": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * Program State
+         * @description What the interpreter does now: counter, registers, and those user variables that are asked for.
+         */
+        get: operations["program_state"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
     "/api/v1/devices/{device}/microstep-table": {
         parameters: {
             query?: never;
@@ -1335,9 +1479,30 @@ export interface paths {
         };
         /**
          * List Models
-         * @description Every model, without its registers.
+         * @description Every model, without its registers: first those that stepscope knows well, then those that an installed package
+         *     lists, whose parameters are read when one of them is asked for.
          */
         get: operations["list_models"];
+        put?: never;
+        post?: never;
+        delete?: never;
+        options?: never;
+        head?: never;
+        patch?: never;
+        trace?: never;
+    };
+    "/api/v1/catalog/capabilities": {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        /**
+         * List Capabilities
+         * @description Everything that some model can and another cannot, in plain words.
+         */
+        get: operations["list_capabilities"];
         put?: never;
         post?: never;
         delete?: never;
@@ -1427,7 +1592,7 @@ export interface paths {
         };
         /**
          * List Recordings
-         * @description Recordings, the latest first, page by page.
+         * @description Recordings, the latest first, page by page; a page ends early where files have to be read for too long.
          */
         get: operations["list_recordings"];
         put?: never;
@@ -1931,7 +2096,7 @@ export interface components {
         };
         /**
          * ApplicationState
-         * @description The program in the module. It is stored and its run state kept; nothing executes it.
+         * @description The program in the module, and the registers of its interpreter.
          */
         ApplicationState: {
             /**
@@ -1955,6 +2120,31 @@ export interface components {
             accumulator: number;
             /** X */
             x: number;
+            /**
+             * Flags
+             * @description flags that are set
+             */
+            flags: string[];
+            /**
+             * Stack
+             * @description addresses that subroutines return to, the innermost last
+             */
+            stack: number[];
+            /**
+             * Waits
+             * @description a WAIT is not met yet
+             */
+            waits: boolean;
+            /**
+             * Interrupted
+             * @description an interrupt is being served
+             */
+            interrupted: boolean;
+            /**
+             * Error
+             * @description status of the latest command of a program that was refused; 0 for none
+             */
+            error: number;
         };
         /**
          * ApplyProgress
@@ -1985,6 +2175,28 @@ export interface components {
              */
             register_name: string;
             unfinished: components["schemas"]["UnfinishedProfile"] | null;
+        };
+        /**
+         * AssembledProgram
+         * @description A program as commands; with problems there is none.
+         */
+        AssembledProgram: {
+            /** Problems */
+            problems: components["schemas"]["ProgramProblem"][];
+            /** Commands */
+            commands: number;
+            /**
+             * Labels
+             * @description addresses by name
+             */
+            labels: {
+                [key: string]: number;
+            };
+            /**
+             * Listing
+             * @description address, bytes, source and command of each
+             */
+            listing: string;
         };
         /**
          * AuditEntry
@@ -2565,6 +2777,22 @@ export interface components {
             /** @description what encoder there is instead; null where that was not measured */
             encoder: components["schemas"]["EncoderFound"] | null;
         };
+        /**
+         * CapabilityTitle
+         * @description A word of the vocabulary that the catalog says by what a model can.
+         */
+        CapabilityTitle: {
+            /**
+             * Name
+             * @enum {string}
+             */
+            name: "registers" | "parameters" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store";
+            /**
+             * Title
+             * @description those that can, in the plural: "chips with S-ramps"
+             */
+            title: string;
+        };
         /** CatalogEntry */
         CatalogEntry: {
             /** Name */
@@ -2576,18 +2804,73 @@ export interface components {
              * @enum {string}
              */
             kind: "chip" | "module";
+            /**
+             * Family
+             * @description chips and modules of one family are driven, emulated and designed for alike
+             */
+            family: string;
             /** Title */
             title: string;
             /** Summary */
             summary: string;
+            /**
+             * Description
+             * @description what it is among all devices: "a chip with SixPoint ramps"
+             */
+            description: string;
             /** Axes */
             axes: number;
-            /** Registers */
-            registers: number;
+            /**
+             * Registers
+             * @description null: of a listed model nobody has asked for them yet
+             */
+            registers: number | null;
+            /**
+             * Tier
+             * @description full: with calculators and a physical emulator; names: an installed package lists the names of its parameters, there are no calculators, and its emulator holds what was written and moves by its parameters
+             * @default full
+             * @enum {string}
+             */
+            tier: "full" | "names";
+            /**
+             * Unreadable
+             * @description why the package's list of its parameters cannot be read
+             * @default
+             */
+            unreadable: string;
             /** Clock Hz Default */
             clock_hz_default: number;
+            /**
+             * Clock Hz Min
+             * @description 0: no lowest clock is known; it is above 0
+             */
+            clock_hz_min: number;
             /** Clock Hz Max */
             clock_hz_max: number;
+            /**
+             * Capabilities
+             * @description what it can, by the words of `GET /catalog/capabilities`
+             */
+            capabilities: ("registers" | "parameters" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store")[];
+            /** Wires */
+            wires: components["schemas"]["WireRow"][];
+            /**
+             * Datagram Bits
+             * @description length of a chip's datagram on SPI; 0 for a module
+             */
+            datagram_bits: number;
+            /**
+             * Uart
+             * @description of a chip's UART: none, datagrams of one chip on a line, or with the address of one of several
+             * @enum {string}
+             */
+            uart: "" | "plain" | "node";
+            /**
+             * Current Scale
+             * @description what a soft limit of its current needs beside it; empty where it sets no current
+             * @enum {string}
+             */
+            current_scale: "" | "sense_resistor" | "full_scale";
         };
         /** CatalogModel */
         CatalogModel: {
@@ -2600,18 +2883,73 @@ export interface components {
              * @enum {string}
              */
             kind: "chip" | "module";
+            /**
+             * Family
+             * @description chips and modules of one family are driven, emulated and designed for alike
+             */
+            family: string;
             /** Title */
             title: string;
             /** Summary */
             summary: string;
+            /**
+             * Description
+             * @description what it is among all devices: "a chip with SixPoint ramps"
+             */
+            description: string;
             /** Axes */
             axes: number;
-            /** Registers */
-            registers: number;
+            /**
+             * Registers
+             * @description null: of a listed model nobody has asked for them yet
+             */
+            registers: number | null;
+            /**
+             * Tier
+             * @description full: with calculators and a physical emulator; names: an installed package lists the names of its parameters, there are no calculators, and its emulator holds what was written and moves by its parameters
+             * @default full
+             * @enum {string}
+             */
+            tier: "full" | "names";
+            /**
+             * Unreadable
+             * @description why the package's list of its parameters cannot be read
+             * @default
+             */
+            unreadable: string;
             /** Clock Hz Default */
             clock_hz_default: number;
+            /**
+             * Clock Hz Min
+             * @description 0: no lowest clock is known; it is above 0
+             */
+            clock_hz_min: number;
             /** Clock Hz Max */
             clock_hz_max: number;
+            /**
+             * Capabilities
+             * @description what it can, by the words of `GET /catalog/capabilities`
+             */
+            capabilities: ("registers" | "parameters" | "ramp.pmul" | "ramp.s" | "ramp.sixpoint" | "microsteps.ram" | "microsteps.mslut" | "driver_chain" | "step_dir" | "chopper" | "current" | "encoder" | "closed_loop" | "stallguard" | "home_switch" | "input_filters" | "events" | "flags" | "position_compare" | "position_latch" | "store")[];
+            /** Wires */
+            wires: components["schemas"]["WireRow"][];
+            /**
+             * Datagram Bits
+             * @description length of a chip's datagram on SPI; 0 for a module
+             */
+            datagram_bits: number;
+            /**
+             * Uart
+             * @description of a chip's UART: none, datagrams of one chip on a line, or with the address of one of several
+             * @enum {string}
+             */
+            uart: "" | "plain" | "node";
+            /**
+             * Current Scale
+             * @description what a soft limit of its current needs beside it; empty where it sets no current
+             * @enum {string}
+             */
+            current_scale: "" | "sense_resistor" | "full_scale";
             /** Rows */
             rows: components["schemas"]["RegisterRow"][];
             /**
@@ -2671,7 +3009,7 @@ export interface components {
         };
         /**
          * ChainState
-         * @description The driver chain of a TMC428.
+         * @description The driver chain of a TMC428 or TMC429.
          */
         ChainState: {
             /** Datagrams Sent */
@@ -2755,8 +3093,8 @@ export interface components {
              */
             start_up?: boolean;
             /**
-             * @description discriminator enum property added by openapi-typescript
-             * @enum {string}
+             * Model
+             * @constant
              */
             model: "tmc4361";
             /** Link */
@@ -2825,8 +3163,8 @@ export interface components {
          */
         Chip40Trial: {
             /**
-             * @description discriminator enum property added by openapi-typescript
-             * @enum {string}
+             * Model
+             * @constant
              */
             model: "tmc4361";
             /** Link */
@@ -2853,10 +3191,10 @@ export interface components {
              */
             start_up?: boolean;
             /**
-             * @description discriminator enum property added by openapi-typescript
+             * Model
              * @enum {string}
              */
-            model: "tmc4210" | "tmc428";
+            model: "tmc428" | "tmc429" | "tmc4210";
             /** Link */
             link: components["schemas"]["EmulatorLink"] | components["schemas"]["TcpLink"];
         };
@@ -2899,10 +3237,10 @@ export interface components {
          */
         ChipTrial: {
             /**
-             * @description discriminator enum property added by openapi-typescript
+             * Model
              * @enum {string}
              */
-            model: "tmc4210" | "tmc428";
+            model: "tmc428" | "tmc429" | "tmc4210";
             /** Link */
             link: components["schemas"]["EmulatorLink"] | components["schemas"]["TcpLink"];
         };
@@ -2915,7 +3253,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160";
+            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240";
             /**
              * Clock Hz
              * @default 16000000
@@ -3081,7 +3419,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160";
+            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240";
             /**
              * Clock Hz
              * @default 16000000
@@ -3094,9 +3432,14 @@ export interface components {
             sense_resistor_ohm?: number | null;
             /**
              * Reference Resistor Ohm
-             * @description TMC5130 without sense resistors: between 5VOUT and AIN_IREF
+             * @description TMC5130 without sense resistors: between 5VOUT and AIN_IREF; TMC5240: between IREF and ground
              */
             reference_resistor_ohm?: number | null;
+            /**
+             * Current Range
+             * @description TMC5240; null: the lowest that gets to a wanted current, without one the widest
+             */
+            current_range?: number | null;
             /**
              * Ain V
              * @description TMC5130 with sense resistors: voltage at AIN_IREF, with I_scale_analog [V]
@@ -3104,12 +3447,12 @@ export interface components {
             ain_v?: number | null;
             /**
              * Vsense
-             * @description all but the TMC5160; null: chosen, without a wanted current 0
+             * @description all but TMC5160 and TMC5240; null: chosen, without a wanted current 0
              */
             vsense?: number | null;
             /**
              * Global Scaler
-             * @description TMC5160: 0 (256) or 32..255; null: chosen, without a wanted current 0
+             * @description TMC5160, TMC5240: 0 (256) or 32..255; null: chosen, without a wanted current 0
              */
             global_scaler?: number | null;
             /**
@@ -3137,7 +3480,7 @@ export interface components {
             ihold_delay?: number | null;
             /**
              * Tpowerdown
-             * @description TMC5130, TMC5160
+             * @description TMC5130, TMC5160, TMC5240
              */
             tpowerdown?: number | null;
             /**
@@ -3153,6 +3496,11 @@ export interface components {
         };
         /** CoilCurrentResult */
         CoilCurrentResult: {
+            /**
+             * Current Range
+             * @description of `run`, of a chip that has ranges
+             */
+            current_range: number | null;
             /**
              * Full Scale Rms A
              * @description at CS = 31, with the vsense and global scaler of `run`
@@ -3423,7 +3771,7 @@ export interface components {
             scale: number;
             /**
              * Vsense
-             * @description null for a TMC5160
+             * @description null for a TMC5160 or TMC5240
              */
             vsense: number | null;
             /**
@@ -3469,7 +3817,7 @@ export interface components {
              * Model
              * @description what really answers there; another model is another connection over the same link
              */
-            model?: ("tmc428" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "pd42-1241") | null;
+            model?: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161") | string | null;
             /** Link */
             link?: components["schemas"]["EmulatorLink"] | components["schemas"]["Chip40EmulatorLink"] | components["schemas"]["SixPointEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"] | components["schemas"]["ModuleEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"] | null;
             /** Clock Hz */
@@ -3481,7 +3829,7 @@ export interface components {
          * DeviceCreate
          * @description A connection: the model, and a link that suits it.
          */
-        DeviceCreate: components["schemas"]["ChipCreate"] | components["schemas"]["Chip40Create"] | components["schemas"]["SixPointCreate"] | components["schemas"]["ModuleCreate"];
+        DeviceCreate: components["schemas"]["ChipCreate"] | components["schemas"]["Chip40Create"] | components["schemas"]["SixPointCreate"] | components["schemas"]["ModuleCreate"] | components["schemas"]["ListedCreate"];
         /**
          * DeviceHealth
          * @description One device.
@@ -3515,11 +3863,8 @@ export interface components {
             id: string;
             /** Name */
             name: string;
-            /**
-             * Model
-             * @enum {string}
-             */
-            model: "tmc428" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "pd42-1241";
+            /** Model */
+            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161") | string;
             /** Title */
             title: string;
             /**
@@ -3656,7 +4001,7 @@ export interface components {
          * DeviceTrial
          * @description A link to be tried.
          */
-        DeviceTrial: components["schemas"]["ChipTrial"] | components["schemas"]["Chip40Trial"] | components["schemas"]["SixPointTrial"] | components["schemas"]["ModuleTrial"];
+        DeviceTrial: components["schemas"]["ChipTrial"] | components["schemas"]["Chip40Trial"] | components["schemas"]["SixPointTrial"] | components["schemas"]["ModuleTrial"] | components["schemas"]["ListedTrial"];
         /**
          * Diff
          * @description All differences between two sides, in the order in which they would be written.
@@ -3890,7 +4235,7 @@ export interface components {
             seed?: number;
             /**
              * Clock Hz
-             * @description the chip's clock [Hz]: TMC428 up to 16 MHz, TMC4210 up to 32 MHz
+             * @description the chip's clock [Hz]: TMC428 up to 16 MHz, TMC429 and TMC4210 up to 32 MHz
              * @default 16000000
              */
             clock_hz?: number;
@@ -3921,7 +4266,7 @@ export interface components {
             stages?: components["schemas"]["StageOptions"][];
             /**
              * Driver Microsteps
-             * @description TMC4210: microsteps per full step of the step/direction driver
+             * @description TMC4210, TMC429 with en_sd: microsteps per full step of the step/direction drivers
              * @default 16
              */
             driver_microsteps?: number;
@@ -3959,11 +4304,16 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc428" | "tmc4210";
+            model: "tmc428" | "tmc429" | "tmc4210";
             /** Time Scale */
             time_scale: number;
             /** Chip Time S */
             chip_time_s: number;
+            /**
+             * Time Skipped S
+             * @description how long it stood still because more had to be worked out than this machine can in time [s]
+             */
+            time_skipped_s: number;
             /** Clock Hz */
             clock_hz: number;
             /** Wiring */
@@ -3981,7 +4331,13 @@ export interface components {
             /** Powered Down */
             powered_down: boolean;
             driver_chain: components["schemas"]["ChainState"] | null;
+            /** @description of motor 1; null: the chip has no such output */
             step_dir: components["schemas"]["StepDirState"] | null;
+            /**
+             * Step Dirs
+             * @description of each motor
+             */
+            step_dirs: components["schemas"]["StepDirState"][];
         };
         /**
          * EncoderFound
@@ -5370,6 +5726,174 @@ export interface components {
             round_trip_ms: number | null;
             problem: components["schemas"]["Problem"] | null;
         };
+        /** ListedAxisState */
+        ListedAxisState: {
+            /**
+             * Position
+             * @description where the axis is, in the module's counts
+             */
+            position: number;
+            /**
+             * Velocity
+             * @description how fast it goes [counts/s]
+             */
+            velocity: number;
+        };
+        /**
+         * ListedCreate
+         * @description A connection to a module that an installed package lists. Axes that are not given get defaults.
+         */
+        ListedCreate: {
+            /** Name */
+            name: string;
+            /**
+             * Clock Hz
+             * @description the chip's clock [Hz]; null: 16 MHz
+             */
+            clock_hz?: number | null;
+            /** Axes */
+            axes?: components["schemas"]["AxisConfig"][] | null;
+            /**
+             * Start Up
+             * @description of an emulator: set it up whenever it is powered, by the defaults of POST .../start-up, so that it can move at once; else it is as after power-on
+             * @default false
+             */
+            start_up?: boolean;
+            /** Model */
+            model: string;
+            /** Link */
+            link: components["schemas"]["ListedEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"];
+        };
+        /**
+         * ListedEmulatorLink
+         * @description A listed module emulated in this server: parameters hold what was written, axes move by their own.
+         */
+        ListedEmulatorLink: {
+            /**
+             * Time Scale
+             * @description how fast the module's time passes; 0 stands still
+             * @default 1
+             */
+            time_scale?: number;
+            /**
+             * Address
+             * @description serial address
+             * @default 1
+             */
+            address?: number;
+            /**
+             * Unknown Parameters
+             * @description axis parameters that its firmware, as another version, does not have: answered with status 3
+             */
+            unknown_parameters?: number[];
+            /**
+             * Seed
+             * @description of the noise that faults on the wire make
+             * @default 1241
+             */
+            seed?: number;
+            /**
+             * @description discriminator enum property added by openapi-typescript
+             * @enum {string}
+             */
+            kind: "emulator";
+        };
+        /**
+         * ListedFaultsChange
+         * @description Faults on the wire.
+         */
+        ListedFaultsChange: {
+            /**
+             * Silence
+             * @description commands are obeyed, answers are lost
+             */
+            silence?: boolean | null;
+            /**
+             * Late Reply S
+             * @description answers come this much later [s]; without a real line they count as lost
+             */
+            late_reply_s?: number | null;
+            /**
+             * Bit Error Rate
+             * @description probability that a bit of an answer is flipped
+             */
+            bit_error_rate?: number | null;
+            /**
+             * Half Frame Rate
+             * @description probability that an answer breaks off half way
+             */
+            half_frame_rate?: number | null;
+            /**
+             * Unplugged
+             * @description the line is gone: nothing is heard, nothing answered
+             */
+            unplugged?: boolean | null;
+        };
+        /** ListedFaultsState */
+        ListedFaultsState: {
+            /** Silence */
+            silence: boolean;
+            /** Late Reply S */
+            late_reply_s: number;
+            /** Bit Error Rate */
+            bit_error_rate: number;
+            /** Half Frame Rate */
+            half_frame_rate: number;
+            /** Unplugged */
+            unplugged: boolean;
+        };
+        /**
+         * ListedPatch
+         * @description A change to a plain emulated module; what is left out stays. A power cycle comes first.
+         */
+        ListedPatch: {
+            /** Time Scale */
+            time_scale?: number | null;
+            faults?: components["schemas"]["ListedFaultsChange"];
+            /**
+             * Power Cycle
+             * @description off and on again; what was stored comes back
+             * @default false
+             */
+            power_cycle?: boolean;
+        };
+        /**
+         * ListedState
+         * @description Everything that GET .../emulator answers for a module of which only names are known.
+         */
+        ListedState: {
+            /** Model */
+            model: string;
+            /**
+             * Depth
+             * @description what is emulated, and what is not
+             */
+            depth: string;
+            /** Time Scale */
+            time_scale: number;
+            /** Chip Time S */
+            chip_time_s: number;
+            /**
+             * Time Skipped S
+             * @description how long it stood still because more had to be worked out than this machine can in time [s]
+             */
+            time_skipped_s: number;
+            /** Address */
+            address: number;
+            /** Plain Axes */
+            plain_axes: components["schemas"]["ListedAxisState"][];
+            faults: components["schemas"]["ListedFaultsState"];
+        };
+        /**
+         * ListedTrial
+         * @description A link to a module that an installed package lists, to be tried.
+         */
+        ListedTrial: {
+            /** Model */
+            model: string;
+            /** Link */
+            link: components["schemas"]["ListedEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"];
+        };
         /**
          * LoadOptions
          * @description What hangs on the shaft from the start; `World` changes torque and friction while it runs.
@@ -5627,10 +6151,10 @@ export interface components {
              */
             start_up?: boolean;
             /**
-             * @description discriminator enum property added by openapi-typescript
+             * Model
              * @enum {string}
              */
-            model: "pd42-1241";
+            model: "pd42-1241" | "tmcm-1161";
             /** Link */
             link: components["schemas"]["ModuleEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"];
         };
@@ -5678,6 +6202,12 @@ export interface components {
              * @description axis parameters that its firmware, as another version, does not have: answered with status 3
              */
             unknown_parameters?: number[];
+            /**
+             * Command Us
+             * @description how long a command of a program takes [us of the module's time]; no source tells it
+             * @default 100
+             */
+            command_us?: number;
             /**
              * Seed
              * @description of the noise in the load value and of faults on the wire
@@ -5765,10 +6295,10 @@ export interface components {
          */
         ModuleTrial: {
             /**
-             * @description discriminator enum property added by openapi-typescript
+             * Model
              * @enum {string}
              */
-            model: "pd42-1241";
+            model: "pd42-1241" | "tmcm-1161";
             /** Link */
             link: components["schemas"]["ModuleEmulatorLink"] | components["schemas"]["ModuleTcpLink"] | components["schemas"]["ModuleSerialLink"] | components["schemas"]["ModuleCanLink"];
         };
@@ -6049,7 +6579,7 @@ export interface components {
              * Chip
              * @enum {string}
              */
-            chip: "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160";
+            chip: "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240";
             /**
              * Sigma
              * @default 0
@@ -6320,7 +6850,7 @@ export interface components {
              * Chip
              * @enum {string}
              */
-            chip: "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160";
+            chip: "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240";
             /** Encodable */
             encodable: boolean;
             /**
@@ -6478,107 +7008,6 @@ export interface components {
              */
             meaning: string;
         };
-        /**
-         * Pd42Patch
-         * @description A change to a running module; what is left out stays. A power cycle or factory default comes first.
-         */
-        Pd42Patch: {
-            /** Time Scale */
-            time_scale?: number | null;
-            motor?: components["schemas"]["MotorChange"];
-            /**
-             * Load Torque Nm
-             * @description constant, like a weight: a positive one pulls to negative positions [N m]
-             */
-            load_torque_nm?: number | null;
-            /**
-             * Blocked
-             * @description clamps the shaft where it is
-             */
-            blocked?: boolean | null;
-            /**
-             * Friction
-             * @description friction on top of the motor's own [N m]
-             */
-            friction?: number | null;
-            /**
-             * Supply V
-             * @description motor supply [V]; the driver needs 8
-             */
-            supply_v?: number | null;
-            stage?: components["schemas"]["DriveStageChange"];
-            switches?: components["schemas"]["TmclSwitchesChange"];
-            encoder?: components["schemas"]["TmclEncoderChange"];
-            inputs?: components["schemas"]["TmclInputsChange"];
-            step_dir?: components["schemas"]["TmclStepDirChange"] | null;
-            faults?: components["schemas"]["TmclFaultsChange"];
-            /**
-             * Power Cycle
-             * @description off and on again; motor and stage stay where they are
-             * @default false
-             */
-            power_cycle?: boolean;
-            /**
-             * Factory Default
-             * @description erases the EEPROM, then power cycles
-             * @default false
-             */
-            factory_default?: boolean;
-        };
-        /**
-         * Pd42State
-         * @description Everything that GET .../emulator answers for a PD42-1241.
-         */
-        Pd42State: {
-            /**
-             * Model
-             * @default pd42-1241
-             * @constant
-             */
-            model?: "pd42-1241";
-            /** Time Scale */
-            time_scale: number;
-            /** Chip Time S */
-            chip_time_s: number;
-            /**
-             * Address
-             * @description serial address now
-             */
-            address: number;
-            /**
-             * Baud
-             * @description baud rate in force: a change waits for the next power-on
-             */
-            baud: number;
-            motor: components["schemas"]["MotorState"];
-            /** Load Torque Nm */
-            load_torque_nm: number;
-            /** Blocked */
-            blocked: boolean;
-            /**
-             * Friction
-             * @description friction on top of the motor's own [N m]
-             */
-            friction: number;
-            /**
-             * Supply V
-             * @description motor supply [V]
-             */
-            supply_v: number;
-            stage: components["schemas"]["DriveStageState"];
-            switches: components["schemas"]["TmclSwitchesState"];
-            encoder: components["schemas"]["TmclEncoderState"];
-            inputs: components["schemas"]["InputsState"];
-            faults: components["schemas"]["FaultsState"];
-            application: components["schemas"]["ApplicationState"];
-            search: components["schemas"]["SearchState"];
-            truth: components["schemas"]["TruthState"];
-            /**
-             * Eeprom Path
-             * @description file that keeps the EEPROM; null: forgotten with the process
-             */
-            eeprom_path: string | null;
-        };
         /** Phase */
         Phase: {
             /** Name */
@@ -6613,7 +7042,7 @@ export interface components {
              * @default tmc428
              * @enum {string}
              */
-            chip?: "tmc428" | "tmc4210";
+            chip?: "tmc428" | "tmc429" | "tmc4210";
             /** A Max */
             a_max: number;
             /** Ramp Div */
@@ -6793,7 +7222,7 @@ export interface components {
              * Model
              * @description the module's, or that of the chip on the board; null where stepscope has no driver for it
              */
-            model: ("tmc428" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "pd42-1241") | null;
+            model: ("tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161") | string | null;
             /**
              * Board
              * @description null for a module; else "Landungsbrücke with TMC4361A and TMC2660": reached by a link of kind landungsbruecke
@@ -6975,7 +7404,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc428" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "pd42-1241";
+            model: "tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161";
             /**
              * Title
              * @description of the model, for people
@@ -7032,7 +7461,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc428" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "pd42-1241";
+            model: "tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161";
             /** Clock Hz */
             clock_hz: number;
             /**
@@ -7118,7 +7547,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc428" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "pd42-1241";
+            model: "tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161";
             /** Clock Hz */
             clock_hz: number;
             /**
@@ -7164,7 +7593,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc428" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "pd42-1241";
+            model: "tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161";
             /**
              * Title
              * @description of the model, for people
@@ -7321,6 +7750,104 @@ export interface components {
             checked: components["schemas"]["ScriptCheck"];
         };
         /**
+         * ProgramListing
+         * @description A stretch of the device's program memory.
+         */
+        ProgramListing: {
+            /** Address */
+            address: number;
+            /** Commands */
+            commands: number;
+            /**
+             * Text
+             * @description a program that assembles to the same commands
+             */
+            text: string;
+        };
+        /**
+         * ProgramProblem
+         * @description Something wrong with a program. Lines and columns count from 1.
+         */
+        ProgramProblem: {
+            /** File */
+            file: string;
+            /** Line */
+            line: number;
+            /** Column */
+            column: number;
+            /**
+             * Message
+             * @description what is wrong, and what was expected
+             */
+            message: string;
+        };
+        /**
+         * ProgramRun
+         * @description What the device's interpreter does, as far as the device tells it.
+         */
+        ProgramRun: {
+            /**
+             * Status
+             * @enum {string}
+             */
+            status: "stopped" | "running" | "stepping" | "reset";
+            /** Downloading */
+            downloading: boolean;
+            /**
+             * Counter
+             * @description address of the command that is done next, or waits
+             */
+            counter: number;
+            /** Accumulator */
+            accumulator: number;
+            /** X */
+            x: number;
+            /**
+             * Error
+             * @description status of the latest command that was refused; null where it is not told
+             */
+            error: number | null;
+            /**
+             * Variables
+             * @description those that were asked for, by number
+             */
+            variables: {
+                [key: string]: number;
+            };
+        };
+        /**
+         * ProgramSource
+         * @description A program as it is written.
+         */
+        ProgramSource: {
+            /**
+             * Text
+             * @description one command a line; labels, constants and #include as in the maker's manual
+             */
+            text: string;
+            /**
+             * Name
+             * @description what its file is called in messages
+             * @default program
+             */
+            name?: string;
+            /**
+             * Files
+             * @description files that it includes, by name
+             */
+            files?: {
+                [key: string]: string;
+            };
+        };
+        /** ProgramStart */
+        ProgramStart: {
+            /**
+             * Address
+             * @description null: where it stopped
+             */
+            address?: number | null;
+        };
+        /**
          * PwmState
          * @description STPOUT_PWMA and DIROUT_PWMB while pwm_out_en is set.
          */
@@ -7385,7 +7912,7 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc428" | "tmc4210" | "trapezoid" | "sixpoint" | "s_ramp";
+            model: "tmc428" | "tmc429" | "tmc4210" | "trapezoid" | "sixpoint" | "s_ramp";
             /** Parameters */
             parameters: {
                 [key: string]: number | string;
@@ -7428,7 +7955,7 @@ export interface components {
              * @default tmc428
              * @enum {string}
              */
-            model?: "tmc428" | "tmc4210";
+            model?: "tmc428" | "tmc429" | "tmc4210";
             velocity: components["schemas"]["Quantity"];
             acceleration: components["schemas"]["Quantity"];
             /**
@@ -7994,9 +8521,14 @@ export interface components {
             next: string | null;
             /**
              * Total
-             * @description how many were found, on all pages
+             * @description how many were found so far, on all pages
              */
             total: number;
+            /**
+             * Unread
+             * @description how many a search has not looked into yet, soon after the start: ask again, or go on with `next`
+             */
+            unread: number;
             /**
              * Size Bytes
              * @description of all recordings, found or not [bytes]; null for a moment after the start with thousands of them
@@ -8358,7 +8890,7 @@ export interface components {
              * @default
              * @enum {string}
              */
-            stored: "" | "auto" | "on request";
+            stored: "" | "auto" | "on request" | "unknown";
             /**
              * Internal Range
              * @description of a parameter in pps: lowest and highest in units of the TMC5160 (AP 255 = 0)
@@ -8862,10 +9394,10 @@ export interface components {
              */
             start_up?: boolean;
             /**
-             * @description discriminator enum property added by openapi-typescript
+             * Model
              * @enum {string}
              */
-            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160";
+            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240";
             /** Link */
             link: components["schemas"]["SixPointEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"];
         };
@@ -8882,7 +9414,7 @@ export interface components {
             time_scale?: number;
             /**
              * Clock Hz
-             * @description fCLK, which the units of all registers hang on [Hz]
+             * @description fCLK, which the units of all registers hang on [Hz]; left out, a TMC5240 has its own 12.5 MHz
              * @default 16000000
              */
             clock_hz?: number;
@@ -8903,7 +9435,7 @@ export interface components {
             supply_v?: number;
             /**
              * Full Scale A
-             * @description peak coil current at current scale 31, vsense 0 or GLOBALSCALER 0; null: as the chip's evaluation board has it [A]
+             * @description peak coil current at current scale 31, vsense 0 or GLOBALSCALER 0, and the widest CURRENT_RANGE; null: as the chip's evaluation board has it [A]
              */
             full_scale_a?: number | null;
             /**
@@ -8936,10 +9468,10 @@ export interface components {
          */
         SixPointTrial: {
             /**
-             * @description discriminator enum property added by openapi-typescript
+             * Model
              * @enum {string}
              */
-            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160";
+            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240";
             /** Link */
             link: components["schemas"]["SixPointEmulatorLink"] | components["schemas"]["TcpLink"] | components["schemas"]["SpidevLink"] | components["schemas"]["LandungsbrueckeLink"] | components["schemas"]["UartLink"];
         };
@@ -9267,7 +9799,7 @@ export interface components {
         };
         /**
          * StepDirState
-         * @description The step/direction output of a TMC4210.
+         * @description The step/direction output of one motor.
          */
         StepDirState: {
             /** Enabled */
@@ -9417,6 +9949,26 @@ export interface components {
              * @description what is not saved, and what was set aside because it could not be read
              */
             notes: string[];
+        };
+        /**
+         * StoredProgram
+         * @description A program that was stored from address 0 on, and read back.
+         */
+        StoredProgram: {
+            /** Commands */
+            commands: number;
+            /**
+             * Labels
+             * @description addresses by name
+             */
+            labels: {
+                [key: string]: number;
+            };
+            /**
+             * Sent Again
+             * @description commands that were sent again, for their answers were lost or garbled
+             */
+            sent_again: number;
         };
         /**
          * SwitchChange
@@ -9590,6 +10142,11 @@ export interface components {
             time_scale: number;
             /** Chip Time S */
             chip_time_s: number;
+            /**
+             * Time Skipped S
+             * @description how long it stood still because more had to be worked out than this machine can in time [s]
+             */
+            time_skipped_s: number;
             /** Clock Hz */
             clock_hz: number;
             motor: components["schemas"]["FeedbackMotor"];
@@ -9640,7 +10197,7 @@ export interface components {
             axes?: components["schemas"]["AxisChange"][];
             /**
              * Supply V
-             * @description motor supply [V]; the driver needs 8
+             * @description motor supply [V]; the driver needs 8, of a TMC5240 4.5
              */
             supply_v?: number | null;
             pins?: components["schemas"]["Tmc5xxxPinsChange"];
@@ -9661,11 +10218,16 @@ export interface components {
              * Model
              * @enum {string}
              */
-            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160";
+            model: "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240";
             /** Time Scale */
             time_scale: number;
             /** Chip Time S */
             chip_time_s: number;
+            /**
+             * Time Skipped S
+             * @description how long it stood still because more had to be worked out than this machine can in time [s]
+             */
+            time_skipped_s: number;
             /** Clock Hz */
             clock_hz: number;
             /**
@@ -9724,6 +10286,53 @@ export interface components {
             line: string;
         };
         /**
+         * TmclPatch
+         * @description A change to a running module; what is left out stays. A power cycle or factory default comes first.
+         */
+        TmclPatch: {
+            /** Time Scale */
+            time_scale?: number | null;
+            motor?: components["schemas"]["MotorChange"];
+            /**
+             * Load Torque Nm
+             * @description constant, like a weight: a positive one pulls to negative positions [N m]
+             */
+            load_torque_nm?: number | null;
+            /**
+             * Blocked
+             * @description clamps the shaft where it is
+             */
+            blocked?: boolean | null;
+            /**
+             * Friction
+             * @description friction on top of the motor's own [N m]
+             */
+            friction?: number | null;
+            /**
+             * Supply V
+             * @description motor supply [V]; the driver needs 8
+             */
+            supply_v?: number | null;
+            stage?: components["schemas"]["DriveStageChange"];
+            switches?: components["schemas"]["TmclSwitchesChange"];
+            encoder?: components["schemas"]["TmclEncoderChange"];
+            inputs?: components["schemas"]["TmclInputsChange"];
+            step_dir?: components["schemas"]["TmclStepDirChange"] | null;
+            faults?: components["schemas"]["TmclFaultsChange"];
+            /**
+             * Power Cycle
+             * @description off and on again; motor and stage stay where they are
+             * @default false
+             */
+            power_cycle?: boolean;
+            /**
+             * Factory Default
+             * @description erases the EEPROM, then power cycles
+             * @default false
+             */
+            factory_default?: boolean;
+        };
+        /**
          * TmclReply
          * @description What the module answered. A status other than 100 is an answer like any other, not an error of this call.
          */
@@ -9751,6 +10360,64 @@ export interface components {
             text: string;
             /** Took Ms */
             took_ms: number;
+        };
+        /**
+         * TmclState
+         * @description Everything that GET .../emulator answers for a PD42-1241.
+         */
+        TmclState: {
+            /**
+             * Model
+             * @enum {string}
+             */
+            model: "pd42-1241" | "tmcm-1161";
+            /** Time Scale */
+            time_scale: number;
+            /** Chip Time S */
+            chip_time_s: number;
+            /**
+             * Time Skipped S
+             * @description how long it stood still because more had to be worked out than this machine can in time [s]
+             */
+            time_skipped_s: number;
+            /**
+             * Address
+             * @description serial address now
+             */
+            address: number;
+            /**
+             * Baud
+             * @description baud rate in force: a change waits for the next power-on
+             */
+            baud: number;
+            motor: components["schemas"]["MotorState"];
+            /** Load Torque Nm */
+            load_torque_nm: number;
+            /** Blocked */
+            blocked: boolean;
+            /**
+             * Friction
+             * @description friction on top of the motor's own [N m]
+             */
+            friction: number;
+            /**
+             * Supply V
+             * @description motor supply [V]
+             */
+            supply_v: number;
+            stage: components["schemas"]["DriveStageState"];
+            switches: components["schemas"]["TmclSwitchesState"];
+            encoder: components["schemas"]["TmclEncoderState"];
+            inputs: components["schemas"]["InputsState"];
+            faults: components["schemas"]["FaultsState"];
+            application: components["schemas"]["ApplicationState"];
+            search: components["schemas"]["SearchState"];
+            truth: components["schemas"]["TruthState"];
+            /**
+             * Eeprom Path
+             * @description file that keeps the EEPROM; null: forgotten with the process
+             */
+            eeprom_path: string | null;
         };
         /**
          * TokenAdd
@@ -10164,7 +10831,7 @@ export interface components {
              * @default tmc428
              * @enum {string}
              */
-            model?: "tmc428" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "pd42-1241";
+            model?: "tmc428" | "tmc429" | "tmc4210" | "tmc4361" | "tmc5031" | "tmc5062" | "tmc5072" | "tmc5130" | "tmc5160" | "tmc5240" | "pd42-1241" | "tmcm-1161";
             /**
              * Pulse Div
              * @description TMC428, TMC4210: needed there
@@ -10309,6 +10976,25 @@ export interface components {
              * @description samples that were not taken, for the link was too busy
              */
             samples_dropped: number;
+        };
+        /**
+         * WireRow
+         * @description A kind of link that leads to a model.
+         */
+        WireRow: {
+            /**
+             * Kind
+             * @enum {string}
+             */
+            kind: "emulator" | "serial" | "uart" | "landungsbruecke" | "tcp" | "can" | "spidev";
+            /** Title */
+            title: string;
+            /**
+             * Frames
+             * @description what goes over it: the chip's SPI datagrams, those of its UART, commands of an evaluation board, or TMCL
+             * @enum {string}
+             */
+            frames: "datagram" | "uart" | "board" | "tmcl";
         };
         /** Switches */
         MotionSwitches: {
@@ -11177,6 +11863,14 @@ export interface components {
          * @description Any message of the socket.
          */
         ConditionsMessage: components["schemas"]["ConditionsSnapshot"] | components["schemas"]["AxisCondition"] | components["schemas"]["DeviceRemoved"] | components["schemas"]["Alive"];
+        /**
+         * ConditionsPage
+         * @description What a page says of itself: its session has a page open for as long as the socket.
+         */
+        ConditionsPage: {
+            /** Session */
+            session: string;
+        };
     };
     responses: never;
     parameters: never;
@@ -15453,6 +16147,688 @@ export interface operations {
             };
         };
     };
+    assemble_program: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ProgramSource"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["AssembledProgram"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    read_program: {
+        parameters: {
+            query?: {
+                /** @description address of the first command */
+                address?: number;
+                /** @description how many commands */
+                count?: number;
+            };
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProgramListing"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    write_program: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody: {
+            content: {
+                "application/json": components["schemas"]["ProgramSource"];
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["StoredProgram"];
+                };
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); The chip did not take the write (/problems/write-refused); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); Beyond a soft limit of the axis (/problems/soft-limit); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    run_program: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: {
+            content: {
+                "application/json": components["schemas"]["ProgramStart"] | null;
+            };
+        };
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description The body is not JSON (/problems/undecodable-body) */
+            400: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The body is too long (/problems/body-too-large) */
+            413: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    stop_program: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    step_program: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    reset_program: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            204: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content?: never;
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin); This token may not do that (/problems/role-too-low) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state); Somebody else has the bench (/problems/bench-taken); This session has not taken the bench (/problems/bench-not-taken) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    program_state: {
+        parameters: {
+            query?: {
+                /** @description user variables to read, by number */
+                variable?: number[] | null;
+            };
+            header?: never;
+            path: {
+                /** @description the device's id: a slug of its name */
+                device: string;
+            };
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["ProgramRun"];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description There is no such thing (/problems/unknown-thing) */
+            404: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description Not possible now (/problems/wrong-state) */
+            409: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description A value is out of range (/problems/out-of-range); The request does not fit the contract (/problems/invalid-request) */
+            422: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device answered wrongly (/problems/bad-reply) */
+            502: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+            /** @description The device did not answer (/problems/no-reply) */
+            504: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
     read_microstep_table: {
         parameters: {
             query?: {
@@ -16748,7 +18124,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Tmc4361State"] | components["schemas"]["Tmc5xxxState"] | components["schemas"]["Pd42State"];
+                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Tmc4361State"] | components["schemas"]["Tmc5xxxState"] | components["schemas"]["TmclState"] | components["schemas"]["ListedState"];
                 };
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
@@ -16801,7 +18177,7 @@ export interface operations {
         };
         requestBody: {
             content: {
-                "application/json": components["schemas"]["EmulatorPatch"] | components["schemas"]["Tmc4361Patch"] | components["schemas"]["Tmc5xxxPatch"] | components["schemas"]["Pd42Patch"];
+                "application/json": components["schemas"]["EmulatorPatch"] | components["schemas"]["Tmc4361Patch"] | components["schemas"]["Tmc5xxxPatch"] | components["schemas"]["TmclPatch"] | components["schemas"]["ListedPatch"];
             };
         };
         responses: {
@@ -16811,7 +18187,7 @@ export interface operations {
                     [name: string]: unknown;
                 };
                 content: {
-                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Tmc4361State"] | components["schemas"]["Tmc5xxxState"] | components["schemas"]["Pd42State"];
+                    "application/json": components["schemas"]["EmulatorState"] | components["schemas"]["Tmc4361State"] | components["schemas"]["Tmc5xxxState"] | components["schemas"]["TmclState"] | components["schemas"]["ListedState"];
                 };
             };
             /** @description The body is not JSON (/problems/undecodable-body) */
@@ -17464,6 +18840,35 @@ export interface operations {
                 };
                 content: {
                     "application/json": components["schemas"]["CatalogEntry"][];
+                };
+            };
+            /** @description Refused: this request comes from another web site (/problems/foreign-origin) */
+            403: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/problem+json": components["schemas"]["Problem"];
+                };
+            };
+        };
+    };
+    list_capabilities: {
+        parameters: {
+            query?: never;
+            header?: never;
+            path?: never;
+            cookie?: never;
+        };
+        requestBody?: never;
+        responses: {
+            /** @description Successful Response */
+            200: {
+                headers: {
+                    [name: string]: unknown;
+                };
+                content: {
+                    "application/json": components["schemas"]["CapabilityTitle"][];
                 };
             };
             /** @description Refused: this request comes from another web site (/problems/foreign-origin) */

@@ -16,12 +16,12 @@ export function Section({ title, note, actions, className, children }: PropsWith
   const id = useId();
   return (
     <Paper component="section" withBorder aria-labelledby={id} className={`${classes.section} ${className ?? ""}`}>
-      <header className={classes.header}>
-        <Text component="h2" id={id} className={classes.title}>
+      <header className={`${classes.header} lines-12 mb-4`}>
+        <Text component="h2" id={id} className="text-14 bold tight">
           {title}
         </Text>
-        {note !== undefined && <span className={classes.note}>{note}</span>}
-        {actions !== undefined && <div className={classes.actions}>{actions}</div>}
+        {note !== undefined && <span className="hint">{note}</span>}
+        {actions !== undefined && <div className="row wrap push gap-6">{actions}</div>}
       </header>
       {children}
     </Paper>
@@ -31,7 +31,7 @@ export function Section({ title, note, actions, className, children }: PropsWith
 /** A page of sections, with its name for those who do not see the navigation. */
 export function Page({ name, children }: PropsWithChildren<{ name: string }>) {
   return (
-    <div className={classes.page}>
+    <div className="grid shrink gap-8">
       <VisuallyHidden>
         <h1>{name}</h1>
       </VisuallyHidden>

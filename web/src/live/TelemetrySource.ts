@@ -1,3 +1,4 @@
+import type { Schemas } from "../api/client";
 import { decodeFrame } from "./frames";
 import { TraceBuffer } from "./TraceBuffer";
 
@@ -37,32 +38,10 @@ export interface LinkState {
   retryInS: number | null;
 }
 
-export interface MoveEvent {
-  device: string;
-  axis: number;
-  startedAtS: number;
-}
-
-/** Why a motor came to rest, told at the moment it was noticed. */
-export interface StopEvent {
-  device: string;
-  axis: number;
-  reason: string;
-  /** device time, that of the samples */
-  timeS: number;
-  position: number | null;
-  detail: string;
-}
-
-/** What a chip's event register told at one look. */
-export interface ChipEvent {
-  device: string;
-  axis: number;
-  seq: number;
-  /** device time, that of the samples */
-  timeS: number;
-  names: readonly string[];
-}
+type Message = Schemas["TelemetryMessage"];
+type Of<Type extends Message["type"]> = Extract<Message, { type: Type }>;
+/** What is told at the moment it was noticed: times are the device's own, those of the samples. */
+type Told = "move" | "stopped" | "event";
 
 /** How a socket is made; tests bring their own. */
 export type OpenSocket = (url: string, protocol: string) => WebSocket;
@@ -93,10 +72,6 @@ function initialState(request: TelemetryRequest): LinkState {
   };
 }
 
-function numberOrNull(value: unknown): number | null {
-  return typeof value === "number" && Number.isFinite(value) ? value : null;
-}
-
 export function telemetryUrl(request: TelemetryRequest, origin: string): string {
   const url = new URL(`/api/v1/devices/${encodeURIComponent(request.device)}/telemetry`, origin);
   url.protocol = url.protocol === "https:" ? "wss:" : "ws:";
@@ -119,9 +94,11 @@ export class TelemetrySource {
   private timer: ReturnType<typeof setTimeout> | undefined;
   private closed = true;
   private readonly listeners = new Set<() => void>();
-  private readonly moveListeners = new Set<(move: MoveEvent) => void>();
-  private readonly stopListeners = new Set<(stop: StopEvent) => void>();
-  private readonly eventListeners = new Set<(event: ChipEvent) => void>();
+  private readonly told: { [Type in Told]: Set<(message: Of<Type>) => void> } = {
+    move: new Set(),
+    stopped: new Set(),
+    event: new Set(),
+  };
   private readonly open: OpenSocket;
 
   constructor(request: TelemetryRequest, open: OpenSocket = (url, protocol) => new WebSocket(url, protocol)) {
@@ -157,19 +134,10 @@ export class TelemetrySource {
     return () => this.listeners.delete(listener);
   };
 
-  onMove(listener: (move: MoveEvent) => void): () => void {
-    this.moveListeners.add(listener);
-    return () => this.moveListeners.delete(listener);
-  }
-
-  onStop(listener: (stop: StopEvent) => void): () => void {
-    this.stopListeners.add(listener);
-    return () => this.stopListeners.delete(listener);
-  }
-
-  onEvent(listener: (event: ChipEvent) => void): () => void {
-    this.eventListeners.add(listener);
-    return () => this.eventListeners.delete(listener);
+  /** Hear of every move, stop or event of the chip as it is told; the answer ends that. */
+  on<Type extends Told>(type: Type, listener: (message: Of<Type>) => void): () => void {
+    this.told[type].add(listener);
+    return () => this.told[type].delete(listener);
   }
 
   private update(change: Partial<LinkState>): void {
@@ -201,7 +169,7 @@ export class TelemetrySource {
   }
 
   private onText(text: string): void {
-    const message = JSON.parse(text) as Record<string, unknown>;
+    const message: Message = JSON.parse(text);
     switch (message.type) {
       case "start":
         // The history that follows is complete: what was kept before the break is part of it.
@@ -212,56 +180,34 @@ export class TelemetrySource {
           reason: null,
           retryInS: null,
           dropped: 0,
-          rateHz: message.rate_hz as number,
-          chipTimed: message.chip_timed as boolean,
-          timeOriginUnixS: message.time_origin_unix_s as number,
-          units: Object.fromEntries(
-            (message.channels as { name: string; unit: string }[]).map((c) => [c.name, c.unit]),
-          ),
+          rateHz: message.rate_hz,
+          chipTimed: message.chip_timed,
+          timeOriginUnixS: message.time_origin_unix_s,
+          units: Object.fromEntries(message.channels.map(({ name, unit }) => [name, unit])),
         });
         break;
       case "status":
         this.update({
-          achievedRateHz: message.achieved_rate_hz as number,
-          jitterMs: message.jitter_ms as number,
-          latencyMs: message.latency_ms as number,
-          callsPerS: numberOrNull(message.calls_per_s),
-          callsPerSPossible: numberOrNull(message.calls_per_s_possible),
-          rowSpreadMs: numberOrNull(message.row_spread_ms),
+          achievedRateHz: message.achieved_rate_hz,
+          jitterMs: message.jitter_ms,
+          latencyMs: message.latency_ms,
+          callsPerS: message.calls_per_s,
+          callsPerSPossible: message.calls_per_s_possible,
+          rowSpreadMs: message.row_spread_ms,
         });
         break;
       case "gap":
         this.buffer.gap();
-        this.update({ phase: "gap", reason: message.reason as string });
+        this.update({ phase: "gap", reason: message.reason });
         break;
       case "move":
-        for (const listener of this.moveListeners)
-          listener({
-            device: this.request.device,
-            axis: message.axis as number,
-            startedAtS: message.started_at_s as number,
-          });
+        for (const listener of this.told.move) listener(message);
         break;
       case "stopped":
-        for (const listener of this.stopListeners)
-          listener({
-            device: this.request.device,
-            axis: message.axis as number,
-            reason: message.reason as string,
-            timeS: message.time_s as number,
-            position: numberOrNull(message.position),
-            detail: typeof message.detail === "string" ? message.detail : "",
-          });
+        for (const listener of this.told.stopped) listener(message);
         break;
       case "event":
-        for (const listener of this.eventListeners)
-          listener({
-            device: this.request.device,
-            axis: message.axis as number,
-            seq: message.seq as number,
-            timeS: message.time_s as number,
-            names: message.names as string[],
-          });
+        for (const listener of this.told.event) listener(message);
         break;
     }
   }

@@ -1,4 +1,5 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
+import type { Schemas } from "../api/client";
 import { type AxisStanding, ConditionSource, type Kind } from "./conditions";
 
 /** The far end of a socket, in the test's hands. */
@@ -10,13 +11,14 @@ class FakeSocket {
 
 function standing(kind: Kind, device = "bench", axis = 0): AxisStanding {
   const condition = { kind, cause: "", evidence: [], remedies: [], remedy: null, since_s: 1 };
-  return { device, axis, condition, referenced: null, ground_truth: null };
+  return { type: "condition", device, axis, condition, referenced: null, ground_truth: null };
 }
 
 describe("ConditionSource", () => {
   let sockets: FakeSocket[];
   let source: ConditionSource;
-  const tell = (message: object) => sockets.at(-1)?.onmessage?.({ data: JSON.stringify(message) });
+  const tell = (message: Schemas["ConditionsMessage"]) =>
+    sockets.at(-1)?.onmessage?.({ data: JSON.stringify(message) });
   const snapshot = (...axes: AxisStanding[]) => tell({ type: "snapshot", axes });
   const kind = () => source.of("bench", 0).condition.kind;
   /** Time passes, and the server says now and then that it is there. */
@@ -46,7 +48,7 @@ describe("ConditionSource", () => {
     expect(kind()).toBe("unknown");
     snapshot(standing("on_target"));
     expect(kind()).toBe("on_target");
-    tell({ type: "condition", ...standing("stalled") });
+    tell(standing("stalled"));
     expect(kind()).toBe("stalled");
     tell({ type: "removed", device: "bench" });
     expect(kind()).toBe("unknown");
@@ -93,25 +95,25 @@ describe("ConditionSource", () => {
     expect(source.mayMove()).toBe(true);
     snapshot(standing("on_target"), standing("moving", "slider"));
     expect(source.mayMove()).toBe(true);
-    tell({ type: "condition", ...standing("ready", "slider") });
+    tell(standing("ready", "slider"));
     expect(source.mayMove()).toBe(true); // it may only wait between two moves
     live(2500);
     expect(source.mayMove()).toBe(false);
     source.commanded();
     expect(source.mayMove()).toBe(true);
     live(2500);
-    tell({ type: "condition", ...standing("unknown", "slider") });
+    tell(standing("unknown", "slider"));
     expect(source.mayMove()).toBe(true);
   });
 
   it("takes a device that went away while it moved for one that moves on", () => {
     snapshot(standing("moving"), standing("ready", "slider"), standing("not_connected", "other"));
     live(2500);
-    tell({ type: "condition", ...standing("not_connected") });
+    tell(standing("not_connected"));
     live(2500);
     expect(source.mayMove()).toBe(true);
-    tell({ type: "condition", ...standing("ready") });
-    tell({ type: "condition", ...standing("not_connected", "slider") });
+    tell(standing("ready"));
+    tell(standing("not_connected", "slider"));
     live(2500);
     expect(source.mayMove()).toBe(false);
   });

@@ -5,16 +5,8 @@ export type Condition = Schemas["Condition"];
 export type Kind = Condition["kind"];
 /** How an axis stands: its condition, whether it is referenced, and of an emulator what is really so. */
 export type Standing = Pick<Schemas["AxisInfo"], "condition" | "referenced" | "ground_truth">;
-export interface AxisStanding extends Standing {
-  device: string;
-  axis: number;
-}
-
-type Message =
-  | ({ type: "condition" } & AxisStanding)
-  | { type: "snapshot"; axes: AxisStanding[] }
-  | { type: "removed"; device: string }
-  | { type: "alive" };
+export type AxisStanding = Schemas["AxisCondition"];
+type Message = Schemas["ConditionsMessage"];
 
 /** How a socket is made; tests bring their own. */
 export type OpenSocket = (url: string, protocol: string) => WebSocket;
@@ -128,8 +120,8 @@ export class ConditionSource {
     this.socket = socket;
     this.heardAtMs = this.nowMs();
     // when this page ends, and cannot say so, the socket does
-    socket.onopen = () => socket.send(JSON.stringify({ session: sessionId }));
-    socket.onmessage = ({ data }: MessageEvent<string>) => this.hear(JSON.parse(data) as Message);
+    socket.onopen = () => socket.send(JSON.stringify({ session: sessionId } satisfies Schemas["ConditionsPage"]));
+    socket.onmessage = ({ data }: MessageEvent<string>) => this.hear(JSON.parse(data));
     socket.onclose = () => {
       this.socket = null;
       this.connectLater();

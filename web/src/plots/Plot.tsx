@@ -236,14 +236,14 @@ export function Plot(props: PlotProps) {
   }
 
   return (
-    <div ref={frame} className={classes.frame} style={{ height }}>
+    <div ref={frame} className={`${classes.frame} stack shrink relative`} style={{ height }}>
       {legend && (
-        <div className={classes.legend} aria-hidden>
-          {props.title && <span className={classes.title}>{props.title}</span>}
+        <div className={`${classes.legend} lines-12 hint`} aria-hidden>
+          {props.title && <span className="ink bold">{props.title}</span>}
           {series.map((entry, index) =>
             entry.unnamed ? null : (
-              <span key={entry.label} className={classes.entry}>
-                <span className={classes.swatch} style={{ background: entry.color }} />
+              <span key={entry.label} className="inline gap-4 nowrap">
+                <span className="swatch" style={{ background: entry.color }} />
                 {entry.label}
                 {entry.unit ? ` ${symbolOf(entry.unit)}` : ""}
                 <span
@@ -279,10 +279,10 @@ export function Plot(props: PlotProps) {
           }
         }}
       />
-      <span id={help} className={classes.hidden}>
+      <span id={help} className="unseen nowrap">
         Arrow keys move the cursor, plus and minus zoom, Page up and Page down pan, 0 shows all.
       </span>
-      <div ref={spoken} className={classes.hidden} aria-live="polite" />
+      <div ref={spoken} className="unseen nowrap" aria-live="polite" />
     </div>
   );
 }

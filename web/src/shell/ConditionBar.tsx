@@ -29,7 +29,7 @@ function Bar({ device, axis }: { device: Device; axis: Device["axes"][number] })
       axis={axis}
       target={(toggle, opened) => (
         <UnstyledButton
-          className={classes.bar}
+          className={`${classes.bar} inline shrink`}
           data-tone={KINDS[condition.kind].tone}
           data-testid="condition-bar"
           title={sentence(condition.cause)}

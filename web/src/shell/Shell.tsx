@@ -19,12 +19,12 @@ import { Shortcuts } from "./Shortcuts";
 import { StartUp } from "./StartUp";
 import { StopAll } from "./StopAll";
 import classes from "./shell.module.css";
-import { useFamily } from "./useFamily";
+import { useAbilities } from "./useAbilities";
 
 /** The frame of every page: pages on the left (on a phone below), the selected axis above, stop always in reach. */
 export function Shell({ children }: PropsWithChildren) {
   const [location, go] = useLocation();
-  const pages = pagesFor(useFamily());
+  const pages = pagesFor(useAbilities());
   // ten keys: the tenth is 0
   useHotkeys(pages.slice(0, 10).map(({ path }, index) => [`alt+${(index + 1) % 10}`, () => go(path)]));
   const bar = useRef<HTMLElement>(null);
@@ -46,8 +46,8 @@ export function Shell({ children }: PropsWithChildren) {
       <StartUp />
       <LeaseQuestion />
       <LeaseNews />
-      <header className={classes.header}>
-        <Link href="/" className={classes.brand} aria-label="stepscope, to the bench">
+      <header className={`${classes.header} row between gap-8`}>
+        <Link href="/" className={`${classes.brand} row gap-8`} aria-label="stepscope, to the bench">
           <img src="/favicon.svg" width={24} height={24} alt="" />
           <Text fw={700} visibleFrom="sm" component="span">
             stepscope
@@ -71,7 +71,7 @@ export function Shell({ children }: PropsWithChildren) {
           <Link
             key={path}
             href={path}
-            className={classes.link}
+            className={`${classes.link} row gap-8 text-14`}
             aria-current={isAt(path, location) ? "page" : undefined}
           >
             <Icon size={18} stroke={1.6} aria-hidden />
@@ -91,7 +91,7 @@ export function Shell({ children }: PropsWithChildren) {
             <Link
               key={path}
               href={path}
-              className={classes.tab}
+              className={`${classes.tab} row hint gap-2`}
               aria-label={label}
               aria-current={isAt(path, location) ? "page" : undefined}
             >

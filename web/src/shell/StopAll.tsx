@@ -52,7 +52,7 @@ export function StopAll() {
         aria-keyshortcuts="Escape"
         data-testid="stop-all"
       >
-        STOP<span className={classes.stopAllWord}>&nbsp;ALL</span>
+        STOP<span className={`${classes.stopAllWord}  `}>&nbsp;ALL</span>
       </Button>
       <VisuallyHidden role="alert">
         {count > 0 && <span key={count}>Stop: all axes are told to stop</span>}

@@ -13,7 +13,7 @@ export function Toasts() {
   const { notifications: shown } = useNotifications();
   return (
     <Portal>
-      <div className={classes.toasts}>
+      <div className={`${classes.toasts} stack gap-8`}>
         {shown.map((toast) => (
           <Toast key={toast.id} toast={toast} />
         ))}

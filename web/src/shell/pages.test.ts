@@ -1,9 +1,15 @@
 import { describe, expect, it } from "vitest";
-import type { Family } from "../lib/family";
-import { insteadOf, PAGES, pageAt, pagesFor } from "./pages";
+import { about } from "../../test/catalog";
+import { insteadOf, isFor, PAGES, pagesFor } from "./pages";
 
-const FAMILIES: readonly Family[] = ["pmul", "sramp", "sixpoint", "module"];
-const names = (family: Family | null) => pagesFor(family).map((entry) => entry.label);
+const ABILITIES = {
+  pmul: about("tmc428").capabilities,
+  sramp: about("tmc4361").capabilities,
+  sixpoint: about("tmc5160").capabilities,
+  module: about("pd42-1241").capabilities,
+};
+const names = (family: keyof typeof ABILITIES | null) =>
+  pagesFor(family && ABILITIES[family]).map((entry) => entry.label);
 
 describe("pages", () => {
   it("shows each family its own", () => {
@@ -84,13 +90,22 @@ describe("pages", () => {
   });
 
   it("leads from a page of other families to one that this one has", () => {
-    for (const entry of PAGES) {
-      if (entry.families.length === 0) continue;
-      for (const family of FAMILIES.filter((candidate) => !entry.families.includes(candidate))) {
-        const { href, label } = insteadOf(entry, family);
-        expect(pagesFor(family)).toContain(pageAt(href));
-        expect(label).toBe(pageAt(href)?.label);
-      }
-    }
+    for (const entry of PAGES)
+      for (const abilities of Object.values(ABILITIES).filter((candidate) => !isFor(entry, candidate)))
+        expect(pagesFor(abilities)).toContain(insteadOf(entry, abilities));
+  });
+
+  it("lead to the page of the same topic, where the device has one", () => {
+    const from = (path: string, family: keyof typeof ABILITIES) => {
+      const entry = PAGES.find((candidate) => candidate.path === path);
+      return entry && insteadOf(entry, ABILITIES[family])?.path;
+    };
+    expect(from("/ramps", "sramp")).toBe("/sramp");
+    expect(from("/ramps", "sixpoint")).toBe("/sixpoint");
+    expect(from("/sramp", "module")).toBe("/parameters");
+    expect(from("/closed-loop", "sixpoint")).toBe("/encoder");
+    expect(from("/closed-loop", "pmul")).toBe("/registers");
+    expect(from("/encoder", "sramp")).toBe("/closed-loop");
+    expect(from("/chain", "module")).toBe("/parameters");
   });
 });

@@ -9,7 +9,10 @@ export function watchRuns(listener: () => void): () => void {
   return () => watchers.delete(listener);
 }
 
-/** The runs of this tab that turn a motor now; always the same array until one begins, goes on or ends. */
+/**
+ * The runs of this tab that turn a motor now, or that ended by themselves without anybody having seen it; always the same
+ * array until one begins, goes on, ends or is seen.
+ */
 export const runsUnderWay = (): readonly TabRun[] => underWay;
 
 /** Tells which these are now. */

@@ -23,28 +23,28 @@ export function ConditionCard({ device, axis, nowS }: Props) {
   return (
     <>
       <section
-        className={classes.card}
+        className={`${classes.card} stack rigid gap-2`}
         data-tone={KINDS[condition.kind].tone}
         aria-label={`Condition of ${axis.name}`}
         data-testid="condition-card"
       >
-        <div className={classes.head}>
+        <div className={`${classes.head} row between gap-6`}>
           <ConditionMark kind={condition.kind} size={20} />
-          <span className={classes.since}>{sinceWords(condition, nowS)}</span>
+          <span className="ink text-12 nowrap">{sinceWords(condition, nowS)}</span>
         </div>
-        <p className={classes.cause} title={condition.cause}>
+        <p className={`${classes.cause} m-0 text-12 tight`} title={condition.cause}>
           {sentence(condition.cause)}
         </p>
         {truth && (
-          <p className={classes.truth} title={truth.summary}>
+          <p className="clip m-0 text-12 tight" title={truth.summary}>
             <b>Really:</b> {truth.summary}
           </p>
         )}
-        <div className={classes.foot}>
+        <div className={`${classes.foot} row between gap-6`}>
           {condition.remedy ? (
             <RemedyButton remedy={condition.remedy} remedies={remedies} main />
           ) : (
-            <span className={classes.since}>{referencedWords(referenced)}</span>
+            <span className="ink text-12 nowrap">{referencedWords(referenced)}</span>
           )}
           <ConditionPopover
             device={device}

@@ -21,10 +21,10 @@ export function ConditionDetail({ standing, read }: Props) {
   const { condition, ground_truth: truth } = standing;
   const newest = read?.condition.kind === condition.kind ? read.condition : condition;
   return (
-    <div className={classes.detail}>
+    <div className="stack gap-8 text-13">
       <Group justify="space-between" wrap="nowrap">
         <ConditionMark kind={condition.kind} size={18} />
-        <span className={classes.since}>{sinceWords(condition, read?.time_s)}</span>
+        <span className="ink text-12 nowrap">{sinceWords(condition, read?.time_s)}</span>
       </Group>
       <Text size="sm">{sentence(newest.cause)}.</Text>
       <Text size="xs">{referencedWords(standing.referenced)}</Text>

@@ -11,7 +11,12 @@ interface Props {
 export function ConditionMark({ kind, size = 14 }: Props) {
   const { word, tone, Icon } = KINDS[kind];
   return (
-    <span className={classes.mark} data-tone={tone} data-kind={kind} data-testid="condition">
+    <span
+      className={`${classes.mark} inline shrink gap-4 text-12 bold tight nowrap`}
+      data-tone={tone}
+      data-kind={kind}
+      data-testid="condition"
+    >
       <Icon size={size} stroke={2} aria-hidden />
       <span className={classes.word}>{word}</span>
     </span>

@@ -139,7 +139,7 @@ export function HandleLayer<P extends string>(props: Props<P>) {
   }
 
   return (
-    <div ref={layer} className={classes.layer}>
+    <div ref={layer} className="cover touchless">
       {handles.map((handle) => {
         const { least, most } = reach(handle.parameter);
         return (
@@ -169,7 +169,7 @@ export function HandleLayer<P extends string>(props: Props<P>) {
             onKeyDown={(event) => onKey(event, handle)}
           >
             <span className={classes.knobDot} aria-hidden />
-            <span className={classes.knobName} aria-hidden>
+            <span className={`${classes.knobName} ink text-12 bold tight nowrap`} aria-hidden>
               {handle.parameter.toUpperCase()}
             </span>
           </div>

@@ -42,9 +42,9 @@ export function LiveMotion({ device, axis, way, endS, factors, plots, drawing, o
 
   useEffect(
     () =>
-      source.onMove((move) => {
+      source.on("move", (move) => {
         if (move.axis !== axis) return;
-        began.current = move.startedAtS;
+        began.current = move.started_at_s;
         onSeen(true);
       }),
     [source, axis, onSeen],

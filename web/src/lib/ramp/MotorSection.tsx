@@ -29,7 +29,9 @@ export const MotorSection = memo(function MotorSection(props: Props) {
       title="Motor"
       note={
         torque ? (
-          <span className={torque.margin < 0 ? classes.caution : undefined}>at worst {marginText(torque.margin)}</span>
+          <span className={torque.margin < 0 ? "m-0 caution text-12" : undefined}>
+            at worst {marginText(torque.margin)}
+          </span>
         ) : (
           ""
         )
@@ -44,7 +46,7 @@ export const MotorSection = memo(function MotorSection(props: Props) {
       }
     >
       {motor.shown ? (
-        <div className={classes.motor}>
+        <div className={`${classes.motor} grid start gap-12`}>
           <div className={classes.motorFields}>
             {FIELDS.map(({ key, label, unit, title, zero }) => (
               <NumberField
@@ -65,9 +67,7 @@ export const MotorSection = memo(function MotorSection(props: Props) {
           )}
         </div>
       ) : (
-        <p className={classes.hint}>
-          With the motor's data the ramp is compared with the torque there is at each speed.
-        </p>
+        <p className="hint m-0">With the motor's data the ramp is compared with the torque there is at each speed.</p>
       )}
     </Section>
   );
@@ -103,7 +103,7 @@ function SpeedTorque(props: {
     return [at(true), at(false)];
   }, [answer, torque, perVelocity, scheme]);
   return (
-    <div className={classes.speedTorque}>
+    <div className="shrink">
       <Plot
         label="Torque over speed"
         summary={`At worst ${marginText(torque.margin)}`}
@@ -116,7 +116,7 @@ function SpeedTorque(props: {
         scales={{ y: { include: [0], unit: "Nm" } }}
         legend
       />
-      <p className={classes.key}>
+      <p className={`${classes.key} under-plot lines-12 hint m-0 mt-4`}>
         <span>
           <i data-line="rising" aria-hidden /> speeding up
         </span>

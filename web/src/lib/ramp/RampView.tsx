@@ -117,7 +117,7 @@ export function RampView<P extends string>(props: Props<P>) {
       actions={
         <>
           {props.choice}
-          <div className={classes.distance}>
+          <div className="flex gap-6">
             <NumberField
               aria-label={`Distance in ${units.position}`}
               value={distance / perPosition}
@@ -190,13 +190,13 @@ export function RampView<P extends string>(props: Props<P>) {
           {result.findings
             .filter((finding) => finding.parameter === null)
             .map((finding) => (
-              <p key={finding.code} className={classes.caution}>
+              <p key={finding.code} className="m-0 caution text-12">
                 {finding.text}
               </p>
             ))}
         </div>
       ) : (
-        error === null && <div className={classes.plotNote}>calculating the ramp</div>
+        error === null && <div className={`${classes.plotNote} center dim text-13`}>calculating the ramp</div>
       )}
     </Section>
   );
@@ -215,7 +215,7 @@ function useWindow(ends: number, held: boolean): number {
 function PhaseList({ phases, hues }: { phases: readonly Stretch[]; hues: Hues }) {
   const scheme = useScheme();
   return (
-    <ol className={classes.phases} aria-label="Phases">
+    <ol className={`${classes.phases} lines-12 hint m-0 mt-4`} aria-label="Phases">
       {phases.map((phase, index) => (
         // biome-ignore lint/suspicious/noArrayIndexKey: phases may come twice on the way through a reversal
         <li key={`${phase.name} ${index}`} data-empty={phase.empty || undefined}>
@@ -236,7 +236,7 @@ function Key({ keys, seen }: { keys: Props<string>["keys"]; seen: boolean }) {
       ]
     : [];
   return (
-    <p className={classes.key}>
+    <p className={`${classes.key} under-plot lines-12 hint m-0 mt-4`}>
       {[...keys, ...live].map(({ line, text }) => (
         <span key={line}>
           <i data-line={line} aria-hidden /> {text}

@@ -159,10 +159,10 @@ export function SendPanel(props: Props) {
         </>
       }
     >
-      {why !== null && <p className={classes.hint}>{why}</p>}
+      {why !== null && <p className="hint m-0">{why}</p>}
       {why === null && props.cautions?.(changed)}
       {differences && device && (
-        <table className={classes.diff}>
+        <table className={`${classes.diff} figures`}>
           <thead>
             <tr>
               <th scope="col">register</th>
@@ -194,13 +194,13 @@ export function SendPanel(props: Props) {
         {stop.isError && <ProblemAlert error={stop.error} doing="Stopping the axis" onClose={stop.reset} />}
         {move.data && !runs && (
           <>
-            <p className={classes.hint}>{move.data.text}</p>
+            <p className="hint m-0">{move.data.text}</p>
             {move.data.warnings.map((warning) => (
               <Caution key={warning}>{warning}</Caution>
             ))}
           </>
         )}
-        {runs && <p className={classes.hint}>Moves there and back until it is ended or the axis is stopped.</p>}
+        {runs && <p className="hint m-0">Moves there and back until it is ended or the axis is stopped.</p>}
       </div>
     </Section>
   );
@@ -208,7 +208,7 @@ export function SendPanel(props: Props) {
 
 /** Something that has to be said before a write. */
 export function Caution({ children }: { children: ReactNode }) {
-  return <p className={classes.caution}>{children}</p>;
+  return <p className="m-0 caution text-12">{children}</p>;
 }
 
 interface OutcomeProps {
@@ -220,16 +220,16 @@ interface OutcomeProps {
 /** How the register of a row fared in the last batch. */
 function Outcome({ row, result, shown }: OutcomeProps) {
   const index = result?.sent.indexOf(row.register) ?? -1;
-  if (!result || index < 0) return <span className={classes.dim}>–</span>;
+  if (!result || index < 0) return <span className="hint">–</span>;
   const written = result.answer.done[index];
   if (!written) {
     const failed = index === result.answer.done.length && result.answer.failed !== null;
-    return <span className={classes.fault}>{failed ? "refused" : "not tried"}</span>;
+    return <span className="fault text-12">{failed ? "refused" : "not tried"}</span>;
   }
   const value = row.field === null ? written.value : written.fields[row.field];
   const good = written.verified !== false;
   return (
-    <span className={good ? classes.good : classes.fault} title={written.note || undefined}>
+    <span className={good ? "good text-12" : "fault text-12"} title={written.note || undefined}>
       {good ? <IconCheck size={12} aria-hidden /> : <IconX size={12} aria-hidden />}
       <span className="num"> {shown(row, value ?? null)}</span>
     </span>

@@ -28,9 +28,9 @@ export const TimeBars = memo(function TimeBars({ seconds, rivals, why, actions }
   return (
     <Section title="Time" {...(actions === undefined ? {} : { actions })}>
       {why !== null || seconds === null || rivals.length === 0 ? (
-        <p className={classes.hint}>{why ?? "A move from rest is compared with other ways to make it."}</p>
+        <p className="hint m-0">{why ?? "A move from rest is compared with other ways to make it."}</p>
       ) : (
-        <ol className={classes.bars}>
+        <ol className={`${classes.bars} list grid text-12`}>
           <Bar name="this ramp" seconds={seconds} most={most} own />
           {rivals.map((rival) => (
             <Bar
@@ -65,7 +65,7 @@ function Bar({ name, title, seconds, most, saved, own = false }: BarProps) {
         <span className={classes.bar} data-own={own || undefined} style={{ width: `${(seconds / most) * 100}%` }} />
       </span>
       <span className="num">{time(seconds)}</span>
-      <span className={classes.barNote}>{saved === undefined ? "" : savedText(saved, seconds)}</span>
+      <span className={`${classes.barNote} dim nowrap`}>{saved === undefined ? "" : savedText(saved, seconds)}</span>
     </li>
   );
 }

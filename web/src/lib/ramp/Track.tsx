@@ -6,7 +6,6 @@ import { type Band, usePlotBands } from "../../plots/usePlotBands";
 import { CalmFrame, withHandles } from "./CalmFrame";
 import { HandleLayer, type Reach } from "./HandleLayer";
 import type { Handle } from "./handles";
-import classes from "./ramp.module.css";
 import { engineering } from "./scales";
 
 interface Props<P extends string> {
@@ -60,7 +59,7 @@ export function Track<P extends string>(props: Props<P>) {
   useEffect(() => handle.current?.setData(data, [from, to]), [data, from, to, handle, held, scales]);
   usePlotBands(handle, bands);
   return (
-    <div className={classes.track}>
+    <div className="relative">
       <Plot
         handle={handle}
         label={`${label} over time`}

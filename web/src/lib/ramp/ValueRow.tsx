@@ -36,7 +36,7 @@ export function ValueRow(props: Props) {
   const rounded = register !== null && digits(register.value) !== digits(value);
   const equals: ReactNode = rounded && (
     <span
-      className={`num ${classes.rounded}`}
+      className={`num ${classes.rounded} caution text-12`}
       title={`the register stands for ${withUnit(register.value / per, unit, 9)}`}
     >
       = {chip ? compact(register.value / per, DIGITS) : withUnit(register.value / per, unit, DIGITS)}
@@ -44,7 +44,7 @@ export function ValueRow(props: Props) {
   );
   return (
     <div className={classes.row} data-ignored={ignored || undefined} data-chip={chip !== undefined || undefined}>
-      <span className={classes.rowName} title={meaning}>
+      <span className={`${classes.rowName} text-12 mono`} title={meaning}>
         {name}
       </span>
       <NumberField
@@ -70,20 +70,20 @@ export function ValueRow(props: Props) {
           {equals}
         </>
       ) : (
-        <span className={classes.register} title="what the register holds">
+        <span className="lines-8 hint" title="what the register holds">
           <span className="num">{register ? fixed(register.raw) : "–"}</span>
           {equals}
         </span>
       )}
       {hints.length + cautions.length > 0 && (
-        <div className={classes.below}>
+        <div className="rest grid text-12">
           {hints.map((text) => (
-            <span key={text} className={classes.hint}>
+            <span key={text} className="hint m-0">
               {text}
             </span>
           ))}
           {cautions.map((text) => (
-            <span key={text} className={classes.caution}>
+            <span key={text} className="m-0 caution text-12">
               {text}
             </span>
           ))}

@@ -36,7 +36,7 @@ export function ChangesPanel(props: Props) {
       {error !== null && <ProblemAlert error={error} doing={`Writing ${what.many}`} />}
       {count === 0 && staged.applied.length === 0 && (
         <EmptyState title="Nothing staged" icon={<IconListCheck size={22} />}>
-          <Text size="sm" className={css.dim} maw={260}>
+          <Text size="sm" className="dim" maw={260}>
             Edit a value or a field in the table. Edits gather here and reach the device only when you apply them.
           </Text>
         </EmptyState>
@@ -51,7 +51,7 @@ export function ChangesPanel(props: Props) {
               Discard all
             </Button>
           </Group>
-          <ol className={css.diff}>
+          <ol className="list">
             {staged.edits.map((edit) => {
               const key = keyOf(edit);
               const row = rows.get(key);
@@ -74,7 +74,7 @@ export function ChangesPanel(props: Props) {
       {staged.applied.length > 0 && (
         <>
           <h2 className={css.smallTitle}>Written {staged.appliedAt !== null && `at ${timeOf(staged.appliedAt)}`}</h2>
-          <ul className={css.diff}>
+          <ul className="list">
             {staged.applied.map((done) => {
               const row = rows.get(keyOf(done.edit));
               return row && <AppliedEntry key={keyOf(done.edit)} applied={done} row={row} axis={many(row) ?? ""} />;
@@ -97,13 +97,13 @@ interface DiffProps {
 function DiffEntry({ edit, row, axis, chip, onDiscard }: DiffProps) {
   const moved = !row.volatile && edit.base !== null && chip !== null && edit.base !== chip && edit.fate === null;
   return (
-    <li className={css.diffEntry} data-fate={edit.fate?.kind}>
+    <li className={`${css.diffEntry} box mb-4`} data-fate={edit.fate?.kind}>
       <Title row={row} axis={axis}>
         <Discard label={`Discard the edits of ${row.name}`} onClick={() => onDiscard()} />
       </Title>
       {changes(edit, row, chip).map((change) => (
-        <div key={change.field?.name ?? ""} className={css.diffLine}>
-          <span className={css.changeName}>{change.field?.name ?? "value"}</span>
+        <div key={change.field?.name ?? ""} className="room row gap-8 text-12">
+          <span className="hint mono anywhere">{change.field?.name ?? "value"}</span>
           <DiffValues row={row} change={change} />
           {row.fields.length > 0 && (
             <Discard
@@ -115,7 +115,7 @@ function DiffEntry({ edit, row, axis, chip, onDiscard }: DiffProps) {
       ))}
       {edit.fate && <FateText edit={edit} row={row} />}
       {moved && edit.base !== null && (
-        <Text size="xs" className={css.note}>
+        <Text size="xs" className="dim">
           It changed since you began: it held {hex(edit.base, row.width)}.
         </Text>
       )}
@@ -125,12 +125,12 @@ function DiffEntry({ edit, row, axis, chip, onDiscard }: DiffProps) {
 
 function DiffValues({ row, change }: { row: RegisterRow; change: Change }) {
   const text = (value: number) => (change.field ? enumName(change.field, value) : enumName(row, value)) ?? fixed(value);
-  if (change.field?.access === "R+WC") return <span className={css.diffValues}>clear the flag</span>;
+  if (change.field?.access === "R+WC") return <span className="push right breaks">clear the flag</span>;
   return (
-    <span className={`num ${css.diffValues}`}>
-      <span className={css.from}>{change.from === null ? "?" : text(change.from)}</span>
+    <span className="num push right breaks">
+      <span className="dim">{change.from === null ? "?" : text(change.from)}</span>
       <span className={css.arrow}>→</span>
-      <b className={css.next}>{text(change.to)}</b>
+      <b className="rigid accent bold">{text(change.to)}</b>
     </span>
   );
 }
@@ -140,18 +140,18 @@ function FateText({ edit, row }: { edit: Edit; row: RegisterRow }) {
   if (fate === null) return null;
   if (fate.kind === "not tried")
     return (
-      <Text size="xs" className={css.note}>
+      <Text size="xs" className="dim">
         Not tried: an edit before it failed. Still staged.
       </Text>
     );
   if (fate.kind === "differs")
     return (
-      <Text size="xs" className={css.wrong}>
+      <Text size="xs" className="shrink fault tight">
         Written, but reads back as {hex(fate.readBack, row.width)}. Still staged.
       </Text>
     );
   return (
-    <Text size="xs" className={css.wrong} component="div">
+    <Text size="xs" className="shrink fault tight" component="div">
       <b>Refused.</b> {fate.problem.detail}
       {fate.problem.way_out && !fate.problem.detail.includes(fate.problem.way_out) && <div>{fate.problem.way_out}</div>}
     </Text>
@@ -161,15 +161,15 @@ function FateText({ edit, row }: { edit: Edit; row: RegisterRow }) {
 function AppliedEntry({ applied, row, axis }: { applied: Applied; row: RegisterRow; axis: string }) {
   const { edit, written } = applied;
   return (
-    <li className={css.diffEntry} data-fate="done">
+    <li className={`${css.diffEntry} box mb-4`} data-fate="done">
       <Title row={row} axis={axis}>
-        <span className={css.verified}>
+        <span className="inline gap-2 accent text-12">
           {written.verified === true && <IconCheck size={13} aria-hidden />}
           {proofOf(written)}
         </span>
       </Title>
-      <div className={css.diffLine}>
-        <span className={css.changeName}>
+      <div className="room row gap-8 text-12">
+        <span className="hint mono anywhere">
           {edit.value !== null
             ? "value"
             : row.fields
@@ -177,12 +177,12 @@ function AppliedEntry({ applied, row, axis }: { applied: Applied; row: RegisterR
                 .map((f) => f.name)
                 .join(", ")}
         </span>
-        <span className={`num ${css.diffValues}`}>
+        <span className="num push right breaks">
           {readable(row.access) ? "reads" : "written"} {hex(written.raw, row.width)}
         </span>
       </div>
       {(written.note !== "" || written.verified === null) && (
-        <Text size="xs" className={css.note}>
+        <Text size="xs" className="dim">
           {written.note || "The device changes it by itself, so a read-back proves nothing."}
         </Text>
       )}
@@ -192,11 +192,11 @@ function AppliedEntry({ applied, row, axis }: { applied: Applied; row: RegisterR
 
 function Title({ row, axis, children }: { row: RegisterRow; axis: string; children: ReactNode }) {
   return (
-    <div className={css.diffTitle}>
+    <div className="row gap-8">
       <RegisterName name={row.name} strong />
-      {row.alias !== "" && <span className={css.axisTag}>{row.alias}</span>}
-      {axis !== "" && <span className={css.axisTag}>{axis}</span>}
-      <span className={css.grow} />
+      {row.alias !== "" && <span className="hint">{row.alias}</span>}
+      {axis !== "" && <span className="hint">{axis}</span>}
+      <span className="grow" />
       {children}
     </div>
   );

@@ -2,7 +2,6 @@ import { Checkbox, Select } from "@mantine/core";
 import { NumberField } from "../NumberField";
 import { editorOf } from "./bits";
 import { chipUnit } from "./physical";
-import css from "./rows.module.css";
 import type { ChipRows } from "./useChipRows";
 
 interface Props {
@@ -38,7 +37,7 @@ export function ChipField({ chip, register, field, label, physical, disabled = f
         size="xs"
         label={told}
         title={title}
-        classNames={{ label: css.switchLabel }}
+        classNames={{ label: "text-12" }}
         checked={planned === 1}
         indeterminate={planned === null}
         onChange={(event) => put(event.currentTarget.checked ? 1 : 0)}

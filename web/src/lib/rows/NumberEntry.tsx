@@ -41,7 +41,7 @@ export function NumberEntry({ bits, label, value, scales, onStage, onDone }: Pro
     <Group
       gap={6}
       wrap="nowrap"
-      className={css.entry}
+      className={`${css.entry} shrink relative`}
       data-inline={onDone !== undefined}
       data-escape-closes={onDone !== undefined || undefined}
     >
@@ -56,7 +56,7 @@ export function NumberEntry({ bits, label, value, scales, onStage, onDone }: Pro
         spellCheck={false}
         ref={onDone ? focusOnce : undefined}
         value={draft ?? (value === null ? "" : String(value))}
-        rightSection={unit !== "" && <span className={css.unit}>{unit}</span>}
+        rightSection={unit !== "" && <span className="hint ml-4">{unit}</span>}
         rightSectionWidth={14 + unit.length * 7}
         rightSectionPointerEvents="none"
         rightSectionProps={{ "aria-hidden": true }}
@@ -96,7 +96,7 @@ export function NumberEntry({ bits, label, value, scales, onStage, onDone }: Pro
         id={hint}
         size="xs"
         component="span"
-        className={wrong === null ? css.hint : `${css.wrong} ${css.over}`}
+        className={wrong === null ? "shrink dim tight nowrap" : `shrink fault tight ${css.over}`}
         {...(wrong === null ? {} : { role: "alert" })}
       >
         {wrong ?? (preview || `${fixed(bits.minimum)} to ${fixed(bits.maximum)}`)}

@@ -55,8 +55,8 @@ export function RowsPage(props: Props) {
     });
 
   return (
-    <div className={css.page}>
-      <h1 className={css.title}>
+    <div className={`${css.page} stack gap-8 text-13`}>
+      <h1 className={`${css.title} flex baseline gap-8 m-0 text-16`}>
         {name}
         {device && <span>{`${device.name} · ${device.title}`}</span>}
       </h1>
@@ -81,13 +81,18 @@ export function RowsPage(props: Props) {
         value={tab}
         onChange={(next) => setTab(next ?? "row")}
         keepMounted={false}
-        classNames={{ root: css.body, panel: css.panel }}
+        classNames={{ root: `${css.body} grid grow gap-8`, panel: css.panel }}
       >
-        {!phone && <div className={css.tablePane}>{list}</div>}
-        <aside className={css.side} aria-label={`${capital(one)} and changes`}>
+        {!phone && <div className={`${css.tablePane} card scroll relative`}>{list}</div>}
+        <aside className={`${css.side} card stack`} aria-label={`${capital(one)} and changes`}>
           <Tabs.List grow>
             <Tabs.Tab value="row">{phone ? name : capital(one)}</Tabs.Tab>
-            <Tabs.Tab value="changes" rightSection={count > 0 && <span className={css.tabBadge}>{count}</span>}>
+            <Tabs.Tab
+              value="changes"
+              rightSection={
+                count > 0 && <span className={`${css.tabBadge} inline-block text-12 bold tight centered`}>{count}</span>
+              }
+            >
               Changes
             </Tabs.Tab>
             {more.map((extra) => (

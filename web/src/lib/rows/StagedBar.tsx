@@ -16,16 +16,20 @@ interface Props {
 export function StagedBar({ count, staged, busy, canApply, onReview, onDiscard, onApply }: Props) {
   const waits = count > 0;
   return (
-    <div className={css.bar} data-waits={waits} data-idle={!waits && staged.applied.length === 0}>
-      <span className={css.barText} role="status">
+    <div
+      className={`${css.bar} raised pad row box gap-8`}
+      data-waits={waits}
+      data-idle={!waits && staged.applied.length === 0}
+    >
+      <span className="mid lines-8 grow" role="status">
         {waits ? (
           <>
-            <span className={css.badge}>{count}</span>
+            <span className={`${css.badge} inline-block text-12 bold tight centered`}>{count}</span>
             {count === 1 ? "edit staged" : "edits staged"}
             {!canApply && ", waiting for the connection"}
           </>
         ) : (
-          <span className={css.dim}>{staged.applied.length === 0 && "No edits staged"}</span>
+          <span className="dim">{staged.applied.length === 0 && "No edits staged"}</span>
         )}
         <Outcome staged={staged} />
       </span>
@@ -55,7 +59,7 @@ function Outcome({ staged }: { staged: Staged }) {
   ].filter(Boolean);
   if (said.length === 0) return null;
   return (
-    <span className={css.outcome} data-failed={failed > 0}>
+    <span className={`${css.outcome} hint`} data-failed={failed > 0}>
       last apply: {said.join(", ")}
     </span>
   );

@@ -25,7 +25,7 @@ export function Toolbar(props: PropsWithChildren<Props>) {
   const { paused, onPaused, connected, known, ageMs } = props;
   const state = !connected ? "not connected" : paused ? "paused" : ageMs > 0 ? "no news" : known ? "live" : "reading";
   return (
-    <search className={css.toolbar}>
+    <search className={`${css.toolbar} row gap-8`}>
       <TextInput
         ref={searchRef}
         size="xs"
@@ -54,8 +54,8 @@ export function Toolbar(props: PropsWithChildren<Props>) {
       <span className={`${css.shown} num`} role="status">
         {query === "" ? "" : `${shown} found`}
       </span>
-      <span className={css.grow} />
-      <span className={css.liveState} data-state={state}>
+      <span className="grow" />
+      <span className={`${css.liveState} inline hint gap-6`} data-state={state}>
         <i className={css.dot} aria-hidden />
         <span className="num">{ageMs > 0 && known ? `${state}, ${Math.round(ageMs / 1000)} s old` : state}</span>
       </span>

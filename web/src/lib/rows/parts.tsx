@@ -13,7 +13,7 @@ import type { Reading } from "./useRegisters";
 export function RegisterName({ name, strong = false }: { name: string; strong?: boolean }) {
   const words = name.split("_");
   return (
-    <span className={css.name} data-strong={strong}>
+    <span className={`${css.name} text-12 mono tight`} data-strong={strong}>
       {words.map((word, index) => (
         // biome-ignore lint/suspicious/noArrayIndexKey: the words of one name never change places
         <Fragment key={index}>
@@ -31,7 +31,11 @@ export function RegisterName({ name, strong = false }: { name: string; strong?: 
 
 export function AccessMark({ access }: { access: string }) {
   return (
-    <span className={css.access} data-access={access} title={accessText(access)}>
+    <span
+      className={`${css.access} px-4 inline box gap-2 text-12 mono tight nowrap`}
+      data-access={access}
+      title={accessText(access)}
+    >
       {access === "R" && <IconLock size={10} aria-hidden />}
       {access}
     </span>
@@ -42,9 +46,12 @@ export function AccessMark({ access }: { access: string }) {
 export function NameTags({ row }: { row: Pick<RegisterRow, "when" | "behaviour"> }) {
   return (
     <>
-      {row.when && <span className={css.tag}>if {row.when}</span>}
+      {row.when && <span className={`${css.tag} hint inline-block ml-4 regular tight`}>if {row.when}</span>}
       {row.behaviour && (
-        <span className={css.tag} title={`The emulator keeps it without acting on it: ${row.behaviour}`}>
+        <span
+          className={`${css.tag} hint inline-block ml-4 regular tight`}
+          title={`The emulator keeps it without acting on it: ${row.behaviour}`}
+        >
           stored only
         </span>
       )}
@@ -61,7 +68,7 @@ export function RawText({ row, reading }: { row: RegisterRow; reading: Reading |
         not polled
       </span>
     );
-  if (!reading) return <span className={css.dim}>–</span>;
+  if (!reading) return <span className="dim">–</span>;
   const text = hex(reading.raw, row.width);
   return reading.kept ? (
     <span className={`num ${css.kept}`} title="As last written, or as after the reset: it cannot be read">
@@ -77,14 +84,14 @@ export function ValueText({ row, raw }: { row: RegisterRow; raw: number | null }
   const value = raw === null ? null : row.signed ? toSigned(raw, row.width) : raw;
   return (
     <span className={css.value}>
-      <span className={css.digits}>
+      <span className="right">
         {value === null ? (
-          <span className={css.dim}>–</span>
+          <span className="dim">–</span>
         ) : (
           <LiveText className={`num ${css.live}`} text={enumName(row, value) ?? fixed(value)} />
         )}
       </span>
-      <span className={css.unit}>{chipUnit(row.unit)}</span>
+      <span className="hint ml-4">{chipUnit(row.unit)}</span>
     </span>
   );
 }
@@ -95,9 +102,9 @@ export function PhysicalText({ row, raw, edit, scales, also }: PhysicalProps) {
   const value = staged ?? (raw === null ? null : row.signed ? toSigned(raw, row.width) : raw);
   const more = value === null ? [] : (also?.(value) ?? []);
   return (
-    <span className={css.physicals}>
+    <span className={`${css.physicals} hint flex`}>
       {staged !== null && (
-        <span className={`num ${css.next}`}>
+        <span className="num rigid accent bold">
           <span className={css.arrow}>→</span>
           {enumName(row, staged) ?? fixed(staged)}
         </span>
@@ -130,9 +137,9 @@ interface PhysicalProps {
 export function PackedText({ row, raw, edit }: { row: RegisterRow; raw: number | null; edit: Edit | null }) {
   const staged = edit ? changes(edit, row, raw) : [];
   return (
-    <span className={css.packed}>
+    <span className={`${css.packed} flex shrink gap-8`}>
       {staged.map((change) => (
-        <span key={change.field?.name} className={css.stagedField}>
+        <span key={change.field?.name} className="rigid accent text-12 nowrap">
           {change.field?.access === "R+WC" ? (
             <b>clear {change.field.name}</b>
           ) : (
@@ -145,10 +152,10 @@ export function PackedText({ row, raw, edit }: { row: RegisterRow; raw: number |
         </span>
       ))}
       {raw === null ? (
-        <span className={css.dim}>–</span>
+        <span className="dim">–</span>
       ) : (
         <LiveText
-          className={`${css.live} ${css.summary}`}
+          className={`${css.live} ${css.summary} clip shrink text-12`}
           text={[summary(row, raw), pairText(row, raw)].filter(Boolean).join(" · ")}
         />
       )}

@@ -1,7 +1,7 @@
 import { expect, it } from "vitest";
+import { microstepShift } from "../../families/tmc428/ramps/Inverse";
 import { sameNote } from "../../pages/microsteps/mslut/Chip";
 import { READ_BACK, WRITTEN_BLIND, writtenLines } from "../../pages/profiles/steps";
-import { microstepShift } from "../../pages/ramps/Inverse";
 import type { RegisterRow } from "./bits";
 import { proofOf } from "./proof";
 

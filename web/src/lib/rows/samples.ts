@@ -43,7 +43,7 @@ export function register(name: string, width: number, more: Partial<RegisterRow>
     stored: "",
     internal_range: null,
     read_clears: false,
-    source: "DS-TMC428 8",
+    source: "data sheet 8",
     values: {},
     when: "",
     behaviour: "",

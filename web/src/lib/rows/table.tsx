@@ -19,15 +19,15 @@ export function GroupHead({ group, title, folded, staged, onFold }: HeadProps) {
   return (
     <button
       type="button"
-      className={css.groupHead}
+      className={`${css.groupHead} row gap-6 text-12 bold left w-full`}
       data-row={`group ${group.key}`}
       aria-expanded={!folded}
       onClick={() => onFold(group.key, !folded)}
     >
       <IconChevronRight size={13} className={css.chevron} data-open={!folded} aria-hidden />
       {title.charAt(0).toUpperCase() + title.slice(1)}
-      <span className={css.groupCount}>{group.rows.length}</span>
-      {staged > 0 && <span className={css.badge}>{staged}</span>}
+      <span className="dim regular">{group.rows.length}</span>
+      {staged > 0 && <span className={`${css.badge} inline-block text-12 bold tight centered`}>{staged}</span>}
     </button>
   );
 }

@@ -73,7 +73,7 @@ function Body({ device, axes, axisNames, close, onDone }: StartUpWanted & { clos
       </Text>
       {lines.length > 0 && <Changes lines={lines} axisNames={axisNames} applied={report.state !== "dry run"} />}
       {report.state === "dry run" && report.chosen.length > 0 && (
-        <ul className={css.chosen} aria-label="Chosen figures">
+        <ul className="m-0 text-13 indent" aria-label="Chosen figures">
           {report.chosen.map((each) => (
             <li key={`${each.axis}/${each.name}`}>
               {report.axes.length > 1 && `${axisNames[each.axis] ?? `axis ${each.axis}`}: `}
@@ -122,8 +122,8 @@ interface ChangesProps {
 function Changes({ lines, axisNames, applied }: ChangesProps) {
   return (
     // biome-ignore lint/a11y/noNoninteractiveTabindex: what can be scrolled must be reached by keyboard
-    <section className={css.box} tabIndex={0} aria-label="Changes">
-      <table className={css.table}>
+    <section className={`${css.box} box scroll`} tabIndex={0} aria-label="Changes">
+      <table className={`${css.table} text-12 tight w-full`}>
         <thead>
           <tr>
             <th scope="col">Register</th>
@@ -138,16 +138,16 @@ function Changes({ lines, axisNames, applied }: ChangesProps) {
               <td>
                 <RegisterName name={line.name} />
                 {line.axis !== null && axisNames.length > 1 && (
-                  <span className={css.axis}> {axisNames[line.axis] ?? `axis ${line.axis}`}</span>
+                  <span className="dim"> {axisNames[line.axis] ?? `axis ${line.axis}`}</span>
                 )}
               </td>
               <td>
                 <span className="num">{line.before}</span>
-                {line.beforePhysical !== "" && <span className={css.physical}>{line.beforePhysical}</span>}
+                {line.beforePhysical !== "" && <span className="block dim">{line.beforePhysical}</span>}
               </td>
               <td>
                 <span className="num">{line.after}</span>
-                {line.afterPhysical !== "" && <span className={css.physical}>{line.afterPhysical}</span>}
+                {line.afterPhysical !== "" && <span className="block dim">{line.afterPhysical}</span>}
               </td>
               {applied && <td>{line.readBack}</td>}
             </tr>

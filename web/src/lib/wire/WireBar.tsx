@@ -8,14 +8,14 @@ export function WireBar({ link, old = false }: { link: LinkInfo; old?: boolean }
   const share = link.share ?? (possible ? link.calls_per_s / possible : null);
   const percent = share === null ? 0 : Math.min(100, 100 * share);
   return (
-    <span className={css.wire} data-old={old}>
+    <span className={`${css.wire} inline wrap gap-8`} data-old={old}>
       {possible !== null && (
         // the numbers beside it say the same
-        <span className={css.track} aria-hidden>
+        <span className={`${css.track} inline-block rigid hidden`} aria-hidden>
           <span className={css.used} style={{ width: `${percent}%` }} />
         </span>
       )}
-      <span className={css.text}>
+      <span className="nowrap">
         <b className="num">{fixed(link.calls_per_s)}</b>
         {possible === null ? (
           " calls/s, no limit of the wire"
@@ -23,7 +23,7 @@ export function WireBar({ link, old = false }: { link: LinkInfo; old?: boolean }
           <>
             {" of "}
             <span className="num">{fixed(possible)}</span> calls/s
-            <span className={css.percent}>
+            <span className="dim">
               {" · "}
               <span className="num">{compact(percent, 3)}</span> %
             </span>

@@ -108,7 +108,7 @@ function Entries({ audit }: { audit: Audit }) {
           {waiting} new
         </Button>
       )}
-      <table className={classes.table} data-testid="audit" data-stale={audit.stale}>
+      <table className={`${classes.table} text-12 tight w-full`} data-testid="audit" data-stale={audit.stale}>
         <thead>
           <tr>
             {COLUMNS.map((name) => (

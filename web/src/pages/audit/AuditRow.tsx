@@ -1,8 +1,7 @@
 import { IconBan, IconHelpCircle } from "@tabler/icons-react";
 import { memo } from "react";
 import { Link } from "wouter";
-import type { Device } from "../../api/queries";
-import { familyOf } from "../../lib/family";
+import { can, type Device } from "../../api/queries";
 import { dateTimeOf } from "../../lib/time";
 import classes from "./audit.module.css";
 import type { Entry } from "./filters";
@@ -24,7 +23,7 @@ export const AuditRow = memo(function AuditRow({ entry, device, onSelect }: Prop
   const [old, now] = [valueText(entry.old), valueText(entry.new)];
   return (
     <tr data-outcome={kind} data-testid="audit-entry">
-      <td className={`num ${classes.time}`}>
+      <td className="num nowrap">
         <time dateTime={entry.time} title={dateTimeOf(Date.parse(entry.time))}>
           {timeText(entry.time)}
         </time>
@@ -33,25 +32,25 @@ export const AuditRow = memo(function AuditRow({ entry, device, onSelect }: Prop
         {entry.who}
       </td>
       <td className={classes.device}>
-        {entry.device ?? ""} {many && axis !== "" && <span className={classes.dim}>{axis}</span>}
+        {entry.device ?? ""} {many && axis !== "" && <span className={`${classes.dim} dim`}>{axis}</span>}
       </td>
-      <td className={classes.action}>{entry.action}</td>
+      <td className="nowrap">{entry.action}</td>
       <td className={classes.what}>
         <Subject entry={entry} device={device} onSelect={onSelect} />
-        {entry.detail !== "" && <span className={classes.detail}>{detailText(entry.detail)}</span>}
+        {entry.detail !== "" && <span className="ml-8 dim">{detailText(entry.detail)}</span>}
       </td>
       <td className={`num ${classes.values}`} title={fields ? `${old} → ${now}` : undefined}>
         {!fields && (old !== "" || now !== "") && (
           <>
-            {old !== "" && <span className={classes.dim}>{old} </span>}
-            <span className={classes.dim}>→ </span>
-            {now === "" ? <span className={classes.dim}>nothing</span> : now}
+            {old !== "" && <span className={`${classes.dim} dim`}>{old} </span>}
+            <span className={`${classes.dim} dim`}>→ </span>
+            {now === "" ? <span className={`${classes.dim} dim`}>nothing</span> : now}
           </>
         )}
       </td>
       <td className={classes.outcome}>
         {kind === "done" ? (
-          <span className={classes.dim}>done</span>
+          <span className={`${classes.dim} dim`}>done</span>
         ) : (
           <b>
             {kind === "refused" ? <IconBan size={13} aria-hidden /> : <IconHelpCircle size={13} aria-hidden />} {kind}
@@ -65,11 +64,11 @@ export const AuditRow = memo(function AuditRow({ entry, device, onSelect }: Prop
 
 function Subject({ entry, device, onSelect }: Props) {
   if (entry.action !== "write" || device === undefined) return <>{entry.subject}</>;
-  const page = familyOf(device.model) === "module" ? "/parameters" : "/registers";
+  const page = can(device, "parameters") ? "/parameters" : "/registers";
   return (
     <Link
       href={`${page}?find=${encodeURIComponent(entry.subject)}`}
-      className={classes.link}
+      className="accent"
       onClick={() => onSelect(device.id, entry.axis ?? 0)}
     >
       {entry.subject}

@@ -28,7 +28,7 @@ export function FilterBar({ filters, query, onChange }: Props) {
   useHotkeys([["/", () => search.current?.focus()]]);
   const set = (change: Partial<Filters>) => onChange({ ...filters, ...change });
   return (
-    <search className={classes.filters}>
+    <search className="row wrap gap-6 mb-8">
       <TextInput
         ref={search}
         size="xs"
@@ -73,7 +73,7 @@ export function FilterBar({ filters, query, onChange }: Props) {
         onChange={(event) => set({ span: event.currentTarget.value as Span })}
       />
       {filters.span === "between" && (
-        <span className={classes.between}>
+        <span className="flex wrap gap-6">
           <TextInput
             size="xs"
             type="datetime-local"

@@ -29,7 +29,7 @@ const MANY_AXES = 6;
 export function AxisTree({ devices, selected, unit, onSelect }: TreeProps) {
   const many = devices.reduce((count, device) => count + device.axes.length, 0) >= MANY_AXES;
   return (
-    <nav aria-label="Devices and axes" className={classes.tree} data-many={many}>
+    <nav aria-label="Devices and axes" className={`${classes.tree} card`} data-many={many}>
       {devices.map((device) => (
         <DeviceGroup key={device.id} device={device} selected={selected} unit={unit} onSelect={onSelect} />
       ))}
@@ -41,7 +41,7 @@ function DeviceGroup({ device, selected, unit, onSelect }: Omit<TreeProps, "devi
   const emulator = useEmulator(device.state === "connected" ? device : undefined);
   return (
     <section className={classes.device} aria-label={device.name}>
-      <Group gap={8} wrap="nowrap" className={classes.deviceHead}>
+      <Group gap={8} wrap="nowrap" className={`${classes.deviceHead} pad`}>
         <StateDot state={device.state} />
         <Text size="sm" fw={600} truncate>
           {device.name}
@@ -99,24 +99,24 @@ function AxisRow({ device, axis, emulator, unit, active, onSelect }: RowProps) {
   return (
     <UnstyledButton
       ref={row}
-      className={classes.axis}
+      className={`${classes.axis} grid baseline relative w-full`}
       data-active={active}
       aria-pressed={active}
       onClick={onSelect}
       data-testid={`axis-${device.id}-${axis.index}`}
     >
-      <span className={classes.axisName}>{axis.name}</span>
-      <span className={classes.axisPosition}>
+      <span className={`${classes.axisName} text-13 bold hidden`}>{axis.name}</span>
+      <span className={`${classes.axisPosition} text-13 right nowrap`}>
         <LiveText read={() => fixed(fromSteps(live.read("position"), shown, scale, "position"), decimals)} />
-        <span className={classes.unit}>{symbolOf(shown)}</span>
+        <span className={`${classes.unit} hint inline-block left`}>{symbolOf(shown)}</span>
       </span>
-      <Lamps live={live} model={device.model} />
+      <Lamps live={live} device={device} />
       <span className={classes.axisWord} title={condition.cause}>
         <ConditionMark kind={condition.kind} />
       </span>
-      <span className={classes.axisState}>
+      <span className={`${classes.axisState} text-12 tight right nowrap`}>
         <LiveText read={() => fixed(fromSteps(live.read("velocity"), rate, scale, "velocity"), decimals)} />
-        <span className={classes.unit}>{symbolOf(rate)}</span>
+        <span className={`${classes.unit} hint inline-block left`}>{symbolOf(rate)}</span>
       </span>
       {device.emulated && (
         <span className={classes.rail} aria-hidden>

@@ -4,12 +4,10 @@ import { IconAdjustmentsAlt, IconPlugConnected } from "@tabler/icons-react";
 import { useQueryClient } from "@tanstack/react-query";
 import { useEffect, useMemo } from "react";
 import { Link } from "wouter";
-import { type Device, useDevices } from "../../api/queries";
+import { can, type Device, useDevices } from "../../api/queries";
 import { EmptyState } from "../../lib/EmptyState";
-import { familyOf } from "../../lib/family";
 import { later } from "../../lib/later";
 import { useSelection } from "../../live/selection";
-import { eventRegisters } from "../events/registers";
 import { AxisTree } from "./AxisTree";
 import classes from "./bench.module.css";
 import { DemoBanner } from "./DemoBanner";
@@ -49,13 +47,13 @@ export default function BenchPage() {
 function Skeleton() {
   return (
     <div className={classes.bench} role="status" aria-label="Looking for devices">
-      <div className={classes.side}>
-        <div className={classes.card} data-skeleton />
-        <div className={classes.tree} data-skeleton />
+      <div className={`${classes.side} stack shrink gap-8`}>
+        <div className={`${classes.card} card stack gap-8`} data-skeleton />
+        <div className={`${classes.tree} card`} data-skeleton />
       </div>
-      <div className={classes.stageAndScope}>
-        <div className={classes.stageBox} data-skeleton />
-        <div className={classes.scopeSkeleton} />
+      <div className={`${classes.stageAndScope} stack shrink gap-8`}>
+        <div className={`${classes.stageBox} card flex start rigid`} data-skeleton />
+        <div className={`${classes.scopeSkeleton} card grow`} />
       </div>
     </div>
   );
@@ -80,7 +78,7 @@ function Bench({ devices, lost }: BenchProps) {
       <VisuallyHidden>
         <h1>Bench</h1>
       </VisuallyHidden>
-      <div className={classes.side}>
+      <div className={`${classes.side} stack shrink gap-8`}>
         {device && entry && (
           <MotionCard device={asKnown(device)} axis={entry} unit={settings.unit} onUnit={(unit) => change({ unit })} />
         )}
@@ -91,11 +89,11 @@ function Bench({ devices, lost }: BenchProps) {
           onSelect={select}
         />
       </div>
-      <div className={classes.stageAndScope}>
+      <div className={`${classes.stageAndScope} stack shrink gap-8`}>
         <DemoBanner devices={devices} />
         {device && entry && (
           <>
-            {(device.emulated || familyOf(device.model) === "module") && (
+            {(device.emulated || can(device, "parameters")) && (
               <Stage
                 key={`${device.id}/${axis}`}
                 device={asKnown(device)}
@@ -107,11 +105,11 @@ function Bench({ devices, lost }: BenchProps) {
             <Limits key={`limits/${device.id}/${axis}`} device={asKnown(device)} axis={entry} unit={settings.unit} />
             <ScopeCard devices={devices} main={main} axisName={`${device.name} ${entry.name}`}>
               {(scope) =>
-                eventRegisters(device.model).length > 0 && (
+                can(device, "events") && (
                   <EventsTimeline
                     key={`${device.id}/${entry.index}`}
-                    at={main}
-                    model={device.model}
+                    axis={entry.index}
+                    device={device}
                     name={`${device.name} ${entry.name}`}
                     source={scope.sources[0]}
                     connected={asKnown(device).state === "connected"}
@@ -147,7 +145,7 @@ interface StageProps {
 function Stage({ device, axis, open, onToggle }: StageProps) {
   const emulator = useEmulator(device);
   const live = useLiveAxis(device.id, axis.index);
-  const module = familyOf(device.model) === "module";
+  const module = can(device, "parameters");
   const search = useSearch({ device: device.id, axis: axis.index }, module && device.state === "connected");
   const queries = useQueryClient();
   const searched = search.data?.state;
@@ -158,7 +156,7 @@ function Stage({ device, axis, open, onToggle }: StageProps) {
     [queries, searched, device.id],
   );
   return (
-    <div className={classes.stageBox}>
+    <div className={`${classes.stageBox} card flex start rigid`}>
       <StageDrawing device={device} axis={axis} live={live} emulator={emulator.data} search={search.data} />
       {device.emulated && (
         <Button

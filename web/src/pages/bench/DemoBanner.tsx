@@ -5,15 +5,13 @@ import { useQueries, useQueryClient } from "@tanstack/react-query";
 import { Link } from "wouter";
 import { api, unwrap } from "../../api/client";
 import type { Device } from "../../api/queries";
-import { later } from "../../lib/later";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useSelection } from "../../live/selection";
 import classes from "./bench.module.css";
 import { endDemo, startDemo } from "./demo";
 import { shuttleKey } from "./motion/ShuttleSection";
 import { useAction } from "./motion/useAction";
-
-const TryModels = later(() => import("./TryModels").then((part) => part.TryModels));
+import { TryModels } from "./TryModels";
 
 const NEXT: readonly (readonly [href: string, name: string, what: string])[] = [
   ["/ramps", "Ramps", "design one and send it"],
@@ -49,7 +47,7 @@ export function DemoBanner({ devices }: { devices: readonly Device[] }) {
     return startDemo(demo);
   };
   return (
-    <section className={classes.demo} aria-label="Demo" data-running={running}>
+    <section className={`${classes.demo} mid pad-s lines-12 card`} aria-label="Demo" data-running={running}>
       <Button
         size="xs"
         variant={running ? "default" : "filled"}
@@ -73,7 +71,7 @@ export function DemoBanner({ devices }: { devices: readonly Device[] }) {
           </Text>
           {NEXT.map(([href, name, what]) => (
             <Text key={href} size="sm">
-              <Link href={href} className={classes.nextLink}>
+              <Link href={href} className="accent bold">
                 {name}
               </Link>{" "}
               <Text span size="sm" c="dimmed" visibleFrom="xl">
@@ -95,7 +93,7 @@ export function DemoBanner({ devices }: { devices: readonly Device[] }) {
         color="gray"
         aria-label="Hide the demo bar"
         onClick={() => setHidden(true)}
-        className={classes.demoClose}
+        className="push"
       >
         <IconX size={16} />
       </ActionIcon>

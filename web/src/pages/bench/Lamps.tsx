@@ -1,6 +1,5 @@
 import { useEffect, useRef } from "react";
-import type { Device } from "../../api/queries";
-import { hasHomeSwitch } from "../../lib/family";
+import { can, type Device } from "../../api/queries";
 import { everyTick } from "../../live/LiveText";
 import classes from "./bench.module.css";
 import type { AxisQuantity, LiveAxis } from "./live";
@@ -38,7 +37,7 @@ function Lamp({
   return (
     <span
       ref={lamp}
-      className={classes.lamp}
+      className={`${classes.lamp} hint bold`}
       data-state="unknown"
       role="img"
       aria-label={`${name} unknown`}
@@ -50,10 +49,10 @@ function Lamp({
 }
 
 /** The switches of an axis: lit while active. */
-export function Lamps({ live, model }: { live: LiveAxis; model: Device["model"] }) {
+export function Lamps({ live, device }: { live: LiveAxis; device: Device }) {
   return (
     <span className={classes.lamps}>
-      {LAMPS.filter(([quantity]) => hasHomeSwitch(model) || quantity !== "switch_home").map(
+      {LAMPS.filter(([quantity]) => can(device, "home_switch") || quantity !== "switch_home").map(
         ([quantity, letter, name]) => (
           <Lamp key={quantity} live={live} quantity={quantity} letter={letter} name={name} />
         ),

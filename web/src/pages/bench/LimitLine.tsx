@@ -56,10 +56,14 @@ export function LimitLine({ device, axis, live, unit }: Props) {
   const rate = ratesOf(unit).velocity;
   const fastest = speed === null ? Number.NaN : fromSteps(speed, rate, scale, "velocity");
   return (
-    <section className={classes.limits} aria-label={`Soft limits of ${axis.name}`} data-testid="limits">
+    <section
+      className={`${classes.limits} lines-16 rigid text-12`}
+      aria-label={`Soft limits of ${axis.name}`}
+      data-testid="limits"
+    >
       {ranged && (
-        <div className={classes.row}>
-          <span className={classes.word}>Range</span>
+        <div className={`${classes.row} row shrink gap-8`}>
+          <span className="dim">Range</span>
           <span className="num">{place(from, "no end")}</span>
           <span className={classes.track} data-from={from !== null} data-to={to !== null} aria-hidden>
             <span ref={marker} className={classes.marker} hidden />
@@ -68,15 +72,15 @@ export function LimitLine({ device, axis, live, unit }: Props) {
         </div>
       )}
       {speed !== null && (
-        <div className={classes.row}>
-          <span className={classes.word}>Speed</span>
+        <div className={`${classes.row} row shrink gap-8`}>
+          <span className="dim">Speed</span>
           <span className={classes.track} data-from data-to aria-hidden>
             <span ref={fill} className={classes.fill} />
           </span>
           <span className="num">{Number.isNaN(fastest) ? withUnit(speed, "pps") : withUnit(fastest, rate)}</span>
         </div>
       )}
-      {others !== "" && <span className={classes.others}>{others}</span>}
+      {others !== "" && <span className="dim">{others}</span>}
       {axis.limit_warnings.map((warning) => (
         <Text key={warning} size="xs" className={classes.warning} role="status">
           {warning}

@@ -167,7 +167,7 @@ export function MotorStage<Name extends string>({
   return (
     <>
       <Divider label="Switches and stage" labelPosition="left" />
-      <div className={classes.fieldset}>
+      <div className={`${classes.fieldset} stack gap-4 m-0 p-0`}>
         {names.map(([name, label]) => (
           <SwitchRow
             key={name}

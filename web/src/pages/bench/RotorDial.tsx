@@ -24,16 +24,16 @@ export function RotorDial({ truth }: { truth: Truth }) {
   const behind = truth.load_angle_deg;
   const slips = Math.abs(behind) > SLIP_DEG;
   return (
-    <div className={classes.dial} data-testid="rotor-dial" data-slip={slips}>
+    <div className={`${classes.dial} grid gap-8 mid`} data-testid="rotor-dial" data-slip={slips}>
       <svg
         viewBox="-4 -4 136 136"
         role="img"
         aria-label={`The rotor is ${fixed(behind, 1)} electrical degrees behind its field`}
       >
-        <circle cx={64} cy={64} r={50} className={classes.dialFace} />
+        <circle cx={64} cy={64} r={50} fill="var(--well)" stroke="var(--line)" />
         <path
           d={`M64 64L${point(SLIP_DEG, 50)}A50 50 0 0 1 ${point(360 - SLIP_DEG, 50)}Z`}
-          className={classes.dialSlip}
+          fill="color-mix(in srgb, var(--mantine-color-red-filled) 20%, transparent)"
         />
         {[0, 90, 180, 270].map((angle) => (
           <text
@@ -41,18 +41,18 @@ export function RotorDial({ truth }: { truth: Truth }) {
             x={64 + 57 * Math.sin((angle * Math.PI) / 180)}
             y={67 - 57 * Math.cos((angle * Math.PI) / 180)}
             textAnchor="middle"
-            className={classes.dialText}
+            className="text-12 fill-dim"
           >
             {angle > 180 ? angle - 360 : angle}°
           </text>
         ))}
-        <path d="M64 64V18" className={classes.dialField} />
+        <path d="M64 64V18" stroke="var(--lamp)" strokeWidth={3} />
         <g transform={`rotate(${(-behind).toFixed(2)} 64 64)`}>
-          <path d="M60 64L64 24L68 64L64 88Z" className={classes.dialRotor} data-slip={slips} />
+          <path d="M60 64L64 24L68 64L64 88Z" className={`${classes.dialRotor} fill-accent`} data-slip={slips} />
         </g>
-        <circle cx={64} cy={64} r={4} className={classes.dialFace} />
+        <circle cx={64} cy={64} r={4} fill="var(--well)" stroke="var(--line)" />
       </svg>
-      <dl className={classes.truth}>
+      <dl className={`${classes.truth} grid m-0 text-12 tight`}>
         <dt>load angle</dt>
         <dd className="num">{fixed(behind, 1)}°</dd>
         <dt>lost</dt>

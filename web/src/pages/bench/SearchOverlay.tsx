@@ -39,14 +39,19 @@ export function SearchOverlay({ search, seen, counted, place, left, width, rail 
         ))}
         {done && (
           <g>
-            <path d={`M${place(0)} ${rail - 28}V${rail + 22}`} className={classes.zero} />
-            <text x={place(0)} y={rail - 51} textAnchor="middle" className={classes.zeroText}>
+            <path d={`M${place(0)} ${rail - 28}V${rail + 22}`} className="stroke-text stroke-1-5" />
+            <text x={place(0)} y={rail - 51} textAnchor="middle" className="text-12 bold fill-text">
               0
             </text>
           </g>
         )}
       </g>
-      <text x={left} y={base + 14} className={classes.searchText} data-failed={search.state === "failed"}>
+      <text
+        x={left}
+        y={base + 14}
+        className={`${classes.searchText} text-12 fill-text`}
+        data-failed={search.state === "failed"}
+      >
         {running ? runningText(search, seen) : done ? doneText(search) : search.message || search.state}
       </text>
       {running && (

@@ -94,7 +94,7 @@ export function StageDrawing({ device, axis, live, emulator, search }: Props) {
   const kind = device.emulated ? "Emulated stage" : "Stage, as far as it was seen,";
   const figure = {
     ref: box,
-    className: classes.stage,
+    className: `${classes.stage} grow shrink m-0 relative`,
     style: { height },
     "aria-label": `${kind} of ${device.name} ${axis.name}`,
     "data-testid": "stage",
@@ -133,24 +133,24 @@ export function StageDrawing({ device, axis, live, emulator, search }: Props) {
       <svg width={width} height={height} role="img" aria-label={`Carriage of ${axis.name} between its switches`}>
         <defs>
           <pattern ref={spindle} id={thread} width={PITCH} height="12" patternUnits="userSpaceOnUse">
-            <rect width={PITCH} height="12" className={classes.spindleGround} />
-            <rect width={PITCH / 2.6} height="12" className={classes.spindleThread} />
+            <rect width={PITCH} height="12" fill="var(--steel-4)" />
+            <rect width={PITCH / 2.6} height="12" fill="var(--steel-2)" />
           </pattern>
         </defs>
-        <rect x={START_X - 8} y={rail + 13} width={travel + 22} height={5} rx={1} className={classes.bed} />
+        <rect x={START_X - 8} y={rail + 13} width={travel + 22} height={5} rx={1} fill="var(--steel-3)" />
         <rect x={66} y={rail - 5} width={width - 66 - 12} height={10} fill={`url(#${thread})`} />
-        <rect x={6} y={rail - 26} width={56} height={52} rx={4} className={classes.motor} />
-        <rect x={62} y={rail - 12} width={8} height={24} rx={1} className={classes.bed} />
-        <circle cx={34} cy={rail} r={17} className={classes.motorFace} />
+        <rect x={6} y={rail - 26} width={56} height={52} rx={4} fill="var(--steel-0)" />
+        <rect x={62} y={rail - 12} width={8} height={24} rx={1} fill="var(--steel-3)" />
+        <circle cx={34} cy={rail} r={17} fill="var(--steel-1)" />
         <g ref={shaft}>
-          <circle cx={34} cy={rail} r={8} className={classes.shaft} />
-          <path d={`M34 ${rail - 8} v9`} className={classes.shaftKey} />
+          <circle cx={34} cy={rail} r={8} fill="var(--shaft)" />
+          <path d={`M34 ${rail - 8} v9`} stroke="var(--steel-0)" strokeWidth={3} />
         </g>
-        <rect x={width - 14} y={rail - 14} width={10} height={32} rx={2} className={classes.bed} />
+        <rect x={width - 14} y={rail - 14} width={10} height={32} rx={2} fill="var(--steel-3)" />
         {ticks.map((value) => (
           <g key={value} className={classes.tick}>
             <path d={`M${tickX(value)} ${rail + 18} v5`} />
-            <text x={tickX(value)} y={rail + 34} textAnchor="middle" className={classes.tickText}>
+            <text x={tickX(value)} y={rail + 34} textAnchor="middle" className="text-12 fill-dim">
               {fixed(value)}
             </text>
           </g>
@@ -161,17 +161,17 @@ export function StageDrawing({ device, axis, live, emulator, search }: Props) {
             y={rail + 9}
             width={Math.max(3, at(stage.homeTo) - at(stage.homeFrom))}
             height={4}
-            className={classes.flag}
+            fill="var(--lamp)"
           />
         )}
         {switchMark("left", leftX, "L", stage.left !== null)}
         {switchMark("right", rightX, "R", stage.right !== null)}
         {homeX !== null && switchMark("home", homeX, "H", true, clearOf(homeX, leftX, rightX))}
         <g ref={carriage}>
-          <rect x={-22} y={rail - 14} width={44} height={28} rx={3} className={classes.carriage} />
-          <path d={`M-22 ${rail + 14} h44`} className={classes.carriageFoot} />
-          <path d={`M0 ${rail - 14} v28`} className={classes.carriageLine} />
-          <path d={`M-4 ${rail - 20} h8 l-4 6 z`} className={classes.carriagePointer} />
+          <rect x={-22} y={rail - 14} width={44} height={28} rx={3} className="fill-accent" />
+          <path d={`M-22 ${rail + 14} h44`} stroke="var(--accent-text)" strokeWidth={3} />
+          <path d={`M0 ${rail - 14} v28`} stroke="color-mix(in srgb, white 55%, transparent)" strokeWidth={1.5} />
+          <path d={`M-4 ${rail - 20} h8 l-4 6 z`} className="fill-accent" />
         </g>
         {searching && (
           <SearchOverlay

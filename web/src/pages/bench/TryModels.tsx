@@ -2,33 +2,17 @@ import { Button, Group, Popover, Stack, Text } from "@mantine/core";
 import { IconChevronDown, IconPlus } from "@tabler/icons-react";
 import { useQueryClient } from "@tanstack/react-query";
 import { api, type Schemas, unwrap } from "../../api/client";
-import type { Device } from "../../api/queries";
-import { familyOf } from "../../lib/family";
+import { type Device, useCatalog } from "../../api/queries";
+import { byFamily, commonTitle } from "../../lib/models";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useSelection } from "../../live/selection";
-import { useCatalog, usePorts } from "../connections/queries";
+import { usePorts } from "../connections/queries";
 import { useAction } from "./motion/useAction";
 
 type Model = Schemas["DeviceCreate"]["model"];
 type Entry = Schemas["CatalogEntry"];
 
 const LOOK = { size: "compact-sm", variant: "default", leftSection: <IconPlus size={14} aria-hidden /> } as const;
-
-function byFamily(models: readonly Entry[]): Map<string, Entry[]> {
-  const found = new Map<string, Entry[]>();
-  for (const model of models) {
-    const family = familyOf(model.name) ?? model.name;
-    found.set(family, [...(found.get(family) ?? []), model]);
-  }
-  return found;
-}
-
-/** TMC5031, TMC5160: "TMC5xxx". */
-function commonTitle(models: readonly Entry[]): string {
-  const [first = "", ...rest] = models.map(({ title }) => title);
-  const same = [...first].findIndex((letter, at) => rest.some((title) => title[at] !== letter));
-  return `${first.slice(0, same)}${"x".repeat(first.length - same)}`;
-}
 
 /** The demo has two of the families: one click brings an emulated one of each other, and the pages that are for it. */
 export function TryModels({ devices }: { devices: readonly Device[] }) {
@@ -73,12 +57,12 @@ export function TryModels({ devices }: { devices: readonly Device[] }) {
                 {...LOOK}
                 disabled={action.busy}
                 rightSection={<IconChevronDown size={14} aria-hidden />}
-                aria-label={`Add an emulated chip of the ${commonTitle(models)}`}
+                aria-label={`Add one of the emulated ${commonTitle(models)}`}
               >
                 {commonTitle(models)}
               </Button>
             </Popover.Target>
-            <Popover.Dropdown p={4} aria-label={`Chips of the ${commonTitle(models)}`}>
+            <Popover.Dropdown p={4} aria-label={commonTitle(models)}>
               <Stack gap={0}>
                 {models.map((model) => (
                   <Button

@@ -1,5 +1,5 @@
 import type { Places } from "./EmulatorParts";
-import { type EmulatorState, isModuleState, isTmc5xxxState, isTmc4361State } from "./useEmulator";
+import type { EmulatorState } from "./useEmulator";
 
 export interface EmulatedSwitch {
   active: boolean;
@@ -43,14 +43,12 @@ function motorStage(axis: number, chipTimeS: number, stage: Places, switches: Em
 
 export function emulatedAxis(state: EmulatorState | undefined, axis: number): EmulatedAxis | undefined {
   if (state === undefined) return undefined;
-  if (isModuleState(state) || isTmc4361State(state))
+  if ("stage" in state)
     return axis === 0 ? motorStage(axis, state.chip_time_s, state.stage, state.switches) : undefined;
-  if (isTmc5xxxState(state)) {
-    const motor = state.axes.find((candidate) => candidate.axis === axis);
-    return motor && motorStage(axis, state.chip_time_s, motor.stage, { ...motor.switches, home: null });
-  }
+  if (!("axes" in state)) return undefined; // a plain one has no stage
   const found = state.axes.find((candidate) => candidate.axis === axis);
   if (found === undefined) return undefined;
+  if ("motor" in found) return motorStage(axis, state.chip_time_s, found.stage, { ...found.switches, home: null });
   const { stage, switches } = found;
   return {
     axis,

@@ -1,32 +1,13 @@
 import { useMutation, useQuery, useQueryClient } from "@tanstack/react-query";
-import { api, type Schemas, unwrap } from "../../api/client";
+import { api, unwrap } from "../../api/client";
 import type { Device } from "../../api/queries";
-import { familyOf } from "../../lib/family";
+import type { paths } from "../../api/schema";
 import { forgetWritten } from "../../lib/rows/written";
 
-export type ChipState = Schemas["EmulatorState"];
-export type Tmc4361State = Schemas["Tmc4361State"];
-export type ChipAxis = ChipState["axes"][number];
-export type Pd42State = Schemas["Pd42State"];
-export type Tmc5xxxState = Schemas["Tmc5xxxState"];
-export type EmulatorState = ChipState | Tmc4361State | Tmc5xxxState | Pd42State;
-export type ChipPatch = Schemas["EmulatorPatch"];
-export type Tmc4361Patch = Schemas["Tmc4361Patch"];
-export type Pd42Patch = Schemas["Pd42Patch"];
-export type Tmc5xxxPatch = Schemas["Tmc5xxxPatch"];
-export type EmulatorPatch = ChipPatch | Tmc4361Patch | Tmc5xxxPatch | Pd42Patch;
-
-export function isModuleState(state: EmulatorState): state is Pd42State {
-  return state.model === "pd42-1241";
-}
-
-export function isTmc4361State(state: EmulatorState): state is Tmc4361State {
-  return state.model === "tmc4361";
-}
-
-export function isTmc5xxxState(state: EmulatorState): state is Tmc5xxxState {
-  return familyOf(state.model) === "sixpoint";
-}
+type Calls = paths["/api/v1/devices/{device}/emulator"];
+/** The world behind the pins of an emulated device, whatever its family. */
+export type EmulatorState = Calls["get"]["responses"][200]["content"]["application/json"];
+export type EmulatorPatch = NonNullable<Calls["patch"]["requestBody"]>["content"]["application/json"];
 
 const key = (device: string) => ["emulator", device];
 

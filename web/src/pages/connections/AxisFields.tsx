@@ -3,6 +3,7 @@ import { CHIP_LIMITS } from "./chip";
 import css from "./connections.module.css";
 import { AXIS_LIMITS, type AxisDraft, type Draft, type StageDraft } from "./draft";
 import { OptionalNumber } from "./fields";
+import { canModel } from "./models";
 
 interface AxesProps {
   draft: Draft;
@@ -14,7 +15,7 @@ interface AxesProps {
 
 /** The motor on each axis and what it moves. */
 export function AxesFields({ draft, problems, strict, onChange }: AxesProps) {
-  const stepDir = draft.model === "tmc4210";
+  const stepDir = canModel(draft.model, "step_dir");
   const set = (index: number, change: Partial<AxisDraft>) =>
     onChange(draft.axes.map((axis, at) => (at === index ? { ...axis, ...change } : axis)));
   const of = (index: number, part: AxisText) => {
@@ -23,7 +24,7 @@ export function AxesFields({ draft, problems, strict, onChange }: AxesProps) {
   };
   const rows = draft.axes.map((axis, index) => ({ axis, index }));
   return (
-    <fieldset className={css.group}>
+    <fieldset className={`${css.group} stack gap-8 m-0 mt-12 rule-top`}>
       <legend>Axes and what they move</legend>
       <div className={css.axisGrid} data-columns={stepDir ? 5 : 4}>
         <span>Name</span>
@@ -34,7 +35,7 @@ export function AxesFields({ draft, problems, strict, onChange }: AxesProps) {
         {rows.map(({ axis, index }) => {
           const label = (what: string) => `${what} of axis ${index}`;
           return (
-            <div key={index} className={css.axisRow}>
+            <div key={index} className="contents">
               <TextInput
                 size="xs"
                 aria-label={label("Name")}
@@ -127,14 +128,14 @@ export function StageFields({ draft, problems, onChange }: StageProps) {
   const rows = draft.stages.map((stage, index) => ({ stage, index, name: draft.axes[index]?.name || `axis ${index}` }));
   return (
     <div>
-      <div className={css.caption}>Stages: switches and carriage, in full steps of the motor</div>
+      <div className="hint mb-4">Stages: switches and carriage, in full steps of the motor</div>
       <div className={css.stageGrid}>
         <span>Axis</span>
         {STAGE_PARTS.map(([part, heading]) => (
           <span key={part}>{heading}</span>
         ))}
         {rows.map(({ stage, index, name }) => (
-          <div key={index} className={css.axisRow}>
+          <div key={index} className="contents">
             <span className={css.stageName}>{name}</span>
             {STAGE_PARTS.map(([part, , word]) => (
               <OptionalNumber
@@ -166,7 +167,7 @@ export function StageFields({ draft, problems, onChange }: StageProps) {
 function Problems({ lines }: { lines: string[] }) {
   if (lines.length === 0) return null;
   return (
-    <div className={css.wrong} role="alert">
+    <div className="m-0 mt-4 fault text-12" role="alert">
       {lines.map((line) => (
         <div key={line}>{line}</div>
       ))}

@@ -1,6 +1,5 @@
 import { Autocomplete, Select, TextInput } from "@mantine/core";
 import { IconChevronRight } from "@tabler/icons-react";
-import type { ChipModel } from "../../lib/family";
 import { fixed } from "../../lib/format";
 import { StageFields } from "./AxisFields";
 import { CHIP_LIMITS, ECHOES, V_ACTUAL_WRITABLE, WIRINGS } from "./chip";
@@ -8,7 +7,7 @@ import css from "./connections.module.css";
 import type { Draft } from "./draft";
 import { EmulatorOptions } from "./EmulatorOptions";
 import { OptionalNumber } from "./fields";
-import { factsOf } from "./models";
+import { clockLimits, framesOf, type Model } from "./models";
 import { optionsOf } from "./options";
 import { PortField } from "./PortField";
 
@@ -27,7 +26,7 @@ const ECHO_WORDS: Record<(typeof ECHOES)[number], string> = {
 
 interface Props {
   draft: Draft;
-  model: ChipModel;
+  model: Model;
   problems: Readonly<Record<string, string>>;
   /** the problem of a field, where it is to be told now */
   problem: (path: string, text: string) => string | undefined;
@@ -47,7 +46,7 @@ export function ChipLinkFields(props: Props) {
         label="Clock of the chip"
         unit="MHz"
         value={draft.clockMhz}
-        limits={factsOf(model).clockMhz}
+        limits={clockLimits(model)}
         problem={problem("clockMhz", draft.clockMhz)}
         onChange={(clockMhz) => onChange({ clockMhz })}
       />
@@ -56,16 +55,16 @@ export function ChipLinkFields(props: Props) {
 }
 
 function Wire(props: Props) {
+  if (framesOf(props.model, props.draft.kind) === "board")
+    return (
+      <>
+        <LinePort {...props} label="Port of the board" />
+        <AnswerWithin {...props} limits={CHIP_LIMITS.lineTimeoutS} />
+      </>
+    );
   switch (props.draft.kind) {
     case "tcp":
       return <Socket {...props} />;
-    case "landungsbruecke":
-      return (
-        <>
-          <LinePort {...props} label="Port of the Landungsbrücke" />
-          <AnswerWithin {...props} limits={CHIP_LIMITS.lineTimeoutS} />
-        </>
-      );
     case "uart":
       return <Uart {...props} />;
     case "spidev":
@@ -104,12 +103,12 @@ function AnswerWithin({ draft, problem, onChange, limits }: Props & { limits: Ti
 function Socket(props: Props) {
   const { draft, problem, onChange } = props;
   return (
-    <div className={css.tcp}>
+    <div className={`${css.tcp} grid start gap-8`}>
       <TextInput
         size="xs"
         label="Host"
         placeholder="127.0.0.1"
-        classNames={{ input: "num", label: css.label }}
+        classNames={{ input: "num", label: "hint regular" }}
         value={draft.host}
         error={problem("host", draft.host)}
         autoComplete="off"
@@ -135,12 +134,12 @@ function Uart(props: Props) {
   return (
     <>
       <LinePort {...props} label="Port of the UART" />
-      <div className={css.three}>
+      <div className={`${css.three} grid start gap-8`}>
         <Autocomplete
           size="xs"
           label="Baud"
           placeholder={fixed(CHIP_LIMITS.baud.fallback)}
-          classNames={{ input: "num", label: css.label }}
+          classNames={{ input: "num", label: "hint regular" }}
           data={UART_BAUDS.map(String)}
           filter={({ options }) => options}
           value={draft.uart.baud}
@@ -148,7 +147,7 @@ function Uart(props: Props) {
           inputMode="numeric"
           onChange={(baud) => set({ baud })}
         />
-        {factsOf(model).nodes && (
+        {model.uart === "node" && (
           <OptionalNumber
             label="Node address"
             value={draft.uart.node}
@@ -162,7 +161,7 @@ function Uart(props: Props) {
       <Select
         size="xs"
         label="What is sent comes back as an echo"
-        classNames={{ label: css.label }}
+        classNames={{ label: "hint regular" }}
         data={ECHOES.map((value) => ({ value, label: ECHO_WORDS[value] }))}
         value={draft.uart.echo}
         allowDeselect={false}
@@ -174,7 +173,7 @@ function Uart(props: Props) {
 
 function SpiBus({ draft, problem, onChange }: Props) {
   return (
-    <div className={css.three}>
+    <div className={`${css.three} grid start gap-8`}>
       {SPI.map(([part, label, unit]) => (
         <OptionalNumber
           key={part}
@@ -204,13 +203,18 @@ function EmulatorFields({ draft, model, problems, problem, onChange, more, onMor
     );
   return (
     <>
-      <button type="button" className={css.more} aria-expanded={more} onClick={() => onMore(!more)}>
+      <button
+        type="button"
+        className={`${css.more} row gap-4 p-0 accent`}
+        aria-expanded={more}
+        onClick={() => onMore(!more)}
+      >
         <IconChevronRight size={13} className={css.chevron} data-open={more} aria-hidden />
-        Emulator: time, seed{model === "tmc428" && ", wiring"}, writes of V_ACTUAL, stages
+        Emulator: time, seed{model.axes > 1 && ", wiring"}, writes of V_ACTUAL, stages
       </button>
       {more && (
         <>
-          <div className={css.two}>
+          <div className={`${css.two} halves start gap-8`}>
             <OptionalNumber
               label="Chip time runs at"
               unit="× real time"
@@ -227,11 +231,11 @@ function EmulatorFields({ draft, model, problems, problem, onChange, more, onMor
               onChange={(seed) => onChange({ seed })}
             />
           </div>
-          {model === "tmc428" && (
+          {model.axes > 1 && (
             <Select
               size="xs"
               label="How the switches reach REF1 to REF3"
-              classNames={{ label: css.label }}
+              classNames={{ label: "hint regular" }}
               data={WIRINGS}
               value={draft.wiring || "multiplexed"}
               allowDeselect={false}
@@ -241,7 +245,7 @@ function EmulatorFields({ draft, model, problems, problem, onChange, more, onMor
           <Select
             size="xs"
             label="V_ACTUAL can be written in"
-            classNames={{ label: css.label }}
+            classNames={{ label: "hint regular" }}
             data={V_ACTUAL_WRITABLE}
             value={draft.vActualWritable || "hold-mode"}
             allowDeselect={false}

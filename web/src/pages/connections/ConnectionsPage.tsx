@@ -1,7 +1,7 @@
 import { Button, Group, Skeleton, Text } from "@mantine/core";
 import { IconPlugConnected, IconPlus } from "@tabler/icons-react";
 import { useEffect, useRef, useState } from "react";
-import { type Device, useDevices } from "../../api/queries";
+import { type Device, useCatalog, useDevices } from "../../api/queries";
 import { EmptyState } from "../../lib/EmptyState";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useSelection } from "../../live/selection";
@@ -21,6 +21,9 @@ interface Open {
 /** All devices: what state their links are in, and how to get more of them. */
 export default function ConnectionsPage() {
   const devices = useDevices();
+  const catalog = useCatalog();
+  const chip = catalog.data?.find(({ kind }) => kind === "chip");
+  const module = catalog.data?.find(({ kind }) => kind === "module");
   const selection = useSelection();
   const [open, setOpen] = useState<Open | null>(null);
   const panel = useRef<HTMLElement>(null);
@@ -37,35 +40,46 @@ export default function ConnectionsPage() {
 
   return (
     <div className={css.page}>
-      <div className={css.head}>
-        <h1 className={css.title}>Connections</h1>
-        <Button size="xs" leftSection={<IconPlus size={14} aria-hidden />} onClick={() => show(newDraft())}>
+      <div className="row between mb-8">
+        <h1 className="m-0 text-16">Connections</h1>
+        <Button
+          size="xs"
+          leftSection={<IconPlus size={14} aria-hidden />}
+          disabled={!chip}
+          onClick={() => chip && show(newDraft(chip))}
+        >
           Add a device
         </Button>
       </div>
-      <div className={css.columns}>
-        <div className={css.list}>
+      <div className={`${css.columns} grid start gap-12`}>
+        <div className="stack gap-8">
           {devices.isError && (
             <ProblemAlert error={devices.error} doing="Looking for devices" retry={() => void devices.refetch()} />
           )}
           {devices.isPending && <Loading />}
           {devices.data?.length === 0 && (
-            <div className={css.box}>
+            <div className={`${css.box} pad card`}>
               <EmptyState title="No device yet" icon={<IconPlugConnected size={22} />}>
-                <Text size="sm" className={css.dim} maw={420}>
+                <Text size="sm" className="dim" maw={420}>
                   An emulated device needs no hardware and behaves like the real one, motor and switches included. A
                   module answers on a serial port, over TCP or on CAN; a chip speaks raw 4-byte datagrams over TCP.
                 </Text>
                 <Group justify="center">
-                  <Button size="sm" onClick={() => show({ ...newDraft("tmc428"), name: "bench" })}>
-                    Add an emulated TMC428
-                  </Button>
-                  <Button size="sm" onClick={() => show({ ...newDraft("pd42-1241"), name: "drive" })}>
-                    Add an emulated PD42-1241
-                  </Button>
-                  <Button size="sm" variant="default" onClick={() => show(newDraft("pd42-1241", "serial"))}>
-                    Connect a module
-                  </Button>
+                  {chip && (
+                    <Button size="sm" onClick={() => show({ ...newDraft(chip), name: "bench" })}>
+                      Add an emulated {chip.title}
+                    </Button>
+                  )}
+                  {module && (
+                    <>
+                      <Button size="sm" onClick={() => show({ ...newDraft(module), name: "drive" })}>
+                        Add an emulated {module.title}
+                      </Button>
+                      <Button size="sm" variant="default" onClick={() => show(newDraft(module, "serial"))}>
+                        Connect a module
+                      </Button>
+                    </>
+                  )}
                 </Group>
               </EmptyState>
             </div>
@@ -82,7 +96,7 @@ export default function ConnectionsPage() {
             />
           ))}
         </div>
-        <aside className={css.side} ref={panel} aria-label="Add or edit a device">
+        <aside className={`${css.side} stack gap-8`} ref={panel} aria-label="Add or edit a device">
           {open && (
             <DeviceForm
               key={open.serial}
@@ -98,7 +112,7 @@ export default function ConnectionsPage() {
               }}
             />
           )}
-          <Found onAdd={show} names={names} />
+          {catalog.data && <Found onAdd={show} names={names} models={catalog.data} />}
         </aside>
       </div>
     </div>

@@ -1,8 +1,7 @@
 import { Badge, Button, Group, Popover, Text } from "@mantine/core";
 import { useState } from "react";
 import { Link } from "wouter";
-import type { Device } from "../../api/queries";
-import { familyOf } from "../../lib/family";
+import { can, type Device } from "../../api/queries";
 import { compact, fixed, frequency } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { StateDot } from "../../lib/StateDot";
@@ -10,6 +9,7 @@ import { StartUpButton } from "../../lib/startup/StartUpButton";
 import { useLinkInfo } from "../../lib/wire/useLinkInfo";
 import { WireBar } from "../../lib/wire/WireBar";
 import css from "./connections.module.css";
+import { NAMES_ONLY } from "./models";
 import { useLinkSwitch, useRemoveDevice } from "./useConnections";
 import { linkText } from "./words";
 
@@ -26,18 +26,28 @@ export function DeviceEntry({ device, selected, edited, onUse, onEdit, onRemoved
   const link = useLinkSwitch(device.id);
   const up = device.state === "connected" || device.state === "connecting";
   return (
-    <section className={css.device} data-state={device.state} data-edited={edited} aria-label={device.name}>
-      <div className={css.deviceHead}>
+    <section
+      className={`${css.device} pad card stack gap-8`}
+      data-state={device.state}
+      data-edited={edited}
+      aria-label={device.name}
+    >
+      <div className={`${css.deviceHead} row wrap gap-8`}>
         <StateDot state={device.state} />
-        <h2 className={css.deviceName}>{device.name}</h2>
-        <span className={css.model}>{device.title}</span>
+        <h2 className="m-0 text-16">{device.name}</h2>
+        <span className="dim">{device.title}</span>
+        {device.about.tier === "names" && (
+          <Badge size="xs" variant="default" title={NAMES_ONLY}>
+            names only
+          </Badge>
+        )}
         {device.demo && (
           <Badge size="xs" variant="default" title="Made for the demo; not kept. Editing keeps it.">
             demo
           </Badge>
         )}
-        <span className={css.state}>{stateText(device)}</span>
-        <span className={css.grow} />
+        <span className={`${css.state} dim`}>{stateText(device)}</span>
+        <span className={`${css.grow} grow`} />
         <Group gap={6} wrap="nowrap" className={css.actions}>
           <Button
             size="compact-xs"
@@ -61,12 +71,12 @@ export function DeviceEntry({ device, selected, edited, onUse, onEdit, onRemoved
           <Remove device={device} onRemoved={onRemoved} />
         </Group>
       </div>
-      <dl className={css.facts}>
+      <dl className={`${css.facts} lines-24 m-0`}>
         <div>
           <dt>Link</dt>
           <dd>{linkText(device.link)}</dd>
         </div>
-        {familyOf(device.model) !== "module" && (
+        {can(device, "registers") && (
           <div>
             <dt>Clock</dt>
             <dd className="num">{frequency(device.clock_hz)}</dd>
@@ -81,7 +91,7 @@ export function DeviceEntry({ device, selected, edited, onUse, onEdit, onRemoved
         </div>
         <Wire device={device} />
       </dl>
-      <ul className={css.axes}>
+      <ul className={`${css.axes} grid m-0 text-12 rule-top`}>
         {device.axes.map((axis) => (
           <li key={axis.index}>
             <b>{axis.name}</b>
@@ -116,9 +126,9 @@ export function DeviceEntry({ device, selected, edited, onUse, onEdit, onRemoved
         </Text>
       ))}
       {link.isError && <ProblemAlert error={link.error} onClose={() => link.reset()} />}
-      <Text size="xs" className={css.links}>
+      <Text size="xs" className={`${css.links} flex gap-12`}>
         {selected ? (
-          <span className={css.dim}>the pages show this device</span>
+          <span className="dim">the pages show this device</span>
         ) : (
           <button type="button" className={css.linkButton} onClick={onUse}>
             Show it on every page
@@ -127,7 +137,7 @@ export function DeviceEntry({ device, selected, edited, onUse, onEdit, onRemoved
         <Link href="/" onClick={onUse}>
           Bench
         </Link>
-        {familyOf(device.model) === "module" ? (
+        {can(device, "parameters") ? (
           <Link href="/parameters" onClick={onUse}>
             Parameters
           </Link>
@@ -163,13 +173,13 @@ function Wire({ device }: { device: Device }) {
       <dd>
         <WireBar link={link.data} old={device.state !== "connected"} />
         {incidents > 0 && (
-          <span className={css.dim}>
+          <span className="dim">
             {" · "}
             <span className="num">{fixed(incidents)}</span> {incidents === 1 ? "incident" : "incidents"}
           </span>
         )}
         {link.data.shared_with.length > 0 && (
-          <span className={css.dim}> · shared with {link.data.shared_with.join(", ")}</span>
+          <span className="dim"> · shared with {link.data.shared_with.join(", ")}</span>
         )}
       </dd>
     </div>

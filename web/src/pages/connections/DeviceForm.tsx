@@ -11,7 +11,7 @@ import { axisConfigs, type Draft, linkOf, moduleKind, problemsOf, withModel } fr
 import { EmulatorOptions } from "./EmulatorOptions";
 import { LimitFields } from "./LimitFields";
 import { ModuleLinkFields } from "./ModuleLinkFields";
-import { axesOf, hasEncoder, isModule, type Kind, kindsOf, type Model } from "./models";
+import { canModel, isModule, type Kind, kindsOf, NAMES_ONLY } from "./models";
 import { TestResult } from "./TestResult";
 import { ThresholdFields } from "./ThresholdFields";
 import { useCatalog, useLinkTest, useSaveDevice } from "./useConnections";
@@ -22,7 +22,7 @@ interface Props {
   /** of the other devices */
   names: readonly string[];
   onClose: () => void;
-  onSaved: (device: Device) => void;
+  onSaved: (device: Pick<Device, "id">) => void;
 }
 
 /** A connection being made or changed. Nothing reaches the server before Test or Save. */
@@ -40,14 +40,14 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
   const problem = (path: string, text: string) => (tried || text.trim() !== "" ? all[path] : undefined);
   const model = draft.model;
   const kind = moduleKind(draft);
-  const link = JSON.stringify([draft.model, linkOf(draft)]);
+  const link = JSON.stringify([draft.model.name, linkOf(draft)]);
   // How a device counts its microsteps is known once it has answered; the mechanics are those that are typed.
   const scales = axisConfigs(draft).map((typed, index) => {
     const axis = device?.axes[index];
     return axis === undefined ? undefined : scaleOf({ ...axis, ...typed, limits: axis.limits }, device?.clock_hz);
   });
   const [testedLink, setTestedLink] = useState("");
-  const interrupts = device?.state === "connected" && JSON.stringify([initial.model, linkOf(initial)]) !== link;
+  const interrupts = device?.state === "connected" && JSON.stringify([initial.model.name, linkOf(initial)]) !== link;
 
   function submit(event: FormEvent) {
     event.preventDefault();
@@ -71,20 +71,25 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
   }
 
   return (
-    <form className={css.box} onSubmit={submit} noValidate aria-label={device ? `Edit ${device.name}` : "Add a device"}>
-      <div className={css.formHead}>
+    <form
+      className={`${css.box} pad card`}
+      onSubmit={submit}
+      noValidate
+      aria-label={device ? `Edit ${device.name}` : "Add a device"}
+    >
+      <div className={`${css.formHead} row between mb-8`}>
         <h2>{device ? `Edit ${device.name}` : "Add a device"}</h2>
         <ActionIcon size={24} variant="subtle" color="gray" aria-label="Close without saving" onClick={onClose}>
           <IconX size={16} />
         </ActionIcon>
       </div>
-      <div className={css.two}>
+      <div className={`${css.two} halves start gap-8`}>
         <TextInput
           size="xs"
           label="Name"
           placeholder="for example bench"
           ref={focusIfEmpty}
-          classNames={{ label: css.label }}
+          classNames={{ label: "hint regular" }}
           value={draft.name}
           error={problem("name", draft.name)}
           maxLength={80}
@@ -94,20 +99,24 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
         <Select
           size="xs"
           label="Model"
-          classNames={{ label: css.label }}
-          data={(
-            catalog.data ?? [{ name: draft.model, title: draft.model.toUpperCase(), axes: axesOf(draft.model) }]
-          ).map(({ name, title, axes }) => ({
+          classNames={{ label: "hint regular" }}
+          data={(catalog.data ?? [draft.model]).map(({ name, title, axes, tier }) => ({
             value: name,
-            label: `${title} · ${axes === 1 ? "1 axis" : `${axes} axes`}`,
+            label: `${title} · ${axes === 1 ? "1 axis" : `${axes} axes`}${tier === "names" ? " · names only" : ""}`,
           }))}
-          value={draft.model}
+          searchable
+          nothingFoundMessage="No model of that name"
+          description={model.tier === "names" ? NAMES_ONLY : undefined}
+          value={draft.model.name}
           allowDeselect={false}
           disabled={device !== null}
-          onChange={(model) => model !== null && setDraft((now) => withModel(now, model as Model))}
+          onChange={(name) => {
+            const chosen = catalog.data?.find((candidate) => candidate.name === name);
+            if (chosen) setDraft((now) => withModel(now, chosen));
+          }}
         />
       </div>
-      <fieldset className={css.group}>
+      <fieldset className={`${css.group} stack gap-8 m-0 mt-12 rule-top`}>
         <legend>Link</legend>
         <SegmentedControl
           size="xs"
@@ -151,8 +160,10 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
       </fieldset>
       <AxesFields draft={draft} problems={all} strict={tried} onChange={(axes) => set({ axes })} />
       <LimitFields draft={draft} problems={all} scales={scales} onChange={(axes) => set({ axes })} />
-      {hasEncoder(model) && <ThresholdFields draft={draft} problems={all} onChange={(axes) => set({ axes })} />}
-      <div className={css.results}>
+      {canModel(model, "encoder") && (
+        <ThresholdFields draft={draft} problems={all} onChange={(axes) => set({ axes })} />
+      )}
+      <div className={`${css.results} stack gap-6 mt-8`}>
         <TestResult
           test={test.data}
           error={test.error}
@@ -163,9 +174,9 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
         />
         {save.isError && <ProblemAlert error={save.error} doing={device ? "Saving" : "Adding"} />}
       </div>
-      {interrupts && <p className={css.note}>The link changes: {device?.name} is stopped and connected anew.</p>}
+      {interrupts && <p className="hint m-0 mt-4">The link changes: {device?.name} is stopped and connected anew.</p>}
       {tried && Object.keys(all).length > 0 && (
-        <p className={css.wrong} role="alert">
+        <p className="m-0 mt-4 fault text-12" role="alert">
           Not saved yet: {Object.keys(all).length === 1 ? "one field needs" : `${Object.keys(all).length} fields need`}{" "}
           a look.
         </p>
@@ -189,7 +200,7 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
 function emulateCommand(draft: Draft): string | null {
   if (draft.kind !== "tcp") return null;
   const [host, port] = isModule(draft.model) ? [draft.module.host, draft.module.tcpPort] : [draft.host, draft.port];
-  return `stepscope emulate ${draft.model} --tcp ${host.trim()}:${port.trim()}`;
+  return `stepscope emulate ${draft.model.name} --tcp ${host.trim()}:${port.trim()}`;
 }
 
 /** A new form begins at the name, unless one is proposed. Stable, so that it runs once. */

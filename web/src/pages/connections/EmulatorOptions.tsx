@@ -19,15 +19,20 @@ export function EmulatorOptions({ model, options, problem, onChange, open, onOpe
   const groups = optionsOf(model);
   return (
     <>
-      <button type="button" className={css.more} aria-expanded={open} onClick={() => onOpen(!open)}>
+      <button
+        type="button"
+        className={`${css.more} row gap-4 p-0 accent`}
+        aria-expanded={open}
+        onClick={() => onOpen(!open)}
+      >
         <IconChevronRight size={13} className={css.chevron} data-open={open} aria-hidden />
         Emulator: motor, load, stage{groups.some(([title]) => title.startsWith("Encoder")) && ", encoder"}
       </button>
       {open &&
         groups.map(([title, rows]) => (
           <div key={title}>
-            <div className={css.caption}>{title}</div>
-            <div className={css.two}>
+            <div className="hint mb-4">{title}</div>
+            <div className={`${css.two} halves start gap-8`}>
               {rows.map((row) => (
                 <OptionalNumber
                   key={row.key}

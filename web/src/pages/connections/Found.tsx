@@ -1,10 +1,10 @@
-import { ActionIcon, Button, CopyButton, Tooltip } from "@mantine/core";
+import { ActionIcon, Button, CopyButton } from "@mantine/core";
 import { IconCheck, IconCopy } from "@tabler/icons-react";
 import type { Schemas } from "../../api/client";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import css from "./connections.module.css";
 import { type Draft, newDraft } from "./draft";
-import type { Model } from "./models";
+import { isModule, type Model } from "./models";
 import { portText } from "./PortField";
 import { Probe } from "./Probe";
 import { usePorts } from "./useConnections";
@@ -15,20 +15,24 @@ type Port = Schemas["Port"];
 interface Props {
   onAdd: (draft: Draft) => void;
   names: readonly string[];
+  models: readonly Model[];
 }
 
-const MODULE = "pd42-1241";
-
 /** What could be connected: emulators, serial ports and the modules on them, and how to serve one elsewhere. */
-export function Found({ onAdd, names }: Props) {
+export function Found({ onAdd, names, models }: Props) {
   const ports = usePorts();
   const emulators = ports.data?.filter((port) => port.kind === "emulator") ?? [];
   const serial = ports.data?.filter((port) => port.kind === "serial") ?? [];
-  const addSerial = (port: string, baud?: number, address?: number) => {
-    const draft = newDraft(MODULE, "serial");
+  const named = (name: string | null | undefined) => models.find((model) => model.name === name);
+  const module = models.find(isModule);
+  const chips = models.filter((model) => model.datagram_bits === 32);
+  const boards = models.find(({ wires }) => wires.some(({ frames }) => frames === "board"));
+  const addSerial = (model: Model | undefined, port: string, baud?: number, address?: number) => {
+    if (!model) return;
+    const draft = newDraft(model, "serial");
     onAdd({
       ...draft,
-      name: freeName("pd42", names),
+      name: freeName(shortName(model), names),
       module: {
         ...draft.module,
         serialPort: port,
@@ -37,34 +41,37 @@ export function Found({ onAdd, names }: Props) {
       },
     });
   };
-  const addBoard = (port: string) => {
-    const draft = newDraft("tmc4361", "landungsbruecke");
-    onAdd({ ...draft, name: freeName("tmc4361", names), module: { ...draft.module, serialPort: port } });
+  const addBoard = (model: Model | undefined, port: string) => {
+    const kind = model?.wires.find(({ frames }) => frames === "board")?.kind;
+    if (!model || !kind) return;
+    const draft = newDraft(model, kind);
+    onAdd({ ...draft, name: freeName(shortName(model), names), module: { ...draft.module, serialPort: port } });
   };
   return (
     <>
-      <section className={css.box} aria-label="Found on this machine">
+      <section className={`${css.box} pad card`} aria-label="Found on this machine">
         <h2>Found on this machine</h2>
         {ports.isError && (
           <ProblemAlert error={ports.error} doing="Looking for ports" retry={() => void ports.refetch()} />
         )}
-        <ul className={css.ports}>
+        <ul className={`${css.ports} list`}>
           {serial.map((port) => (
-            <SerialPort key={port.name} port={port} onAdd={() => addSerial(port.name)} />
+            <SerialPort key={port.name} port={port} onAdd={() => addSerial(module, port.name)} />
           ))}
           {emulators.map((port) => (
             <li key={port.name}>
               <span>
                 <b>{port.description}</b>
-                <span className={css.portNote}>in this server, no hardware needed</span>
+                <span className="hint block">in this server, no hardware needed</span>
               </span>
               <Button
                 size="compact-xs"
                 variant="default"
                 aria-label={`Add an ${port.description}`}
-                onClick={() =>
-                  onAdd({ ...newDraft(port.model as Model), name: freeName(port.model ?? "emulator", names) })
-                }
+                onClick={() => {
+                  const model = named(port.model);
+                  if (model) onAdd({ ...newDraft(model), name: freeName(model.name, names) });
+                }}
               >
                 Add
               </Button>
@@ -72,42 +79,63 @@ export function Found({ onAdd, names }: Props) {
           ))}
         </ul>
         {ports.isSuccess && (
-          <p className={css.note}>
+          <p className="hint m-0 mt-4">
             {serial.length === 0 ? "No serial port found; this list looks again by itself. " : ""}
-            TMC428 and TMC4210 speak SPI: behind a serial adapter, bridge their 4-byte datagrams to TCP.
+            {chips.map(({ title }) => title).join(" and ")} speak SPI: behind a serial adapter, bridge their 4-byte
+            datagrams to TCP.
           </p>
         )}
       </section>
       <Probe
         onAdd={(found) =>
-          found.board === null ? addSerial(found.port, found.baud ?? undefined, found.address) : addBoard(found.port)
+          found.board === null
+            ? addSerial(named(found.model) ?? module, found.port, found.baud ?? undefined, found.address)
+            : addBoard(named(found.model) ?? boards, found.port)
         }
       />
-      <section className={css.box} aria-label="A device in another process">
+      <section className={`${css.box} pad card`} aria-label="A device in another process">
         <h2>A device in another process</h2>
-        <p className={css.note}>Serve an emulated one to any client, then connect to it like to hardware:</p>
-        <Command text="stepscope emulate pd42-1241 --tcp 127.0.0.1:4242" />
-        <Button
-          size="compact-xs"
-          variant="default"
-          mt={8}
-          onClick={() => {
-            const draft = newDraft(MODULE, "tcp");
-            onAdd({ ...draft, name: freeName("remote", names), module: { ...draft.module, tcpPort: "4242" } });
-          }}
-        >
-          Connect to 127.0.0.1:4242
-        </Button>
-        <Command text="stepscope emulate tmc428 --tcp 127.0.0.1:4280" />
-        <Button
-          size="compact-xs"
-          variant="default"
-          mt={8}
-          onClick={() => onAdd({ ...newDraft("tmc428", "tcp"), name: freeName("remote", names), port: "4280" })}
-        >
-          Connect to 127.0.0.1:4280
-        </Button>
+        <p className="hint m-0 mt-4">Serve an emulated one to any client, then connect to it like to hardware:</p>
+        {module && (
+          <Elsewhere
+            model={module}
+            port="4242"
+            onAdd={(draft) => onAdd({ ...draft, name: freeName("remote", names) })}
+          />
+        )}
+        {chips[0] && (
+          <Elsewhere
+            model={chips[0]}
+            port="4280"
+            onAdd={(draft) => onAdd({ ...draft, name: freeName("remote", names) })}
+          />
+        )}
       </section>
+    </>
+  );
+}
+
+/** What comes before the number of a module's variant. */
+function shortName({ name }: Model): string {
+  return name.split("-")[0] ?? name;
+}
+
+/** How to serve an emulated one at a port of this machine, and a connection to it. */
+function Elsewhere({ model, port, onAdd }: { model: Model; port: string; onAdd: (draft: Draft) => void }) {
+  return (
+    <>
+      <Command text={`stepscope emulate ${model.name} --tcp 127.0.0.1:${port}`} />
+      <Button
+        size="compact-xs"
+        variant="default"
+        mt={8}
+        onClick={() => {
+          const draft = newDraft(model, "tcp");
+          onAdd(isModule(model) ? { ...draft, module: { ...draft.module, tcpPort: port } } : { ...draft, port });
+        }}
+      >
+        Connect to 127.0.0.1:{port}
+      </Button>
     </>
   );
 }
@@ -117,7 +145,7 @@ function SerialPort({ port, onAdd }: { port: Port; onAdd: () => void }) {
     <li>
       <span>
         <b className="num">{port.name}</b>
-        <span className={css.portNote}>{portText(port)}</span>
+        <span className="hint block">{portText(port)}</span>
       </span>
       <Button size="compact-xs" variant="default" aria-label={`Add a module on ${port.name}`} onClick={onAdd}>
         Add
@@ -128,15 +156,20 @@ function SerialPort({ port, onAdd }: { port: Port; onAdd: () => void }) {
 
 function Command({ text }: { text: string }) {
   return (
-    <div className={css.command}>
+    <div className={`${css.command} raised pad-s row box gap-6 mt-8`}>
       <code>{text}</code>
       <CopyButton value={text} timeout={1500}>
         {({ copied, copy }) => (
-          <Tooltip label={copied ? "Copied" : "Copy"}>
-            <ActionIcon size={24} variant="subtle" color="gray" aria-label="Copy the command" onClick={copy}>
-              {copied ? <IconCheck size={15} /> : <IconCopy size={15} />}
-            </ActionIcon>
-          </Tooltip>
+          <ActionIcon
+            size={24}
+            variant="subtle"
+            color="gray"
+            aria-label="Copy the command"
+            title={copied ? "Copied" : "Copy"}
+            onClick={copy}
+          >
+            {copied ? <IconCheck size={15} /> : <IconCopy size={15} />}
+          </ActionIcon>
         )}
       </CopyButton>
     </div>

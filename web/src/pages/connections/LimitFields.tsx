@@ -23,10 +23,14 @@ export function LimitFields({ draft, problems, scales, onChange }: Props) {
     onChange(draft.axes.map((axis, at) => (at === index ? { ...axis, limits: { ...axis.limits, ...change } } : axis)));
   const wrong = draft.axes.some((_, index) => parts.some(({ part }) => problems[`axes.${index}.limits.${part}`]));
   return (
-    <details className={css.limits} open={open || wrong} onToggle={(event) => setOpen(event.currentTarget.open)}>
+    <details
+      className={`${css.limits} pad-s box mt-8`}
+      open={open || wrong}
+      onToggle={(event) => setOpen(event.currentTarget.open)}
+    >
       <summary>
         Soft limits
-        <span className={css.limitNote}>
+        <span className={`${css.limitNote} hint regular`}>
           {any
             ? "the server refuses what is beyond, and stops an axis at its ends"
             : "none: an empty field limits nothing"}
@@ -52,7 +56,7 @@ export function LimitFields({ draft, problems, scales, onChange }: Props) {
                 />
               ))}
             </div>
-            {own !== "" && <div className={css.limitNote}>{own}</div>}
+            {own !== "" && <div className={`${css.limitNote} hint regular`}>{own}</div>}
           </fieldset>
         );
       })}

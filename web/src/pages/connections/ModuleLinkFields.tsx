@@ -33,7 +33,7 @@ export function ModuleLinkFields({ kind, draft, problem, onChange }: Props) {
       size="xs"
       label={label}
       placeholder={fixed(MODULE_LIMITS[part].fallback)}
-      classNames={{ input: "num", label: css.label }}
+      classNames={{ input: "num", label: "hint regular" }}
       data={rates.map(String)}
       filter={({ options }) => options}
       value={draft[part]}
@@ -52,7 +52,7 @@ export function ModuleLinkFields({ kind, draft, problem, onChange }: Props) {
           problem={problem("module.serialPort", draft.serialPort)}
           onChange={(serialPort) => onChange({ serialPort })}
         />
-        <div className={css.three}>
+        <div className={`${css.three} grid start gap-8`}>
           {typed("baud", "Baud (not on USB)", BAUDS)}
           {numeric("address", "Module address")}
           {numeric("timeoutS", "Answer within", "s")}
@@ -62,12 +62,12 @@ export function ModuleLinkFields({ kind, draft, problem, onChange }: Props) {
   if (kind === "tcp")
     return (
       <>
-        <div className={css.tcpModule}>
+        <div className={`${css.tcpModule} grid start gap-8`}>
           <TextInput
             size="xs"
             label="Host"
             placeholder="127.0.0.1"
-            classNames={{ input: "num", label: css.label }}
+            classNames={{ input: "num", label: "hint regular" }}
             value={draft.host}
             error={problem("module.host", draft.host)}
             autoComplete="off"
@@ -76,7 +76,7 @@ export function ModuleLinkFields({ kind, draft, problem, onChange }: Props) {
           />
           {numeric("tcpPort", "Port", undefined, "4242")}
         </div>
-        <div className={css.two}>
+        <div className={`${css.two} halves start gap-8`}>
           {numeric("address", "Module address")}
           {numeric("timeoutS", "Answer within", "s", "1")}
         </div>
@@ -84,11 +84,11 @@ export function ModuleLinkFields({ kind, draft, problem, onChange }: Props) {
     );
   return (
     <>
-      <div className={css.two}>
+      <div className={`${css.two} halves start gap-8`}>
         <Autocomplete
           size="xs"
           label="Interface of python-can"
-          classNames={{ input: "num", label: css.label }}
+          classNames={{ input: "num", label: "hint regular" }}
           data={CAN_INTERFACES}
           filter={({ options }) => options}
           value={draft.canInterface}
@@ -99,7 +99,7 @@ export function ModuleLinkFields({ kind, draft, problem, onChange }: Props) {
           size="xs"
           label="Channel"
           placeholder="can0"
-          classNames={{ input: "num", label: css.label }}
+          classNames={{ input: "num", label: "hint regular" }}
           value={draft.canChannel}
           error={problem("module.canChannel", draft.canChannel)}
           autoComplete="off"
@@ -107,7 +107,7 @@ export function ModuleLinkFields({ kind, draft, problem, onChange }: Props) {
           onChange={(event) => onChange({ canChannel: event.currentTarget.value })}
         />
       </div>
-      <div className={css.two}>
+      <div className={`${css.two} halves start gap-8`}>
         {typed("bitrate", "Bit rate [bit/s]", CAN_BITRATES)}
         {numeric("timeoutS", "Answer within", "s")}
         {numeric("sendId", "The module listens to id")}

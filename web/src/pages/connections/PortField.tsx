@@ -1,6 +1,5 @@
 import { Autocomplete, type AutocompleteProps } from "@mantine/core";
 import type { Schemas } from "../../api/client";
-import css from "./connections.module.css";
 import { usePorts } from "./useConnections";
 
 type Port = Schemas["Port"];
@@ -22,7 +21,7 @@ export function PortField({ label, value, problem, onChange }: Props) {
     return (
       <span>
         <span className="num">{option.value}</span>
-        <span className={css.portNote}>{port && portText(port)}</span>
+        <span className="hint block">{port && portText(port)}</span>
       </span>
     );
   };
@@ -31,7 +30,7 @@ export function PortField({ label, value, problem, onChange }: Props) {
       size="xs"
       label={label}
       placeholder="/dev/ttyACM0, socket://host:port, rfc2217://host:port"
-      classNames={{ input: "num", label: css.label }}
+      classNames={{ input: "num", label: "hint regular" }}
       data={serial.map((port) => port.name)}
       // what is there is always offered, whatever is typed
       filter={({ options }) => options}

@@ -26,10 +26,10 @@ export function Probe({ onAdd }: { onAdd: (found: Found) => void }) {
   const running = probe?.running === true;
   const wrongPort = asked && port.trim() === "" ? "Choose a port, or type a device name or address" : undefined;
   return (
-    <section className={css.box} aria-label="Look for modules">
+    <section className={`${css.box} pad card`} aria-label="Look for modules">
       <h2>Look for modules</h2>
       <form
-        className={css.probe}
+        className="stack gap-8 mb-8"
         onSubmit={(event) => {
           event.preventDefault();
           setAsked(true);
@@ -44,7 +44,7 @@ export function Probe({ onAdd }: { onAdd: (found: Found) => void }) {
       >
         <PortField label="Port or address" value={port} problem={wrongPort} onChange={setPort} />
         <fieldset className={css.bauds}>
-          <legend className={css.label}>Baud rates</legend>
+          <legend className="hint regular">Baud rates</legend>
           <Chip.Group multiple value={bauds} onChange={setBauds}>
             <Group gap={4}>
               {BAUDS.map((baud) => (
@@ -54,13 +54,13 @@ export function Probe({ onAdd }: { onAdd: (found: Found) => void }) {
               ))}
             </Group>
           </Chip.Group>
-          {asked && bauds.length === 0 && <p className={css.wrong}>Choose at least one rate</p>}
+          {asked && bauds.length === 0 && <p className="m-0 mt-4 fault text-12">Choose at least one rate</p>}
         </fieldset>
         <TextInput
           size="xs"
           label="Addresses"
           placeholder="1-4, 7"
-          classNames={{ input: "num", label: css.label }}
+          classNames={{ input: "num", label: "hint regular" }}
           value={text}
           error={addresses.ok ? undefined : addresses.why}
           autoComplete="off"
@@ -76,7 +76,7 @@ export function Probe({ onAdd }: { onAdd: (found: Found) => void }) {
             </Button>
           )}
           {addresses.ok && !running && (
-            <span className={css.dim}>
+            <span className="dim">
               <span className="num">{bauds.length * Math.max(1, addresses.list.length)}</span>{" "}
               {bauds.length * Math.max(1, addresses.list.length) === 1 ? "question" : "questions"}, silence takes
               longest
@@ -88,14 +88,14 @@ export function Probe({ onAdd }: { onAdd: (found: Found) => void }) {
       {abort.isError && <ProblemAlert error={abort.error} doing="Aborting" onClose={() => abort.reset()} />}
       {state.isError && <ProblemAlert error={state.error} doing="Following the probe" />}
       {probe?.port && (
-        <div className={css.probeState}>
+        <div className="stack gap-4 mt-8">
           <Progress
             value={probe.total === 0 ? 0 : (100 * probe.done) / probe.total}
             size="sm"
             animated={running}
             aria-label="Questions asked"
           />
-          <div className={css.probeText} role="status">
+          <div className="lines-8 hint between" role="status">
             <span>
               <span className="num">
                 {probe.done} of {probe.total}
@@ -104,14 +104,14 @@ export function Probe({ onAdd }: { onAdd: (found: Found) => void }) {
             </span>
             {!running && probe.found.length === 0 && <span>nothing answered</span>}
           </div>
-          {probe.message !== "" && <p className={css.note}>{probe.message}</p>}
-          <ul className={css.ports} aria-label="Modules found">
+          {probe.message !== "" && <p className="hint m-0 mt-4">{probe.message}</p>}
+          <ul className={`${css.ports} list`} aria-label="Modules found">
             {probe.found.map((found) => (
               <li key={`${found.port} ${found.baud} ${found.address}`}>
                 <span>
                   <b className="num">{found.version}</b>
-                  {found.board !== null && <span className={css.portNote}>{found.board}</span>}
-                  <span className={css.portNote}>
+                  {found.board !== null && <span className="hint block">{found.board}</span>}
+                  <span className="hint block">
                     address <span className="num">{found.address}</span>,{" "}
                     {found.baud === null ? (
                       "no baud rate"

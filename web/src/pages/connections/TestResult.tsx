@@ -3,7 +3,6 @@ import { IconCheck } from "@tabler/icons-react";
 import type { Schemas } from "../../api/client";
 import { duration } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import css from "./connections.module.css";
 
 interface Props {
   test: Schemas["LinkTest"] | undefined;
@@ -26,7 +25,7 @@ export function TestResult({ test, error, pending, current, emulated, emulate }:
       <>
         <ProblemAlert error={test.problem ?? new Error(test.detail)} doing="The link does not work" />
         {emulate !== null && (
-          <p className={css.note}>
+          <p className="hint m-0 mt-4">
             To see it work without hardware, serve an emulated one there: <code>{emulate}</code>
           </p>
         )}
@@ -50,7 +49,7 @@ export function TestResult({ test, error, pending, current, emulated, emulate }:
         </>
       }
     >
-      <span className={css.testDetail}>
+      <span className="text-12">
         {test.detail}
         {emulated && " A trial emulator was made and thrown away."}
       </span>

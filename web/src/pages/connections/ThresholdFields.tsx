@@ -21,10 +21,16 @@ export function ThresholdFields({ draft, problems, onChange }: Props) {
   const [open, setOpen] = useState(any);
   const wrong = rows.some(({ index }) => PARTS.some(({ part }) => problems[`axes.${index}.${part}`]));
   return (
-    <details className={css.limits} open={open || wrong} onToggle={(event) => setOpen(event.currentTarget.open)}>
+    <details
+      className={`${css.limits} pad-s box mt-8`}
+      open={open || wrong}
+      onToggle={(event) => setOpen(event.currentTarget.open)}
+    >
       <summary>
         Encoder thresholds
-        <span className={css.limitNote}>from where on steps are lost, or a motion is not followed</span>
+        <span className={`${css.limitNote} hint regular`}>
+          from where on steps are lost, or a motion is not followed
+        </span>
       </summary>
       {rows.map(({ axis, index }) => (
         <fieldset key={index} className={css.limitAxis}>

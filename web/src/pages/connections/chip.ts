@@ -1,8 +1,7 @@
-import type { ChipModel } from "../../lib/family";
 import { parseNumber } from "../../lib/format";
 import type { Draft, StageDraft } from "./draft";
 import { type Json, type Limits, numberOf, numberProblem, over, said } from "./limits";
-import { factsOf } from "./models";
+import { canModel, clockLimits, framesOf, type Model } from "./models";
 import { emulatorLink, optionProblems, optionsOf } from "./options";
 
 export interface SpiDraft {
@@ -78,7 +77,7 @@ export function stagesOf(link: Json): StageDraft[] {
 
 /** The port of a line is typed into the same field as a module's. */
 export function linePortOf(link: Json): string {
-  return (link.kind === "uart" || link.kind === "landungsbruecke") && typeof link.port === "string" ? link.port : "";
+  return typeof link.port === "string" ? link.port : "";
 }
 
 /** The chip's clock [Hz], where it is said. */
@@ -88,20 +87,19 @@ export function clockOf(draft: Draft): number | undefined {
 }
 
 /** What goes to the server: what was said, so that its defaults hold, and what the form does not show as it was. */
-export function chipLink(draft: Draft, model: ChipModel): Json {
+export function chipLink(draft: Draft, model: Model): Json {
   const kept = (shown: Json) => over(draft.before, draft.kind, shown);
   const timeout_s = numberOf(draft.timeoutS);
   const line = draft.module.serialPort.trim();
+  if (framesOf(model, draft.kind) === "board") return kept({ port: line, timeout_s });
   switch (draft.kind) {
     case "tcp":
       return kept({ host: draft.host.trim(), port: numberOf(draft.port), timeout_s });
-    case "landungsbruecke":
-      return kept({ port: line, timeout_s });
     case "uart":
       return kept({
         port: line,
         baud: numberOf(draft.uart.baud),
-        node: factsOf(model).nodes ? numberOf(draft.uart.node) : undefined,
+        node: model.uart === "node" ? numberOf(draft.uart.node) : undefined,
         echo: draft.uart.echo === "auto" ? undefined : draft.uart.echo,
         timeout_s,
       });
@@ -119,7 +117,7 @@ export function chipLink(draft: Draft, model: ChipModel): Json {
 }
 
 /** The emulator's options of a chip that only gives pulses. */
-function pulsesOf(draft: Draft, model: ChipModel): Json {
+function pulsesOf(draft: Draft, model: Model): Json {
   const stages = draft.stages.map((stage) =>
     over({}, undefined, {
       left_at_fullsteps: numberOf(stage.left),
@@ -133,22 +131,30 @@ function pulsesOf(draft: Draft, model: ChipModel): Json {
     seed: numberOf(draft.seed),
     time_scale: numberOf(draft.timeScale),
     clock_hz: clockOf(draft),
-    wiring: model === "tmc428" && draft.wiring !== "" ? draft.wiring : undefined,
+    wiring: model.axes > 1 && draft.wiring !== "" ? draft.wiring : undefined,
     v_actual_writable: draft.vActualWritable !== "" ? draft.vActualWritable : undefined,
     stages: stages.some((stage) => Object.keys(stage).length > 0) ? stages : undefined,
     // One motor, one driver: what the emulated driver does is what the axis is reckoned with.
-    driver_microsteps: model === "tmc4210" ? numberOf(draft.axes[0]?.driverMicrosteps ?? "") : undefined,
+    driver_microsteps: canModel(model, "step_dir") ? numberOf(draft.axes[0]?.driverMicrosteps ?? "") : undefined,
   };
 }
 
 /** Every problem of the link, by the path of its field: `port`, `uart.node`, `stages.1.left`. */
-export function chipProblems(draft: Draft, model: ChipModel): [path: string, problem: string][] {
+export function chipProblems(draft: Draft, model: Model): [path: string, problem: string][] {
   const found: [string, string][] = [];
   const note = (path: string, problem: string | null) => {
     if (problem !== null) found.push([path, problem]);
   };
-  const facts = factsOf(model);
-  note("clockMhz", numberProblem(draft.clockMhz, facts.clockMhz));
+  note("clockMhz", numberProblem(draft.clockMhz, clockLimits(model)));
+  const line = () => {
+    if (draft.module.serialPort.trim() === "")
+      note("module.serialPort", "A port is needed: choose one, or type a device name or address");
+    note("timeoutS", numberProblem(draft.timeoutS, CHIP_LIMITS.lineTimeoutS));
+  };
+  if (framesOf(model, draft.kind) === "board") {
+    line();
+    return found;
+  }
   switch (draft.kind) {
     case "tcp":
       if (draft.host.trim() === "") note("host", "A host name or address is needed");
@@ -156,13 +162,9 @@ export function chipProblems(draft: Draft, model: ChipModel): [path: string, pro
       note("timeoutS", numberProblem(draft.timeoutS, CHIP_LIMITS.timeoutS));
       break;
     case "uart":
-    case "landungsbruecke":
-      if (draft.module.serialPort.trim() === "")
-        note("module.serialPort", "A port is needed: choose one, or type a device name or address");
-      note("timeoutS", numberProblem(draft.timeoutS, CHIP_LIMITS.lineTimeoutS));
-      if (draft.kind === "landungsbruecke") break;
+      line();
       note("uart.baud", numberProblem(draft.uart.baud, CHIP_LIMITS.baud));
-      if (facts.nodes) note("uart.node", numberProblem(draft.uart.node, CHIP_LIMITS.node));
+      if (model.uart === "node") note("uart.node", numberProblem(draft.uart.node, CHIP_LIMITS.node));
       break;
     case "spidev":
       for (const part of ["bus", "device", "speedHz"] as const)

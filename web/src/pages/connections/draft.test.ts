@@ -1,8 +1,9 @@
 import { describe, expect, it } from "vitest";
+import { about } from "../../../test/catalog";
 import type { Device } from "../../api/queries";
 import { parseAddresses } from "./addresses";
 import { changeBody, createBody, draftOf, linkOf, newDraft, problemsOf, withModel } from "./draft";
-import { kindsOf, type Model } from "./models";
+import { kindsOf } from "./models";
 import { optionsOf } from "./options";
 import { freeName, linkText } from "./words";
 
@@ -10,6 +11,7 @@ const DEVICE = {
   id: "bench",
   name: "bench",
   model: "tmc428",
+  about: about("tmc428"),
   link: { kind: "emulator", seed: 7, stages: [{ right_at_fullsteps: 5000 }] },
   clock_hz: 8e6,
   axes: ["X", "Y", "Z"].map((name, index) => ({
@@ -24,7 +26,7 @@ const DEVICE = {
 
 describe("a new connection", () => {
   it("says only what was typed, so that the server's defaults hold", () => {
-    const draft = { ...newDraft(), name: " bench " };
+    const draft = { ...newDraft(about("tmc428")), name: " bench " };
     expect(problemsOf(draft)).toEqual({});
     const body = createBody(draft);
     expect(body).toMatchObject({ name: "bench", model: "tmc428", link: { kind: "emulator" }, clock_hz: null });
@@ -34,15 +36,15 @@ describe("a new connection", () => {
   });
 
   it("has as many axes as the chip, and keeps what was typed of them", () => {
-    const draft = newDraft("tmc428", "tcp");
+    const draft = newDraft(about("tmc428"), "tcp");
     draft.axes = draft.axes.map((axis) => ({ ...axis, gear: "3" }));
-    const one = withModel(draft, "tmc4210");
+    const one = withModel(draft, about("tmc4210"));
     expect(one.axes).toHaveLength(1);
-    expect(withModel(one, "tmc428").axes.map((axis) => axis.gear)).toEqual(["3", "", ""]);
+    expect(withModel(one, about("tmc428")).axes.map((axis) => axis.gear)).toEqual(["3", "", ""]);
   });
 
   it("says where the emulated chip lets its velocity be written, and keeps it in an edit", () => {
-    const draft = { ...newDraft("tmc428"), vActualWritable: "velocity-mode" };
+    const draft = { ...newDraft(about("tmc428")), vActualWritable: "velocity-mode" };
     expect(linkOf(draft)).toEqual({ kind: "emulator", v_actual_writable: "velocity-mode" });
     const held = { ...DEVICE, link: { kind: "emulator", v_actual_writable: "velocity-mode" } } as Device;
     expect(draftOf(held).vActualWritable).toBe("velocity-mode");
@@ -54,14 +56,14 @@ describe("a new connection", () => {
   });
 
   it("gives the emulated driver the microsteps that the axis is reckoned with", () => {
-    const draft = newDraft("tmc4210");
+    const draft = newDraft(about("tmc4210"));
     draft.axes = draft.axes.map((axis) => ({ ...axis, driverMicrosteps: "32" }));
     expect(linkOf(draft)).toEqual({ kind: "emulator", driver_microsteps: 32 });
   });
 });
 
 describe("what is refused before it is sent", () => {
-  const good = { ...newDraft("tmc428", "tcp"), name: "far", port: "4280" };
+  const good = { ...newDraft(about("tmc428"), "tcp"), name: "far", port: "4280" };
   it("takes a complete tcp link", () => {
     expect(problemsOf(good, ["bench"])).toEqual({});
     expect(linkOf(good)).toEqual({ kind: "tcp", host: "127.0.0.1", port: 4280 });
@@ -86,11 +88,11 @@ describe("what is refused before it is sent", () => {
   });
 
   it("lets a TMC4210 run at 32 MHz", () => {
-    expect(problemsOf({ ...withModel(good, "tmc4210"), clockMhz: "32" })).toEqual({});
+    expect(problemsOf({ ...withModel(good, about("tmc4210")), clockMhz: "32" })).toEqual({});
   });
 
   it("checks a stage against the defaults of what was not said", () => {
-    const draft = { ...newDraft(), name: "bench" };
+    const draft = { ...newDraft(about("tmc428")), name: "bench" };
     draft.stages = draft.stages.map((stage, index) =>
       index === 0 ? { ...stage, left: "8000", refFrom: "400" } : stage,
     );
@@ -134,7 +136,7 @@ describe("a name for a new device", () => {
 
 describe("a link to a module", () => {
   const serial = () => {
-    const draft = { ...newDraft("pd42-1241", "serial"), name: "drive" };
+    const draft = { ...newDraft(about("pd42-1241"), "serial"), name: "drive" };
     draft.module = { ...draft.module, serialPort: " /dev/ttyACM0 " };
     return draft;
   };
@@ -158,20 +160,26 @@ describe("a link to a module", () => {
     ["emulator", "options.supply_v", { options: { supply_v: "61" } }],
     ["emulator", "options.stage.right_at_fullsteps", { options: { "stage.right_at_fullsteps": "-4000" } }],
   ] as const)("over %s refuses %s of %j", (kind, path, change) => {
-    const draft = { ...newDraft("pd42-1241", kind), name: "drive" };
+    const draft = { ...newDraft(about("pd42-1241"), kind), name: "drive" };
     draft.module = { ...draft.module, serialPort: "/dev/ttyACM0", tcpPort: "4242", ...change };
     draft.options = { ...("options" in change ? change.options : {}) };
     expect(Object.keys(problemsOf(draft))).toEqual([path]);
   });
 
   it("over CAN names interface and channel", () => {
-    const draft = newDraft("pd42-1241", "can");
+    const draft = newDraft(about("pd42-1241"), "can");
     expect(linkOf(draft)).toEqual({ kind: "can", interface: "socketcan", channel: "can0" });
   });
 
   it("to an emulated one keeps what the form does not show", () => {
     const link = { kind: "emulator", seed: 3, motor: { rotor_teeth: 100, holding_torque_nm: 1 }, stage: {} };
-    const device = { ...DEVICE, model: "pd42-1241", link, axes: [DEVICE.axes[0]] } as unknown as Device;
+    const device = {
+      ...DEVICE,
+      model: "pd42-1241",
+      about: about("pd42-1241"),
+      link,
+      axes: [DEVICE.axes[0]],
+    } as unknown as Device;
     const draft = draftOf(device);
     expect(draft.options["motor.holding_torque_nm"]).toBe("1");
     draft.options = { ...draft.options, "motor.holding_torque_nm": "", "load.torque_nm": "0.1" };
@@ -184,8 +192,8 @@ describe("a link to a module", () => {
   });
 
   it("goes back to an emulator when the model has no such link", () => {
-    expect(withModel(serial(), "tmc428").kind).toBe("emulator");
-    expect(withModel(newDraft("tmc428", "tcp"), "pd42-1241").kind).toBe("tcp");
+    expect(withModel(serial(), about("tmc428")).kind).toBe("emulator");
+    expect(withModel(newDraft(about("tmc428"), "tcp"), about("pd42-1241")).kind).toBe("tcp");
   });
 
   it("is told in one line", () => {
@@ -197,12 +205,17 @@ describe("a link to a module", () => {
 });
 
 describe("a TMC4361", () => {
-  const named = { ...newDraft("tmc4361"), name: "far" };
+  const named = { ...newDraft(about("tmc4361")), name: "far" };
 
   it("has a board, a socket and an SPI bus besides the emulator", () => {
-    expect(kindsOf("tmc4361").map((kind) => kind.value)).toEqual(["emulator", "landungsbruecke", "tcp", "spidev"]);
+    expect(kindsOf(about("tmc4361")).map((kind) => kind.value)).toEqual([
+      "emulator",
+      "landungsbruecke",
+      "tcp",
+      "spidev",
+    ]);
     expect(linkOf(named)).toEqual({ kind: "emulator" });
-    expect(withModel({ ...named, kind: "spidev" }, "tmc428").kind).toBe("emulator");
+    expect(withModel({ ...named, kind: "spidev" }, about("tmc428")).kind).toBe("emulator");
   });
 
   it("is reached over a board once the port is said", () => {
@@ -213,13 +226,25 @@ describe("a TMC4361", () => {
     const link = { kind: "landungsbruecke", port: "/dev/ttyACM0", timeout_s: 0.5 };
     expect(linkOf(ready)).toEqual(link);
     expect(linkText(link)).toBe("evaluation board at /dev/ttyACM0");
-    const device = { ...DEVICE, model: "tmc4361", link, axes: DEVICE.axes.slice(0, 1) } as unknown as Device;
+    const device = {
+      ...DEVICE,
+      model: "tmc4361",
+      about: about("tmc4361"),
+      link,
+      axes: DEVICE.axes.slice(0, 1),
+    } as unknown as Device;
     expect(linkOf(draftOf(device))).toEqual(link);
   });
 
   it("keeps of its link what the form does not show", () => {
     const of = (link: object) =>
-      draftOf({ ...DEVICE, model: "tmc4361", link, axes: DEVICE.axes.slice(0, 1) } as unknown as Device);
+      draftOf({
+        ...DEVICE,
+        model: "tmc4361",
+        about: about("tmc4361"),
+        link,
+        axes: DEVICE.axes.slice(0, 1),
+      } as unknown as Device);
     const emulated = { kind: "emulator", seed: 3, motor: { resistance_ohm: 1 }, encoder: { kind: "ssi" } };
     const faster = { ...of(emulated), options: { ...of(emulated).options, time_scale: "2" } };
     expect(changeBody(of(emulated), faster).link).toEqual({
@@ -257,32 +282,40 @@ describe("a TMC4361", () => {
 });
 
 describe("a TMC5xxx", () => {
-  const named = (model: Model) => ({ ...newDraft(model), name: "far" });
-  const uart = (model: Model) => {
+  const named = (model: string) => ({ ...newDraft(about(model)), name: "far" });
+  const uart = (model: string) => {
     const draft = { ...named(model), kind: "uart" as const };
     draft.module = { ...draft.module, serialPort: " /dev/ttyUSB0 " };
     return draft;
   };
 
   it("has a UART where the chip has one, and two axes where it has two", () => {
-    const kinds = (model: Model) => kindsOf(model).map((kind) => kind.value);
+    const kinds = (name: string) => kindsOf(about(name)).map((kind) => kind.value);
     expect(kinds("tmc5160")).toEqual(["emulator", "uart", "landungsbruecke", "tcp", "spidev"]);
     expect(kinds("tmc5031")).not.toContain("uart");
-    expect(withModel(uart("tmc5130"), "tmc5031").kind).toBe("emulator");
+    expect(withModel(uart("tmc5130"), about("tmc5031")).kind).toBe("emulator");
     expect(named("tmc5072").axes.map((axis) => axis.name)).toEqual(["X", "Y"]);
     expect(named("tmc5130").axes).toHaveLength(1);
     expect(linkOf(named("tmc5062"))).toEqual({ kind: "emulator" });
   });
 
   it("is reached over a UART once the port is said", () => {
-    expect(problemsOf({ ...uart("tmc5130"), module: newDraft().module })).toHaveProperty("module.serialPort");
+    expect(problemsOf({ ...uart("tmc5130"), module: newDraft(about("tmc428")).module })).toHaveProperty(
+      "module.serialPort",
+    );
     expect(problemsOf(uart("tmc5130"))).toEqual({});
     expect(linkOf(uart("tmc5130"))).toEqual({ kind: "uart", port: "/dev/ttyUSB0" });
     const said = { ...uart("tmc5160"), timeoutS: "0.5", uart: { baud: "500000", node: "3", echo: "on" as const } };
     const link = { kind: "uart", port: "/dev/ttyUSB0", baud: 500_000, node: 3, echo: "on", timeout_s: 0.5 };
     expect(linkOf(said)).toEqual(link);
     expect(linkText(link)).toBe("uart /dev/ttyUSB0 at 500\u202f000 baud, node 3");
-    const device = { ...DEVICE, model: "tmc5160", link, axes: DEVICE.axes.slice(0, 1) } as unknown as Device;
+    const device = {
+      ...DEVICE,
+      model: "tmc5160",
+      about: about("tmc5160"),
+      link,
+      axes: DEVICE.axes.slice(0, 1),
+    } as unknown as Device;
     expect(linkOf(draftOf(device))).toEqual(link);
     expect(changeBody(draftOf(device), draftOf(device))).toEqual({});
   });
@@ -291,7 +324,7 @@ describe("a TMC5xxx", () => {
     const draft = { ...named("tmc5072"), options: { "motor.holding_torque_nm": "1", "encoder.lines": "500" } };
     expect(problemsOf(draft)).toEqual({});
     expect(linkOf(draft)).toEqual({ kind: "emulator", motor: { holding_torque_nm: 1 }, encoder: { lines: 500 } });
-    const keys = (model: Model) => optionsOf(model).flatMap(([, rows]) => rows.map(({ key }) => key));
+    const keys = (name: string) => optionsOf(about(name)).flatMap(([, rows]) => rows.map(({ key }) => key));
     expect(keys("tmc5072").some((key) => key.includes("home"))).toBe(false);
     expect(keys("tmc5031").some((key) => key.includes("encoder"))).toBe(false);
     expect(keys("tmc428")).toEqual([]);
@@ -299,7 +332,13 @@ describe("a TMC5xxx", () => {
 
   it("stays rigid until something is said of its motor", () => {
     const link = { kind: "emulator", motor: "rigid" };
-    const device = { ...DEVICE, model: "tmc5130", link, axes: DEVICE.axes.slice(0, 1) } as unknown as Device;
+    const device = {
+      ...DEVICE,
+      model: "tmc5130",
+      about: about("tmc5130"),
+      link,
+      axes: DEVICE.axes.slice(0, 1),
+    } as unknown as Device;
     const draft = draftOf(device);
     expect(linkOf({ ...draft, options: { ...draft.options, seed: "7" } })).toMatchObject({ motor: "rigid", seed: 7 });
     const soft = { ...draft, options: { ...draft.options, "motor.rated_current_a": "2" } };

@@ -1,6 +1,5 @@
 import type { Schemas } from "../../api/client";
 import type { Device } from "../../api/queries";
-import { familyOf } from "../../lib/family";
 import {
   chipLink,
   chipProblems,
@@ -14,7 +13,7 @@ import {
   uartOf,
 } from "./chip";
 import { type Json, type Limits, numberOf, numberProblem, said } from "./limits";
-import { axesOf, isModule, type Kind, kindsOf, type Model } from "./models";
+import { canModel, isModule, type Kind, kindsOf, type Model } from "./models";
 import { type ModuleDraft, type ModuleKind, moduleLink, moduleOf, moduleProblems, newModule } from "./module";
 import { emulatorLink, optionProblems, optionsIn } from "./options";
 import { limitDraftOf, limitProblems, limitsOf, NO_LIMITS, type SoftLimitDraft } from "./softLimits";
@@ -95,7 +94,7 @@ function emptyAxis(name: string): AxisDraft {
 
 const AXIS_NAMES = ["X", "Y", "Z"];
 
-export function newDraft(model: Model = "tmc428", kind: Kind = "emulator"): Draft {
+export function newDraft(model: Model, kind: Kind = "emulator"): Draft {
   return withModel(
     {
       name: "",
@@ -123,7 +122,7 @@ export function newDraft(model: Model = "tmc428", kind: Kind = "emulator"): Draf
 
 /** The draft for another model: axes that are there stay, missing ones come, surplus ones go. */
 export function withModel(draft: Draft, model: Model): Draft {
-  const indices = Array.from({ length: axesOf(model) }, (_, index) => index);
+  const indices = Array.from({ length: model.axes }, (_, index) => index);
   return {
     ...draft,
     model,
@@ -136,7 +135,7 @@ export function withModel(draft: Draft, model: Model): Draft {
 
 /** Chips that only give pulses: the motor at the far end is a stage and no more. */
 function pulsesOnly(model: Model): boolean {
-  return familyOf(model) === "pmul";
+  return canModel(model, "ramp.pmul");
 }
 
 /** A device as a draft, for editing. */
@@ -145,8 +144,8 @@ export function draftOf(device: Device): Draft {
   return withModel(
     {
       name: device.name,
-      model: device.model,
-      kind: kindsOf(device.model).find((kind) => kind.value === link.kind)?.value ?? "emulator",
+      model: device.about,
+      kind: kindsOf(device.about).find((kind) => kind.value === link.kind)?.value ?? "emulator",
       clockMhz: String(device.clock_hz / 1e6),
       host: typeof link.host === "string" ? link.host : "",
       port: said(link.port),
@@ -156,7 +155,7 @@ export function draftOf(device: Device): Draft {
       wiring: typeof link.wiring === "string" ? link.wiring : "",
       vActualWritable: typeof link.v_actual_writable === "string" ? link.v_actual_writable : "",
       stages: stagesOf(link),
-      options: optionsIn(link, device.model),
+      options: optionsIn(link, device.about),
       axes: device.axes.map((axis) => ({
         name: axis.name,
         fullSteps: String(axis.full_steps_per_rev),
@@ -167,12 +166,12 @@ export function draftOf(device: Device): Draft {
         lostSteps: said(axis.lost_steps_microsteps),
         followingError: said(axis.following_error_microsteps),
       })),
-      module: isModule(device.model) ? moduleOf(link) : { ...newModule(), serialPort: linePortOf(link) },
+      module: isModule(device.about) ? moduleOf(link) : { ...newModule(), serialPort: linePortOf(link) },
       uart: uartOf(link),
       spi: spiOf(link),
       before: link,
     },
-    device.model,
+    device.about,
   );
 }
 
@@ -237,7 +236,7 @@ export function axisConfigs(draft: Draft): AxisConfig[] {
 
 export interface DeviceBody {
   name: string;
-  model: Model;
+  model: Model["name"];
   link: Link;
   clock_hz: number | null;
   axes: AxisConfig[];
@@ -247,7 +246,7 @@ export interface DeviceBody {
 export function createBody(draft: Draft): DeviceBody {
   return {
     name: draft.name.trim(),
-    model: draft.model,
+    model: draft.model.name,
     link: linkOf(draft),
     // a module's crystal is its own affair
     clock_hz: isModule(draft.model) ? null : (clockOf(draft) ?? null),

@@ -1,6 +1,5 @@
 import { TextInput } from "@mantine/core";
 import { compact } from "../../lib/format";
-import css from "./connections.module.css";
 import type { Limits } from "./limits";
 
 interface Props {
@@ -29,7 +28,7 @@ export function OptionalNumber({ label, value, onChange, limits, unit, problem, 
       {...(cell
         ? { "aria-label": unit ? `${label} [${unit}]` : label }
         : { label: unit ? `${label} [${unit}]` : label })}
-      classNames={{ input: "num", label: css.label }}
+      classNames={{ input: "num", label: "hint regular" }}
       placeholder={holds}
       value={value}
       error={problem === undefined ? false : cell ? true : problem}

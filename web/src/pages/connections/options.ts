@@ -1,7 +1,6 @@
-import { familyOf } from "../../lib/family";
 import { parseNumber } from "../../lib/format";
 import { type Json, type Limits, numberOf, numberProblem, over, said } from "./limits";
-import type { Model } from "./models";
+import { canModel, type Model } from "./models";
 
 export interface OptionRow {
   key: string;
@@ -20,7 +19,7 @@ function option(label: string, unit: string, path: string, limits: Limits): Opti
 
 export type OptionGroup = readonly [title: string, rows: readonly OptionRow[]];
 
-function ofDevice(title: string, seed: number): OptionGroup {
+function ofDevice(title: string): OptionGroup {
   return [
     title,
     [
@@ -30,7 +29,7 @@ function ofDevice(title: string, seed: number): OptionGroup {
         minimum: 0,
         maximum: 2 ** 32 - 1,
         integer: true,
-        fallback: seed,
+        fallback: null,
       }),
       option("Rotor at first", "full steps", "start_fullsteps", { ...place, fallback: 0 }),
     ],
@@ -71,38 +70,28 @@ function lines(label: string, path: string, maximum: number, fallback: number): 
  * in REST. None for chips that only give pulses: theirs have options of their own.
  */
 export function optionsOf(model: Model): readonly OptionGroup[] {
-  switch (familyOf(model)) {
-    case "module":
-      return [
-        ofDevice("Module", 1241),
-        MOTOR,
-        [STAGE, [...ENDS, ...HOME]],
+  const encoders = canModel(model, "encoder");
+  const ends: OptionGroup = [STAGE, canModel(model, "home_switch") ? [...ENDS, ...HOME] : ENDS];
+  if (model.tier === "names") return [["Module", ofDevice("Module")[1].filter(({ key }) => key === "time_scale")]];
+  if (canModel(model, "parameters"))
+    return [
+      ofDevice("Module"),
+      MOTOR,
+      ends,
+      [
+        "Encoders",
         [
-          "Encoders",
-          [
-            eccentricity("encoders.eccentricity_deg", 0.25),
-            lines("External lines", "encoders.external_lines", 2 ** 20, 1000),
-          ],
+          eccentricity("encoders.eccentricity_deg", 0.25),
+          lines("External lines", "encoders.external_lines", 2 ** 20, 1000),
         ],
-      ];
-    case "sramp":
-      return [
-        ofDevice("Chip", 4361),
-        MOTOR,
-        [STAGE, [...ENDS, ...HOME]],
-        ["Encoder", [eccentricity("encoder.eccentricity_deg", 0), lines("Lines", "encoder.lines", 2 ** 22, 10_000)]],
-      ];
-    case "sixpoint":
-      // two motors of one chip are alike; a TMC5031 does not see its encoders
-      return [
-        ofDevice("Chip", 5160),
-        MOTOR,
-        [STAGE, ENDS],
-        ...(model === "tmc5031" ? [] : [["Encoder", [lines("Lines", "encoder.lines", 2 ** 20, 10_000)]] as const]),
-      ];
-    default:
-      return [];
-  }
+      ],
+    ];
+  if (canModel(model, "ramp.pmul")) return [];
+  // two motors of one chip are alike
+  const rows = canModel(model, "closed_loop")
+    ? [eccentricity("encoder.eccentricity_deg", 0), lines("Lines", "encoder.lines", 2 ** 22, 10_000)]
+    : [lines("Lines", "encoder.lines", 2 ** 20, 10_000)];
+  return [ofDevice("Chip"), MOTOR, ends, ...(encoders ? [["Encoder", rows] as const] : [])];
 }
 
 const rowsOf = (model: Model): OptionRow[] => optionsOf(model).flatMap(([, rows]) => [...rows]);

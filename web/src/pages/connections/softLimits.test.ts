@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import { about } from "../../../test/catalog";
 import { scaleOf } from "../../lib/units";
 import { createBody, newDraft, problemsOf } from "./draft";
 import { inMechanics, limitDraftOf, limited, limitProblems, limitsOf, NO_LIMITS, partsOf } from "./softLimits";
@@ -19,18 +20,18 @@ describe("soft limits of an axis", () => {
     expect(limitDraftOf(undefined)).toEqual(NO_LIMITS);
     expect(limited(NO_LIMITS)).toBe(false);
     expect(limited(limitDraftOf(LIMITS))).toBe(true);
-    const draft = newDraft("tmc428");
+    const draft = newDraft(about("tmc428"));
     expect(createBody(draft).axes[0]?.limits).toMatchObject({ position_min: null, velocity_max_pps: null });
   });
 
   it("ask for what makes amperes of the model's scales, and for nothing that it cannot keep", () => {
-    const shown = (model: Parameters<typeof partsOf>[0]) => partsOf(model).map(({ part }) => part);
+    const shown = (name: string) => partsOf(about(name)).map(({ part }) => part);
     expect(shown("tmc5160")).toContain("senseOhm");
     expect(shown("tmc428")).toContain("fullScaleA");
     expect(shown("tmc4210")).not.toContain("current");
     const current = { ...NO_LIMITS, current: "1.2" };
-    expect(limitProblems(current, "tmc5160").map(([part]) => part)).toEqual(["senseOhm"]);
-    expect(limitProblems({ ...current, senseOhm: "0.11" }, "tmc5160")).toEqual([]);
+    expect(limitProblems(current, about("tmc5160")).map(([part]) => part)).toEqual(["senseOhm"]);
+    expect(limitProblems({ ...current, senseOhm: "0.11" }, about("tmc5160"))).toEqual([]);
   });
 
   it.each([
@@ -39,7 +40,7 @@ describe("soft limits of an axis", () => {
     [{ velocity: "0" }, "velocity"],
     [{ acceleration: "fast" }, "acceleration"],
   ])("refuse %o before it is sent", (typed, part) => {
-    const draft = { ...newDraft("tmc428"), name: "bench" };
+    const draft = { ...newDraft(about("tmc428")), name: "bench" };
     draft.axes = draft.axes.map((axis, index) =>
       index === 1 ? { ...axis, limits: { ...NO_LIMITS, ...typed } } : axis,
     );

@@ -51,8 +51,8 @@ const EVERY: Part[] = [
 
 /** What makes amperes of a model's current scales; none where it sets no current. */
 function amperesBy(model: Model): "senseOhm" | "fullScaleA" | null {
-  if (model === "tmc4210") return null;
-  return model.startsWith("tmc5") ? "senseOhm" : "fullScaleA";
+  const by = { "": null, sense_resistor: "senseOhm", full_scale: "fullScaleA" } as const;
+  return by[model.current_scale];
 }
 
 /** The fields that a model can keep. */

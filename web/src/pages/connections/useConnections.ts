@@ -3,7 +3,8 @@ import { api, type Schemas, unwrap } from "../../api/client";
 import type { Device } from "../../api/queries";
 import { changeBody, createBody, type Draft, linkOf } from "./draft";
 
-export { useCatalog, usePorts } from "./queries";
+export { useCatalog } from "../../api/queries";
+export { usePorts } from "./queries";
 
 /** The search for modules on a port: followed closely while it runs. */
 export function useProbe() {
@@ -63,7 +64,7 @@ export function useSaveDevice(edited: { device: Device; before: Draft } | null) 
       if (edited === null)
         return unwrap(await api.POST("/api/v1/devices", { body: createBody(draft) as Schemas["DeviceCreate"] }));
       const body = changeBody(edited.before, draft);
-      if (Object.keys(body).length === 0) return edited.device;
+      if (Object.keys(body).length === 0) return edited.device as Schemas["DeviceInfo"];
       return unwrap(
         await api.PATCH("/api/v1/devices/{device}", { params: { path: { device: edited.device.id } }, body }),
       );
@@ -77,7 +78,7 @@ export function useLinkTest() {
     mutationFn: async (draft: Draft) =>
       unwrap(
         await api.POST("/api/v1/devices/test", {
-          body: { model: draft.model, link: linkOf(draft) } as Schemas["DeviceTrial"],
+          body: { model: draft.model.name, link: linkOf(draft) } as Schemas["DeviceTrial"],
         }),
       ),
   });

@@ -9,11 +9,11 @@ export function linkText(link: Record<string, unknown>): string {
     const node = typeof link.node === "number" && link.node !== 0 ? `, node ${link.node}` : "";
     return `${link.kind} ${String(link.port)}${baud}${address}${node}`;
   }
-  if (link.kind === "landungsbruecke") return `evaluation board at ${String(link.port)}`;
   if (link.kind === "spidev") return `spi ${String(link.bus)}.${String(link.device)}`;
   if (link.kind === "can") return `can ${String(link.interface)} ${String(link.channel)}`;
   const scale =
     typeof link.time_scale === "number" && link.time_scale !== 1 ? `, time × ${compact(link.time_scale)}` : "";
+  if (typeof link.port === "string") return `evaluation board at ${link.port}`;
   return link.kind === "emulator" ? `emulated in this server${scale}` : String(link.kind);
 }
 

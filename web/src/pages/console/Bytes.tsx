@@ -5,9 +5,9 @@ import { FIELD_WORDS, type FieldBytes } from "./frames";
 /** A frame's bytes, each field in its colour with its name below. */
 export function Bytes({ label, fields }: { label: string; fields: readonly FieldBytes[] }) {
   return (
-    <div className={css.bytes}>
+    <div className="lines-4 start text-12 mono">
       <VisuallyHidden>{label}</VisuallyHidden>
-      <span className={css.direction} aria-hidden>
+      <span className="dim" aria-hidden>
         {label === "request" ? "→" : "←"}
       </span>
       {fields.map((field, index) => (
@@ -20,7 +20,7 @@ export function Bytes({ label, fields }: { label: string; fields: readonly Field
           title={`${FIELD_WORDS[field.kind]}: ${field.meaning}`}
         >
           <span className={css.hex}>{field.bytes.join(" ")}</span>
-          <span className={css.fieldWord}>{FIELD_WORDS[field.kind]}</span>
+          <span className={`${css.fieldWord} hint centered`}>{FIELD_WORDS[field.kind]}</span>
         </span>
       ))}
     </div>

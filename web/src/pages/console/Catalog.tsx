@@ -13,25 +13,30 @@ export function Catalog({ commands, onTake }: Props) {
   const [open, setOpen] = useState(false);
   return (
     <div>
-      <button type="button" className={css.fold} aria-expanded={open} onClick={() => setOpen(!open)}>
+      <button
+        type="button"
+        className={`${css.fold} p-0 accent text-12`}
+        aria-expanded={open}
+        onClick={() => setOpen(!open)}
+      >
         {open ? "Hide the commands" : `All ${commands.length} commands`}
       </button>
       {open && (
-        <ul className={css.catalog}>
+        <ul className={`${css.catalog} tall list box mt-4 scroll`}>
           {commands.map((command) => (
             <li key={command.opcode}>
               <button
                 type="button"
-                className={css.catalogEntry}
+                className={`${css.catalogEntry} grid text-12 left w-full`}
                 data-direct={command.direct}
                 disabled={!command.direct}
                 onClick={() => onTake(commandName(command) + (operandsOf(command).length > 0 ? " " : ""))}
               >
-                <code className={css.usage}>{usageOf(command)}</code>
-                <span className={css.catalogHelp}>
+                <code className="ink text-12 mono">{usageOf(command)}</code>
+                <span className="lines-8 dim">
                   {command.help || command.name}
                   {command.moves && <Moves />}
-                  {!command.direct && <span className={css.dim}> only inside of a program</span>}
+                  {!command.direct && <span className="m-0 dim"> only inside of a program</span>}
                 </span>
               </button>
             </li>

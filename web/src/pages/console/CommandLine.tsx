@@ -53,7 +53,7 @@ export function CommandLine({ commands, rows, lines, text, onText, connected, bu
 
   return (
     <form
-      className={css.commandForm}
+      className="mb-4 relative"
       onSubmit={(event) => {
         event.preventDefault();
         if (text.trim() === "" || !connected || busy) return;
@@ -61,7 +61,7 @@ export function CommandLine({ commands, rows, lines, text, onText, connected, bu
         onSend(text.trim());
       }}
     >
-      <div className={css.commandRow}>
+      <div className="flex gap-6">
         <TextInput
           ref={input}
           size="sm"
@@ -87,25 +87,25 @@ export function CommandLine({ commands, rows, lines, text, onText, connected, bu
           Send
         </Button>
       </div>
-      <div id={hint} className={css.hint}>
+      <div id={hint} className={`${css.hint} lines-8 hint baseline`}>
         <Hint text={text} parsed={parsed} connected={connected} />
       </div>
       {open && (
-        <ul id={list} className={css.offers} aria-label="Proposals">
+        <ul id={list} className={`${css.offers} card m-0`} aria-label="Proposals">
           {offers.map((offer, index) => (
             <li key={offer.insert + offer.detail}>
               <button
                 type="button"
                 tabIndex={-1}
-                className={css.offer}
+                className={`${css.offer} flex baseline gap-8 text-12 left w-full`}
                 // the line keeps the focus
                 onMouseDown={(event) => event.preventDefault()}
                 onClick={() => take(offer)}
               >
                 <span className="num">{offer.label}</span>
-                <span className={css.offerDetail}>{offer.detail}</span>
+                <span className="grow dim">{offer.detail}</span>
                 {offer.moves && <Moves />}
-                {index === 0 && <kbd className={css.tab}>Tab</kbd>}
+                {index === 0 && <kbd className="px-4 box text-12 mono">Tab</kbd>}
               </button>
             </li>
           ))}
@@ -116,7 +116,7 @@ export function CommandLine({ commands, rows, lines, text, onText, connected, bu
 }
 
 export function Moves() {
-  return <span className={css.moves}>moves the motor</span>;
+  return <span className={`${css.moves} caution text-12 tight nowrap`}>moves the motor</span>;
 }
 
 interface HintProps {
@@ -138,9 +138,9 @@ function Hint({ text, parsed, connected }: HintProps) {
   const operand = at === null ? undefined : operands[at];
   return (
     <>
-      <code className={css.usage}>{usageOf(command)}</code>
+      <code className="ink text-12 mono">{usageOf(command)}</code>
       {command.moves && <Moves />}
-      {!command.direct && <span className={css.caution}>works only inside of a program</span>}
+      {!command.direct && <span className="caution">works only inside of a program</span>}
       <span>
         {operand === undefined ? command.help : `${operandHint(command, operand)}`}
         {operand === undefined && command.reply !== "" && ` Answers: ${command.reply}.`}

@@ -1,9 +1,8 @@
 import { Button, Text } from "@mantine/core";
 import { IconTerminal2 } from "@tabler/icons-react";
 import { Link } from "wouter";
-import { type Device, useCatalogModel, useDevices } from "../../api/queries";
+import { can, type Device, useCatalogModel, useDevices } from "../../api/queries";
 import { EmptyState } from "../../lib/EmptyState";
-import { familyOf } from "../../lib/family";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { DeviceNotice } from "../../lib/rows/DeviceNotice";
 import common from "../../lib/rows/rows.module.css";
@@ -23,11 +22,11 @@ export default function ConsolePage() {
     return <ProblemAlert error={devices.error} doing="Looking for devices" retry={() => void devices.refetch()} />;
   if (!device)
     return (
-      <div className={css.page}>
-        <h1 className={common.title}>Console</h1>
+      <div className=" stack gap-8 text-13">
+        <h1 className={`${common.title} flex baseline gap-8 m-0 text-16`}>Console</h1>
         {devices.isSuccess && (
           <EmptyState title="No device to talk to" icon={<IconTerminal2 size={22} />}>
-            <Text size="sm" className={css.dim}>
+            <Text size="sm" className="m-0 dim">
               Connect one, or add an emulated one: that needs no hardware.
             </Text>
             <Button component={Link} href="/connections" size="sm">
@@ -38,20 +37,20 @@ export default function ConsolePage() {
       </div>
     );
   return (
-    <div className={css.page}>
-      <h1 className={common.title}>
+    <div className=" stack gap-8 text-13">
+      <h1 className={`${common.title} flex baseline gap-8 m-0 text-16`}>
         Console<span>{`${device.name} · ${device.title}`}</span>
       </h1>
       <DeviceNotice device={device} />
-      <div className={css.columns}>
-        <div className={css.left}>
-          {familyOf(device.model) === "module" ? (
+      <div className={`${css.columns} grid start gap-8`}>
+        <div className="grid shrink gap-8">
+          {can(device, "parameters") ? (
             <DirectMode key={device.id} device={device} />
           ) : (
             <Datagrams key={device.id} device={device} />
           )}
         </div>
-        <div className={css.right}>
+        <div className="grid shrink gap-8">
           <WirePanel device={device} />
           <FrameLog key={device.id} device={device} />
         </div>

@@ -9,7 +9,6 @@ import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Section } from "../../lib/Section";
 import { Catalog } from "./Catalog";
 import { CommandLine } from "./CommandLine";
-import css from "./console.module.css";
 import { Entries } from "./Entries";
 import { linesOf, remember, useHistory } from "./history";
 
@@ -68,7 +67,7 @@ export function DirectMode({ device }: { device: Device }) {
         onSend={(line) => send.mutate(line)}
       />
       {commands.length > 0 && <Catalog commands={commands} onTake={setText} />}
-      <div className={css.history}>
+      <div className="mt-8">
         <Entries device={device.id} entries={entries} onAgain={setText} />
       </div>
     </Section>

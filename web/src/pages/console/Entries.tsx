@@ -19,7 +19,7 @@ export function Entries({ device, entries, onAgain }: Props) {
   if (entries.length === 0)
     return (
       <EmptyState title="Nothing sent yet" icon={<IconTerminal2 size={22} />}>
-        <Text size="sm" className={css.dim} maw={360}>
+        <Text size="sm" className="m-0 dim" maw={360}>
           Try <Example line="GAP 1, 0" onAgain={onAgain} /> for the actual position, or{" "}
           <Example line="136 STRING" onAgain={onAgain} /> for the firmware's version.
         </Text>
@@ -27,7 +27,7 @@ export function Entries({ device, entries, onAgain }: Props) {
     );
   return (
     <>
-      <div className={css.entriesHead}>
+      <div className={`${css.entriesHead} row between`}>
         <h3>Sent</h3>
         <ActionIcon
           size={22}
@@ -39,17 +39,22 @@ export function Entries({ device, entries, onAgain }: Props) {
           <IconTrash size={14} />
         </ActionIcon>
       </div>
-      <ol className={css.entries} aria-label="Commands sent, newest first">
+      <ol className="list mt-4" aria-label="Commands sent, newest first">
         {entries.map((entry) => (
           <li key={entry.id} className={css.entry} data-refused={refused(entry)}>
-            <div className={css.entryHead}>
-              <button type="button" className={css.line} title="Use it again" onClick={() => onAgain(entry.line)}>
+            <div className="lines-12 baseline">
+              <button
+                type="button"
+                className={`${css.line} p-0 text-13 bold mono left`}
+                title="Use it again"
+                onClick={() => onAgain(entry.line)}
+              >
                 {entry.line}
               </button>
               <Result entry={entry} />
-              <span className={`num ${css.took}`}>
+              <span className="num hint push">
                 {entry.answer && duration(entry.answer.took_ms / 1000)}
-                <span className={css.at}>{timeOf(entry.atMs)}</span>
+                <span className="ml-8">{timeOf(entry.atMs)}</span>
               </span>
             </div>
             {entry.answer && <Exchange answer={entry.answer} />}
@@ -62,7 +67,7 @@ export function Entries({ device, entries, onAgain }: Props) {
 
 function Example({ line, onAgain }: { line: string; onAgain: (line: string) => void }) {
   return (
-    <button type="button" className={css.example} onClick={() => onAgain(line)}>
+    <button type="button" className={`${css.example} p-0 accent text-12 mono`} onClick={() => onAgain(line)}>
       {line}
     </button>
   );
@@ -78,22 +83,22 @@ function Result({ entry }: { entry: Entry }) {
   const { answer, problem } = entry;
   if (problem)
     return (
-      <span className={css.problem} role="alert">
+      <span className="m-0 fault" role="alert">
         <b>{problem.title}.</b> {problem.detail} {problem.way_out}
       </span>
     );
   if (answer === null) return null;
-  if (answer.reply === null) return <span className={css.dim}>the module does not answer to this</span>;
+  if (answer.reply === null) return <span className="m-0 dim">the module does not answer to this</span>;
   return (
     <span className={css.result}>
       {refused(entry) ? (
-        <span className={css.problem}>
+        <span className="m-0 fault">
           {answer.status} {answer.status_text}
         </span>
       ) : (
         <>
           <b className="num">{valueText(answer)}</b>
-          <span className={css.dim}>
+          <span className="m-0 dim">
             {answer.status} {answer.status_text}
           </span>
         </>
@@ -112,7 +117,7 @@ function valueText(answer: NonNullable<Entry["answer"]>): string {
 function Exchange({ answer }: { answer: NonNullable<Entry["answer"]> }) {
   const request = bytesOf(answer.request);
   return (
-    <div className={css.exchange}>
+    <div className="lines-24 mt-4">
       <Bytes label="request" fields={requestFields(request)} />
       {answer.reply !== null && <Bytes label="reply" fields={replyFields(request, bytesOf(answer.reply))} />}
     </div>

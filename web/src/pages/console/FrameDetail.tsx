@@ -10,10 +10,10 @@ import { clock, type Frame } from "./log";
 export function FrameDetail({ frame, onClose }: { frame: Frame; onClose: () => void }) {
   const request = bytesOf(frame.tx);
   return (
-    <section className={css.detail} aria-label="The chosen frame">
-      <div className={css.detailHead}>
+    <section className="p-8 raised stack box gap-4 mt-8" aria-label="The chosen frame">
+      <div className={`${css.detailHead} lines-12 baseline`}>
         <b>{frame.text}</b>
-        <span className={css.dim}>
+        <span className="m-0 dim">
           <span className="num">{clock(frame.time_unix_s)}</span>, {frame.priority}, took{" "}
           <span className="num">{duration(frame.took_ms / 1000)}</span>
         </span>
@@ -21,7 +21,7 @@ export function FrameDetail({ frame, onClose }: { frame: Frame; onClose: () => v
           <IconX size={13} />
         </ActionIcon>
       </div>
-      {frame.error !== null && <p className={css.problem}>{frame.error}</p>}
+      {frame.error !== null && <p className="m-0 fault">{frame.error}</p>}
       <Bytes label="request" fields={requestFields(request)} />
       {frame.rx !== null && <Bytes label="reply" fields={replyFields(request, bytesOf(frame.rx))} />}
     </section>

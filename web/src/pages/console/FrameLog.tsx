@@ -128,7 +128,7 @@ export function FrameLog({ device }: { device: Device }) {
           title={log.frames.length === 0 ? "No frame yet" : "No frame passes the filter"}
           icon={<IconListDetails size={22} />}
         >
-          <Text size="sm" className={css.dim} maw={360}>
+          <Text size="sm" className="m-0 dim" maw={360}>
             {log.frames.length === 0
               ? device.state === "connected"
                 ? "Send a command, or look at another page: whatever goes over the wire is listed here."
@@ -182,8 +182,11 @@ function List({ frames, handle, selected, onSelect }: ListProps) {
     } else if (atEnd.current) element.scrollTop = element.scrollHeight;
   });
 
-  const first = Math.max(0, Math.floor(top / ROW_PX) - AROUND);
-  const last = Math.min(frames.length, Math.ceil((top + (height || 600)) / ROW_PX) + AROUND);
+  const sight = height || 600;
+  // At the end new rows are in sight at once: the event of scrolling there comes a frame later, and that would be blank.
+  const from = atEnd.current && wanted.current === null ? Math.max(0, frames.length * ROW_PX - sight) : top;
+  const first = Math.max(0, Math.floor(from / ROW_PX) - AROUND);
+  const last = Math.min(frames.length, Math.ceil((from + sight) / ROW_PX) + AROUND);
   function step(by: number) {
     const index = frames.findIndex((frame) => frame.seq === selected);
     const next = frames[index < 0 ? frames.length - 1 : Math.max(0, Math.min(frames.length - 1, index + by))];
@@ -197,7 +200,7 @@ function List({ frames, handle, selected, onSelect }: ListProps) {
     <div className={css.logFrame} data-short={selected !== null} ref={sized}>
       <div
         ref={box}
-        className={css.logBox}
+        className={`${css.logBox} box text-12 mono scroll`}
         role="listbox"
         aria-label="Frames, newest last"
         tabIndex={0}
@@ -228,19 +231,19 @@ function List({ frames, handle, selected, onSelect }: ListProps) {
               id={`frame-${frame.seq}`}
               role="option"
               aria-selected={frame.seq === selected}
-              className={css.logRow}
+              className={`${css.logRow} grid gap-8 nowrap`}
               data-bad={isBad(frame)}
               data-priority={frame.priority}
               style={{ top: (first + index) * ROW_PX }}
               onClick={() => onSelect(frame.seq === selected ? null : frame.seq)}
             >
-              <span className={css.logTime}>{clock(frame.time_unix_s)}</span>
+              <span className="dim">{clock(frame.time_unix_s)}</span>
               <span className={css.logPriority}>{frame.priority}</span>
               <span className={css.logText}>{frame.error === null ? frame.text : `${frame.text}: ${frame.error}`}</span>
-              <span className={css.logBytes}>
+              <span className={`${css.logBytes} dim`}>
                 {frame.tx} → {frame.rx ?? "nothing"}
               </span>
-              <span className={css.logTook}>{duration(frame.took_ms / 1000)}</span>
+              <span className="dim right">{duration(frame.took_ms / 1000)}</span>
             </div>
           ))}
         </div>

@@ -15,13 +15,13 @@ export function WirePanel({ device }: { device: Device }) {
     <Section title="Wire" note={link.data ? wireText(link.data) : undefined}>
       {link.isError && <ProblemAlert error={link.error} doing="Looking at the wire" />}
       {link.isPending && device.state === "connected" && <Skeleton height={40} radius="sm" aria-hidden />}
-      {device.state === "disconnected" && <p className={css.dim}>Not connected: nothing goes over it.</p>}
+      {device.state === "disconnected" && <p className="m-0 dim">Not connected: nothing goes over it.</p>}
       {link.data && (
-        <div className={css.wire}>
+        <div className="stack gap-6">
           <div className={css.wireBar}>
             <WireBar link={link.data} old={device.state !== "connected"} />
           </div>
-          <dl className={css.counts}>
+          <dl className={`${css.counts} lines-16 m-0 text-12`}>
             {countsOf(link.data).map(([word, count]) => (
               <div key={word}>
                 <dt>{word}</dt>
@@ -30,7 +30,7 @@ export function WirePanel({ device }: { device: Device }) {
             ))}
           </dl>
           {link.data.shared_with.length > 0 && (
-            <p className={css.dim}>Shared with {link.data.shared_with.join(", ")}: one transaction at a time.</p>
+            <p className="m-0 dim">Shared with {link.data.shared_with.join(", ")}: one transaction at a time.</p>
           )}
           <Incidents link={link.data} />
         </div>
@@ -55,9 +55,9 @@ function countsOf({ counts }: LinkInfo): [string, number][] {
 }
 
 function Incidents({ link }: { link: LinkInfo }) {
-  if (link.incidents.length === 0) return <p className={css.dim}>No incident on this wire.</p>;
+  if (link.incidents.length === 0) return <p className="m-0 dim">No incident on this wire.</p>;
   return (
-    <ul className={css.incidents} aria-label="Incidents, newest first">
+    <ul className={`${css.incidents} list text-12 scroll`} aria-label="Incidents, newest first">
       {link.incidents.slice(0, 50).map((incident) => (
         <li key={`${incident.time_unix_s} ${incident.kind}`}>
           <span className="num">{clock(incident.time_unix_s)}</span>

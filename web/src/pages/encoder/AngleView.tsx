@@ -38,7 +38,7 @@ export function AngleView({ curves, direction, onDirection, shaft, moving, onCle
   return (
     <Section
       title="Deviation against shaft angle"
-      className={classes.angle}
+      className="stack"
       actions={
         <>
           <SegmentedControl
@@ -69,7 +69,7 @@ export function AngleView({ curves, direction, onDirection, shaft, moving, onCle
         </>
       }
     >
-      <div className={classes.angleBox} data-testid="angle-view" data-view={view}>
+      <div className={`${classes.angleBox} grow mb-4 relative`} data-testid="angle-view" data-view={view}>
         {view === "polar" && (
           <Polar
             curves={curves}

@@ -6,8 +6,8 @@ import { ChipField } from "../../lib/rows/ChipField";
 import type { ChipRows } from "../../lib/rows/useChipRows";
 import { Section } from "../../lib/Section";
 import { LiveText } from "../../live/LiveText";
-import { ConstFacts } from "../closedloop/ConstFacts";
-import { countsOf, encConst, negativeWord } from "../closedloop/encConst";
+import { ConstFacts } from "./ConstFacts";
+import { countsOf, encConst, negativeWord } from "./encConst";
 import classes from "./encoder.module.css";
 
 const DEFAULT_COUNTS = 4000;
@@ -49,13 +49,13 @@ export function ConstSection({ chip, second, microstepsPerTurn, counted, disable
   return (
     <Section title="Resolution" note={held === null ? "not known" : origin}>
       <LiveText
-        className={classes.uncounted}
+        className={`${classes.uncounted} block mb-4 caution text-12`}
         read={() => (disabled || counted() ? "" : "The encoder is not told of until its resolution is set here.")}
       />
       {second && (
         <ChipField chip={chip} register="GCONF" field="enc2_enable" label="this axis' encoder" disabled={disabled} />
       )}
-      <div className={classes.pair}>
+      <div className="halves gap-8">
         <NumberField
           label="Lines a turn"
           value={counts / 4}
@@ -99,7 +99,7 @@ export function ConstSection({ chip, second, microstepsPerTurn, counted, disable
           So many counts for {fixed(microstepsPerTurn)} microsteps a turn leave no constant of 15 and 16 bits.
         </Text>
       ) : (
-        <div className={classes.uses}>
+        <div className="flex gap-6 mt-8">
           {FORMS.map((form) => (
             <Button
               key={form}

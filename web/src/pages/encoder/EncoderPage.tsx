@@ -3,9 +3,8 @@ import { IconRotateClockwise2 } from "@tabler/icons-react";
 import { useQueryClient } from "@tanstack/react-query";
 import { Link } from "wouter";
 import { api, unwrap } from "../../api/client";
-import { type Device, useDevices } from "../../api/queries";
+import { can, type Device, useDevices } from "../../api/queries";
 import { EmptyState } from "../../lib/EmptyState";
-import { familyOf } from "../../lib/family";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { ChipField } from "../../lib/rows/ChipField";
 import { DeviceNotice } from "../../lib/rows/DeviceNotice";
@@ -50,7 +49,7 @@ export default function EncoderPage() {
       </Page>
     );
   const known: Device = devices.isError ? { ...device, state: "disconnected" } : device;
-  const Encoder = familyOf(device.model) === "module" ? ModuleEncoder : ChipEncoder;
+  const Encoder = can(device, "parameters") ? ModuleEncoder : ChipEncoder;
   return <Encoder key={`${device.id}/${axis}`} device={known} axis={entry} encoders={encoders} />;
 }
 
@@ -58,7 +57,7 @@ function Nothing({ title }: { title: string }) {
   return (
     <EmptyState title={title} icon={<IconRotateClockwise2 size={22} />}>
       <Text size="sm" c="dimmed">
-        Connect a module or a TMC5160, or add an emulated one: that needs no hardware.
+        Connect a device with an encoder, or add an emulated one: that needs no hardware.
       </Text>
       <Button component={Link} href="/connections" size="sm">
         Connections

@@ -78,7 +78,11 @@ export function EncoderView({ device, axis, encoders, settings, side, notice, fo
     <Page name="Encoder">
       <DeviceNotice device={device} />
       {notice}
-      <section className={classes.readouts} aria-label="Now" data-stale={!connected || link.phase !== "live"}>
+      <section
+        className={`${classes.readouts} pad lines-16 card`}
+        aria-label="Now"
+        data-stale={!connected || link.phase !== "live"}
+      >
         <LiveNumber
           label="Actual"
           unit="µsteps"
@@ -130,8 +134,8 @@ export function EncoderView({ device, axis, encoders, settings, side, notice, fo
           color={colorOf("velocity", scheme)}
         />
       </section>
-      <div className={classes.page}>
-        <div className={classes.side}>
+      <div className={`${classes.page} grid start gap-8`}>
+        <div className={`${classes.side} grid shrink gap-8`}>
           <SlowTurn
             run={run}
             microstepsPerTurn={microstepsPerTurn}
@@ -150,7 +154,7 @@ export function EncoderView({ device, axis, encoders, settings, side, notice, fo
             <StopsList stops={stops} />
           </Section>
         </div>
-        <div className={classes.views}>
+        <div className={`${classes.views} grid shrink gap-8`}>
           <LivePlots
             source={source}
             link={link}
@@ -171,7 +175,7 @@ export function EncoderView({ device, axis, encoders, settings, side, notice, fo
               moving={run.running}
               onClear={clear}
             />
-            <div className={classes.numbers}>
+            <div className={`${classes.numbers} grid shrink gap-8`}>
               <Harmonics curves={curves} direction={direction} />
               <HistogramView curves={curves} direction={direction} />
             </div>

@@ -51,8 +51,8 @@ export function Harmonics({ curves, direction }: { curves: readonly Curve[]; dir
       title="Harmonics"
       note={complete ? "amplitude; phase from position 0" : "after one whole turn, with samples in every 45°"}
     >
-      <div className={classes.tableBox}>
-        <Table className={classes.table} withRowBorders={false} verticalSpacing={1} horizontalSpacing={6}>
+      <div className="scroll-x">
+        <Table className={`${classes.table} text-12`} withRowBorders={false} verticalSpacing={1} horizontalSpacing={6}>
           <Table.Thead>
             <Table.Tr>
               <Table.Th>a turn</Table.Th>

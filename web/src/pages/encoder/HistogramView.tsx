@@ -49,14 +49,14 @@ export function HistogramView({ curves, direction }: { curves: readonly Curve[];
   );
   return (
     <Section title="Distribution" note="samples in motion">
-      <div className={classes.figures}>
+      <div className="mb-4">
         {curves.map(({ color, label }, index) => {
           const figure = (read: (histogram: Histogram) => number) => () => {
             const histogram = shown.current[index];
             return histogram === undefined || histogram.count === 0 ? "–" : fixed(read(histogram), 1);
           };
           return (
-            <div key={label} className={classes.figureRow}>
+            <div key={label} className="mid lines-12 hint">
               {curves.length > 1 && <span className={classes.figureName} style={{ background: color }} title={label} />}
               <Figure name="mean" read={figure((histogram) => histogram.mean)} />
               <Figure name="rms" read={figure((histogram) => histogram.rms)} />
@@ -82,8 +82,14 @@ export function HistogramView({ curves, direction }: { curves: readonly Curve[];
 
 function Figure({ name, read }: { name: string; read: () => string }) {
   return (
-    <span className={classes.figure}>
-      {name} <LiveText className={classes.figureValue} read={read} data-testid={`figure-${name}`} /> µsteps
+    <span className="nowrap">
+      {name}{" "}
+      <LiveText
+        className={`${classes.figureValue} inline-block ink bold mono right`}
+        read={read}
+        data-testid={`figure-${name}`}
+      />{" "}
+      µsteps
     </span>
   );
 }

@@ -34,7 +34,7 @@ export function IndexSection({ chip, disabled }: { chip: ChipRows; disabled: boo
       <Text size="xs" c="dimmed" my={4}>
         {use?.text ?? (bit("clr_cont") === null ? "" : "other bits of ENCMODE than these: see the registers page")}
       </Text>
-      <h3 className={classes.group}>An event is</h3>
+      <h3 className={`${classes.group} hint bold`}>An event is</h3>
       <div className={classes.checks}>
         {EDGES.map((field) => (
           <ChipField key={field} chip={chip} register="ENCMODE" field={field} disabled={disabled} />
@@ -42,12 +42,12 @@ export function IndexSection({ chip, disabled }: { chip: ChipRows; disabled: boo
         <ChipField chip={chip} register="ENCMODE" field="ignore_AB" label="at any A, B" disabled={disabled} />
         <ChipField chip={chip} register="ENCMODE" field="latch_now" disabled={disabled} />
       </div>
-      <div className={classes.levels}>
+      <div className={`${classes.levels} grid gap-6 mt-8`}>
         {LEVELS.map((field) => (
           <ChipField key={field} chip={chip} register="ENCMODE" field={field} disabled={disabled} />
         ))}
       </div>
-      <dl className={classes.latches}>
+      <dl className={`${classes.latches} grid m-0 mt-8 text-12`}>
         <dt>ENC_LATCH</dt>
         <dd className="num" data-testid="enc-latch">
           {latched("ENC_LATCH")} µsteps

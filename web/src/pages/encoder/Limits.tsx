@@ -8,7 +8,6 @@ import { Section } from "../../lib/Section";
 import { useAction } from "../bench/motion/useAction";
 import { StagedBar } from "../module/StagedBar";
 import type { Parameters } from "../module/useParameters";
-import classes from "./encoder.module.css";
 import { LIMIT, RESOLUTION } from "./settings";
 import { ENCODERS, type Which } from "./useEncoder";
 
@@ -109,7 +108,7 @@ export function Counter({ alias, write, actual, moving, onSet, disabled }: Count
       .then((done) => done && onSet());
   return (
     <Section title="Set encoder" note={alias}>
-      <div className={classes.line}>
+      <div className="my-8 row between gap-8">
         <NumberField
           aria-label="Encoder position to set"
           unit="microsteps"

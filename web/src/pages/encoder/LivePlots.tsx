@@ -1,4 +1,4 @@
-import { ActionIcon, Group, SegmentedControl, Select, Switch, Tooltip } from "@mantine/core";
+import { ActionIcon, Group, SegmentedControl, Select, Switch } from "@mantine/core";
 import { IconPlayerPause, IconPlayerPlay } from "@tabler/icons-react";
 import { useState } from "react";
 import { colorOf } from "../../lib/palette";
@@ -106,15 +106,14 @@ export function LivePlots(props: Props) {
               data-testid="which-encoder"
             />
           )}
-          <Tooltip label="Show the deviation up to its limit">
-            <Switch
-              size="xs"
-              label="to the limit"
-              checked={toLimit && widest > 0}
-              disabled={widest === 0}
-              onChange={(event) => setToLimit(event.currentTarget.checked)}
-            />
-          </Tooltip>
+          <Switch
+            size="xs"
+            label="to the limit"
+            wrapperProps={{ title: "Show the deviation up to its limit" }}
+            checked={toLimit && widest > 0}
+            disabled={widest === 0}
+            onChange={(event) => setToLimit(event.currentTarget.checked)}
+          />
           <Select
             size="xs"
             w={76}

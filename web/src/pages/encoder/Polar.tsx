@@ -74,7 +74,7 @@ export function Polar({ curves, direction, shaft, summary }: Props) {
         return (
           <g key={angle}>
             <path d={`M${ax} ${ay}L${bx} ${by}`} className={classes.spoke} />
-            <text x={tx} y={ty + 4} textAnchor="middle" className={classes.polarText}>
+            <text x={tx} y={ty + 4} textAnchor="middle" className="tick">
               {angle}°
             </text>
           </g>
@@ -101,15 +101,19 @@ export function Polar({ curves, direction, shaft, summary }: Props) {
         </g>
       ))}
       <g ref={needle} style={{ visibility: "hidden" }}>
-        <path d={`M180 180V${RING.centre - RING.zero + RING.span + 6}`} className={classes.needle} />
-        <circle cx={180} cy={180} r={4} className={classes.needleHub} />
+        <path
+          d={`M180 180V${RING.centre - RING.zero + RING.span + 6}`}
+          stroke="var(--mantine-color-text)"
+          strokeWidth={1.2}
+        />
+        <circle cx={180} cy={180} r={4} className="fill-text" />
       </g>
-      <text x={x0 + 5} y={RING.centre - RING.zero - RING.span + 13} className={classes.polarText} ref={outer} />
-      <text x={x0 + 5} y={y0 + 12} className={classes.polarText}>
+      <text x={x0 + 5} y={RING.centre - RING.zero - RING.span + 13} className="tick" ref={outer} />
+      <text x={x0 + 5} y={y0 + 12} className="tick">
         0
       </text>
-      <text x={x0 + 5} y={RING.centre - RING.zero + RING.span + 12} className={classes.polarText} ref={inner} />
-      <text x={180} y={212} textAnchor="middle" className={classes.polarText}>
+      <text x={x0 + 5} y={RING.centre - RING.zero + RING.span + 12} className="tick" ref={inner} />
+      <text x={180} y={212} textAnchor="middle" className="tick">
         µsteps
       </text>
     </svg>

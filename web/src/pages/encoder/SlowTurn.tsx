@@ -7,7 +7,6 @@ import { Section } from "../../lib/Section";
 import { durationOf, withRamps } from "../module/HeldRun";
 import { RunNote } from "../module/RunNote";
 import type { useHeldRun } from "../module/useHeldRun";
-import classes from "./encoder.module.css";
 import { turnLegs } from "./turns";
 
 interface Props {
@@ -29,7 +28,7 @@ export function SlowTurn({ run, microstepsPerTurn, fullStepsPerTurn, acceleratio
   const legs = withRamps(turnLegs({ rpm, turns, back }, microstepsPerTurn, rateHz, fullStepsPerTurn), accelerationPps2);
   return (
     <Section title="Slow turn" note={`takes ${duration(Math.round(durationOf(legs)))}`}>
-      <div className={classes.pair}>
+      <div className="halves gap-8">
         <NumberField
           label="Speed"
           unit="rpm"
@@ -50,7 +49,7 @@ export function SlowTurn({ run, microstepsPerTurn, fullStepsPerTurn, acceleratio
           onChange={setTurns}
         />
       </div>
-      <div className={classes.line}>
+      <div className="my-8 row between gap-8">
         <Switch
           size="sm"
           label="and back"

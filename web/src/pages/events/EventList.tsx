@@ -23,26 +23,35 @@ interface Props {
 export function EventList({ entries, bits, originS }: Props) {
   return (
     <>
-      {/* biome-ignore lint/a11y/noNoninteractiveTabindex: a list that scrolls has to be reached with the keys */}
-      <ul className={classes.list} aria-label="Events, newest first" tabIndex={0} data-testid="event-list">
+      <ul
+        className={`${classes.list} tall list scroll`}
+        aria-label="Events, newest first"
+        // biome-ignore lint/a11y/noNoninteractiveTabindex: a list that scrolls has to be reached with the keys
+        tabIndex={0}
+        data-testid="event-list"
+      >
         {entries
           .slice(-SHOWN)
           .reverse()
           .map((entry) => {
             const unixS = entry.unixS ?? (originS === null ? null : originS + entry.timeS);
             return (
-              <li key={entry.seq} className={classes.entry} data-fault={entry.names.some(isFault)}>
-                <span className={`num ${classes.when}`}>
+              <li
+                key={entry.seq}
+                className={`${classes.entry} grid text-12 tight`}
+                data-fault={entry.names.some(isFault)}
+              >
+                <span className="num nowrap">
                   {fixed(entry.timeS, 3)} s{" "}
                   <Text span size="xs" c="dimmed">
                     {unixS !== null && clock(unixS)}
                   </Text>
                 </span>
-                <span className={classes.what}>
+                <span className={`${classes.what} lines-12`}>
                   {entry.names.map((name) => (
                     <span key={name}>
                       <b data-fault={isFault(name)}>{name}</b>{" "}
-                      <span className={classes.help}>{bits.find((bit) => bit.name === name)?.help}</span>
+                      <span className="dim">{bits.find((bit) => bit.name === name)?.help}</span>
                     </span>
                   ))}
                 </span>

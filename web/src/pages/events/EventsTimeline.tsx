@@ -1,6 +1,7 @@
-import { Loader, SegmentedControl, Text, Tooltip } from "@mantine/core";
+import { Loader, SegmentedControl, Text } from "@mantine/core";
 import { type KeyboardEvent, type PointerEvent, useRef, useState } from "react";
-import type { AxisAddress } from "../../api/motion";
+import type { Device } from "../../api/queries";
+import { familyOf } from "../../families/families";
 import { duration, fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { usePhone } from "../../lib/usePhone";
@@ -10,7 +11,6 @@ import { useFrame } from "../../live/useFrame";
 import { EventList } from "./EventList";
 import { isFault, type Lane, nearest } from "./EventLog";
 import classes from "./events.module.css";
-import { eventRegisters } from "./registers";
 import { type EventBit, useEvents } from "./useEvents";
 
 const LANE_PX = 18;
@@ -24,8 +24,8 @@ export interface TimeWindow {
 }
 
 interface Props {
-  at: AxisAddress;
-  model: string;
+  device: Device;
+  axis: number;
   name: string;
   source: TelemetrySource | undefined;
   connected: boolean;
@@ -33,18 +33,18 @@ interface Props {
 }
 
 /** What the chip's event registers have told, on the time axis of the plots above it: a row for each bit that occurred. */
-export function EventsTimeline({ at, model, name, source, connected, window }: Props) {
+export function EventsTimeline({ device, axis, name, source, connected, window }: Props) {
   const phone = usePhone();
   const [view, setView] = useState<"timeline" | "list">("timeline");
-  const events = useEvents(at, model, source, connected);
+  const events = useEvents(device, axis, source, connected);
   const { lanes, log, query } = events;
   const originS = source?.link().timeOriginUnixS ?? null;
   const asList = phone || view === "list";
   return (
     <section className={classes.events} aria-label={`Events of ${name}`} data-testid="events" data-stale={!connected}>
-      <header className={classes.head}>
-        <h2 className={classes.title}>Events</h2>
-        <Text size="xs" c="dimmed" className={classes.count} data-testid="event-count">
+      <header className={`${classes.head} row gap-8`}>
+        <h2 className="m-0 text-12 bold">Events</h2>
+        <Text size="xs" c="dimmed" className="grow" data-testid="event-count">
           {log.entries.length === 0 ? "" : `${fixed(log.entries.length)} seen`}
           {log.lost > 0 && `, ${fixed(log.lost)} before them forgotten`}
         </Text>
@@ -65,7 +65,11 @@ export function EventsTimeline({ at, model, name, source, connected, window }: P
         <ProblemAlert error={query.error} doing="Asking for events" retry={() => void query.refetch()} />
       )}
       {lanes.length === 0 ? (
-        <Nothing pending={query.isPending && connected} connected={connected} registers={eventRegisters(model)} />
+        <Nothing
+          pending={query.isPending && connected}
+          connected={connected}
+          registers={familyOf(device)?.events ?? []}
+        />
       ) : asList ? (
         <EventList entries={log.entries} bits={events.bits} originS={originS} />
       ) : (
@@ -209,10 +213,10 @@ function Lanes({ lanes, bits, window, name }: LanesProps) {
   const before = under === null || under.index === 0 ? undefined : lane?.times[under.index - 1];
   return (
     <div className={classes.lanes}>
-      <div className={classes.drawing} style={{ height }}>
+      <div className="shrink relative" style={{ height }}>
         <canvas
           ref={canvas}
-          className={classes.canvas}
+          className="block w-full"
           style={{ height }}
           tabIndex={0}
           role="img"
@@ -225,38 +229,33 @@ function Lanes({ lanes, bits, window, name }: LanesProps) {
         />
         {under !== null && lane && time !== undefined && (
           <div
-            className={classes.tip}
+            className={`${classes.tip} absolute pad-s touchless card text-12 tight`}
             style={{ left: under.x, top: under.lane * LANE_PX }}
             data-right={under.x > 300}
             data-testid="event-tip"
           >
             <b>{lane.name}</b> <span className="num">{fixed(time, 4)} s</span>
-            {before !== undefined && <span className={classes.tipNote}>{duration(time - before)} after the last</span>}
+            {before !== undefined && <span className="ml-4 dim">{duration(time - before)} after the last</span>}
             <div>{bits.find((bit) => bit.name === lane.name)?.help}</div>
           </div>
         )}
-        <span className={classes.hidden} role="status">
+        <span className="unseen" role="status">
           {spoken}
         </span>
       </div>
       <ul className={classes.names} aria-label="Events that occurred">
         {lanes.map((each) => (
-          <Tooltip
+          <li
             key={each.name}
-            label={bits.find((bit) => bit.name === each.name)?.help ?? each.name}
-            position="left"
-            openDelay={300}
+            title={bits.find((bit) => bit.name === each.name)?.help ?? each.name}
+            className={`${classes.name} row between gap-6 text-12`}
+            style={{ height: LANE_PX }}
+            data-fault={isFault(each.name)}
+            data-event={each.name}
           >
-            <li
-              className={classes.name}
-              style={{ height: LANE_PX }}
-              data-fault={isFault(each.name)}
-              data-event={each.name}
-            >
-              <span className={classes.nameText}>{each.name}</span>
-              <span className={`num ${classes.times}`}>{fixed(each.times.length)}</span>
-            </li>
-          </Tooltip>
+            <span className={`${classes.nameText} clip shrink`}>{each.name}</span>
+            <span className="num dim">{fixed(each.times.length)}</span>
+          </li>
         ))}
       </ul>
     </div>

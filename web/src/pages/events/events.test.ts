@@ -1,6 +1,7 @@
 import { describe, expect, it } from "vitest";
+import { about, MODELS } from "../../../test/catalog";
+import { FAMILIES } from "../../families/families";
 import { type EventEntry, EventLog, isFault, lanesOf, nearest } from "./EventLog";
-import { eventRegisters } from "./registers";
 
 const BITS = ["TARGET_REACHED", "STOPL_EVENT", "RST_EV"];
 const entry = (seq: number, timeS: number, names: string[], unixS: number | null = 1000 + timeS): EventEntry => ({
@@ -69,10 +70,16 @@ describe("lanes", () => {
 });
 
 describe("the registers of events", () => {
+  const eventRegisters = (model: string) => FAMILIES[about(model).family]?.events;
+
   it("are the family's", () => {
     expect(eventRegisters("tmc4361")).toEqual(["EVENTS"]);
     expect(eventRegisters("tmc5072")).toEqual(["RAMP_STAT", "GSTAT"]);
     expect(eventRegisters("tmc428")).toEqual([]);
-    expect(eventRegisters(undefined)).toEqual([]);
+  });
+
+  it("are there where the chip has events, and nowhere else", () => {
+    for (const { name, capabilities } of MODELS)
+      expect(eventRegisters(name)?.length !== 0, name).toBe(capabilities.includes("events"));
   });
 });

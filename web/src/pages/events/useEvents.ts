@@ -1,12 +1,11 @@
 import { useQuery } from "@tanstack/react-query";
 import { useEffect, useMemo, useRef, useState } from "react";
 import { api, type Schemas, unwrap } from "../../api/client";
-import type { AxisAddress } from "../../api/motion";
-import { useCatalogModel } from "../../api/queries";
+import { type Device, useCatalogModel } from "../../api/queries";
+import { familyOf } from "../../families/families";
 import type { TelemetrySource } from "../../live/TelemetrySource";
 import { useFrame } from "../../live/useFrame";
 import { EventLog, type Lane, lanesOf } from "./EventLog";
-import { eventRegisters } from "./registers";
 
 const POLL_MS = 2000;
 const PAGE = 2000;
@@ -19,11 +18,11 @@ export interface EventBit {
 }
 
 /** The bits of those registers with their meanings, from the catalog. */
-export function useEventBits(model: string | undefined): readonly EventBit[] {
-  const catalog = useCatalogModel(model);
+export function useEventBits(device: Device): readonly EventBit[] {
+  const catalog = useCatalogModel(device.model);
   return useMemo(
-    () => eventRegisters(model).flatMap((register) => bitsOf(catalog.data?.rows ?? [], register)),
-    [catalog.data, model],
+    () => (familyOf(device)?.events ?? []).flatMap((register) => bitsOf(catalog.data?.rows ?? [], register)),
+    [catalog.data, device],
   );
 }
 
@@ -34,11 +33,11 @@ function bitsOf(rows: readonly Schemas["RegisterRow"][], register: string): Even
 }
 
 /** The timeline of one axis, from the server's memory and live from the socket of `source`. */
-export function useEvents(at: AxisAddress, model: string, source: TelemetrySource | undefined, enabled: boolean) {
-  const { device, axis } = at;
+export function useEvents(of: Device, axis: number, source: TelemetrySource | undefined, enabled: boolean) {
+  const device = of.id;
   // biome-ignore lint/correctness/useExhaustiveDependencies: another axis has another timeline
   const log = useMemo(() => new EventLog(), [device, axis]);
-  const bits = useEventBits(model);
+  const bits = useEventBits(of);
   const query = useQuery({
     queryKey: ["events", device, axis],
     queryFn: async ({ signal }) => {
@@ -70,8 +69,8 @@ export function useEvents(at: AxisAddress, model: string, source: TelemetrySourc
   });
   useEffect(
     () =>
-      source?.onEvent((event) => {
-        if (event.axis === axis) log.add([{ seq: event.seq, timeS: event.timeS, unixS: null, names: event.names }]);
+      source?.on("event", (event) => {
+        if (event.axis === axis) log.add([{ seq: event.seq, timeS: event.time_s, unixS: null, names: event.names }]);
       }),
     [source, log, axis],
   );

@@ -127,7 +127,7 @@ function Tokens({ open }: { open: boolean }) {
                 <Table.Td>{token.role}</Table.Td>
                 <Table.Td visibleFrom="sm">{dateTimeOf(token.created_unix_s * 1000)}</Table.Td>
                 <Table.Td visibleFrom="sm">{token.sessions}</Table.Td>
-                <Table.Td className={classes.number}>
+                <Table.Td className="right">
                   <Revoke name={token.name} busy={revoke.isPending} onRevoke={() => revoke.mutate(token.name)} />
                 </Table.Td>
               </Table.Tr>
@@ -149,7 +149,7 @@ function AddForm({ adding, onAdd }: { adding: boolean; onAdd: (name: string, rol
     setName("");
   };
   return (
-    <form className={classes.form} onSubmit={submit}>
+    <form className="flex wrap end gap-8" onSubmit={submit}>
       <TextInput
         size="xs"
         label="Name"

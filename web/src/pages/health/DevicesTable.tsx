@@ -36,7 +36,7 @@ export function DevicesTable({ devices }: { devices: readonly DeviceHealth[] }) 
             <Table.Th>Device</Table.Th>
             <Table.Th>Link</Table.Th>
             {NUMBERS.map((name) => (
-              <Table.Th key={name} className={classes.number}>
+              <Table.Th key={name} className="right">
                 {name}
               </Table.Th>
             ))}
@@ -74,7 +74,7 @@ function Row({ device }: { device: DeviceHealth }) {
           </span>
         </Group>
         {device.problem !== null && (
-          <Text size="xs" className={classes.problem}>
+          <Text size="xs" className="fault anywhere">
             {device.problem}
           </Text>
         )}
@@ -85,7 +85,7 @@ function Row({ device }: { device: DeviceHealth }) {
         {emulator !== null && emulator.samples_missed > 0 && `, ${fixed(emulator.samples_missed)} samples missed`}
       </Table.Td>
       {figures.map((figure, index) => (
-        <Table.Td key={NUMBERS[index]} className={classes.number}>
+        <Table.Td key={NUMBERS[index]} className="right">
           {figure}
         </Table.Td>
       ))}

@@ -41,11 +41,11 @@ export function Tiles({ health }: { health: Health }) {
 
 function Tile({ name, value, more, children }: { name: string; value: string; more: string; children?: ReactNode }) {
   return (
-    <div className={classes.tile}>
-      <h3 className={classes.name}>{name}</h3>
-      <div className={classes.value}>{value}</div>
+    <div className={`${classes.tile} grid shrink gap-4`}>
+      <h3 className="hint m-0 bold">{name}</h3>
+      <div className="text-16 bold tight">{value}</div>
       {children}
-      <div className={classes.more}>{more}</div>
+      <div className="hint anywhere">{more}</div>
     </div>
   );
 }

@@ -78,14 +78,14 @@ export function Bars({ label, bars, height = 150, scale, format, marked, every }
       onKeyDown={onKey}
       onBlur={() => setAt(null)}
     >
-      <p className={classes.readout}>
+      <p className="room flex gap-12 m-0 text-12">
         <span className="num">{told || " "}</span>
       </p>
       <svg width="100%" height={height} aria-hidden="true">
         {scale.ticks.map((value) => (
           <g key={value}>
-            <line className={classes.grid} x1={LEFT} x2={LEFT + inner} y1={place(value)} y2={place(value)} />
-            <text className={classes.tick} x={LEFT - 6} y={place(value)} textAnchor="end" dominantBaseline="central">
+            <line className="grid-line faint" x1={LEFT} x2={LEFT + inner} y1={place(value)} y2={place(value)} />
+            <text className="tick" x={LEFT - 6} y={place(value)} textAnchor="end" dominantBaseline="central">
               {format(value)}
             </text>
           </g>
@@ -97,7 +97,8 @@ export function Bars({ label, bars, height = 150, scale, format, marked, every }
           <g key={entry.label}>
             {entry.before !== null && (
               <rect
-                className={classes.barBefore}
+                fill="var(--grey)"
+                opacity={0.35}
                 x={LEFT + (index + 0.1) * pitch}
                 width={pitch * 0.8}
                 {...span(entry.before)}
@@ -105,14 +106,14 @@ export function Bars({ label, bars, height = 150, scale, format, marked, every }
             )}
             {entry.value !== null && (
               <rect
-                className={index === marked ? classes.barWorst : classes.bar}
+                className={index === marked ? "fill-orange" : "fill-accent"}
                 x={LEFT + (index + 0.22) * pitch}
                 width={Math.max(0.6, pitch * 0.56)}
                 {...span(entry.value)}
               />
             )}
             {index % every === 0 && (
-              <text className={classes.tick} x={LEFT + (index + 0.5) * pitch} y={height - 4} textAnchor="middle">
+              <text className="tick" x={LEFT + (index + 0.5) * pitch} y={height - 4} textAnchor="middle">
                 {entry.label.replace(/\D/g, "")}
               </text>
             )}

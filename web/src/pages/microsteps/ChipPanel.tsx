@@ -50,7 +50,7 @@ export function ChipPanel({ device, axis, held, values, stale, onRead }: Props) 
       device={device}
       motor={motor}
       what="table"
-      maker="a TMC428"
+      needs="microsteps.ram"
       note={note}
       onRead={held && onRead}
       wanted={different === 0 || stale ? null : values}

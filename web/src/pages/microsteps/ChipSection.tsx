@@ -2,8 +2,9 @@ import { Button } from "@mantine/core";
 import { IconDownload, IconUpload } from "@tabler/icons-react";
 import type { UseMutationResult } from "@tanstack/react-query";
 import type { ReactNode } from "react";
-import type { Device } from "../../api/queries";
+import type { Capability, Device } from "../../api/queries";
 import { fixed } from "../../lib/format";
+import { useWhoCan } from "../../lib/models";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Section } from "../../lib/Section";
 import classes from "./Microsteps.module.css";
@@ -15,8 +16,8 @@ interface Props<T> {
   motor: Motor;
   /** "table", "wave" */
   what: string;
-  /** who could hold one, where there is no device: "a TMC428" */
-  maker: string;
+  /** what who holds one can, where there is no device */
+  needs: Capability;
   /** how the chip's is to the design, while a chip is there to ask */
   note: string;
   /** what to read; null while that is not known */
@@ -29,11 +30,12 @@ interface Props<T> {
 }
 
 /** Into the chip and out of it, also while the motor runs: its position and velocity stand beside. */
-export function ChipSection<T>({ device, motor, what, maker, note, onRead, wanted, send, children }: Props<T>) {
+export function ChipSection<T>({ device, motor, what, needs, note, onRead, wanted, send, children }: Props<T>) {
+  const makers = useWhoCan(needs).map((title) => `a ${title}`);
   const error = send.error ?? motor.run.error ?? motor.stop.error;
   const why =
     device === undefined
-      ? `No device: the design works without one; add ${maker} under Connections to send it.`
+      ? `No device: the design works without one; add ${makers.join(" or ")} under Connections to send it.`
       : motor.connected
         ? null
         : `${device.name} is not connected: the design stays, connect it under Connections to send it.`;
@@ -65,7 +67,7 @@ export function ChipSection<T>({ device, motor, what, maker, note, onRead, wante
       }
     >
       <MotorRow motor={motor} />
-      <p className={`${classes.hint} ${classes.outcome}`} aria-live="polite">
+      <p className={`hint m-0 mt-4 ${classes.outcome}`} aria-live="polite">
         {children}
       </p>
       {error !== null && (

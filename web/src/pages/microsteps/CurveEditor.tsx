@@ -103,24 +103,24 @@ export function CurveEditor({ values, before, tool, onChange, onSettle }: Props)
         <title>Quarter wave of the microstep table</title>
         {[0, 16, 32, 48, 63].map((value) => (
           <g key={`y${value}`}>
-            <line className={classes.grid} x1={MARGIN.left} x2={MARGIN.left + inner} y1={y(value)} y2={y(value)} />
-            <text className={classes.tick} x={MARGIN.left - 6} y={y(value)} textAnchor="end" dominantBaseline="central">
+            <line className="grid-line faint" x1={MARGIN.left} x2={MARGIN.left + inner} y1={y(value)} y2={y(value)} />
+            <text className="tick" x={MARGIN.left - 6} y={y(value)} textAnchor="end" dominantBaseline="central">
               {value}
             </text>
           </g>
         ))}
         {[0, 8, 16, 24, 32, 40, 48, 56, 63].map((index) => (
           <g key={`x${index}`}>
-            <line className={classes.grid} x1={x(index)} x2={x(index)} y1={MARGIN.top} y2={MARGIN.top + tall} />
-            <text className={classes.tick} x={x(index)} y={HEIGHT - 6} textAnchor="middle">
+            <line className="grid-line faint" x1={x(index)} x2={x(index)} y1={MARGIN.top} y2={MARGIN.top + tall} />
+            <text className="tick" x={x(index)} y={HEIGHT - 6} textAnchor="middle">
               {index}
             </text>
           </g>
         ))}
         <g>
-          <path className={classes.ideal} d={stairs(ideal)} />
-          {before && <path className={classes.before} d={stairs(before)} />}
-          <path className={classes.curveLine} d={stairs(values)} />
+          <path className="dashed fill-none stroke-grey stroke-1" d={stairs(ideal)} />
+          {before && <path className="faint fill-none stroke-grey stroke-2" d={stairs(before)} />}
+          <path fill="none" stroke="var(--accent)" strokeWidth={1.25} d={stairs(values)} />
         </g>
         {values.map((value, index) => (
           <g
@@ -142,20 +142,20 @@ export function CurveEditor({ values, before, tool, onChange, onSettle }: Props)
             onBlur={onSettle}
           >
             <circle className={classes.halo} cx={x(index)} cy={y(value)} r={7} />
-            <circle className={classes.dot} cx={x(index)} cy={y(value)} r={index === active ? 4 : 2.6} />
+            <circle className="fill-accent" cx={x(index)} cy={y(value)} r={index === active ? 4 : 2.6} />
           </g>
         ))}
       </svg>
-      <p className={classes.readout}>
+      <p className="room flex gap-12 m-0 text-12">
         <span>
           entry <span className="num">{active}</span> = <span className="num">{values[active]}</span>
         </span>
         {before && (
-          <span className={classes.dim}>
+          <span className="dim">
             chip <span className="num">{before[active]}</span>
           </span>
         )}
-        <span className={classes.dim}>
+        <span className="dim">
           sine <span className="num">{(ideal[active] ?? 0).toFixed(1)}</span>
         </span>
       </p>

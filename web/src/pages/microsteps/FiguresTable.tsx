@@ -23,7 +23,7 @@ interface Props<Figures> {
 /** The figures of the design beside those of the wave in the chip, or of the power-on wave. */
 export function FiguresTable<Figures>({ rows, before, beforeName, after, words, judged }: Props<Figures>) {
   return (
-    <table className={classes.figures}>
+    <table className={`${classes.figures} figures`}>
       <thead>
         <tr>
           <th scope="col">figure</th>
@@ -42,7 +42,7 @@ export function FiguresTable<Figures>({ rows, before, beforeName, after, words, 
               </th>
               <td className="num">{before ? row.of(before) : "–"}</td>
               <td className="num">{row.of(after)}</td>
-              <td className={judged ? (more > 0 ? classes.caution : classes.good) : classes.dim}>
+              <td className={judged ? (more > 0 ? "caution text-12" : "good text-12") : "dim"}>
                 {more === 0 ? "" : words[more < 0 ? 0 : 1]}
               </td>
             </tr>

@@ -16,7 +16,15 @@ interface Props {
 /** The three shapes as a current vector draws them: rhomb, circle, box. */
 function Shape({ kind }: { kind: "rhomb" | "circle" | "box" }) {
   return (
-    <svg width="16" height="16" viewBox="0 0 16 16" className={classes.shape} aria-hidden="true">
+    <svg
+      width="16"
+      height="16"
+      viewBox="0 0 16 16"
+      fill="none"
+      stroke="currentColor"
+      strokeWidth={1.3}
+      aria-hidden="true"
+    >
       {kind === "rhomb" && <path d="M8 1.5 L14.5 8 L8 14.5 L1.5 8 Z" />}
       {kind === "circle" && <circle cx="8" cy="8" r="6" />}
       {kind === "box" && <rect x="3" y="3" width="10" height="10" />}
@@ -36,8 +44,8 @@ export function Line(props: {
 }) {
   const { label, title, value, min, max, step, onChange, onSettle } = props;
   return (
-    <div className={classes.line}>
-      <span className={classes.lineName} title={title}>
+    <div className={`${classes.line} grid gap-8 mid`}>
+      <span className="text-12" title={title}>
         {label}
       </span>
       <Slider
@@ -62,12 +70,12 @@ export function FormulaPanel({ formula, active, onChange, onSettle }: Props) {
   const change = (part: Partial<Formula>, tag: string | null) => onChange({ ...formula, ...part }, tag);
   const outside = Math.abs(formula.sigma) > 0.5;
   return (
-    <div className={classes.formula} data-active={active || undefined}>
-      <div className={classes.sigma}>
-        <span className={classes.lineName} title="shape: −1 rhomb, 0 circle, +1 box">
+    <div className={`${classes.formula} pt-8 grid gap-8 mt-8 rule-top`} data-active={active || undefined}>
+      <div className={`${classes.sigma} grid start gap-8`}>
+        <span className="text-12" title="shape: −1 rhomb, 0 circle, +1 box">
           σ
         </span>
-        <div className={classes.sigmaTrack}>
+        <div className="relative pt-8">
           <span className={classes.sheetRange} aria-hidden="true" />
           <Slider
             size={4}
@@ -85,7 +93,7 @@ export function FormulaPanel({ formula, active, onChange, onSettle }: Props) {
             onChange={(sigma) => change({ sigma }, "sigma")}
             onChangeEnd={onSettle}
           />
-          <div className={classes.shapes}>
+          <div className={`${classes.shapes} hint flex between mt-4 relative`}>
             <span>
               <Shape kind="rhomb" /> −1
             </span>
@@ -129,7 +137,7 @@ export function FormulaPanel({ formula, active, onChange, onSettle }: Props) {
         onChange={(amplitude) => change({ amplitude, offset: Math.min(formula.offset, amplitude) }, "amplitude")}
         onSettle={onSettle}
       />
-      <div className={classes.formulaRow}>
+      <div className="row wrap gap-8">
         <SegmentedControl
           size="xs"
           aria-label="Formula"
@@ -163,7 +171,7 @@ export function FormulaPanel({ formula, active, onChange, onSettle }: Props) {
           </Menu.Dropdown>
         </Menu>
       </div>
-      <p className={outside ? classes.caution : classes.hint}>
+      <p className={outside ? "m-0 mt-4 caution text-12" : "hint m-0 mt-4"}>
         {outside
           ? "σ is outside the data sheet's range of −0.5 to +0.5 (12.3)."
           : active

@@ -1,35 +1,30 @@
 import { Button, SegmentedControl, Text } from "@mantine/core";
 import { useLocalStorage } from "@mantine/hooks";
 import { IconWaveSine } from "@tabler/icons-react";
-import { type Device, useDevices } from "../../api/queries";
+import { can, type Device, useDevices } from "../../api/queries";
 import { EmptyState } from "../../lib/EmptyState";
-import { familyOf } from "../../lib/family";
+import { useWhoCan } from "../../lib/models";
 import { Page } from "../../lib/Section";
 import { useSelection } from "../../live/selection";
-import classes from "./Microsteps.module.css";
 import { MslutEditor } from "./mslut/MslutEditor";
 import { QuarterEditor } from "./QuarterEditor";
 
 type Format = "quarter" | "mslut";
 
-function hasMslut(device: Device): boolean {
-  const family = familyOf(device.model);
-  return family === "sramp" || family === "sixpoint";
-}
-
 /** Which table is designed while no chip decides. */
 function FormatChoice({ format, onFormat }: { format: Format; onFormat: (format: Format) => void }) {
+  const [quarter, mslut] = [useWhoCan("microsteps.ram"), useWhoCan("microsteps.mslut")];
   return (
-    <div className={classes.choice}>
-      <span className={classes.hint}>Design without a device, for</span>
+    <div className="mid lines-8">
+      <span className="hint m-0 mt-4">Design without a device, for</span>
       <SegmentedControl
         size="xs"
         aria-label="Kind of table"
         value={format}
         onChange={(next) => onFormat(next as Format)}
         data={[
-          { value: "quarter", label: "TMC428, 64 values" },
-          { value: "mslut", label: "TMC4361 and TMC5xxx, 256 differences" },
+          { value: "quarter", label: `${quarter.join(" and ")}, 64 values` },
+          { value: "mslut", label: `${mslut.join(" and ")}, 256 differences` },
         ]}
       />
     </div>
@@ -49,8 +44,8 @@ function NoTable({
   return (
     <EmptyState title={`${device.name} has no microstep table`} icon={<IconWaveSine size={24} />}>
       <Text size="sm" maw={560}>
-        The TMC4210 gives out step and direction; the currents of the microsteps are made by the driver behind it. Its
-        resolution is set there (now {device.axes[0]?.driver_microsteps ?? 16} microsteps per full step, under
+        The {device.title} gives out step and direction; the currents of the microsteps are made by the driver behind
+        it. Its resolution is set there (now {device.axes[0]?.driver_microsteps ?? 16} microsteps per full step, under
         Connections), and its wave, where it can be changed, in the driver's own table.
       </Text>
       {others.slice(0, 3).map((other) => (
@@ -58,9 +53,7 @@ function NoTable({
           Show the {other.title} {other.name}
         </Button>
       ))}
-      {others.length === 0 && (
-        <Text size="sm">Add a TMC428, a TMC4361 or a TMC5160 under Connections to design a table.</Text>
-      )}
+      {others.length === 0 && <Text size="sm">Add a chip that has one under Connections to design a table.</Text>}
     </EmptyState>
   );
 }
@@ -75,15 +68,16 @@ export default function MicrostepsPage() {
     getInitialValueInEffect: false,
   });
   if (devices.isPending) return null;
-  if (device?.model === "tmc4210") {
-    const others = devices.data?.filter((other) => other.model === "tmc428" || hasMslut(other)) ?? [];
+  if (device && can(device, "step_dir")) {
+    const others =
+      devices.data?.filter((other) => can(other, "microsteps.ram") || can(other, "microsteps.mslut")) ?? [];
     return (
       <Page name="Microsteps">
         <NoTable device={device} others={others} onOther={(other) => select(other.id, 0)} />
       </Page>
     );
   }
-  const format: Format = device === undefined ? wanted : hasMslut(device) ? "mslut" : "quarter";
+  const format: Format = device === undefined ? wanted : can(device, "microsteps.mslut") ? "mslut" : "quarter";
   const Editor = format === "mslut" ? MslutEditor : QuarterEditor;
   return (
     <Editor

@@ -12,7 +12,7 @@ export function MotorRow({ motor }: { motor: Motor }) {
   const state = live.data;
   const { condition } = useStanding(at.device, at.axis);
   return (
-    <div className={classes.live}>
+    <div className={`${classes.live} row wrap gap-8`}>
       <dl data-old={live.isError || !connected || undefined}>
         <div>
           <dt>position</dt>

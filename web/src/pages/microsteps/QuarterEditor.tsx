@@ -101,11 +101,11 @@ export function QuarterEditor({
         />
       )}
       <div className={classes.page}>
-        <div className={classes.column}>
+        <div className="column">
           <Section
             title="Quarter wave"
             note={
-              <span className={classes.legend}>
+              <span className={`${classes.legend} inline gap-4`}>
                 <i data-kind="design" /> design <i data-kind="before" /> chip <i data-kind="ideal" /> sine
               </span>
             }
@@ -134,7 +134,7 @@ export function QuarterEditor({
                 onSettle={rest}
               />
             ) : (
-              <div className={classes.waiting}>{design.error ? "" : "designing the table"}</div>
+              <div className={`${classes.waiting} center dim text-13`}>{design.error ? "" : "designing the table"}</div>
             )}
             <FormulaPanel
               formula={formula}
@@ -163,18 +163,18 @@ export function QuarterEditor({
               />
             }
           >
-            <p className={`num ${classes.numbers} ${draft.kind === "formula" ? stale : ""}`}>
+            <p className={`num hint m-0 breaks ${draft.kind === "formula" ? stale : ""}`}>
               {values?.map((value) => String(value).padStart(2, "\u2007")).join(" ") ?? " "}
             </p>
           </Section>
         </div>
-        <div className={classes.column}>
+        <div className="column">
           <Section
             title="Phase currents"
             note="one electrical period, four full steps"
             actions={
               <>
-                <span className={classes.hint}>
+                <span className="hint m-0 mt-4">
                   {usrs === chipUsrs ? "as the chip is set" : "not as the chip is set"}
                 </span>
                 <Select
@@ -195,19 +195,19 @@ export function QuarterEditor({
             {design.error !== null && (
               <ProblemAlert error={design.error} doing="Designing the table" retry={design.retry} />
             )}
-            <div className={classes.pair}>
+            <div className={`${classes.pair} grid gap-12 mid`}>
               <div className={stale} aria-busy={design.stale}>
                 {result ? (
                   <Waves rows={result.sequence} before={old?.sequence ?? null} />
                 ) : (
-                  <div className={classes.waiting} />
+                  <div className={`${classes.waiting} center dim text-13`} />
                 )}
               </div>
-              <div className={`${classes.xyBox} ${stale}`}>
+              <div className={`centered ${stale}`}>
                 {result && (
                   <XyFigure rows={result.sequence} before={old?.sequence ?? null} worst={result.metrics.worst_step} />
                 )}
-                <p className={classes.hint}>
+                <p className="hint m-0 mt-4">
                   {result?.metrics.worst_step == null
                     ? "current vector"
                     : `orange: the longest step, ${fixed(result.metrics.worst_step_ratio, 2)} × ideal`}
@@ -215,12 +215,12 @@ export function QuarterEditor({
               </div>
             </div>
             {result?.warnings.map((warning) => (
-              <p key={warning} className={classes.caution}>
+              <p key={warning} className="m-0 mt-4 caution text-12">
                 {warning}
               </p>
             ))}
           </Section>
-          <div className={classes.two}>
+          <div className={`${classes.two} halves gap-8`}>
             <Section title="Angle error" note="electrical, each microstep">
               <div className={stale}>
                 <Bars

@@ -25,13 +25,13 @@ export function XyFigure({ rows, before, worst }: Props) {
       role="img"
       aria-label="Current vector over a period, phase B across and phase A up, beside the ideal circle"
     >
-      <line className={classes.xyAxis} x1={-REACH} x2={REACH} y1={0} y2={0} />
-      <line className={classes.xyAxis} y1={-REACH} y2={REACH} x1={0} x2={0} />
-      <circle className={classes.xyIdeal} r={63} />
-      {before && <path className={classes.xyBefore} d={path(before)} />}
-      <path className={classes.xyPath} d={path(rows)} />
+      <line stroke="var(--line)" strokeWidth={0.5} x1={-REACH} x2={REACH} y1={0} y2={0} />
+      <line stroke="var(--line)" strokeWidth={0.5} y1={-REACH} y2={REACH} x1={0} x2={0} />
+      <circle fill="none" stroke="var(--grey)" strokeWidth={0.5} strokeDasharray="2 1.5" r={63} />
+      {before && <path className="fill-none stroke-grey faint" strokeWidth={1.1} d={path(before)} />}
+      <path fill="none" stroke="var(--accent)" strokeWidth={0.8} d={path(rows)} />
       {rows.map((row) => (
-        <circle key={row.index} className={classes.xyDot} cx={row.current_b} cy={-row.current_a} r={0.9} />
+        <circle key={row.index} className="fill-accent" cx={row.current_b} cy={-row.current_a} r={0.9} />
       ))}
       {hand && next && (
         <g className={classes.xyWorst}>
@@ -40,10 +40,10 @@ export function XyFigure({ rows, before, worst }: Props) {
           <line x1={hand.current_b} y1={-hand.current_a} x2={next.current_b} y2={-next.current_a} />
         </g>
       )}
-      <text className={classes.xyText} x={REACH} y={-2} textAnchor="end">
+      <text className="fill-dim" fontSize={6} x={REACH} y={-2} textAnchor="end">
         B
       </text>
-      <text className={classes.xyText} x={3} y={-REACH + 5}>
+      <text className="fill-dim" fontSize={6} x={3} y={-REACH + 5}>
         A
       </text>
     </svg>

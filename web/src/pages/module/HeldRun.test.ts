@@ -1,5 +1,6 @@
 import { afterEach, beforeEach, describe, expect, it, vi } from "vitest";
 import { durationOf, HeldRun, type RunState, sweep, withRamps } from "./HeldRun";
+import { endText } from "./runText";
 
 describe("HeldRun", () => {
   let sent: string[];
@@ -76,6 +77,30 @@ describe("HeldRun", () => {
     expect(run.state.phase).toBe("ended");
     run.start([{ velocityPps: 7, forS: 1 }]);
     expect(sent.at(-1)).toBe("rotate 7");
+  });
+
+  it("says for how long the server heard nothing of it, where that is why it ended", async () => {
+    run.start([{ velocityPps: 100, forS: 100 }]);
+    answers[0]?.resolve();
+    await vi.advanceTimersByTimeAsync(800);
+    expect(sent).toEqual(["rotate 100", "keep", "keep"]);
+    vi.setSystemTime(Date.now() + 60_000 - 400); // a browser wakes a tab that nobody looks at once a minute
+    keepFails = true;
+    await vi.advanceTimersByTimeAsync(400);
+    expect(run.state).toMatchObject({ phase: "ended", unheardS: 60 });
+    expect(endText(run.state)).toContain("nothing of this tab for 60.0 s");
+    expect(sent.at(-1)).toBe("keep"); // nothing is sent behind it
+  });
+
+  it("tells what else ended it, and nothing of what was wanted", async () => {
+    run.start([{ velocityPps: 100, forS: 10 }]);
+    answers[0]?.resolve();
+    keepFails = true;
+    await vi.advanceTimersByTimeAsync(400);
+    expect(run.state).not.toHaveProperty("unheardS");
+    expect(endText(run.state)).toBe("Turning failed: nothing is held");
+    expect(endText({ phase: "stuck", reason: "right_switch" })).toBe("Ended: right switch.");
+    for (const phase of ["done", "stopped"] as const) expect(endText({ phase })).toBeNull();
   });
 
   it("does not go on against a switch", async () => {

@@ -8,7 +8,8 @@ export type RunState =
   | { phase: "idle" }
   | { phase: "running"; leg: number; legs: number; velocityPps: number }
   | { phase: "done" | "stopped" }
-  | { phase: "ended"; error: unknown }
+  /** `unheardS`: for so long the server had heard nothing of this tab, if that is longer than it lets a leg go on [s] */
+  | { phase: "ended"; error: unknown; unheardS?: number }
   /** the motor ran into something: a switch, a stall */
   | { phase: "stuck"; reason: string };
 
@@ -33,6 +34,8 @@ export class HeldRun {
   private run = 0;
   private beat: ReturnType<typeof setInterval> | undefined;
   private next: ReturnType<typeof setTimeout> | undefined;
+  /** when what the server heard last was sent [ms] */
+  private heardAt = 0;
 
   constructor(
     private readonly ports: RunPorts,
@@ -71,8 +74,10 @@ export class HeldRun {
       return;
     }
     this.tell({ phase: "running", leg: index, legs: legs.length, velocityPps: leg.velocityPps });
+    const sentAt = Date.now();
     this.ports.rotate(leg.velocityPps, HOLD_S).then(
       () => {
+        this.heardAt = sentAt;
         // Aborted before the answer: the stop may have overtaken the start, and has to come last.
         if (this.run !== run || !this.running) return void this.ports.halt().catch(() => undefined);
         clearInterval(this.beat);
@@ -84,9 +89,17 @@ export class HeldRun {
   }
 
   private keep(run: number): void {
-    this.ports.keep(HOLD_S).catch((error: unknown) => {
-      if (this.run === run && this.running) this.finish({ phase: "ended", error });
-    });
+    const sentAt = Date.now();
+    this.ports.keep(HOLD_S).then(
+      () => {
+        this.heardAt = Math.max(this.heardAt, sentAt);
+      },
+      (error: unknown) => {
+        const unheardS = (Date.now() - this.heardAt) / 1000;
+        if (this.run === run && this.running)
+          this.finish({ phase: "ended", error, ...(unheardS > HOLD_S && { unheardS }) });
+      },
+    );
   }
 
   private finish(state: RunState): void {

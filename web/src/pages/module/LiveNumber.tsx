@@ -15,13 +15,13 @@ interface Props {
 export function LiveNumber({ label, unit, read, color, testId }: Props) {
   return (
     <div className={classes.number}>
-      <Text size="xs" c="dimmed" className={classes.numberLabel}>
-        {color && <span className={classes.swatch} style={{ background: color }} />}
+      <Text size="xs" c="dimmed" className="row gap-4 tight nowrap">
+        {color && <span className="swatch" style={{ background: color }} />}
         {label}
       </Text>
-      <div className={classes.numberLine}>
-        <LiveText className={classes.numberValue} read={read} data-testid={testId} />
-        <span className={classes.numberUnit}>{unit}</span>
+      <div className="flex baseline gap-4">
+        <LiveText className={`${classes.numberValue} text-20 mono right nowrap`} read={read} data-testid={testId} />
+        <span className="hint nowrap">{unit}</span>
       </div>
     </div>
   );

@@ -1,12 +1,11 @@
 import { Text } from "@mantine/core";
-import { ApiError } from "../../api/client";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import type { RunState } from "./HeldRun";
-import { REASONS, type StopReason } from "./useStops";
+import { endText, isRefusal } from "./runText";
 
 /** How a run goes, in one line of fixed height. */
 export function RunNote({ state, idle }: { state: RunState; idle: string }) {
-  if (state.phase === "ended" && !(state.error instanceof ApiError && state.error.problem.status === 409))
+  if (state.phase === "ended" && state.unheardS === undefined && !isRefusal(state.error))
     return <ProblemAlert error={state.error} doing="Turning" />;
   return (
     <Text size="xs" c="dimmed" mih={34} role="status" data-testid="run-note" data-phase={state.phase}>
@@ -23,11 +22,9 @@ function textOf(state: RunState, idle: string): string {
       return "Done.";
     case "stopped":
       return "Stopped.";
-    case "stuck":
-      return `Ended: ${(REASONS[state.reason as StopReason]?.text ?? state.reason).toLowerCase()}.`;
-    case "ended":
-      return "Something else has stopped the motor: see what, in the list of stops.";
-    default:
+    case "idle":
       return idle;
+    default:
+      return endText(state) ?? idle;
   }
 }

@@ -21,25 +21,25 @@ export function StopsList({ stops }: { stops: UseQueryResult<MotionEnd[]> }) {
   if (stops.data.length === 0) return <Nothing />;
   return (
     // biome-ignore lint/a11y/noNoninteractiveTabindex: a list that scrolls has to be reached with the keys
-    <ul className={classes.stops} aria-label="What stopped the motor" tabIndex={0} data-testid="stops">
+    <ul className="tall list scroll" aria-label="What stopped the motor" tabIndex={0} data-testid="stops">
       {stops.data.slice(0, SHOWN).map((stop) => {
         const words = REASONS[stop.reason];
         return (
-          <li key={`${stop.time_s}/${stop.reason}`} className={classes.stop}>
+          <li key={`${stop.time_s}/${stop.reason}`} className={`${classes.stop} grid baseline text-12 tight`}>
             <span className={classes.stopSign} data-fault={words.fault} aria-hidden />
             <span>
-              <span className={classes.stopReason}>{words.text}</span>{" "}
+              <span className="bold">{words.text}</span>{" "}
               <Text span size="xs" c="dimmed" className="num">
                 {clock(stop.unix_s)}
               </Text>
             </span>
-            <span className={classes.stopWhere}>
+            <span className="mono nowrap">
               {fixed(stop.position)}{" "}
               <Text span size="xs" c="dimmed">
                 µsteps
               </Text>
             </span>
-            {stop.detail && <span className={classes.stopDetail}>{stop.detail}</span>}
+            {stop.detail && <span className="dim anywhere rest">{stop.detail}</span>}
           </li>
         );
       })}

@@ -12,11 +12,14 @@ const WANTED = ["stop_command", "target_reached", "unknown"];
  */
 export function useHeldRun(at: AxisAddress, source: TelemetrySource) {
   const { device, axis } = at;
-  const { run, start, subscribe } = useMemo(() => runOf({ device, axis }), [device, axis]);
+  const { run, start, subscribe, seen } = useMemo(() => runOf({ device, axis }), [device, axis]);
   const state = useSyncExternalStore(subscribe, () => run.state);
+  useEffect(() => {
+    if (state.phase !== "running") seen(); // told here
+  }, [state, seen]);
   useEffect(
     () =>
-      source.onStop((stop) => {
+      source.on("stopped", (stop) => {
         if (stop.axis === axis && !WANTED.includes(stop.reason)) run.stuck(stop.reason);
       }),
     [source, run, axis],

@@ -40,7 +40,7 @@ export function useStops(at: AxisAddress, source: TelemetrySource, enabled: bool
   });
   useEffect(
     () =>
-      source.onStop((stop) => {
+      source.on("stopped", (stop) => {
         if (stop.axis === axis) void queries.invalidateQueries({ queryKey: ["stops", device, axis] });
       }),
     [source, queries, device, axis],

@@ -8,7 +8,6 @@ import { Section } from "../../lib/Section";
 import { useSelection } from "../../live/selection";
 import { Apply } from "./Apply";
 import { DiffTable } from "./DiffTable";
-import css from "./profiles.module.css";
 import { useComparison, useDryRun, useProfiles } from "./useProfiles";
 
 type Detail = Schemas["ProfileDetail"];
@@ -33,12 +32,12 @@ export function Against({ profile }: { profile: Detail }) {
     <Section title="Compare and apply">
       {devices.isError && <ProblemAlert error={devices.error} doing="Looking for devices" />}
       {data.length === 0 ? (
-        <Text size="sm" className={css.dim}>
+        <Text size="sm" className="dim">
           There is no {profile.title} and no other profile of one to compare it with. Connect one, or add an emulated
           one.
         </Text>
       ) : (
-        <div className={css.against}>
+        <div className="flex wrap end gap-8 mb-8">
           <Select
             size="xs"
             label="Compare with"
@@ -60,7 +59,7 @@ function WithDevice({ profile, device }: { profile: Detail; device: Device }) {
   const connected = device.state === "connected";
   const dry = useDryRun(device.id, profile.document, connected);
   const away = !connected && (
-    <Text size="sm" className={css.dim} role="status">
+    <Text size="sm" className="dim" role="status">
       {device.name} is {device.state}: connect it to see what this profile would change.
     </Text>
   );

@@ -38,7 +38,7 @@ export function Apply({ profile, device, dry, outdated }: Props) {
   return (
     <div data-testid="apply">
       {unfinished && <Unfinished device={device} left={unfinished} />}
-      <div className={css.applyBar}>
+      <div className="mid lines-16">
         <Button
           size="xs"
           disabled={writes === 0 || outdated || unfinished !== null || device.state !== "connected"}
@@ -56,7 +56,7 @@ export function Apply({ profile, device, dry, outdated }: Props) {
           />
         )}
         {writes > 0 && !running && (
-          <Text className={css.hint}>
+          <Text className="hint">
             All of it or nothing: every write is read back where the chip allows it, and the first that fails takes the
             others back. The motor has to stand.
           </Text>
@@ -191,18 +191,18 @@ const ICONS: Readonly<Record<Fate, ReactNode>> = {
 function Steps({ lines }: { lines: readonly StepLine[] }) {
   return (
     // biome-ignore lint/a11y/noNoninteractiveTabindex: what can be scrolled must be reached by keyboard
-    <ol className={css.steps} tabIndex={0} aria-label="Steps">
+    <ol className={`${css.steps} list grid gap-2 mt-8 text-12 scroll`} tabIndex={0} aria-label="Steps">
       {lines.map((line, index) => (
         // biome-ignore lint/suspicious/noArrayIndexKey: the same register may be written twice
         <li key={index}>
-          <span className={css.fate} data-fate={line.fate}>
+          <span className={`${css.fate} inline gap-4`} data-fate={line.fate}>
             {ICONS[line.fate]}
             {line.fate}
           </span>
           <span>
             {line.name}
-            {line.axis !== null && <span className={css.axis}> axis {line.axis}</span>}
-            {line.why && <span className={css.why}>{line.why}</span>}
+            {line.axis !== null && <span className="dim"> axis {line.axis}</span>}
+            {line.why && <span className="block caution text-12">{line.why}</span>}
           </span>
           <span className="num">
             {line.was === null ? "?" : fixed(line.was)} → {line.now === null ? "?" : fixed(line.now)}

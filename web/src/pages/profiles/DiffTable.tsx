@@ -22,14 +22,17 @@ export function DiffTable({ diff, profile, axisNames }: Props) {
   const entries = useMemo(() => entriesOf(profile, byName(catalog.data?.rows ?? [])), [profile, catalog.data]);
   const different = useMemo(() => rowsOf(diff, entries), [diff, entries]);
   const same = useMemo(
-    () => (onlyDifferences ? [] : sameRows(different, entries, profile)),
-    [onlyDifferences, different, entries, profile],
+    () =>
+      onlyDifferences
+        ? []
+        : sameRows(different, entries, profile, catalog.data?.capabilities.includes("step_dir") === true),
+    [onlyDifferences, different, entries, profile, catalog.data],
   );
   const groups = grouped([...different, ...same]);
   const count = diff.differences.length;
   return (
-    <div className={css.diff}>
-      <div className={css.diffHead}>
+    <div className="grid gap-6 mt-8">
+      <div className="mid lines-16 between">
         <Text size="sm" data-testid="diff-count">
           {count === 0 ? (
             <b>No difference</b>
@@ -48,14 +51,14 @@ export function DiffTable({ diff, profile, axisNames }: Props) {
         />
       </div>
       {diff.warnings.map((warning) => (
-        <Text key={warning} className={css.caution}>
+        <Text key={warning} className="caution text-12">
           {warning}
         </Text>
       ))}
       {groups.length > 0 && (
         // biome-ignore lint/a11y/noNoninteractiveTabindex: what can be scrolled must be reached by keyboard
-        <section className={css.tableBox} tabIndex={0} aria-label="Differences">
-          <table className={css.table}>
+        <section className={`${css.tableBox} box scroll`} tabIndex={0} aria-label="Differences">
+          <table className={`${css.table} text-12 tight w-full`}>
             <thead>
               <tr>
                 <th scope="col">Register</th>
@@ -95,11 +98,11 @@ function Line({ row, again, axisName }: { row: Row; again: boolean; axisName: st
     <tr data-differs={row.differs}>
       <td>
         {again ? (
-          <span className={css.again}>{row.name}</span>
+          <span className="unseen">{row.name}</span>
         ) : (
           <>
             <RegisterName name={row.name} />
-            {axisName !== "" && <span className={css.axis}> {axisName}</span>}
+            {axisName !== "" && <span className="dim"> {axisName}</span>}
           </>
         )}
       </td>
@@ -109,8 +112,8 @@ function Line({ row, again, axisName }: { row: Row; again: boolean; axisName: st
       </td>
       <td>
         <Value value={row.after} unit={row.unit} meaning={row.afterMeaning} strong={row.differs} />
-        {row.why !== "" && <span className={css.why}>{row.why}</span>}
-        {row.differs && !row.written && row.why === "" && <span className={css.why}>not written</span>}
+        {row.why !== "" && <span className="block caution text-12">{row.why}</span>}
+        {row.differs && !row.written && row.why === "" && <span className="block caution text-12">not written</span>}
       </td>
     </tr>
   );
@@ -129,8 +132,8 @@ function Value({ value, unit, meaning, strong = false }: ValueProps) {
       <span className="num" data-strong={strong}>
         {typeof value === "number" ? (Number.isInteger(value) ? fixed(value) : String(value)) : (value ?? "?")}
       </span>
-      {value !== null && chipUnit(unit) !== "" && <span className={css.unit}> {chipUnit(unit)}</span>}
-      {meaning !== "" && <span className={css.meaning}>{meaning}</span>}
+      {value !== null && chipUnit(unit) !== "" && <span className="dim"> {chipUnit(unit)}</span>}
+      {meaning !== "" && <span className={`${css.meaning} hint inline-block ml-8`}>{meaning}</span>}
     </>
   );
 }

@@ -17,7 +17,7 @@ export function ProfileView({ id, onGone }: { id: number; onGone: () => void }) 
   const profile = useProfile(id);
   if (profile.isPending)
     return (
-      <div role="status" aria-busy="true" aria-label="Loading the profile" className={css.column}>
+      <div role="status" aria-busy="true" aria-label="Loading the profile" className="grid shrink gap-8">
         <Skeleton height={120} radius="sm" />
         <Skeleton height={260} radius="sm" />
       </div>
@@ -29,7 +29,7 @@ export function ProfileView({ id, onGone }: { id: number; onGone: () => void }) 
       </Section>
     );
   return (
-    <div className={css.column}>
+    <div className="grid shrink gap-8">
       <Head profile={profile.data} onGone={onGone} />
       <Against profile={profile.data} />
       <ScriptPanel profile={profile.data} />
@@ -77,7 +77,7 @@ function Head({ profile, onGone }: { profile: Schemas["ProfileDetail"]; onGone: 
         </>
       }
     >
-      <dl className={css.facts}>
+      <dl className={`${css.facts} lines-24 text-13`}>
         <div>
           <dt>Says</dt>
           <dd>
@@ -100,7 +100,7 @@ function Head({ profile, onGone }: { profile: Schemas["ProfileDetail"]; onGone: 
         </div>
       </dl>
       {document.unknown.length > 0 && (
-        <Text className={css.caution} mb={8}>
+        <Text className="caution text-12" mb={8}>
           It says nothing of {fixed(document.unknown.length)} registers that cannot be read and that nobody had written:{" "}
           {document.unknown
             .slice(0, 6)
@@ -109,7 +109,7 @@ function Head({ profile, onGone }: { profile: Schemas["ProfileDetail"]; onGone: 
           {document.unknown.length > 6 ? ", ..." : ""}.
         </Text>
       )}
-      <div className={css.names}>
+      <div className={`${css.names} grid start gap-8`}>
         <TextInput
           size="xs"
           label="Name"

@@ -15,12 +15,12 @@ export default function ProfilesPage() {
   const select = (id: number | null) => setParameters(id === null ? {} : { profile: String(id) });
   return (
     <Page name="Profiles">
-      <div className={css.columns}>
+      <div className={`${css.columns} grid start gap-8`}>
         <SavedProfiles selected={selected} onSelect={select} />
         {selected === null ? (
           <Section title="Profile">
             <EmptyState title="Choose a profile" icon={<IconFileDescription size={22} />}>
-              <Text size="sm" className={css.dim} maw={430}>
+              <Text size="sm" className="dim" maw={430}>
                 It is then compared with the device, can be applied to it as a whole, and becomes a script that was
                 tried on an emulator.
               </Text>

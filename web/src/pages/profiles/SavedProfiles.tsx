@@ -54,7 +54,7 @@ export function SavedProfiles({ selected, onSelect }: Props) {
 
   return (
     <Section title="Saved profiles" note={profiles.isSuccess && found.length > 0 ? fixed(found.length) : undefined}>
-      <div className={css.tools}>
+      <div className={`${css.tools} flex gap-6 mb-8`}>
         <Button
           size="xs"
           leftSection={<IconCamera size={15} aria-hidden />}
@@ -76,7 +76,7 @@ export function SavedProfiles({ selected, onSelect }: Props) {
         </FileButton>
       </div>
       {!connected && (
-        <Text className={css.hint} mb={6}>
+        <Text className="hint" mb={6}>
           {device ? (
             <>
               {device.name} is {device.state}: its configuration can be captured once it is connected.{" "}
@@ -111,18 +111,18 @@ export function SavedProfiles({ selected, onSelect }: Props) {
       {none &&
         (asked === "" ? (
           <EmptyState title="No profile yet" icon={<IconFileStack size={22} />}>
-            <Text size="sm" className={css.dim}>
+            <Text size="sm" className="dim">
               A profile is a device's whole configuration: registers, tables, mechanics. Capture one before you change
               something.
             </Text>
           </EmptyState>
         ) : (
-          <Text size="sm" className={css.dim} role="status">
+          <Text size="sm" className="dim" role="status">
             No profile has all of these words.
           </Text>
         ))}
       {found.length > 0 && (
-        <ul className={css.saved} aria-label="Profiles">
+        <ul className={`${css.saved} list grid gap-4`} aria-label="Profiles">
           {found.map((each) => (
             <li key={each.id}>
               <Entry profile={each} current={each.id === selected} onSelect={() => onSelect(each.id)} />
@@ -136,14 +136,19 @@ export function SavedProfiles({ selected, onSelect }: Props) {
 
 function Entry({ profile, current, onSelect }: { profile: Saved; current: boolean; onSelect: () => void }) {
   return (
-    <button type="button" className={css.entry} aria-current={current} onClick={onSelect}>
-      <span className={css.entryName}>{profile.name}</span>
-      <span className={css.entryFacts}>
+    <button
+      type="button"
+      className={`${css.entry} box grid gap-2 text-13 left w-full`}
+      aria-current={current}
+      onClick={onSelect}
+    >
+      <span className="flex between gap-8 bold anywhere">{profile.name}</span>
+      <span className="lines-8 hint">
         <span>{profile.title}</span>
         {profile.device !== "" && profile.device !== profile.name && <span>{profile.device}</span>}
         <span className="num">{dateOf(profile.created_unix_s)}</span>
       </span>
-      {profile.note !== "" && <span className={css.entryNote}>{profile.note}</span>}
+      {profile.note !== "" && <span className="clip hint">{profile.note}</span>}
     </button>
   );
 }

@@ -3,7 +3,7 @@ import { IconCheck, IconCopy, IconDownload, IconShieldCheck } from "@tabler/icon
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { api, type Schemas, unwrap } from "../../api/client";
-import { familyOf } from "../../lib/family";
+import { useModel } from "../../api/queries";
 import { compact, fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { Section } from "../../lib/Section";
@@ -16,8 +16,9 @@ const NAMES: Readonly<Record<Language, string>> = { python: "Python", curl: "cur
 
 /** The profile as a program, in each language that there is for its model. */
 export function ScriptPanel({ profile }: { profile: Saved }) {
+  const model = useModel(profile.model);
   const languages = (Object.keys(NAMES) as Language[]).filter(
-    (language) => language !== "tmcl" || familyOf(profile.model) === "module",
+    (language) => language !== "tmcl" || model?.kind === "module",
   );
   const [language, setLanguage] = useState<Language | null>(null);
   return (
@@ -31,7 +32,7 @@ export function ScriptPanel({ profile }: { profile: Saved }) {
           ))}
         </Tabs.List>
         {language === null && (
-          <Text className={css.hint} mt={8}>
+          <Text className="hint" mt={8}>
             Choose a language. The script is made and tried on an emulator of a {profile.title}, which takes some
             seconds; after that it is at hand.
           </Text>
@@ -61,7 +62,7 @@ function OneScript({ profile, language }: { profile: Saved; language: Language }
   });
   if (script.isPending)
     return (
-      <div className={css.trying} role="status">
+      <div className={`${css.trying} row gap-8`} role="status">
         <Loader size="xs" aria-hidden />
         <Text size="sm">
           The {NAMES[language]} script is being tried on an emulator of a {profile.model.toUpperCase()}; that takes some
@@ -79,15 +80,15 @@ function OneScript({ profile, language }: { profile: Saved; language: Language }
     );
   const { text, file_name, checked } = script.data;
   return (
-    <div className={css.script}>
-      <div className={css.seal} data-testid="seal">
+    <div className="grid gap-8">
+      <div className={`${css.seal} lines-8`} data-testid="seal">
         <IconShieldCheck size={18} aria-hidden />
         <Text size="sm">
           <b>Checked on the emulator.</b> {HOW[checked.how]} An emulated {checked.model.toUpperCase()} then held all{" "}
           <span className="num">{fixed(checked.registers)}</span> registers as the profile says, with no difference and
           its motors standing; <span className="num">{compact(checked.took_s, 2)}</span> s.
         </Text>
-        <div className={css.sealActions}>
+        <div className="flex wrap gap-6">
           <CopyButton value={text} timeout={1500}>
             {({ copied, copy }) => (
               <Button
@@ -126,8 +127,12 @@ const HOW: Readonly<Record<Schemas["ScriptCheck"]["how"], string>> = {
 function Program({ text, language }: { text: string; language: Language }) {
   let place = 0;
   return (
-    // biome-ignore lint/a11y/noNoninteractiveTabindex: what can be scrolled must be reached by keyboard
-    <section className={css.program} tabIndex={0} aria-label={`${NAMES[language]} script`}>
+    <section
+      className={`${css.program} box m-0 text-12 mono tight scroll`}
+      // biome-ignore lint/a11y/noNoninteractiveTabindex: what can be scrolled must be reached by keyboard
+      tabIndex={0}
+      aria-label={`${NAMES[language]} script`}
+    >
       <pre>
         <code>
           {tokensOf(text, language).map((token) => {

@@ -198,13 +198,18 @@ function physical(text: string | null): string {
   return number === undefined || Number.isNaN(Number(number)) ? (text ?? "") : withUnit(Number(number), unit ?? "");
 }
 
-/** What both sides agree in: everything else that the profile says. */
-export function sameRows(different: readonly Row[], entries: readonly Entry[], profile: Profile): Row[] {
+/** What both sides agree in: everything else that the profile says. `stepDir`: its driver makes the microsteps. */
+export function sameRows(
+  different: readonly Row[],
+  entries: readonly Entry[],
+  profile: Profile,
+  stepDir: boolean,
+): Row[] {
   const keys = new Set(different.map(({ key }) => key));
   const tables = new Set(different.map(({ part }) => part));
   const scales = new Map<number, AxisScale>();
   const scaleOf = (axis: number) => {
-    const scale = scales.get(axis) ?? scaleIn(profile, entries, axis);
+    const scale = scales.get(axis) ?? scaleIn(profile, stepDir, entries, axis);
     scales.set(axis, scale);
     return scale;
   };
@@ -233,7 +238,7 @@ export function grouped(rows: readonly Row[]): [string, Row[]][] {
 }
 
 /** The axis of a profile as its own registers set it: dividers and microsteps are part of what is compared. */
-export function scaleIn(profile: Profile, entries: readonly Entry[], axis: number): AxisScale {
+export function scaleIn(profile: Profile, stepDir: boolean, entries: readonly Entry[], axis: number): AxisScale {
   const held = (names: readonly string[]) => {
     const found = entries.find(
       (entry) =>
@@ -247,7 +252,7 @@ export function scaleIn(profile: Profile, entries: readonly Entry[], axis: numbe
   const own = power !== null ? 2 ** power : divider !== null ? 256 / 2 ** Math.min(divider, 8) : null;
   return {
     fullStepsPerRev: mechanics?.full_steps_per_rev ?? 200,
-    microstepsPerFullStep: own ?? (profile.model === "tmc4210" ? (mechanics?.driver_microsteps ?? null) : 256),
+    microstepsPerFullStep: own ?? (stepDir ? (mechanics?.driver_microsteps ?? null) : 256),
     gearRatio: mechanics?.gear_ratio ?? 1,
     travelMmPerRev: mechanics?.travel_mm_per_rev ?? null,
     pulseDiv: held(["pulse_div"]),

@@ -128,7 +128,7 @@ describe("two sides", () => {
     const different = rowsOf(diff, entries);
     expect(different.map(({ field: name, before, after }) => [name, before, after])).toEqual([["rm", 0, 1]]);
     expect(different[0]?.part).toBe("switches");
-    const same = sameRows(different, entries, PROFILE).map(({ name, field: part }) => part ?? name);
+    const same = sameRows(different, entries, PROFILE, false).map(({ name, field: part }) => part ?? name);
     expect(same).toContain("flag");
     expect(same).toContain("V_MAX");
     expect(same).not.toContain("rm");

@@ -109,7 +109,7 @@ export function CompareView() {
           </Group>
         )}
         {data?.notes.map((note) => (
-          <p key={note} className={classes.caution}>
+          <p key={note} className={`${classes.caution} caution text-12`}>
             {note}
           </p>
         ))}
@@ -124,7 +124,7 @@ export function CompareView() {
         )}
       </Section>
       {data && (
-        <div className={classes.column}>
+        <div className="grid shrink gap-8">
           <Differences comparison={data} />
           <Section title="Figures side by side" {...(settled ? { note: "of the part around what is shown" } : {})}>
             <FiguresTable
@@ -150,7 +150,7 @@ function Sides({ comparison }: { comparison: Comparison }) {
   return (
     <span className={classes.sides}>
       {comparison.recordings.map((side, index) => (
-        <span key={side.id} className={classes.side}>
+        <span key={side.id} className="inline gap-6">
           <svg width={26} height={6} aria-hidden>
             <title>dash</title>
             <line
@@ -191,7 +191,7 @@ function ComparePlots({ comparison, difference, whole, window, onWindow }: Plots
     return true;
   };
   return (
-    <div className={classes.plots} data-testid="compare-plots">
+    <div className="grid shrink gap-4" data-testid="compare-plots">
       {comparison.channels.map((compared, index) => {
         const channel = channels[index];
         if (channel === undefined) return null;
@@ -247,7 +247,7 @@ function Differences({ comparison }: { comparison: Comparison }) {
       note={`to ${names.get(comparison.recordings[0]?.id ?? "")}, at its times, along straight lines between samples`}
     >
       {/* biome-ignore lint/a11y/noNoninteractiveTabindex: on a phone it scrolls sideways, with the keys too */}
-      <section className={classes.scroll} tabIndex={0} aria-label="Differences by channel">
+      <section className="scroll-x" tabIndex={0} aria-label="Differences by channel">
         <table className={classes.table} data-testid="differences">
           <thead>
             <tr>
@@ -264,10 +264,9 @@ function Differences({ comparison }: { comparison: Comparison }) {
             {rows.map(({ channel, recording, figures }) => (
               <tr key={`${channel?.name}/${recording}`}>
                 <th scope="row">
-                  {channel && labelOf(channel, several)}{" "}
-                  <span className={classes.faint}>{unitText(channel?.unit ?? "")}</span>
+                  {channel && labelOf(channel, several)} <span className="dim">{unitText(channel?.unit ?? "")}</span>
                 </th>
-                <td className={classes.faint}>{names.get(recording)}</td>
+                <td className="dim">{names.get(recording)}</td>
                 <td className={`num ${classes.right}`}>{compact(figures.peak, 5)}</td>
                 <td className={`num ${classes.right}`}>
                   {figures.peak_at_s === null ? "–" : `${fixed(figures.peak_at_s, 3)} s`}

@@ -54,7 +54,7 @@ export function Configuration({ detail }: { detail: RecordingDetail }) {
                 <tr key={`${name}/${axis}`}>
                   <th scope="row">
                     {name}
-                    <span className={classes.faint}>{axis === null || axis === undefined ? "" : `.${axis}`}</span>
+                    <span className="dim">{axis === null || axis === undefined ? "" : `.${axis}`}</span>
                   </th>
                   <td className={`num ${classes.right}`}>{value === null ? "" : fixed(value)}</td>
                 </tr>

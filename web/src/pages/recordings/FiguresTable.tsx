@@ -43,7 +43,7 @@ export function FiguresTable({ channels, sides, stale = false }: Props) {
   const names = [...new Set(sides.flatMap(({ figures }) => Object.keys(figures)))];
   return (
     // biome-ignore lint/a11y/noNoninteractiveTabindex: on a phone it scrolls sideways, with the keys too
-    <section className={classes.scroll} tabIndex={0} aria-label="Figures by channel">
+    <section className="scroll-x" tabIndex={0} aria-label="Figures by channel">
       <table className={`${classes.table} ${stale ? "stale" : ""}`} data-testid="figures">
         <thead>
           <tr>
@@ -69,10 +69,10 @@ export function FiguresTable({ channels, sides, stale = false }: Props) {
                       style={{ background: colorOfQuantity(channel.quantity, scheme) }}
                       aria-hidden
                     />
-                    {labelOf(channel, several)} <span className={classes.faint}>{unitText(channel.unit)}</span>
+                    {labelOf(channel, several)} <span className="dim">{unitText(channel.unit)}</span>
                   </th>
                 )}
-                {sides.length > 1 && <td className={classes.faint}>{side.name}</td>}
+                {sides.length > 1 && <td className="dim">{side.name}</td>}
                 {COLUMNS.map(({ label, of }) => (
                   <td key={label} className={`num ${classes.right}`}>
                     {of(side.figures[name] as Figures)}

@@ -90,7 +90,7 @@ export function ListView() {
           <Group justify="center" py="xl">
             <Loader aria-label="Reading the list" />
           </Group>
-        ) : sorted.length === 0 ? (
+        ) : sorted.length === 0 && list.data.unread === 0 ? (
           <EmptyState
             title={search ? `Nothing has “${search}” in its name, note, device or model` : "Nothing is recorded yet"}
             icon={<IconPlayerRecord size={22} />}
@@ -115,7 +115,7 @@ export function ListView() {
             <thead>
               <tr>
                 <th className={classes.tick}>
-                  <span className={classes.unseen}>Compare</span>
+                  <span className="unseen">Compare</span>
                 </th>
                 {COLUMNS.map(({ key, label, wide, right }) => (
                   <th
@@ -133,7 +133,7 @@ export function ListView() {
                   </th>
                 ))}
                 <th>
-                  <span className={classes.unseen}>Actions</span>
+                  <span className="unseen">Actions</span>
                 </th>
               </tr>
             </thead>
@@ -150,6 +150,11 @@ export function ListView() {
               ))}
             </tbody>
           </table>
+        )}
+        {list.data && list.data.unread > 0 && (
+          <Text size="sm" c="dimmed" ta="center" py="sm" role="status" data-testid="recordings-unread">
+            Searching: <span className="num">{list.data.unread}</span> older recordings are not read yet.
+          </Text>
         )}
         {list.data && list.data.total > sorted.length && (
           <Group justify="center" gap="sm" py="sm">
@@ -205,7 +210,7 @@ function Row({ recording, picked, onPick, onStop, attempt }: RowProps) {
           onChange={(event) => onPick(event.currentTarget.checked)}
         />
       </td>
-      <td className={classes.name}>
+      <td className="anywhere">
         {readable ? (
           <Link href={`/recordings/${recording.id}`} className={classes.link}>
             {title}
@@ -213,15 +218,15 @@ function Row({ recording, picked, onPick, onStop, attempt }: RowProps) {
         ) : (
           title
         )}
-        {recording.note && <div className={classes.rowNote}>{recording.note}</div>}
-        {recording.message && <div className={classes.rowNote}>{recording.message}</div>}
+        {recording.note && <div className={`${classes.rowNote} clip hint`}>{recording.note}</div>}
+        {recording.message && <div className={`${classes.rowNote} clip hint`}>{recording.message}</div>}
       </td>
       <td className={classes.wide}>
-        {recording.device ?? "–"} <span className={classes.faint}>{recording.model}</span>
+        {recording.device ?? "–"} <span className="dim">{recording.model}</span>
       </td>
       <td className="num">{whenText(recording.started_unix_s)}</td>
       <td className={classes.wide} title={recording.channels.map(({ name }) => name).join(", ")}>
-        {recording.channels.length} <span className={classes.faint}>at {recording.rate_hz ?? "–"} Hz</span>
+        {recording.channels.length} <span className="dim">at {recording.rate_hz ?? "–"} Hz</span>
       </td>
       <td className={`num ${classes.right}`}>{sizeText(recording.size_bytes)}</td>
       <td className={classes.wide}>{stateText(recording)}</td>
@@ -255,7 +260,7 @@ function DiskUse({
   const share = (100 * (size_bytes ?? 0)) / Math.max(1, disk_bytes);
   const low = room_bytes < Math.max(1e9, 0.02 * disk_bytes);
   return (
-    <span className={classes.disk} data-low={low}>
+    <span className={`${classes.disk} inline wrap gap-6`} data-low={low}>
       <span className="num">{size_bytes === null ? "–" : sizeText(size_bytes)}</span> kept,{" "}
       <span className="num">{sizeText(room_bytes)}</span> room
       <Progress value={share} size={5} w={64} aria-label="Share of the disk" />

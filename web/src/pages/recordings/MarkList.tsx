@@ -44,7 +44,7 @@ export function MarkList({ detail, onGo }: { detail: RecordingDetail; onGo: (win
           Moves, stops, commands, register writes and your own notes stand here.
         </Text>
       ) : (
-        <ol className={classes.marks} data-testid="marks">
+        <ol className={`${classes.marks} tall list scroll`} data-testid="marks">
           {marks.slice(0, SHOWN).map((mark, index) => {
             const at = mark.time_s - zero;
             return (
@@ -55,7 +55,7 @@ export function MarkList({ detail, onGo }: { detail: RecordingDetail; onGo: (win
                   <span className={classes.flag} style={{ background: colorOfMark(mark, scheme) }} aria-hidden />
                   <span>
                     {mark.text}
-                    <span className={classes.faint}>
+                    <span className="dim">
                       {" "}
                       {mark.kind}
                       {mark.axis === null ? "" : `, axis ${mark.axis}`}

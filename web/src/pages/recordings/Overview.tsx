@@ -68,7 +68,7 @@ export function Overview({ piece, lane, stack, handle: outer, onWindow }: Props)
   );
   if (lane === undefined) return null;
   return (
-    <div className={classes.overview}>
+    <div className="shrink relative">
       <Plot
         label={`The whole recording: ${lane.title}`}
         series={lane.series}

@@ -141,18 +141,18 @@ export function RecordingPlots({ detail, window, onWindow, hidden, onReady }: Pr
     return <ProblemAlert error={problem} doing="Reading the recording" retry={() => void data.load(OVERVIEW_POINTS)} />;
   if (loaded === null)
     return (
-      <div className={classes.loading}>
+      <div className={`${classes.loading} center dim text-13`}>
         <Loader aria-label="Reading the recording" />
       </div>
     );
   if (loaded.x.length === 0)
     return (
-      <div className={classes.loading} role="status">
+      <div className={`${classes.loading} center dim text-13`} role="status">
         {isRunning(detail) ? "No sample yet: it waits for its trigger." : "This recording has no samples."}
       </div>
     );
   return (
-    <div className={classes.plots} data-testid="recording-plots" data-loaded={loaded.x.length}>
+    <div className="grid shrink gap-4" data-testid="recording-plots" data-loaded={loaded.x.length}>
       <LiveText
         className={`num ${classes.range}`}
         data-testid="range"

@@ -64,7 +64,7 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
       <Section
         title={title}
         note={
-          <span className={classes.told}>
+          <span className="tabular">
             {detail.device} · {detail.model} · {whenText(detail.started_unix_s)} · {duration(detail.duration_s)} at{" "}
             {detail.rate_hz} Hz · {sizeText(detail.size_bytes)}
           </span>
@@ -79,7 +79,7 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
           </>
         }
       >
-        <fieldset className={classes.channels} aria-label="Channels shown">
+        <fieldset className={`${classes.channels} row wrap shrink gap-6 mb-4 p-0`} aria-label="Channels shown">
           {detail.channels.map((channel) => {
             const label = labelOf(channel, several);
             return (
@@ -102,7 +102,7 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
               </UnstyledButton>
             );
           })}
-          {running && <span className={classes.faint}>{stateText(detail)}</span>}
+          {running && <span className="dim">{stateText(detail)}</span>}
           {window && (
             <Button size="compact-xs" variant="default" onClick={() => setWindow(null)}>
               Show all
@@ -119,12 +119,12 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
         />
       </Section>
       <RecordingTwin recording={detail.id} />
-      <div className={classes.below}>
-        <div className={classes.column}>
+      <div className={`${classes.below} grid start gap-8`}>
+        <div className="grid shrink gap-8">
           <FiguresSection detail={detail} window={window} ready={ready} />
           <SpectrumSection recordings={[detail]} channels={detail.channels} window={window} running={running} />
         </div>
-        <div className={classes.column}>
+        <div className="grid shrink gap-8">
           <MarkList detail={detail} onGo={setWindow} />
           {detail.note && (
             <Section title="Note">
@@ -188,7 +188,7 @@ function ReplayAction({ detail }: { detail: RecordingDetail }) {
   if (problem !== null) return <ProblemAlert error={problem} doing="Replaying" onClose={dismiss} />;
   if (replay?.state === "running")
     return (
-      <span className={classes.replaying} role="status">
+      <span className="inline gap-8 text-12 tabular" role="status">
         Replaying {fixed(replay.done_s, 1)} of {fixed(replay.duration_s, 1)} s
         <Progress
           value={(100 * replay.done_s) / Math.max(replay.duration_s, 1e-9)}
@@ -205,7 +205,9 @@ function ReplayAction({ detail }: { detail: RecordingDetail }) {
       : null;
   return (
     <>
-      {replay?.state === "failed" && <span className={classes.caution}>Not replayed: {replay.message}</span>}
+      {replay?.state === "failed" && (
+        <span className={`${classes.caution} caution text-12`}>Not replayed: {replay.message}</span>
+      )}
       {compared && (
         <Button
           size="xs"

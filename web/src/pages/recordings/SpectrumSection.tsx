@@ -11,7 +11,6 @@ import type { Overlay, PlotSeries } from "../../plots/types";
 import { titleOf } from "./api";
 import { type Channel, colorOfQuantity, unitText } from "./channels";
 import { sideLook } from "./compare";
-import classes from "./recordings.module.css";
 import type { Window } from "./ZoomData";
 
 type WindowName = NonNullable<NonNullable<Ask["window"]>>;
@@ -163,7 +162,7 @@ export function SpectrumSection({ recordings, channels, window, running = false 
             legend
             limit={[0, first.frequency_hz.at(-1) ?? 1]}
           />
-          <ul className={classes.facts}>
+          <ul className="indent m-0 mt-4 text-12">
             {spectra.map((spectrum) => (
               <li key={spectrum.index}>
                 {recordings.length > 1 && <b>{titleOf(recordings[spectrum.index] ?? { id: "", name: "" })}: </b>}

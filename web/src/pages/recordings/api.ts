@@ -20,13 +20,16 @@ export function isRunning({ state }: { state: Recording["state"] }): boolean {
 export const PAGE = 100;
 export const PAGE_MAX = 1000;
 
-/** The latest recordings, looked at once a second while one runs, else now and then: others start them too. */
+/**
+ * The latest recordings, looked at once a second while one runs, more often while a search is not complete, else now and
+ * then: others start them too.
+ */
 export function useRecordings(search = "", limit = PAGE) {
   return useQuery({
     queryKey: ["recordings", search, limit],
     queryFn: async () =>
       unwrap(await api.GET("/api/v1/recordings", { params: { query: { limit, ...(search && { search }) } } })),
-    refetchInterval: (query) => (query.state.data?.recordings.some(isRunning) ? 1000 : 4000),
+    refetchInterval: ({ state: { data } }) => (data?.unread ? 300 : data?.recordings.some(isRunning) ? 1000 : 4000),
     placeholderData: (before) => before,
   });
 }

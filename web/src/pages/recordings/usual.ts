@@ -1,4 +1,4 @@
-import type { Device } from "../../api/queries";
+import { can, type Device } from "../../api/queries";
 
 const USUAL = [
   "position",
@@ -18,6 +18,6 @@ const SPARING = ["position", "velocity", "encoder_position", "deviation"];
 /** What is worth recording of an axis: its motion, planned and measured, as far as the device tells it. */
 export function usualChannels(device: Device, axis: number): string[] {
   const offered = new Set(device.channels.map(({ name }) => name));
-  const wanted = device.rate_max_hz < SPARING_HZ || device.model.startsWith("pd42") ? SPARING : USUAL;
+  const wanted = device.rate_max_hz < SPARING_HZ || can(device, "parameters") ? SPARING : USUAL;
   return wanted.map((quantity) => `${quantity}.${axis}`).filter((name) => offered.has(name));
 }

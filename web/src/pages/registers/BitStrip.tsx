@@ -26,7 +26,7 @@ export function BitStrip({ row, raw, staged, onPick }: Props) {
   return (
     <div>
       <div
-        className={css.strip}
+        className={`${css.strip} grid text-12 mono`}
         style={{ "--bits": total, "--name": longest === 0 ? "17px" : `${longest + 1}ch` } as CSSProperties}
         role="img"
         aria-label={`${row.name}, ${row.width} bits, ${
@@ -57,10 +57,13 @@ export function BitStrip({ row, raw, staged, onPick }: Props) {
               onMouseLeave={() => setUnder(null)}
               onClick={() => part.field && onPick?.(part.field.name)}
             >
-              <div className={css.segmentName} data-upright={upright(name, width)}>
+              <div
+                className={`${css.segmentName} flex end text-12 mono tight nowrap`}
+                data-upright={upright(name, width)}
+              >
                 {name}
               </div>
-              <div className={css.segmentBits}>
+              <div className="flex">
                 {Array.from({ length: width }, (_, index) => {
                   const bit = part.msb - index;
                   const old = raw === null ? null : bitOf(raw, bit);
@@ -68,12 +71,14 @@ export function BitStrip({ row, raw, staged, onPick }: Props) {
                   return (
                     <span
                       key={bit}
-                      className={css.bit}
+                      className={`${css.bit} grow shrink centered`}
                       data-on={now === 1}
                       data-staged={staged !== null && old !== now}
                     >
-                      <i className={css.bitNumber}>{bit}</i>
-                      <b className={css.bitValue}>{meaningful ? (now ?? "?") : "·"}</b>
+                      <i className={`${css.bitNumber} hint block mono`}>{bit}</i>
+                      <b className={`${css.bitValue} block text-13 regular mono tight`}>
+                        {meaningful ? (now ?? "?") : "·"}
+                      </b>
                     </span>
                   );
                 })}

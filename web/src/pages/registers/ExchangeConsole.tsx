@@ -5,7 +5,6 @@ import { api, type Problem, problemOf, unwrap } from "../../api/client";
 import type { Device } from "../../api/queries";
 import { hex } from "../../lib/format";
 import { type RegisterRow, readable, writable } from "../../lib/rows/bits";
-import common from "../../lib/rows/rows.module.css";
 import { timeOf } from "../../lib/time";
 import {
   decodedLines,
@@ -64,9 +63,9 @@ interface Props {
 }
 
 /** One datagram out, one back, past all checks: what you send is what the chip gets. */
-export function ExchangeConsole({ device: { id: device, model, link }, connected, rows, selected, raw }: Props) {
+export function ExchangeConsole({ device: { id: device, about, link }, connected, rows, selected, raw }: Props) {
   const queries = useQueryClient();
-  const wire = wireOf({ model, link });
+  const wire = wireOf({ about, link });
   const entries = useHistory(device);
   const [text, setText] = useState("");
   const back = useRef(-1);
@@ -130,7 +129,7 @@ export function ExchangeConsole({ device: { id: device, model, link }, connected
         <Text
           id="datagram-meaning"
           size="xs"
-          className={text.trim() !== "" && !frame.ok ? `${common.wrong} ${css.refused}` : css.meaning}
+          className={text.trim() !== "" && !frame.ok ? `shrink fault tight ${css.refused}` : css.meaning}
         >
           {request
             ? requestText(request, wire)
@@ -162,25 +161,30 @@ export function ExchangeConsole({ device: { id: device, model, link }, connected
         </Group>
       )}
       {entries.length === 0 ? (
-        <Text size="sm" className={common.dim} mt="md">
+        <Text size="sm" className="dim" mt="md">
           Nothing sent yet. Type a datagram, or take one from the selected register.
           {connected ? "" : " The device is not connected."}
         </Text>
       ) : (
-        <ol className={css.history} aria-label="Datagrams sent, newest first">
+        <ol className={`${css.history} list mt-8 text-12`} aria-label="Datagrams sent, newest first">
           {entries.map((entry) => (
             <li key={entry.id}>
-              <button type="button" className={css.sent} onClick={() => setText(entry.sent)} title="Use it again">
-                <span className={common.dim}>{timeOf(entry.at)}</span>
+              <button
+                type="button"
+                className={`${css.sent} plain lines-8 w-full`}
+                onClick={() => setText(entry.sent)}
+                title="Use it again"
+              >
+                <span className="dim">{timeOf(entry.at)}</span>
                 <span className="num">{entry.sent}</span>
-                <span className={common.dim}>{shortRequest(entry.sent, wire, rows)}</span>
+                <span className="dim">{shortRequest(entry.sent, wire, rows)}</span>
               </button>
               {entry.problem ? (
-                <Text size="xs" className={common.wrong}>
+                <Text size="xs" className="shrink fault tight">
                   {entry.problem.detail} {entry.problem.way_out}
                 </Text>
               ) : (
-                <div className={css.reply}>
+                <div className="lines-8 anywhere">
                   <span className="num">← {entry.reply}</span>
                   {entry.lines.map(([name, line]) => (
                     <span key={name}>

@@ -1,4 +1,4 @@
-import { ActionIcon, Button, Checkbox, Select, Tooltip } from "@mantine/core";
+import { ActionIcon, Button, Checkbox, Select } from "@mantine/core";
 import { IconArrowBackUp } from "@tabler/icons-react";
 import { fixed } from "../../lib/format";
 import { editorOf, enumName, type FieldRow, type RegisterRow, unpackField, writable } from "../../lib/rows/bits";
@@ -6,7 +6,6 @@ import type { Scale } from "../../lib/rows/input";
 import { LiveText } from "../../lib/rows/LiveText";
 import { NumberEntry } from "../../lib/rows/NumberEntry";
 import { chipUnit, derived, physicalText } from "../../lib/rows/physical";
-import common from "../../lib/rows/rows.module.css";
 import type { Edit } from "../../lib/rows/staging";
 import css from "./registers.module.css";
 
@@ -28,8 +27,8 @@ export function FieldList(props: Props) {
   const conditions = [...new Set(ordered.map((field) => field.when ?? ""))].sort((a, b) => a.localeCompare(b));
   return conditions.map((condition) => (
     <div key={condition}>
-      {condition !== "" && <h3 className={css.condition}>If {condition}</h3>}
-      <ul className={css.fields}>
+      {condition !== "" && <h3 className={`${css.condition} hint bold`}>If {condition}</h3>}
+      <ul className="list">
         {ordered
           .filter((field) => (field.when ?? "") === condition)
           .map((field) => {
@@ -39,11 +38,11 @@ export function FieldList(props: Props) {
             const shown = staged ?? chip;
             return (
               <li key={field.name} className={css.field} data-staged={staged !== undefined} data-field={field.name}>
-                <span className={`num ${css.fieldBits}`}>
+                <span className={`num ${css.fieldBits} hint right`}>
                   {field.width === 1 ? field.lsb : `${field.lsb + field.width - 1}:${field.lsb}`}
                 </span>
-                <span className={css.fieldName}>{field.name}</span>
-                <span className={css.fieldControl}>
+                <span className={`${css.fieldName} text-12 mono anywhere`}>{field.name}</span>
+                <span className={`${css.fieldControl} row gap-8`}>
                   <FieldControl
                     row={row}
                     field={field}
@@ -54,26 +53,25 @@ export function FieldList(props: Props) {
                     unstage={() => unstage(field.name)}
                   />
                 </span>
-                <span className={css.fieldMeaning}>
+                <span className={`${css.fieldMeaning} row hint wrap gap-8`}>
                   {shown !== null && (physicalText(shown, scales) || derived(field, shown, clockHz))}
                   {staged !== undefined && (
-                    <span className={css.was}>
+                    <span className="inline gap-4 accent">
                       {field.access !== "R+WC" &&
                         `was ${chip === null ? "unknown" : (enumName(field, chip) ?? fixed(chip))}`}
-                      <Tooltip label="Discard this edit">
-                        <ActionIcon
-                          size={20}
-                          variant="subtle"
-                          aria-label={`Discard the edit of ${field.name}`}
-                          onClick={() => unstage(field.name)}
-                        >
-                          <IconArrowBackUp size={13} />
-                        </ActionIcon>
-                      </Tooltip>
+                      <ActionIcon
+                        size={20}
+                        variant="subtle"
+                        aria-label={`Discard the edit of ${field.name}`}
+                        title="Discard this edit"
+                        onClick={() => unstage(field.name)}
+                      >
+                        <IconArrowBackUp size={13} />
+                      </ActionIcon>
                     </span>
                   )}
                 </span>
-                <span className={css.fieldHelp}>
+                <span className={`${css.fieldHelp} hint tight`}>
                   {field.help}
                   {field.behaviour && ` (the emulator keeps it without acting on it: ${field.behaviour})`}
                 </span>
@@ -118,8 +116,8 @@ function FieldControl({ row, field, chip, staged, scales, stage, unstage }: Cont
   if (!writable(field.access) || !writable(row.access)) {
     return (
       <span>
-        <LiveText className="num" text={text} /> <span className={common.unit}>{chipUnit(field.unit)}</span>
-        <span className={css.readOnlyMark}>read only</span>
+        <LiveText className="num" text={text} /> <span className="hint ml-4">{chipUnit(field.unit)}</span>
+        <span className="hint ml-8">read only</span>
       </span>
     );
   }

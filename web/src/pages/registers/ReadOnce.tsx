@@ -19,7 +19,7 @@ export function ReadOnce({ device, row }: { device: Device | undefined; row: Reg
     },
   });
   return (
-    <div className={css.readOnce}>
+    <div className={`${css.readOnce} grid gap-4 mt-4`}>
       <Button
         size="compact-xs"
         variant="default"

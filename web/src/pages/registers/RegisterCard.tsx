@@ -35,7 +35,7 @@ export const RegisterCard = memo(function RegisterCard(props: RowProps) {
         <span className={common.cardTop}>
           <RegisterName name={row.name} />
           <NameTags row={row} />
-          <span className={`num ${common.dim}`}>{hex(row.address, 8)}</span>
+          <span className="num dim">{hex(row.address, 8)}</span>
           <AccessMark access={row.access} />
         </span>
         <span className={common.cardValue}>

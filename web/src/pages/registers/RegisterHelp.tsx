@@ -33,7 +33,7 @@ export function RegisterHelp({ row, raw, beside, actions, heading = false }: Pro
       <Text size="sm" mb={6}>
         {sentence(row.help)}
       </Text>
-      <dl className={common.facts}>
+      <dl className={`${common.facts} grid m-0 text-12`}>
         <dt>Address</dt>
         <dd>
           <span className="num">{hex(row.address, 8)}</span>, {row.axis === null ? "whole chip" : `axis ${row.axis}`},{" "}
@@ -96,7 +96,7 @@ export function RegisterHelp({ row, raw, beside, actions, heading = false }: Pro
         {row.unit !== "" && (
           <>
             <dt>Unit</dt>
-            <dd className={common.formula}>{row.unit}</dd>
+            <dd className="text-12 mono anywhere">{row.unit}</dd>
           </>
         )}
         <dt>Reset</dt>

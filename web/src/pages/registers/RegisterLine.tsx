@@ -74,7 +74,7 @@ export const RegisterLine = memo(function RegisterLine(props: RowProps) {
         <th scope="row" className={common.nameCell}>
           <RegisterName name={row.name} />
           <NameTags row={row} />
-          {found !== "" && <span className={common.found}>{found}</span>}
+          {found !== "" && <span className="clip block accent text-12">{found}</span>}
         </th>
         <td className="num">{hex(row.address, 8)}</td>
         <td>
@@ -100,7 +100,7 @@ export const RegisterLine = memo(function RegisterLine(props: RowProps) {
           </td>
         ) : (
           <>
-            <td className={common.valueCell}>
+            <td className="nowrap">
               <ValueText row={row} raw={raw} />
             </td>
             <td>
@@ -114,7 +114,7 @@ export const RegisterLine = memo(function RegisterLine(props: RowProps) {
             </td>
           </>
         )}
-        <td className={common.tools}>
+        <td className={`${common.tools} nowrap`}>
           {edit && !editing && (
             <ActionIcon
               size={22}
@@ -157,7 +157,7 @@ type BitsProps = Pick<RowProps, "row" | "edit" | "scale" | "clockHz" | "actions"
 export function RegisterBits({ row, raw, edit, scale, clockHz, actions }: BitsProps) {
   const key = keyOf(row);
   return (
-    <div className={common.detail} data-detail={key}>
+    <div className={`${common.detail} stack gap-8`} data-detail={key}>
       <BitStrip
         row={row}
         raw={raw}

@@ -49,7 +49,7 @@ export function RegisterList(props: Props) {
   if (groups.length === 0)
     return (
       <EmptyState title={`No register matches "${query}"`} icon={<IconSearchOff size={22} />}>
-        <Text size="sm" className={common.dim}>
+        <Text size="sm" className="dim">
           Search finds names, addresses like 0x0c, fields and words of the help.
         </Text>
         <Button size="xs" variant="default" onClick={props.onClearSearch}>
@@ -116,9 +116,7 @@ export function RegisterList(props: Props) {
       data-old={old}
       onKeyDown={(event) => onTableKey(event, groups, props.open, props.actions)}
     >
-      <caption className={common.hidden}>
-        Registers. Arrow keys walk the rows, Enter edits, right opens the bits.
-      </caption>
+      <caption className="unseen">Registers. Arrow keys walk the rows, Enter edits, right opens the bits.</caption>
       <colgroup>
         <col style={{ width: 30 }} />
         <col className={common.colName} />

@@ -10,7 +10,6 @@ import { useRowState } from "../../lib/rows/actions";
 import type { RegisterRow } from "../../lib/rows/bits";
 import { liveScale } from "../../lib/rows/physical";
 import { RowsPage } from "../../lib/rows/RowsPage";
-import common from "../../lib/rows/rows.module.css";
 import { besideText, foldedByDefault, groupRows } from "../../lib/rows/search";
 import { type Key, keyOf } from "../../lib/rows/staging";
 import { useStaged } from "../../lib/rows/store";
@@ -53,7 +52,7 @@ export default function RegistersPage() {
   if (devices.isSuccess && !device)
     return (
       <EmptyState title="No device to show registers of" icon={<IconTableColumn size={22} />}>
-        <Text size="sm" className={common.dim}>
+        <Text size="sm" className="dim">
           Connect a chip, or add an emulated one: that needs no hardware.
         </Text>
         <Button component={Link} href="/connections" size="sm">
@@ -93,7 +92,7 @@ export default function RegistersPage() {
             <Switch
               size="xs"
               label="All axes"
-              classNames={{ label: common.switchLabel }}
+              classNames={{ label: "text-12" }}
               checked={everyAxis}
               onChange={(event) => setAllAxes(event.currentTarget.checked)}
             />
@@ -134,7 +133,7 @@ export default function RegistersPage() {
           />
         ) : (
           <EmptyState title="Choose a register" icon={<IconTableColumn size={22} />}>
-            <Text size="sm" className={common.dim} maw={270}>
+            <Text size="sm" className="dim" maw={270}>
               Click a row, or walk the table with the arrow keys. <Shortcut keys="Enter" /> edits, <Shortcut keys="→" />{" "}
               opens the bits, <Shortcut keys="/" /> searches.
             </Text>
@@ -161,5 +160,5 @@ export default function RegistersPage() {
 }
 
 function Shortcut({ keys }: { keys: string }) {
-  return <kbd className={common.kbd}>{keys}</kbd>;
+  return <kbd className="px-4 box text-12 mono">{keys}</kbd>;
 }

@@ -1,9 +1,9 @@
 import { describe, expect, it } from "vitest";
-import type { Device } from "../../api/queries";
+import { deviceOf } from "../../../test/catalog";
 import { field, register } from "../../lib/rows/samples";
 import { crc8, decodedLines, decodeRequest, frameText, parseFrame, wireOf } from "./frames";
 
-const wire = (model: string, link: object = { kind: "emulator" }) => wireOf({ model, link } as unknown as Device);
+const wire = (model: string, link: object = { kind: "emulator" }) => wireOf(deviceOf(model, { link }));
 const SPI32 = wire("tmc428");
 
 const DIVIDERS = register("pulse_div_ramp_div_usrs", 16, {

@@ -1,5 +1,4 @@
 import type { Device } from "../../api/queries";
-import { familyOf } from "../../lib/family";
 import { hex } from "../../lib/format";
 import { type RegisterRow, readable, writable } from "../../lib/rows/bits";
 
@@ -111,11 +110,12 @@ function board(channel: number): Wire {
 }
 
 /** What goes to that device when a raw frame is sent. */
-export function wireOf({ model, link }: Pick<Device, "model" | "link">): Wire {
+export function wireOf({ about, link }: Pick<Device, "about" | "link">): Wire {
   const { kind, node, motor } = link as Record<string, unknown>;
-  if (kind === "landungsbruecke") return board(typeof motor === "number" ? motor : 0);
-  if (kind === "uart") return uart(model === "tmc5062" ? null : typeof node === "number" ? node : 0);
-  return familyOf(model) === "pmul" ? SPI32 : SPI40;
+  const frames = about.wires.find((wire) => wire.kind === kind)?.frames;
+  if (frames === "board") return board(typeof motor === "number" ? motor : 0);
+  if (frames === "uart") return uart(about.uart === "plain" ? null : typeof node === "number" ? node : 0);
+  return about.datagram_bits === 32 ? SPI32 : SPI40;
 }
 
 export type Frame = { ok: true; bytes: number[] } | { ok: false; why: string };

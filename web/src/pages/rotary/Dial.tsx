@@ -122,7 +122,7 @@ export function Dial({ now, staged, way, sent, disabled, stale, onStage, onDone 
   return (
     <svg
       viewBox="-200 -200 400 400"
-      className={classes.dial}
+      className={`${classes.dial} block w-full touchless`}
       data-stale={stale}
       data-disabled={disabled}
       onPointerDown={(event) => {
@@ -145,7 +145,7 @@ export function Dial({ now, staged, way, sent, disabled, stale, onStage, onDone 
       }}
     >
       <title>Dial of one turn of the shaft</title>
-      <circle r={FACE} className={classes.face} />
+      <circle r={FACE} fill="var(--raised)" stroke="var(--line)" />
       {TICKS.map((angle) => {
         const size = angle % 30 === 0 ? 13 : angle % 10 === 0 ? 9 : 5;
         const [x1, y1] = at(angle, 150);
@@ -165,22 +165,30 @@ export function Dial({ now, staged, way, sent, disabled, stale, onStage, onDone 
       {LABELS.map((angle) => {
         const [x, y] = at(angle, 189);
         return (
-          <text key={angle} x={x} y={y + 4} textAnchor="middle" className={classes.dialLabel}>
+          <text key={angle} x={x} y={y + 4} textAnchor="middle" className="tick">
             {angle}
           </text>
         );
       })}
-      <circle r={RIM} className={classes.track} />
+      <circle r={RIM} fill="none" stroke="var(--well)" strokeWidth={14} />
       <circle r={RIM} className={classes.grip} style={{ strokeWidth: GRIP }} />
-      <circle ref={more} r={RIM} className={classes.wayMore} style={{ opacity: 0 }} />
-      <path ref={path} className={classes.way} />
-      <path ref={head} className={classes.wayHead} />
+      <circle
+        ref={more}
+        r={RIM}
+        fill="none"
+        stroke="var(--accent)"
+        strokeWidth={14}
+        strokeOpacity={0.22}
+        style={{ opacity: 0 }}
+      />
+      <path ref={path} fill="none" stroke="var(--accent)" strokeWidth={6} strokeOpacity={0.85} />
+      <path ref={head} className="fill-accent" />
       {sent !== null && (
         <g transform={`rotate(${sent})`}>
-          <path d={`M0 -${RIM - 9}L-7 -${RIM + 9}L7 -${RIM + 9}Z`} className={classes.sent} />
+          <path d={`M0 -${RIM - 9}L-7 -${RIM + 9}L7 -${RIM + 9}Z`} fill="var(--slate)" />
         </g>
       )}
-      <circle ref={blur} r={122} className={classes.blur} style={{ stroke: position, opacity: 0 }} />
+      <circle ref={blur} r={122} fill="none" strokeWidth={56} style={{ stroke: position, opacity: 0 }} />
       <path ref={apart} className={classes.apart} style={{ stroke: seenColor }} />
       <g ref={encoder} className={classes.hand} data-testid="encoder-hand" style={{ visibility: "hidden" }}>
         <path d={`M0 -${HUB + 4}V-134`} stroke={seenColor} strokeWidth={2} />
@@ -189,12 +197,24 @@ export function Dial({ now, staged, way, sent, disabled, stale, onStage, onDone 
       <g ref={commanded} className={classes.hand} data-testid="commanded-hand" style={{ visibility: "hidden" }}>
         <path d={`M-8 -${HUB + 5}L-1.6 -148H1.6L8 -${HUB + 5}Z`} fill={position} />
       </g>
-      <circle r={HUB} className={classes.hub} />
-      <text ref={angleText} y={2} textAnchor="middle" className={classes.dialAngle} data-testid="dial-angle">
+      <circle r={HUB} fill="var(--ground)" stroke="var(--line)" />
+      <text
+        ref={angleText}
+        y={2}
+        textAnchor="middle"
+        className={`${classes.dialAngle} bold mono fill-text`}
+        data-testid="dial-angle"
+      >
         –
       </text>
-      <text ref={turnsText} y={27} textAnchor="middle" className={classes.dialTurns} data-testid="dial-turns" />
-      <text y={44} textAnchor="middle" className={classes.dialLabel}>
+      <text
+        ref={turnsText}
+        y={27}
+        textAnchor="middle"
+        className={`${classes.dialTurns} text-16 mono fill-text`}
+        data-testid="dial-turns"
+      />
+      <text y={44} textAnchor="middle" className="tick">
         turns
       </text>
       <g

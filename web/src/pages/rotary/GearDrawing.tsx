@@ -33,13 +33,33 @@ export function GearDrawing({ motorTeeth, drivenTeeth, angle }: Props) {
     >
       <g ref={motor} transform={`translate(${drawn.motor.x})`}>
         <path d={drawn.motor.path} className={classes.gearMotor} />
-        <circle r={Math.max(2, drawn.motor.radius * 0.18)} className={classes.gearHole} />
-        <path d={`M0 ${-drawn.motor.radius * 0.35}V${-drawn.motor.radius * 0.72}`} className={classes.gearMark} />
+        <circle
+          r={Math.max(2, drawn.motor.radius * 0.18)}
+          fill="var(--ground)"
+          stroke="var(--slate)"
+          strokeWidth={0.8}
+        />
+        <path
+          d={`M0 ${-drawn.motor.radius * 0.35}V${-drawn.motor.radius * 0.72}`}
+          stroke="var(--mantine-color-text)"
+          strokeWidth={1.6}
+          strokeLinecap="round"
+        />
       </g>
       <g ref={driven} transform={`translate(${drawn.driven.x})`}>
         <path d={drawn.driven.path} className={classes.gearDriven} />
-        <circle r={Math.max(2, drawn.driven.radius * 0.18)} className={classes.gearHole} />
-        <path d={`M0 ${-drawn.driven.radius * 0.35}V${-drawn.driven.radius * 0.72}`} className={classes.gearMark} />
+        <circle
+          r={Math.max(2, drawn.driven.radius * 0.18)}
+          fill="var(--ground)"
+          stroke="var(--slate)"
+          strokeWidth={0.8}
+        />
+        <path
+          d={`M0 ${-drawn.driven.radius * 0.35}V${-drawn.driven.radius * 0.72}`}
+          stroke="var(--mantine-color-text)"
+          strokeWidth={1.6}
+          strokeLinecap="round"
+        />
       </g>
     </svg>
   );

@@ -1,4 +1,4 @@
-import { Button, SegmentedControl, Switch, Tooltip } from "@mantine/core";
+import { Button, SegmentedControl, Switch } from "@mantine/core";
 import { IconArrowBackUp, IconPlayerPlayFilled, IconPlayerTrackNext, IconPlayerTrackPrev } from "@tabler/icons-react";
 import { useState } from "react";
 import { exactText } from "../../lib/format";
@@ -76,11 +76,11 @@ export function GoTo(props: Props) {
         disabled={disabled}
         onChange={(value) => onWay(value as Way)}
       />
-      <dl className={classes.preview} data-testid="preview">
+      <dl className={`${classes.preview} my-4 grid gap-2 text-12`} data-testid="preview">
         <div>
           <dt>will turn</dt>
           <dd>
-            <LiveText read={() => preview().way} className={classes.previewWay} data-testid="preview-way" />
+            <LiveText read={() => preview().way} className="text-16 bold mono" data-testid="preview-way" />
           </dd>
         </div>
         <div>
@@ -96,7 +96,7 @@ export function GoTo(props: Props) {
           </dd>
         </div>
       </dl>
-      <div className={classes.row}>
+      <div className="flex gap-6">
         <Button
           size="xs"
           flex={1}
@@ -108,18 +108,17 @@ export function GoTo(props: Props) {
         >
           Go
         </Button>
-        <Tooltip label="Put the hand back">
-          <Button
-            size="xs"
-            variant="default"
-            px={8}
-            aria-label="Put the hand back"
-            disabled={angle === null}
-            onClick={onPutBack}
-          >
-            <IconArrowBackUp size={15} aria-hidden />
-          </Button>
-        </Tooltip>
+        <Button
+          size="xs"
+          variant="default"
+          px={8}
+          aria-label="Put the hand back"
+          title="Put the hand back"
+          disabled={angle === null}
+          onClick={onPutBack}
+        >
+          <IconArrowBackUp size={15} aria-hidden />
+        </Button>
       </div>
       <Switch
         size="xs"
@@ -128,7 +127,7 @@ export function GoTo(props: Props) {
         disabled={disabled}
         onChange={(event) => onAtOnce(event.currentTarget.checked)}
       />
-      <div className={classes.turnsRow}>
+      <div className={`${classes.turnsRow} grid end gap-6 rule-top`}>
         <ExactField
           label="Whole turns"
           value={grouped(turns)}

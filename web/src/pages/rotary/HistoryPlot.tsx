@@ -147,7 +147,7 @@ export function HistoryPlot({ at, source, seen, connected }: Props) {
           />
         </div>
       ) : (
-        <Text className={classes.hint} role="status">
+        <Text className="hint" role="status">
           Once a turn is set, its angle is kept here while the server runs.
         </Text>
       )}

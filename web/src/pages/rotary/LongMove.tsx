@@ -47,7 +47,7 @@ export function LongMove({ actual, turn, pieceLength, pps, disabled, going, onGo
 
   return (
     <Section title="Long move" note="any of 2^64 positions">
-      <div className={classes.formRow}>
+      <div className={`${classes.formRow} grid start gap-6`}>
         <ExactField
           label={relative === "to" ? "Go to" : "Go by"}
           value={text}
@@ -96,7 +96,7 @@ export function LongMove({ actual, turn, pieceLength, pps, disabled, going, onGo
         disabled={disabled}
         onChange={(next) => setRelative(next as "to" | "by")}
       />
-      <dl className={classes.preview} data-testid="long-preview">
+      <dl className={`${classes.preview} my-4 grid gap-2 text-12`} data-testid="long-preview">
         <div>
           <dt>target</dt>
           <dd>

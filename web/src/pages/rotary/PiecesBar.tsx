@@ -57,7 +57,7 @@ export function PiecesBar({
       }
     >
       {view === null || view.total === 0 ? (
-        <Text className={classes.hint} role="status">
+        <Text className="hint" role="status">
           {moving
             ? "The move is in one piece."
             : "Nothing under way. A move longer than a piece is shown here, piece by piece."}
@@ -74,20 +74,20 @@ export function PiecesBar({
           >
             <span className={classes.progressDone} style={{ width: `${view.progress * 100}%` }} />
           </div>
-          <ol className={classes.pieces} aria-label="Pieces" data-testid="pieces">
-            {view.before > 0 && <li className={classes.beyond}>{pieces(view.before)} before</li>}
+          <ol className={`${classes.pieces} list flex gap-2`} aria-label="Pieces" data-testid="pieces">
+            {view.before > 0 && <li className={`${classes.beyond} hint nowrap`}>{pieces(view.before)} before</li>}
             {view.segments.map((segment) => (
-              <li key={segment.index} className={classes.piece} data-state={segment.state}>
+              <li key={segment.index} className={`${classes.piece} shrink relative hidden`} data-state={segment.state}>
                 <span className={classes.pieceFill} style={{ width: `${segment.share * 100}%` }} />
-                <span className={classes.pieceName}>
+                <span className={`${classes.pieceName} center text-12 mono relative`}>
                   {segment.index + 1}
                   <VisuallyHidden> {STATES[segment.state]}</VisuallyHidden>
                 </span>
               </li>
             ))}
-            {view.after > 0 && <li className={classes.beyond}>{pieces(view.after)} more</li>}
+            {view.after > 0 && <li className={`${classes.beyond} hint nowrap`}>{pieces(view.after)} more</li>}
           </ol>
-          <dl className={classes.facts}>
+          <dl className={`${classes.facts} lines-16 m-0 mt-8 text-12`}>
             <div>
               <dt>done</dt>
               <dd className="num" data-testid="pieces-done">

@@ -1,4 +1,4 @@
-import { Text, Tooltip, UnstyledButton } from "@mantine/core";
+import { Text, UnstyledButton } from "@mantine/core";
 import { useClipboard, useLocalStorage } from "@mantine/hooks";
 import { useMutation } from "@tanstack/react-query";
 import { useEffect, useRef, useState } from "react";
@@ -50,7 +50,7 @@ export function RotaryAxis({ device, axis, extended, seen, connected }: Props) {
     .map((quantity) => `${quantity}.${axis.index}`)
     .filter((name) => device.channels.some((channel) => channel.name === name));
   const { source, link, buffer } = useTelemetry(device.id, channels, Math.min(RATE_HZ, device.rate_max_hz), KEEP_S);
-  const top = useTopSpeed(at, device.model, scaleOf(axis, device.clock_hz), connected);
+  const top = useTopSpeed(at, device, scaleOf(axis, device.clock_hz), connected);
 
   const [staged, setStagedState] = useState<Ratio | null>(null);
   const [way, setWay] = useLocalStorage<Way>({ key: "stepscope.rotary.way", defaultValue: "shortest" });
@@ -187,12 +187,12 @@ export function RotaryAxis({ device, axis, extended, seen, connected }: Props) {
       {extended.query.isError && connected && <ProblemAlert error={extended.query.error} doing="Looking" />}
       <Trust seen={seen} disabled={!connected} busy={going} onChange={(body) => void change("Setting it", body)} />
       {answer.warnings.map((warning) => (
-        <Text key={warning} className={classes.caution} role="status">
+        <Text key={warning} className="caution text-12" role="status">
           {warning}
         </Text>
       ))}
       <section
-        className={classes.readouts}
+        className={`${classes.readouts} pad lines-24 card start`}
         aria-label="Now"
         data-stale={!connected || !answer.watching || !answer.trusted}
       >
@@ -228,20 +228,20 @@ export function RotaryAxis({ device, axis, extended, seen, connected }: Props) {
           </Text>
         </div>
       </section>
-      <div className={classes.page}>
+      <div className={`${classes.page} grid start gap-8`}>
         <Section
           title="Dial"
           className={classes.dialSection}
           note={turn ? <DialLegend encoder={answer.encoder_position_text !== null} /> : undefined}
         >
           {turn === null && (
-            <Text className={classes.hint} role="status">
+            <Text className="hint" role="status">
               {answer.watching
                 ? "This axis has no turn yet: say under Set up how many microsteps it is."
                 : "Nobody watches this axis yet. Say under Set up what a turn is, then watch it: from then on the server keeps its turns, beyond the counter and over restarts."}
             </Text>
           )}
-          <div className={classes.dialBox}>
+          <div className={`${classes.dialBox} grid gap-16 mid`}>
             <Dial
               now={now}
               staged={staged === null ? null : toNumber(staged)}
@@ -270,8 +270,10 @@ export function RotaryAxis({ device, axis, extended, seen, connected }: Props) {
             />
           </div>
         </Section>
-        <div className={classes.side}>{answer.watching ? [longMove, setup] : [setup, longMove]}</div>
-        <div className={classes.wide}>
+        <div className={`${classes.side} grid shrink gap-8`}>
+          {answer.watching ? [longMove, setup] : [setup, longMove]}
+        </div>
+        <div className={`${classes.wide} grid shrink gap-8`}>
           <PiecesBar
             view={view}
             length={seen.pieceLength}
@@ -304,28 +306,28 @@ function Exact(props: { label: string; read: () => bigint | null; color: string;
   const clipboard = useClipboard({ timeout: 1500 });
   return (
     <div className={classes.exact}>
-      <Text size="xs" c="dimmed" className={classes.exactLabel}>
-        <span className={classes.swatch} style={{ background: color }} />
+      <Text size="xs" c="dimmed" className="row gap-4 tight">
+        <span className={`${classes.swatch} swatch inline-block`} style={{ background: color }} />
         {label} µsteps
+        {clipboard.copied && <span className="good">copied</span>}
       </Text>
-      <Tooltip label={clipboard.copied ? "Copied" : "Copy all digits"}>
-        <UnstyledButton
-          className={classes.exactValue}
-          aria-label={`Copy ${label.toLowerCase()}`}
-          onClick={() => {
+      <UnstyledButton
+        className={`${classes.exactValue} figure-20`}
+        aria-label={`Copy ${label.toLowerCase()}`}
+        title="Copy all digits"
+        onClick={() => {
+          const value = read();
+          if (value !== null) clipboard.copy(value.toString());
+        }}
+      >
+        <LiveText
+          read={() => {
             const value = read();
-            if (value !== null) clipboard.copy(value.toString());
+            return value === null ? "–" : grouped(value);
           }}
-        >
-          <LiveText
-            read={() => {
-              const value = read();
-              return value === null ? "–" : grouped(value);
-            }}
-            data-testid={testId}
-          />
-        </UnstyledButton>
-      </Tooltip>
+          data-testid={testId}
+        />
+      </UnstyledButton>
     </div>
   );
 }
@@ -333,11 +335,16 @@ function Exact(props: { label: string; read: () => bigint | null; color: string;
 function DialLegend({ encoder }: { encoder: boolean }) {
   const scheme = useScheme();
   return (
-    <span className={classes.legend}>
-      <span className={classes.swatch} style={{ background: colorOf("position", scheme) }} /> commanded
+    <span className={`${classes.legend} inline wrap gap-4`}>
+      <span className={`${classes.swatch} swatch inline-block`} style={{ background: colorOf("position", scheme) }} />{" "}
+      commanded
       {encoder && (
         <>
-          <span className={classes.swatch} style={{ background: colorOf("encoder_position", scheme) }} /> encoder
+          <span
+            className={`${classes.swatch} swatch inline-block`}
+            style={{ background: colorOf("encoder_position", scheme) }}
+          />{" "}
+          encoder
         </>
       )}
     </span>

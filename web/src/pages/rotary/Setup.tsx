@@ -100,8 +100,8 @@ export function Setup({ seen, perMotorTurn, angle, disabled, busy, onChange, onF
           data-testid="per-turn"
         />
       ) : (
-        <div className={classes.gearRow}>
-          <div className={classes.gearFields}>
+        <div className="grid gap-6 mt-8">
+          <div className="grid gap-6">
             <NumberField
               label="Motor's turn"
               unit="µsteps"
@@ -113,7 +113,7 @@ export function Setup({ seen, perMotorTurn, angle, disabled, busy, onChange, onF
               onChange={setMotorSteps}
               data-testid="motor-steps"
             />
-            <div className={classes.pair}>
+            <div className="halves gap-6">
               <NumberField
                 label="Motor's teeth"
                 integer
@@ -139,7 +139,7 @@ export function Setup({ seen, perMotorTurn, angle, disabled, busy, onChange, onF
           <GearDrawing motorTeeth={motorTeeth} drivenTeeth={drivenTeeth} angle={angle} />
         </div>
       )}
-      <div className={classes.turnLine}>
+      <div className="lines-4 baseline mt-8 text-12">
         <Text component="span" size="xs" c="dimmed">
           a turn
         </Text>
@@ -163,7 +163,7 @@ export function Setup({ seen, perMotorTurn, angle, disabled, busy, onChange, onF
       </div>
       {answer.watching && (
         <>
-          <div className={classes.turnLine}>
+          <div className="lines-4 baseline mt-8 text-12">
             <Text component="span" size="xs" c="dimmed">
               angle 0 at
             </Text>
@@ -181,7 +181,7 @@ export function Setup({ seen, perMotorTurn, angle, disabled, busy, onChange, onF
               Zero here
             </Button>
           </div>
-          <div className={classes.actualLine}>
+          <div className={`${classes.actualLine} grid start gap-6 mt-8`}>
             <ExactField
               label="It stands at"
               unit="µsteps"
@@ -207,7 +207,7 @@ export function Setup({ seen, perMotorTurn, angle, disabled, busy, onChange, onF
           </div>
         </>
       )}
-      <dl className={classes.limits}>
+      <dl className={`${classes.limits} grid m-0 mt-8 text-12 tight rule-top`}>
         <dt>counter</dt>
         <dd>{bits === null ? "cannot be followed" : `${bits} bits, then it wraps`}</dd>
         {answer.service_period_s !== null && (

@@ -18,8 +18,8 @@ export function Trust({ seen, disabled, busy, onChange }: Props) {
   // where the way out is a request of the REST side, the button and the field here are that
   const elsewhere = answer.way_out !== "" && !answer.way_out.includes("PUT");
   return (
-    <div role="alert" className={classes.trust} data-testid="untrusted">
-      <IconAlertTriangle size={20} aria-hidden className={classes.trustSign} />
+    <div role="alert" className={`${classes.trust} grid mid pad`} data-testid="untrusted">
+      <IconAlertTriangle size={20} aria-hidden className="caution" />
       <div>
         <Text size="sm" fw={600}>
           Where the axis stands is not certain

@@ -51,7 +51,7 @@ export function ChipThresholds({ chip, settings, current, disabled }: Props) {
   const soft = chip.planned("SW_MODE", "en_softstop") === 1 && of(AP.stopOnStall) === 1;
   return (
     <Section title="Thresholds" note="drag them in the plot, or type">
-      <h3 className={classes.group}>StallGuard</h3>
+      <h3 className={`${classes.group} hint bold`}>StallGuard</h3>
       <NumberRow
         {...row(AP.stallThreshold, "Sensitivity")}
         min={-64}
@@ -65,7 +65,7 @@ export function ChipThresholds({ chip, settings, current, disabled }: Props) {
         note={soft ? "not together with en_softstop" : ""}
       />
       {speed(AP.coolOn, "Works above", clocks ? "0: StallGuard and CoolStep never work" : "0: from standstill on")}
-      <h3 className={classes.group}>CoolStep</h3>
+      <h3 className={`${classes.group} hint bold`}>CoolStep</h3>
       <NumberRow
         {...row(AP.coolStart, "Lower threshold")}
         min={0}
@@ -82,7 +82,9 @@ export function ChipThresholds({ chip, settings, current, disabled }: Props) {
       <ChoiceRow {...row(AP.coolMinimum, "Least current")} choices={MINIMA} />
       <ChoiceRow {...row(AP.coolUp, "Up by")} choices={UPS} />
       <ChoiceRow {...row(AP.coolDown, "Down by 1")} choices={DOWNS} />
-      <h3 className={classes.group}>{has(AP.stealthGradient) ? "StealthChop and current" : "Current"}</h3>
+      <h3 className={`${classes.group} hint bold`}>
+        {has(AP.stealthGradient) ? "StealthChop and current" : "Current"}
+      </h3>
       {has(AP.stealthGradient) && <ChoiceRow {...row(AP.stealthGradient, "StealthChop")} choices={["off", "on"]} />}
       {of(AP.stealthGradient) === 1 && speed(AP.stealthBelow, "StealthChop below", "0: at every speed")}
       <NumberRow

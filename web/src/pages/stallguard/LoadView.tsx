@@ -85,7 +85,11 @@ export function LoadView(props: Props) {
     <Page name="StallGuard">
       <DeviceNotice device={device} />
       {props.notice}
-      <section className={classes.readouts} aria-label="Now" data-stale={!connected || link.phase !== "live"}>
+      <section
+        className={`${classes.readouts} pad lines-16 card`}
+        aria-label="Now"
+        data-stale={!connected || link.phase !== "live"}
+      >
         <LiveNumber
           label="Load value"
           unit="of 1023"
@@ -124,8 +128,8 @@ export function LoadView(props: Props) {
         <LiveNumber label="Speed" unit="rpm" read={() => fixed((last("velocity") / microstepsPerTurn) * 60, 1)} />
         <LiveNumber label="Mode by speed" unit="" read={zone} />
       </section>
-      <div className={classes.page}>
-        <div className={classes.side}>
+      <div className={`${classes.page} grid start gap-8`}>
+        <div className={`${classes.side} grid shrink gap-8`}>
           <SweepSection
             run={run}
             microstepsPerTurn={microstepsPerTurn}
@@ -134,7 +138,7 @@ export function LoadView(props: Props) {
           />
           {props.thresholds}
         </div>
-        <div className={classes.views}>
+        <div className={`${classes.views} grid shrink gap-8`}>
           <SpeedPlot
             map={map}
             settings={settings}

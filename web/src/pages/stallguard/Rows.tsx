@@ -30,8 +30,8 @@ export function NumberRow(props: NumberRowProps) {
   const { settings, disabled, name, label, alias, note, min, max, unit = "", step = 1, show } = props;
   return (
     <div className={classes.row} data-staged={settings.staged.has(name)}>
-      <span className={classes.rowLabel}>
-        {label} <span className={classes.alias}>{alias}</span>
+      <span className="text-12 tight">
+        {label} <span className="hint nowrap">{alias}</span>
       </span>
       <NumberField
         aria-label={`${label}, ${alias}`}
@@ -47,7 +47,7 @@ export function NumberRow(props: NumberRowProps) {
         onChange={(value) => settings.stage(name, value)}
         data-testid={name}
       />
-      <span className={classes.rowNote}>{note}</span>
+      <span className={`${classes.rowNote} hint tight whole`}>{note}</span>
     </div>
   );
 }
@@ -64,8 +64,8 @@ export function ChoiceRow({
   const value = settings.planned(name);
   return (
     <div className={classes.row} data-staged={settings.staged.has(name)}>
-      <span className={classes.rowLabel}>
-        {label} <span className={classes.alias}>{alias}</span>
+      <span className="text-12 tight">
+        {label} <span className="hint nowrap">{alias}</span>
       </span>
       <Select
         size="xs"
@@ -78,7 +78,7 @@ export function ChoiceRow({
         onChange={(next) => next !== null && settings.stage(name, Number(next))}
         data-testid={name}
       />
-      <span className={classes.rowNote}>{note}</span>
+      <span className={`${classes.rowNote} hint tight whole`}>{note}</span>
     </div>
   );
 }

@@ -12,7 +12,6 @@ import type { Level, Mark, Overlay, PlotHandle, PlotSeries } from "../../plots/t
 import { type CurrentScale, currentOf, topOf } from "./load";
 import { AP } from "./names";
 import { SPEED_BINS, type SpeedMap } from "./speedMap";
-import classes from "./stallguard.module.css";
 import { hysteresisFor, LOAD_MAX, lowerLoad, startFor, upperLoad } from "./thresholds";
 
 interface Props {
@@ -106,7 +105,7 @@ export function SpeedPlot({ map, settings, current, lines, now }: Props) {
           Clear
         </Button>
       }
-      className={classes.speedPlot}
+      className="relative"
     >
       <Plot
         label="Load value and current over speed"

@@ -1,9 +1,8 @@
 import { Button, Loader, Stack, Text } from "@mantine/core";
 import { IconGauge } from "@tabler/icons-react";
 import { Link } from "wouter";
-import { type Device, useDevices } from "../../api/queries";
+import { can, type Device, useDevices } from "../../api/queries";
 import { EmptyState } from "../../lib/EmptyState";
-import { familyOf } from "../../lib/family";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { DeviceNotice } from "../../lib/rows/DeviceNotice";
 import { StagedDrawer } from "../../lib/rows/StagedDrawer";
@@ -40,7 +39,7 @@ export default function StallGuardPage() {
       </Page>
     );
   const known: Device = devices.isError ? { ...device, state: "disconnected" } : device;
-  const Load = familyOf(device.model) === "module" ? ModuleLoad : ChipLoad;
+  const Load = can(device, "parameters") ? ModuleLoad : ChipLoad;
   return <Load key={`${device.id}/${axis}`} device={known} axis={entry} />;
 }
 
@@ -48,7 +47,7 @@ function Nothing({ title }: { title: string }) {
   return (
     <EmptyState title={title} icon={<IconGauge size={22} />}>
       <Text size="sm" c="dimmed">
-        Connect a module or a TMC5xxx, or add an emulated one: that needs no hardware.
+        Connect a device that measures the load of its motor, or add an emulated one: that needs no hardware.
       </Text>
       <Button component={Link} href="/connections" size="sm">
         Connections

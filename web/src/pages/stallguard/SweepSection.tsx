@@ -31,7 +31,7 @@ export function SweepSection({ run, microstepsPerTurn, accelerationPps2, disable
   const legs = withRamps(sweep(pps(from), pps(to), steps, forS, bothWays), accelerationPps2);
   return (
     <Section title="Speed sweep" note={`takes ${duration(durationOf(legs))}`}>
-      <div className={classes.fields}>
+      <div className={`${classes.fields} halves mb-8`}>
         <NumberField
           label="From"
           unit="rpm"

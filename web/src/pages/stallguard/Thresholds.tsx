@@ -25,7 +25,7 @@ export function Thresholds({ parameters, disabled }: Props) {
   const off = (name: string) => (of(name) === 0 ? "off" : "");
   return (
     <Section title="Thresholds" note="drag them in the plot, or type">
-      <h3 className={classes.group}>StallGuard</h3>
+      <h3 className={`${classes.group} hint bold`}>StallGuard</h3>
       <NumberRow
         {...common}
         name={AP.stallThreshold}
@@ -47,7 +47,7 @@ export function Thresholds({ parameters, disabled }: Props) {
         step={1000}
         note={off(AP.stopOnStall) || "stops at load value 0"}
       />
-      <h3 className={classes.group}>CoolStep</h3>
+      <h3 className={`${classes.group} hint bold`}>CoolStep</h3>
       <NumberRow
         {...common}
         name={AP.coolStart}
@@ -89,7 +89,7 @@ export function Thresholds({ parameters, disabled }: Props) {
       <ChoiceRow {...common} name={AP.coolMinimum} label="Least current" alias="AP 168" choices={MINIMA} />
       <ChoiceRow {...common} name={AP.coolUp} label="Up by" alias="AP 171" choices={UPS} />
       <ChoiceRow {...common} name={AP.coolDown} label="Down by 1" alias="AP 169" choices={DOWNS} />
-      <h3 className={classes.group}>StealthChop and current</h3>
+      <h3 className={`${classes.group} hint bold`}>StealthChop and current</h3>
       <NumberRow
         {...common}
         name={AP.stealthBelow}

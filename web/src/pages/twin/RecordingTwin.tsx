@@ -80,7 +80,7 @@ function Scrubbed({ recording }: { recording: string }) {
       {!hasWebGl() && <NoWebGl />}
       {!ours && failed === null && <Loader size="sm" aria-label="Starting the 3D view" />}
       {ours && (
-        <div className={classes.scrubbed}>
+        <div className={`${classes.scrubbed} grid start gap-12`}>
           {hasWebGl() && <TwinFrame state={state} label="3D view of the recording, at the cursor of its plot" />}
           <div>
             <Text size="sm" className="num">

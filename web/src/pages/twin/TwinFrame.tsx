@@ -18,7 +18,7 @@ export function TwinFrame({ state, label }: { state: TwinState; label: string })
   const shown = first?.source ?? null;
   const waiting = shown === null || loaded !== shown || state.viewers === 0;
   return (
-    <div ref={ref} className={classes.frame} data-waiting={waiting}>
+    <div ref={ref} className={`${classes.frame} card relative`} data-waiting={waiting}>
       {shown !== null && (
         <iframe
           key={shown}
@@ -31,7 +31,7 @@ export function TwinFrame({ state, label }: { state: TwinState; label: string })
         />
       )}
       {waiting && (
-        <Stack className={classes.waiting} align="center" justify="center" gap="xs" role="status">
+        <Stack className="cover" align="center" justify="center" gap="xs" role="status">
           <Loader size="sm" aria-hidden />
           <Text size="sm" c="dimmed">
             Loading the 3D view

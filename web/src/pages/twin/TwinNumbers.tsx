@@ -8,12 +8,12 @@ import type { TwinState } from "./useTwin";
 export function TwinNumbers({ state }: { state: TwinState }) {
   const scheme = useScheme();
   return (
-    <dl className={classes.numbers}>
+    <dl className={`${classes.numbers} grid gap-4 m-0`}>
       {numbersOf(state).map((row) => (
         <div key={row.name} data-known={row.known}>
           <dt>
             <span
-              className={classes.swatch}
+              className={`${classes.swatch} swatch`}
               style={{ background: row.known && row.quantity ? colorOf(row.quantity, scheme) : undefined }}
               aria-hidden
             />

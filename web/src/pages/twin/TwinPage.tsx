@@ -87,7 +87,7 @@ function AxisTwin({ device, axis }: { device: Device; axis: Device["axes"][numbe
       )}
       {on && state.problem !== null && <ProblemAlert error={state.problem} doing={label} />}
       {on ? (
-        <div className={classes.layout}>
+        <div className={`${classes.layout} grid start gap-12`}>
           {hasWebGl() && <TwinFrame state={state} label={label} />}
           <Section
             title={state.recording === null ? axis.name : `Recording ${state.recording}`}
@@ -108,7 +108,7 @@ function AxisTwin({ device, axis }: { device: Device; axis: Device["axes"][numbe
             }
           >
             <TwinNumbers state={state} />
-            <div className={classes.words}>
+            <div className="grid gap-8 mt-12">
               {stroboscope(state) !== null && <Text size="sm">{stroboscope(state)}</Text>}
               <Text size="xs" c="dimmed">
                 Grey is what this device does not tell. Drag turns the picture, the wheel comes closer. The stage is a

@@ -39,7 +39,7 @@ export function LeaseControl() {
       >
         <IconEye size={16} aria-hidden />
         <span className={classes.words}>
-          <span className={classes.more}>Free · </span>Take the bench
+          <span className={`${classes.more}  `}>Free · </span>Take the bench
         </span>
       </Button>
     );

@@ -34,7 +34,7 @@ export function JogSection({ at, scale, unit, topSpeedPps, action, disabled }: P
     void action.run("Rotating", () => motion.rotate(at, { velocity: sign * speed, unit: "pps" }));
   const stop = (mode: "ramp" | "immediate") => void action.run("Stopping", () => motion.stop(at, mode));
   return (
-    <div className={classes.byHand}>
+    <div className={`${classes.byHand} stack gap-8`}>
       <NumberField
         classNames={{ root: classes.inline, input: "num" }}
         label="Speed"

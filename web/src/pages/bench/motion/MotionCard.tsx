@@ -1,9 +1,8 @@
 import { Badge, Group, Select, Stack, Tabs, Text, Title } from "@mantine/core";
 import { Link } from "wouter";
-import type { Device } from "../../../api/queries";
+import { can, type Device } from "../../../api/queries";
 import { ConditionCard } from "../../../lib/condition/ConditionCard";
 import { useAxisReading } from "../../../lib/condition/useAxisReading";
-import { familyOf } from "../../../lib/family";
 import { fixed } from "../../../lib/format";
 import { later } from "../../../lib/later";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
@@ -18,7 +17,9 @@ import { ShuttleSection } from "./ShuttleSection";
 import { useAction } from "./useAction";
 import { useTopSpeed } from "./useMotionLimits";
 
-const ModuleSearch = later(() => import("./ModuleSearch").then((part) => part.ModuleSearch));
+const ModuleSearch = later(() =>
+  import("../../../families/tmcl/search/ModuleSearch").then((part) => part.ModuleSearch),
+);
 const ReferenceSection = later(() => import("./ReferenceSection").then((part) => part.ReferenceSection));
 const TogetherSection = later(() => import("./TogetherSection").then((part) => part.TogetherSection));
 
@@ -39,24 +40,28 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
   const shown = units.includes(unit) ? unit : "microsteps";
   const rate = ratesOf(shown).velocity;
   const decimals = shown === "microsteps" ? 0 : 3;
-  const topSpeed = useTopSpeed(at, device.model, scale, connected);
+  const topSpeed = useTopSpeed(at, device, scale, connected);
   const action = useAction();
   const state = useAxisReading(device.id, axis.index, connected);
   const disabled = !connected;
   const common = { at, scale, unit: shown, action, disabled };
   return (
-    <section className={classes.card} aria-label={`Motion of ${axis.name}`} data-testid="motion-card">
+    <section
+      className={`${classes.card} card stack gap-8`}
+      aria-label={`Motion of ${axis.name}`}
+      data-testid="motion-card"
+    >
       <Group justify="space-between" wrap="nowrap">
-        <Title order={2} className={classes.cardTitle}>
+        <Title order={2} className="clip text-14">
           {device.name} · {axis.name}
         </Title>
         <Badge variant="default" size="sm" title="Mode" data-testid="mode">
           {connected ? (state.data?.mode ?? "…") : device.state}
         </Badge>
       </Group>
-      <div className={classes.readout} data-stale={!connected}>
+      <div className={`${classes.readout} row between gap-8`} data-stale={!connected}>
         <LiveText
-          className={classes.bigNumber}
+          className={`${classes.bigNumber} grow mono right nowrap`}
           read={() => fixed(fromSteps(live.read("position"), shown, scale, "position"), decimals)}
           data-testid="position"
         />
@@ -70,10 +75,10 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
           onChange={(value) => value && onUnit(value)}
         />
       </div>
-      <Group justify="space-between" wrap="nowrap" className={classes.second}>
+      <Group justify="space-between" wrap="nowrap" className="text-12">
         <span>
           <LiveText
-            className={classes.speed}
+            className={`${classes.speed} inline-block mono right`}
             read={() =>
               fixed(fromSteps(live.read("velocity"), rate, scale, "velocity"), shown === "microsteps" ? 0 : 2)
             }
@@ -82,7 +87,7 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
             {symbolOf(rate)}
           </Text>
         </span>
-        <Lamps live={live} model={device.model} />
+        <Lamps live={live} device={device} />
       </Group>
       <ConditionCard
         key={`condition ${device.id}/${axis.index}`}
@@ -94,7 +99,7 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
         <MoveSection key={`${device.id}/${axis.index}`} {...common} />
         <JogSection key={`jog ${device.id}/${axis.index}`} {...common} topSpeedPps={topSpeed} />
       </Stack>
-      <div className={classes.cardMore}>
+      <div className={`${classes.cardMore} stack gap-8`}>
         {device.problem && <ProblemAlert error={device.problem} doing={device.name} />}
         {!connected && (
           <Text size="xs">
@@ -112,7 +117,7 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
         <Tabs
           defaultValue="shuttle"
           keepMounted={false}
-          classNames={{ tab: classes.tab ?? "", panel: classes.tabPanel ?? "" }}
+          classNames={{ tab: classes.tab ?? "", panel: `pt-8 stack gap-8` }}
         >
           <Tabs.List grow>
             <Tabs.Tab value="shuttle">Shuttle</Tabs.Tab>
@@ -126,10 +131,11 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
             <TogetherSection key={device.id} device={device} unit={shown} action={action} disabled={disabled} />
           </Tabs.Panel>
           <Tabs.Panel value="reference">
-            {familyOf(device.model) === "module" ? (
+            {can(device, "parameters") ? (
               <ModuleSearch
                 key={`${device.id}/${axis.index}`}
                 at={at}
+                device={device}
                 live={live}
                 action={action}
                 disabled={disabled}
@@ -138,7 +144,7 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
               <ReferenceSection
                 key={`${device.id}/${axis.index}`}
                 at={at}
-                model={device.model}
+                device={device}
                 live={live}
                 action={action}
                 disabled={disabled}

@@ -3,8 +3,7 @@ import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import type { Schemas } from "../../../api/client";
 import { type AxisAddress, motion } from "../../../api/motion";
-import type { Device } from "../../../api/queries";
-import { hasHomeSwitch } from "../../../lib/family";
+import { can, type Device } from "../../../api/queries";
 import { withUnit } from "../../../lib/format";
 import type { LiveAxis } from "../live";
 import { setZero } from "./setZero";
@@ -13,7 +12,7 @@ import { searchKey, useSearch } from "./useSearch";
 
 interface Props {
   at: AxisAddress;
-  model: Device["model"];
+  device: Device;
   live: LiveAxis;
   action: Action;
   disabled: boolean;
@@ -36,9 +35,9 @@ function outcome(search: Schemas["ReferenceSearchState"] | undefined): string {
 }
 
 /** Where zero is: found at a switch, or set here. */
-export function ReferenceSection({ at, model, live, action, disabled }: Props) {
+export function ReferenceSection({ at, device, live, action, disabled }: Props) {
   const queries = useQueryClient();
-  const home = hasHomeSwitch(model);
+  const home = can(device, "home_switch");
   const [target, setTarget] = useState<SearchSwitch>(home ? "reference" : "left");
   const search = useSearch(at, !disabled);
   const running = search.data?.state === "running";
@@ -91,7 +90,7 @@ export function ReferenceSection({ at, model, live, action, disabled }: Props) {
           disabled={disabled || running}
           title="Calls the present position 0; the motor does not move"
           data-testid="set-zero"
-          onClick={() => void action.run("Setting zero", () => setZero(at, model, live.moving())).then(moved)}
+          onClick={() => void action.run("Setting zero", () => setZero(at, device, live.moving())).then(moved)}
         >
           Set zero here
         </Button>

@@ -36,11 +36,11 @@ export function ChannelPanel({ scopeRow, scope, cursors, onToggle, onFold }: Pro
       : [...traces.filter((trace) => trace.main).reverse(), ...traces.filter((trace) => !trace.main)];
   return (
     <div className={classes.panel} data-row={row.id}>
-      <div className={classes.panelTitle}>
+      <div className="flex between gap-6 mb-4">
         <Text component="h3" size="xs" fw={600}>
           {onFold ? (
             <UnstyledButton
-              className={classes.foldName}
+              className="inline gap-2 text-12 bold"
               aria-expanded
               title={`Fold the plot: ${row.title}`}
               onClick={onFold}
@@ -56,27 +56,30 @@ export function ChannelPanel({ scopeRow, scope, cursors, onToggle, onFold }: Pro
           {symbolOf(unit)}
         </Text>
       </div>
-      <ul className={classes.channels}>
+      <ul className="list">
         {listed.map((trace) => (
           <li key={trace.key}>
             <UnstyledButton
-              className={classes.channel}
+              className={`${classes.channel} row gap-6 text-12 tight w-full`}
               aria-pressed={trace.shown}
               title={trace.shown ? `Hide ${trace.label}` : `Show ${trace.label}`}
               onClick={() => onToggle(trace.key)}
             >
               <span className={classes.swatch} style={swatchOf(trace)} />
-              <span className={classes.channelName}>{trace.label}</span>
+              <span className={`${classes.channelName} clip grow shrink`}>{trace.label}</span>
               <LiveText
-                className={classes.channelValue}
+                className={`${classes.channelValue} text-12 mono right nowrap`}
                 data-channel={trace.channel}
                 read={() => valueText(trace, scope.valueAt(trace, scope.hover()))}
               />
             </UnstyledButton>
             {cursors && trace.shown && trace.measured && (
-              <div className={classes.delta}>
+              <div className={`${classes.delta} hint flex between`}>
                 <span>B − A</span>
-                <LiveText className={classes.channelValue} read={() => difference(trace)} />
+                <LiveText
+                  className={`${classes.channelValue} text-12 mono right nowrap`}
+                  read={() => difference(trace)}
+                />
               </div>
             )}
           </li>
@@ -93,7 +96,7 @@ export function CursorReadout({ scope }: { scope: Scope }) {
     return b - a;
   };
   return (
-    <div className={classes.cursorReadout} data-testid="cursor-readout">
+    <div className={`${classes.cursorReadout} under-plot lines-8 baseline text-12`} data-testid="cursor-readout">
       <span style={{ color: scope.markColors.a, fontWeight: 700 }}>A</span>
       <LiveText read={() => `${fixed(scope.view.cursors().a, 4)} s`} />
       <span style={{ color: scope.markColors.b, fontWeight: 700 }}>B</span>

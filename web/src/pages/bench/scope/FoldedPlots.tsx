@@ -16,26 +16,26 @@ interface Props {
 /** The plots that there is no room for: each by its name and its value, and a press opens it. */
 export function FoldedPlots({ rows, scope, onOpen }: Props) {
   return (
-    <div className={classes.tray} data-testid="folded-plots">
+    <div className="lines-4 rigid" data-testid="folded-plots">
       {rows.map(({ row, unit, traces }) => {
         const trace = traces.find((candidate) => candidate.measured && candidate.shown);
         return (
           <UnstyledButton
             key={row.id}
-            className={classes.folded}
+            className={`${classes.folded} inline box gap-6 text-12`}
             aria-expanded={false}
             title={`Show the plot: ${row.title}`}
             onClick={() => onOpen(row.id)}
           >
             <IconChevronRight size={14} aria-hidden />
-            <span className={classes.foldedName}>{row.title}</span>
+            <span className="bold">{row.title}</span>
             {trace && (
               <>
                 <LiveText
-                  className={classes.channelValue}
+                  className={`${classes.channelValue} text-12 mono right nowrap`}
                   read={() => valueText(trace, scope.valueAt(trace, scope.hover()))}
                 />
-                <span className={classes.foldedUnit}>{symbolOf(unit)}</span>
+                <span className="dim">{symbolOf(unit)}</span>
               </>
             )}
           </UnstyledButton>

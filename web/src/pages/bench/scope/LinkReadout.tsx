@@ -23,13 +23,17 @@ export function LinkReadout({ name, several, link }: Props) {
   const bad = link.phase !== "live" && link.phase !== "connecting";
   const slow = link.achievedRateHz !== null && link.rateHz !== null && link.achievedRateHz < 0.97 * link.rateHz;
   return (
-    <section className={classes.link} aria-label={`Samples of ${name}`} data-testid="link-readout">
+    <section
+      className={`${classes.link} lines-12 baseline shrink text-12`}
+      aria-label={`Samples of ${name}`}
+      data-testid="link-readout"
+    >
       {several && (
-        <Text component="span" size="xs" className={classes.linkName}>
+        <Text component="span" size="xs" className={`${classes.linkName} clip`}>
           {name}
         </Text>
       )}
-      <Text component="span" size="xs" fw={600} c={bad ? "red" : "dimmed"} className={classes.phase}>
+      <Text component="span" size="xs" fw={600} c={bad ? "red" : "dimmed"} className="nowrap">
         {PHASES[link.phase]}
       </Text>
       {link.reason !== null && (
@@ -38,21 +42,21 @@ export function LinkReadout({ name, several, link }: Props) {
         </Text>
       )}
       <span
-        className={classes.figure}
+        className={`${classes.figure} dim nowrap`}
         data-warn={slow}
         title={`Achieved, of ${fixed(link.rateHz, 0)} Hz granted and ${fixed(link.requestedRateHz, 0)} Hz asked for`}
       >
         <b>{fixed(link.achievedRateHz, 1)}</b> Hz
       </span>
       <span
-        className={classes.figure}
+        className={`${classes.figure} dim nowrap`}
         data-warn={link.dropped > 0}
         title="Samples that the server had to leave out because this page was too slow"
       >
         drops <b>{fixed(link.dropped)}</b>
       </span>
       <span
-        className={classes.figure}
+        className={`${classes.figure} dim nowrap`}
         title={
           link.chipTimed
             ? "How unevenly the samples were taken; their times are the device's own"
@@ -63,7 +67,7 @@ export function LinkReadout({ name, several, link }: Props) {
       </span>
       {link.callsPerS !== null && link.callsPerSPossible !== null && (
         <span
-          className={classes.figure}
+          className={`${classes.figure} dim nowrap`}
           data-testid="wire-budget"
           title="Questions on the wire, of those that it carries a second"
         >
@@ -72,13 +76,13 @@ export function LinkReadout({ name, several, link }: Props) {
       )}
       {link.rowSpreadMs !== null && link.rowSpreadMs > 0 && (
         <span
-          className={classes.figure}
+          className={`${classes.figure} dim nowrap`}
           title="From the first to the last question of a row: so far apart are its columns"
         >
           spread <b>{fixed(link.rowSpreadMs, 1)}</b> ms
         </span>
       )}
-      <span className={classes.figure} title="From the sample to its way out to this page">
+      <span className={`${classes.figure} dim nowrap`} title="From the sample to its way out to this page">
         latency <b>{fixed(link.latencyMs, 1)}</b> ms
       </span>
     </section>

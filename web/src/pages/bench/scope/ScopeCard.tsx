@@ -78,8 +78,13 @@ export function ScopeCard({ devices, main, axisName, children }: Props) {
     });
 
   return (
-    <section className={classes.scope} aria-label="Scope" data-testid="scope" data-paused={scope.paused}>
-      <div className={classes.head}>
+    <section
+      className={`${classes.scope} card stack grow shrink gap-6`}
+      aria-label="Scope"
+      data-testid="scope"
+      data-paused={scope.paused}
+    >
+      <div className="mid lines-16 between">
         <ScopeToolbar
           scope={scope}
           devices={devices}
@@ -89,7 +94,7 @@ export function ScopeCard({ devices, main, axisName, children }: Props) {
           cursors={cursors}
           setCursors={setCursors}
         />
-        <div className={classes.links}>
+        <div className="stack shrink">
           {scope.sources.map((source, index) => {
             const link = scope.links[index];
             return (
@@ -112,7 +117,7 @@ export function ScopeCard({ devices, main, axisName, children }: Props) {
           Choose plots with the sliders button above.
         </EmptyState>
       )}
-      <div ref={box} className={classes.rows}>
+      <div ref={box} className={`${classes.rows} stack gap-2`}>
         {rows.map((scopeRow) => {
           const { row, unit, traces } = scopeRow;
           const px = leastHeight(scopeRow, cursors);

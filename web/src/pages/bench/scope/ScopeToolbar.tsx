@@ -5,13 +5,13 @@ import { namesOf } from "../../../lib/choices";
 import { later } from "../../../lib/later";
 import { scaleOf, symbolOf, unitsFor } from "../../../lib/units";
 import { LiveText } from "../../../live/LiveText";
+import { RecordButton } from "../../recordings/RecordButton";
 import { type AxisRef, rowsOf } from "./model";
 import type { RowId } from "./rows";
 import classes from "./scope.module.css";
 import { keepS, RATES_HZ, type ScopeSettings, SPANS_S, type Trigger } from "./settings";
 import type { Scope } from "./useScope";
 
-const RecordButton = later(() => import("../../recordings/RecordButton").then((part) => part.RecordButton));
 const ScopeChoices = later(() => import("./ScopeChoices").then((part) => part.ScopeChoices));
 
 interface Props {
@@ -58,7 +58,7 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
     });
 
   return (
-    <Group gap={6} className={classes.toolbar} role="toolbar" aria-label="Scope">
+    <Group gap={6} className="shrink" role="toolbar" aria-label="Scope">
       <Button
         size="xs"
         w={92}
@@ -160,7 +160,7 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
         </span>
       )}
       <LiveText
-        className={classes.triggerState}
+        className="accent text-12 bold"
         read={() => (scope.view.waiting ? "waiting for a move" : "")}
         aria-hidden
       />

@@ -2,8 +2,6 @@ import { describe, expect, it } from "vitest";
 import { TelemetrySource } from "../../../live/TelemetrySource";
 import { ScopeView } from "./ScopeView";
 
-const move = (startedAtS: number) => ({ device: "d", axis: 0, startedAtS });
-
 function source(): TelemetrySource {
   const made = new TelemetrySource({ device: "d", channels: ["position.0"], rateHz: 10, keepS: 10 });
   made.buffer.append({
@@ -34,19 +32,19 @@ describe("ScopeView", () => {
   it("waits for a move, sweeps once, and asks for the pause", () => {
     const view = new ScopeView(2, "single");
     expect(view.waiting).toBe(true);
-    view.onMove(move(50), 50);
+    view.onMove(50, 50);
     expect(view.waiting).toBe(false);
     expect(view.next(50.5, 0)).toEqual({ window: [49.8, 51.8], complete: false });
-    view.onMove(move(51), 51); // the sweep still runs
+    view.onMove(51, 51); // the sweep still runs
     expect(view.next(51.8, 0)).toEqual({ window: [49.8, 51.8], complete: true });
   });
 
   it("starts again with the next move in auto", () => {
     const view = new ScopeView(1, "auto");
-    view.onMove(move(10), 10);
-    view.onMove(move(10.5), 10.5);
+    view.onMove(10, 10);
+    view.onMove(10.5, 10.5);
     expect(view.next(10.9, 0).window[0]).toBeCloseTo(9.9);
-    view.onMove(move(11), 11);
+    view.onMove(11, 11);
     expect(view.next(11, 0)).toMatchObject({ complete: false });
     expect(view.current()[0]).toBeCloseTo(10.9);
   });

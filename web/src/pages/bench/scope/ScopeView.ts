@@ -1,4 +1,4 @@
-import type { MoveEvent, TelemetrySource } from "../../../live/TelemetrySource";
+import type { TelemetrySource } from "../../../live/TelemetrySource";
 import type { TraceBuffer } from "../../../live/TraceBuffer";
 import type { Trigger } from "./settings";
 
@@ -80,10 +80,10 @@ export class ScopeView {
   }
 
   /** A move has started: the sweep of a waiting trigger begins. A sweep that runs is not cut off. */
-  onMove(move: MoveEvent, newestS: number): void {
+  onMove(startedAtS: number, newestS: number): void {
     if (this.paused || this.trigger === "roll" || !this.armed) return;
     const running = this.triggeredAt !== null && newestS < this.triggeredAt + this.spanS * (1 - BEFORE_TRIGGER);
-    if (!running) this.triggeredAt = move.startedAtS;
+    if (!running) this.triggeredAt = startedAtS;
   }
 
   get waiting(): boolean {

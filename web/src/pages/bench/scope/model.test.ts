@@ -1,4 +1,5 @@
 import { describe, expect, it } from "vitest";
+import { about } from "../../../../test/catalog";
 import type { Device } from "../../../api/queries";
 import { buildRows, requestsFor, valueText } from "./model";
 import { ROWS } from "./rows";
@@ -9,6 +10,7 @@ function device(id: string, axes: number, rate: number): Device {
     id,
     name: id.toUpperCase(),
     model: "tmc428",
+    about: about("tmc428"),
     title: "",
     link: {},
     clock_hz: 16e6,
@@ -94,7 +96,7 @@ describe("the scope's model", () => {
   });
 
   it("asks a module's wire for nothing that is not on show", () => {
-    const module: Device = { ...device("m", 1, 100), model: "pd42-1241" };
+    const module: Device = { ...device("m", 1, 100), model: "pd42-1241", about: about("pd42-1241") };
     const shown: ScopeSettings = { ...SETTINGS, rows: ["position", "load"], extras: [] };
     const [request] = requestsFor([module], { device: "m", axis: 0 }, shown);
     expect(request?.channels).toContain("load_value.0");

@@ -1,5 +1,4 @@
-import type { Device } from "../../../api/queries";
-import { familyOf } from "../../../lib/family";
+import { can, type Device } from "../../../api/queries";
 import { fixed } from "../../../lib/format";
 import { colorOf, type Quantity } from "../../../lib/palette";
 import { type AxisScale, factorOf, scaleOf } from "../../../lib/units";
@@ -150,7 +149,7 @@ export function requestsFor(devices: readonly Device[], main: AxisRef, settings:
     const device = devices.find((candidate) => candidate.id === id);
     if (!device) return [];
     // On a module's wire every channel costs a question: none is asked that is not on show.
-    const sparing = familyOf(device.model) === "module";
+    const sparing = can(device, "parameters");
     const wanted = ROWS.flatMap((row) =>
       row.channels.flatMap((channel) => {
         if (sparing && !(settings.rows.includes(row.id) && !settings.hidden.includes(channel.quantity))) return [];

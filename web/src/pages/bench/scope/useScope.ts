@@ -58,10 +58,10 @@ export function useScope(devices: readonly Device[], main: AxisRef, settings: Sc
 
   useEffect(() => {
     void keeper.fetch();
-    return source?.onMove((move) => {
+    return source?.on("move", (move) => {
       if (move.axis !== main.axis) return;
       void keeper.fetch();
-      view.onMove(move, source.buffer.lastTime);
+      view.onMove(move.started_at_s, source.buffer.lastTime);
     });
   }, [source, keeper, view, main.axis]);
 

@@ -71,7 +71,7 @@ export function Chip({ device, axis, held, seen, table, stale, onRead }: Props) 
       device={device}
       motor={motor}
       what="wave"
-      maker="a TMC4361 or a TMC5160"
+      needs="microsteps.mslut"
       note={note}
       onRead={held && onRead}
       wanted={stale || (same && held?.written === true) ? null : table}

@@ -2,7 +2,7 @@ import { Button, SegmentedControl, Select } from "@mantine/core";
 import { IconArrowsMoveVertical } from "@tabler/icons-react";
 import { type ReactNode, useCallback, useMemo, useState } from "react";
 import type { Schemas } from "../../../api/client";
-import type { Device } from "../../../api/queries";
+import { type Device, useCatalog } from "../../../api/queries";
 import { fixed } from "../../../lib/format";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { colorOf } from "../../../lib/palette";
@@ -53,8 +53,10 @@ export function MslutEditor({
   axis: number;
   choice?: ReactNode;
 }) {
-  const model = (device?.model ?? "tmc4361") as Design["chip"];
-  const phases = phasesOf(model);
+  const catalog = useCatalog();
+  const about = device?.about ?? catalog.data?.find(({ capabilities }) => capabilities.includes("microsteps.mslut"));
+  const model = about?.name as Design["chip"];
+  const phases = phasesOf(about?.family);
   const connected = device?.state === "connected";
   const scheme = useScheme();
   const drafting = useDraft<Draft>(`mslut ${device?.id}`, { kind: "formula", formula: DEFAULT });
@@ -111,11 +113,11 @@ export function MslutEditor({
           retry={() => void chip.refetch()}
         />
       )}
-      <div className={classes.page}>
+      <div className="column">
         <Section
           title="Wave"
           note={
-            <span className={classes.legend}>
+            <span className={`${classes.legend} inline wrap gap-4`}>
               <i data-kind="design" /> {view === "period" ? phases.sine : "design"}
               {view === "period" && (
                 <>
@@ -192,10 +194,10 @@ export function MslutEditor({
               change({ kind: "values", values: [...nearest.values], mirror: nearest.mirror, origin: "nearest" }, null)
             }
           />
-          <p className={classes.warnings}>{[...new Set(result?.warnings ?? [])].join(". ")}</p>
+          <p className="room m-0 mt-4 caution text-12">{[...new Set(result?.warnings ?? [])].join(". ")}</p>
         </Section>
         <div className={classes.columns}>
-          <div className={classes.column}>
+          <div className="column">
             <Section title="Formula">
               <WavePanel
                 formula={formula}
@@ -219,15 +221,15 @@ export function MslutEditor({
               }
             />
           </div>
-          <div className={classes.column}>
+          <div className="column">
             <Section title="Before and after" note="one electrical period; angles electrical, microsteps 1/1024 of it">
-              <div className={classes.pair}>
+              <div className={`${classes.pair} grid gap-12 mid`}>
                 <div className={stale}>
                   {result && (
                     <FigureTable before={old?.metrics ?? null} beforeName={beforeName} after={result.metrics} />
                   )}
                 </div>
-                <div className={`${classes.xyBox} ${stale}`}>
+                <div className={`centered ${stale}`}>
                   {wave && (
                     <VectorFigure
                       design={wave}
@@ -236,13 +238,13 @@ export function MslutEditor({
                       phases={phases}
                     />
                   )}
-                  <p className={classes.hint}>
+                  <p className="hint m-0 mt-4">
                     current vector, its length’s deviation × {MAGNIFIED}; orange: worst angle
                   </p>
                 </div>
               </div>
             </Section>
-            <div className={classes.two}>
+            <div className={`${classes.two} halves gap-8`}>
               <Section title="Angle error" note="electrical, each microstep of a quarter">
                 <div className={stale}>
                   <Plot
@@ -292,7 +294,7 @@ function Verdict({ result, norm, onNorm, onNearest }: VerdictProps) {
   if (first === undefined || !result) {
     const segments = result?.table?.segments.length;
     return (
-      <div className={classes.verdict} role="status">
+      <div className={`${classes.verdict} lines-8 box mt-4 text-13`} role="status">
         {segments !== undefined && (
           <p>
             Encodable, exactly, in {segments} of {SEGMENTS} segments.
@@ -303,18 +305,18 @@ function Verdict({ result, norm, onNorm, onNearest }: VerdictProps) {
   }
   const { nearest } = result;
   return (
-    <div className={classes.verdict} role="status" data-refused>
+    <div className={`${classes.verdict} lines-8 box mt-4 text-13`} role="status" data-refused>
       <p>
         Cannot be encoded at entry {first.index}: {first.detail}.
         {more.length > 0 && (
-          <span className={classes.dim}>
+          <span className="dim">
             {more.length === 1 ? " One more place is" : ` ${more.length} more places are`} marked.
           </span>
         )}
       </p>
       {nearest && (
         <>
-          <span className={classes.dim}>
+          <span className="dim">
             nearest: <span className="num">{fixed(nearest.distance_rms, 2)}</span> counts rms,{" "}
             <span className="num">{fixed(nearest.distance_max, 1)}</span> at most
           </span>

@@ -47,7 +47,7 @@ export function Registers({ table, held, onPaste }: Props) {
         </>
       }
     >
-      <table className={classes.registers}>
+      <table className={`${classes.registers} figures`}>
         <thead>
           <tr>
             <th scope="col">register</th>
@@ -64,9 +64,7 @@ export function Registers({ table, held, onPaste }: Props) {
               <tr key={row.name}>
                 <th scope="row">{row.name.replaceAll("___", " · ")}</th>
                 <td className="num">0x{row.address.toString(16).toUpperCase()}</td>
-                <td className="num">
-                  {design ? design.hex : <span className={classes.absent}>cannot be encoded</span>}
-                </td>
+                <td className="num">{design ? design.hex : <span className="dim">cannot be encoded</span>}</td>
                 <td className="num" data-differs={(design && chip && design.value !== chip.value) || undefined}>
                   {chip?.hex ?? "–"}
                 </td>
@@ -76,7 +74,7 @@ export function Registers({ table, held, onPaste }: Props) {
         </tbody>
       </table>
       {table && (
-        <p className={classes.segments}>
+        <p className={`${classes.segments} lines-12 m-0 mt-8 text-12`}>
           {table.segments.map((segment) => (
             <span key={segment.first}>
               <i className={classes.swatch} data-width={segment.width} />

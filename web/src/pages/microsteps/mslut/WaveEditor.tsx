@@ -214,7 +214,11 @@ export function WaveEditor(props: Props) {
               height={height - MARGIN.bottom - 4}
             />
             {named && to - from > 26 && (
-              <text className={classes.bandName} x={Math.max(MARGIN.left, from) + 4} y={15}>
+              <text
+                className={`${classes.bandName} text-12 fill-text touchless`}
+                x={Math.max(MARGIN.left, from) + 4}
+                y={15}
+              >
                 {to - from > 64 ? `W${segment.width}: ${pairOf(segment.low)}` : `W${segment.width}`}
               </text>
             )}
@@ -222,26 +226,41 @@ export function WaveEditor(props: Props) {
         ))}
         {yTicks.map((tick) => (
           <g key={`y${tick}`}>
-            <line className={classes.grid} x1={MARGIN.left} x2={MARGIN.left + inner} y1={y(tick)} y2={y(tick)} />
-            <text className={classes.tick} x={MARGIN.left - 6} y={y(tick)} textAnchor="end" dominantBaseline="central">
+            <line className="grid-line faint" x1={MARGIN.left} x2={MARGIN.left + inner} y1={y(tick)} y2={y(tick)} />
+            <text className="tick" x={MARGIN.left - 6} y={y(tick)} textAnchor="end" dominantBaseline="central">
               {fixed(tick)}
             </text>
           </g>
         ))}
         {xTicks.map((tick) => (
           <g key={`x${tick}`}>
-            <line className={classes.grid} x1={x(tick)} x2={x(tick)} y1={MARGIN.top} y2={MARGIN.top + tall} />
-            <text className={classes.tick} x={x(tick)} y={height - 6} textAnchor="middle">
+            <line className="grid-line faint" x1={x(tick)} x2={x(tick)} y1={MARGIN.top} y2={MARGIN.top + tall} />
+            <text className="tick" x={x(tick)} y={height - 6} textAnchor="middle">
               {tick}
             </text>
           </g>
         ))}
-        <path className={classes.ideal} d={stairs(whole(IDEAL), x, y)} />
-        {before && <path className={classes.before} d={stairs(whole(before), x, y)} />}
-        {view === "period" && <path className={classes.phaseB} d={stairs(whole(design, ENTRIES), x, y)} />}
-        {nearest && <path className={classes.nearest} d={stairs(whole(nearest), x, y)} />}
-        <path className={classes.line} d={stairs(whole(design), x, y)} />
-        <path ref={dots} className={classes.seen} />
+        <path className="dashed fill-none stroke-grey stroke-1" d={stairs(whole(IDEAL), x, y)} />
+        {before && <path className="faint fill-none stroke-grey stroke-2" d={stairs(whole(before), x, y)} />}
+        {view === "period" && (
+          <path
+            fill="none"
+            stroke="var(--orange)"
+            strokeWidth={1.25}
+            opacity={0.8}
+            d={stairs(whole(design, ENTRIES), x, y)}
+          />
+        )}
+        {nearest && <path fill="none" stroke="var(--violet)" strokeWidth={1.75} d={stairs(whole(nearest), x, y)} />}
+        <path className="fill-none stroke-accent stroke-1-5" d={stairs(whole(design), x, y)} />
+        <path
+          ref={dots}
+          fill="none"
+          stroke="var(--mantine-color-text)"
+          strokeWidth={2.5}
+          strokeLinecap="round"
+          opacity={0.75}
+        />
         {marks.map((refusal, place) => (
           <g key={`${refusal.index} ${refusal.reason}`} className={classes.refusal}>
             <title>{`entry ${refusal.index}: ${refusal.detail}`}</title>
@@ -289,51 +308,47 @@ export function WaveEditor(props: Props) {
           onBlur={onSettle}
         >
           <circle className={classes.halo} cx={x(active)} cy={y(value)} r={8} />
-          <circle className={classes.dot} cx={x(active)} cy={y(value)} r={3.5} />
+          <circle className="fill-accent" cx={x(active)} cy={y(value)} r={3.5} />
         </g>
       </svg>
       <svg width="100%" height={STRIP} aria-hidden="true">
         {[strip.range, 0, -strip.range].map((tick) => (
           <g key={tick}>
             <line
-              className={classes.grid}
+              className="grid-line faint"
               x1={MARGIN.left}
               x2={MARGIN.left + inner}
               y1={stripY(tick)}
               y2={stripY(tick)}
             />
-            <text
-              className={classes.tick}
-              x={MARGIN.left - 6}
-              y={stripY(tick)}
-              textAnchor="end"
-              dominantBaseline="central"
-            >
+            <text className="tick" x={MARGIN.left - 6} y={stripY(tick)} textAnchor="end" dominantBaseline="central">
               {tick > 0 ? `+${tick}` : fixed(tick)}
             </text>
           </g>
         ))}
-        <text className={classes.stripName} x={MARGIN.left} y={10}>
+        <text className="tick" x={MARGIN.left} y={10}>
           distance from a sine of 248, counts
         </text>
-        {strip.before && <path className={classes.before} d={stairs(strip.before, x, stripY)} />}
-        {strip.nearest && <path className={classes.nearest} d={stairs(strip.nearest, x, stripY)} />}
-        <path className={classes.line} d={stairs(strip.design, x, stripY)} />
+        {strip.before && <path className="faint fill-none stroke-grey stroke-2" d={stairs(strip.before, x, stripY)} />}
+        {strip.nearest && (
+          <path fill="none" stroke="var(--violet)" strokeWidth={1.75} d={stairs(strip.nearest, x, stripY)} />
+        )}
+        <path className="fill-none stroke-accent stroke-1-5" d={stairs(strip.design, x, stripY)} />
       </svg>
-      <p className={classes.readout}>
+      <p className={`${classes.readout} room lines-12 m-0 text-12`}>
         <span>
           entry <span className="num">{active}</span> = <span className="num">{fixed(value)}</span>
         </span>
-        <span className={classes.dim}>
+        <span className="dim">
           {active === 0 ? "zero crossing" : "from the one before"}{" "}
           <span className="num">{signed(active === 0 ? 2 * value - mirror : value - (values[active - 1] ?? 0))}</span>
         </span>
         {before && (
-          <span className={classes.dim}>
+          <span className="dim">
             {beforeName} <span className="num">{before.values[active]}</span>
           </span>
         )}
-        <span className={classes.dim}>
+        <span className="dim">
           from the sine <span className="num">{signed(strip.design[active] ?? 0, 1)}</span>
         </span>
       </p>

@@ -32,7 +32,7 @@ function Track(props: LineProps) {
   const { label, title, value, reach, range, step, start, unit = "", onChange, onSettle } = props;
   return (
     <>
-      <span className={classes.lineName} title={title}>
+      <span className="text-12" title={title}>
         {label}
       </span>
       <Slider
@@ -87,8 +87,8 @@ export function WavePanel({ formula, active, onChange, onSettle }: Props) {
   const usual = formula.grid === "whole_step" ? 247 : 248;
   const grid = GRIDS.find((entry) => entry.value === formula.grid);
   return (
-    <div className={classes.formula} data-active={active || undefined}>
-      <div className={classes.line2}>
+    <div className={`${classes.formula} grid gap-8`} data-active={active || undefined}>
+      <div className={`${classes.line2} grid gap-8 mid`}>
         <Track
           label="σ"
           title="Sigma, the shape: −1 rhomb, 0 circle, +1 box"
@@ -101,7 +101,7 @@ export function WavePanel({ formula, active, onChange, onSettle }: Props) {
           onSettle={onSettle}
         />
       </div>
-      <div className={classes.line2}>
+      <div className={`${classes.line2} grid gap-8 mid`}>
         <Track
           label={
             <>
@@ -119,7 +119,7 @@ export function WavePanel({ formula, active, onChange, onSettle }: Props) {
         />
       </div>
       <div className={classes.law}>
-        <span className={classes.hint}>as firmware counts it, 1 + c/1000</span>
+        <span className="hint m-0 mt-4">as firmware counts it, 1 + c/1000</span>
         <NumberField
           aria-label="Linearity correction in thousandths"
           unit="‰"
@@ -130,7 +130,7 @@ export function WavePanel({ formula, active, onChange, onSettle }: Props) {
           onChange={(thousandths) => change({ exponent: decimalSum(1, thousandths / 1000) }, "exponent")}
           onBlur={onSettle}
         />
-        <span className={classes.hint}>against a torque ripple r of sin 4θ: f = 1 + 3r</span>
+        <span className="hint m-0 mt-4">against a torque ripple r of sin 4θ: f = 1 + 3r</span>
         <NumberField
           aria-label="Torque ripple that it cancels"
           unit="%"
@@ -145,7 +145,7 @@ export function WavePanel({ formula, active, onChange, onSettle }: Props) {
       </div>
       <p className={classes.group}>Harmonics of the current, % of the amplitude; phase 0° or 180°</p>
       {formula.harmonics.map((part) => (
-        <div key={part.order} className={classes.part}>
+        <div key={part.order} className={`${classes.part} grid gap-8 mid`}>
           <Track
             label={`${part.order}θ`}
             title={`Harmonic ${part.order}`}
@@ -178,7 +178,7 @@ export function WavePanel({ formula, active, onChange, onSettle }: Props) {
       ))}
       <p className={classes.group}>Corrections of the angle, electrical degrees; phase 0° or 180°</p>
       {formula.corrections.map((part) => (
-        <div key={part.order} className={classes.part}>
+        <div key={part.order} className={`${classes.part} grid gap-8 mid`}>
           <Track
             label={`sin ${part.order}θ`}
             title={`Angle correction of order ${part.order}`}
@@ -206,7 +206,7 @@ export function WavePanel({ formula, active, onChange, onSettle }: Props) {
           />
         </div>
       ))}
-      <div className={classes.line2}>
+      <div className={`${classes.line2} grid gap-8 mid`}>
         <Track
           label="amplitude"
           title="Amplitude, the largest value"
@@ -218,7 +218,7 @@ export function WavePanel({ formula, active, onChange, onSettle }: Props) {
           onSettle={onSettle}
         />
       </div>
-      <div className={classes.row}>
+      <div className="flex wrap end gap-8">
         <SegmentedControl
           size="xs"
           aria-label="Negative half and grid"
@@ -249,7 +249,7 @@ export function WavePanel({ formula, active, onChange, onSettle }: Props) {
           </Menu.Dropdown>
         </Menu>
       </div>
-      <p className={classes.hint}>
+      <p className="hint m-0 mt-4">
         {active ? grid?.told : "The wave is drawn by hand; any change here goes back to the formula."}
       </p>
     </div>

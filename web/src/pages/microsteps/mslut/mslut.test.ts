@@ -36,7 +36,7 @@ const POWER_ON = decode(WORDS.slice(0, 8), 0xffff8056, 0x00f70000);
 describe("the phases", () => {
   it("bear the names of the chip's data sheet", () => {
     expect(phasesOf("tmc4361").sine).toBe("phase A");
-    expect(phasesOf("tmc5072")).toEqual({ sine: "CUR_B", cosine: "CUR_A" });
+    expect(phasesOf("tmc5xxx")).toEqual({ sine: "CUR_B", cosine: "CUR_A" });
   });
 });
 

@@ -1,5 +1,5 @@
 import type { Schemas } from "../../../api/client";
-import { familyOf } from "../../../lib/family";
+import { FAMILIES } from "../../../families/families";
 
 /** The microstep table of one-bit differences (MSLUT): a quarter wave of 256 values of 0..255. */
 export const ENTRIES = 256;
@@ -16,10 +16,8 @@ export type Register = Schemas["MslutRegister"];
 export type Design = Schemas["MslutDesign"];
 
 /** What the chip's data sheet calls the phase that has the sine, and the one that has the cosine. */
-export function phasesOf(model: string): { sine: string; cosine: string } {
-  return familyOf(model) === "sixpoint"
-    ? { sine: "CUR_B", cosine: "CUR_A" } // MSCURACT of all five
-    : { sine: "phase A", cosine: "phase B" };
+export function phasesOf(family: string | undefined): { sine: string; cosine: string } {
+  return FAMILIES[family ?? ""]?.phases ?? { sine: "phase A", cosine: "phase B" };
 }
 
 export interface Part {

@@ -1,0 +1,239 @@
+import { Button, Loader, Stack, Text } from "@mantine/core";
+import { IconTargetArrow } from "@tabler/icons-react";
+import { Link } from "wouter";
+import { type Device, useDevices } from "../../../api/queries";
+import { EmptyState } from "../../../lib/EmptyState";
+import { fixed } from "../../../lib/format";
+import { ProblemAlert } from "../../../lib/ProblemAlert";
+import { colorOf, type Quantity } from "../../../lib/palette";
+import { DeviceNotice } from "../../../lib/rows/DeviceNotice";
+import { StagedDrawer } from "../../../lib/rows/StagedDrawer";
+import { type ChipRows, useChipRows } from "../../../lib/rows/useChipRows";
+import { Page, Section } from "../../../lib/Section";
+import { useScheme } from "../../../lib/useScheme";
+import { useSelection } from "../../../live/selection";
+import { useTelemetry } from "../../../live/useTelemetry";
+import { LiveNumber } from "../../../pages/module/LiveNumber";
+import { degrees } from "./angle";
+import { Calibration } from "./Calibration";
+import classes from "./closedloop.module.css";
+import { EncoderSetup } from "./EncoderSetup";
+import { LoadDial } from "./LoadDial";
+import { LoopPlots } from "./LoopPlots";
+import { MODES, Regulation } from "./Regulation";
+import { Responses } from "./Responses";
+import { useCalibration } from "./useProcedures";
+
+const GROUPS = ["general", "encoder", "closed loop", "pid", "current", "driver"] as const;
+const QUANTITIES: readonly Quantity[] = [
+  "target_position",
+  "position",
+  "velocity",
+  "encoder_position",
+  "encoder_velocity",
+  "deviation",
+  "load_angle",
+  "current_scale",
+];
+const RATE_HZ = 250;
+const KEEP_S = 60;
+
+/** The loop over encoder and motor: what it does, what it is set to, and how well it does with that. */
+export default function ClosedLoopPage() {
+  const devices = useDevices();
+  const { device, axis } = useSelection();
+  if (devices.data === undefined && !devices.isError)
+    return (
+      <Page name="Closed loop">
+        <Stack align="center" py="xl">
+          <Loader aria-label="Looking for devices" />
+        </Stack>
+      </Page>
+    );
+  const entry = device?.axes.find((candidate) => candidate.index === axis);
+  if (!device || !entry) return <Nothing title="No device" />;
+  const known: Device = devices.isError ? { ...device, state: "disconnected" } : device;
+  if (channelsOf(device, axis).length === 0)
+    return (
+      <Page name="Closed loop">
+        <DeviceNotice device={known} />
+        <Nothing title={`Nothing is known of ${device.name} yet`} />
+      </Page>
+    );
+  return <ClosedLoop key={`${device.id}/${axis}`} device={known} axis={entry} />;
+}
+
+function Nothing({ title }: { title: string }) {
+  return (
+    <EmptyState title={title} icon={<IconTargetArrow size={22} />}>
+      <Text size="sm" c="dimmed">
+        Connect a TMC4361, or add an emulated one: that needs no hardware.
+      </Text>
+      <Button component={Link} href="/connections" size="sm">
+        Connections
+      </Button>
+    </EmptyState>
+  );
+}
+
+function channelsOf(device: Device, axis: number): string[] {
+  return QUANTITIES.map((quantity) => `${quantity}.${axis}`).filter((name) =>
+    device.channels.some((channel) => channel.name === name),
+  );
+}
+
+interface Props {
+  device: Device;
+  axis: Device["axes"][number];
+}
+
+function ClosedLoop({ device, axis }: Props) {
+  const scheme = useScheme();
+  const at = { device: device.id, axis: axis.index };
+  const connected = device.state === "connected";
+  const clockHz = device.clock_hz ?? 16e6;
+  const rateHz = Math.min(RATE_HZ, device.rate_max_hz);
+  const { source, link, buffer } = useTelemetry(device.id, channelsOf(device, axis.index), rateHz, KEEP_S);
+  const chip = useChipRows(device, axis.index, GROUPS);
+  const calibration = useCalibration(at, connected);
+  const last = (quantity: Quantity) => (connected ? buffer.last(`${quantity}.${axis.index}`) : Number.NaN);
+  const microsteps = axis.microsteps_per_full_step ?? 256;
+  const beta = chip.held("CL_ANGLES", "CL_BETA");
+  const mode = chip.held("ENC_IN_CONF", "regulation_modus");
+  const constant = chip.held("ENC_CONST");
+  const failAt = chip.held("ENC_POS_DEV_TOL");
+  return (
+    <Page name="Closed loop">
+      <DeviceNotice device={device} />
+      {chip.live.catalog.isError && (
+        <ProblemAlert
+          error={chip.live.catalog.error}
+          doing="Reading the register list"
+          retry={() => void chip.live.catalog.refetch()}
+        />
+      )}
+      {connected && chip.live.readings.isError && (
+        <ProblemAlert
+          error={chip.live.readings.error}
+          doing={`Reading ${device.name}`}
+          retry={() => void chip.live.readings.refetch()}
+        />
+      )}
+      <section
+        className={`${classes.readouts} pad lines-16 card`}
+        aria-label="Now"
+        data-stale={!connected || link.phase !== "live"}
+      >
+        {(
+          [
+            ["target_position", "Target", "µsteps", 0],
+            ["position", "Commanded", "µsteps", 0],
+            ["encoder_position", "Encoder", "µsteps", 0],
+            ["deviation", "Deviation", "µsteps", 0],
+            ["encoder_velocity", "Encoder speed", "pps", 0],
+          ] as const
+        ).map(([quantity, label, unit, decimals]) => (
+          <LiveNumber
+            key={quantity}
+            label={label}
+            unit={unit}
+            color={colorOf(quantity, scheme)}
+            read={() => fixed(last(quantity), decimals)}
+            testId={quantity}
+          />
+        ))}
+        <LiveNumber
+          label="Current scale"
+          unit="of 255"
+          color={colorOf("current_scale", scheme)}
+          read={() => fixed(last("current_scale"))}
+          testId="current_scale"
+        />
+        <div className={classes.mode}>
+          <Text size="xs" c="dimmed">
+            Regulation
+          </Text>
+          <span className={classes.modeName} data-on={mode !== null && mode > 0} data-testid="mode">
+            {mode === null ? "–" : (MODES[mode] ?? mode)}
+          </span>
+        </div>
+      </section>
+      <div className={`${classes.page} grid start gap-8`}>
+        <div className={`${classes.side} grid shrink gap-8`}>
+          <Regulation
+            chip={chip}
+            clockHz={clockHz}
+            disabled={!chip.known}
+            microstepsPerFullStep={axis.microsteps_per_full_step}
+          />
+          <EncoderSetup chip={chip} microstepsPerTurn={microsteps * axis.full_steps_per_rev} disabled={!chip.known} />
+        </div>
+        <div className={`${classes.views} grid shrink gap-8`}>
+          <div className={`${classes.top} grid shrink gap-8`}>
+            <LoopPlots
+              source={source}
+              link={link}
+              name={device.name}
+              axis={axis.index}
+              tolerance={mode === 1 ? chip.held("CL_TOLERANCE") : null}
+              // the power-on value is beyond every deviation: no limit
+              failAt={failAt === 2 ** 31 - 1 ? null : failAt}
+              betaDeg={mode === 1 && beta !== null ? degrees(beta) : null}
+            />
+            <div className={`${classes.narrow} grid shrink gap-8`}>
+              <Section title="Load angle" note="electrical">
+                <LoadDial
+                  read={() => last("load_angle")}
+                  beta={beta}
+                  gamma={chip.held("CL_ANGLES", "CL_GAMMA")}
+                  regulated={mode === 1}
+                  emf={chip.held("ENC_IN_CONF", "cl_emf_en") === 1}
+                />
+              </Section>
+              <Calibration
+                at={at}
+                fullStepsPerRev={axis.full_steps_per_rev}
+                calibration={calibration}
+                disabled={!connected}
+                why={constant === 0 ? "Set the encoder's resolution first: without it ENC_POS does not count." : null}
+              />
+            </div>
+          </div>
+          <Responses
+            at={at}
+            connected={connected}
+            emulated={device.emulated}
+            rateMaxHz={device.rate_max_hz}
+            settings={settingsOf(chip)}
+          />
+        </div>
+      </div>
+      <StagedDrawer chip={chip} device={device} />
+    </Page>
+  );
+}
+
+/** The gains that decide a response, in short: what tells one run from the next. */
+function settingsOf(chip: ChipRows): string {
+  const mode = chip.held("ENC_IN_CONF", "regulation_modus");
+  const said = (name: string, value: number | null, show = (each: number) => String(each)) =>
+    value === null ? "" : `${name} ${show(value)}`;
+  if (mode === null) return "";
+  if (mode === 0) return "off";
+  if (mode === 1)
+    return [
+      said("β", chip.held("CL_ANGLES", "CL_BETA")),
+      said("P", chip.held("CL_DELTA_P"), (value) => String(Number((value / 65_536).toPrecision(3)))),
+      said("tol", chip.held("CL_TOLERANCE")),
+    ]
+      .filter(Boolean)
+      .join(" · ");
+  return [
+    mode === 2 ? "PID" : "PID+V",
+    said("P", chip.held("PID_P")),
+    said("I", chip.held("PID_I")),
+    said("D", chip.held("PID_D")),
+  ]
+    .filter(Boolean)
+    .join(" · ");
+}

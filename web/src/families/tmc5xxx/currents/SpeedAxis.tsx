@@ -1,0 +1,175 @@
+import { type KeyboardEvent, type PointerEvent, useEffect, useRef } from "react";
+import { compact } from "../../../lib/format";
+import { everyTick } from "../../../live/LiveText";
+import classes from "./currents.module.css";
+import type { SpeedLimit } from "./figures";
+import {
+  chopperZones,
+  coolZones,
+  type LogAxis,
+  type Modes,
+  rpmOf,
+  type SpeedScale,
+  shareOf,
+  speedAt,
+  ticksOf,
+  type Zone,
+} from "./speed";
+
+export interface Threshold {
+  register: string;
+  /** what it is called on the axis */
+  name: string;
+  pps: number | null;
+  staged: boolean;
+  /** what the lane it belongs to is */
+  lane: "chopper" | "cool" | "both";
+}
+
+interface Props {
+  axis: LogAxis;
+  scale: SpeedScale;
+  modes: Modes;
+  thresholds: readonly Threshold[];
+  limits: readonly SpeedLimit[];
+  /** the speed now [pps]; NaN while unknown */
+  now: () => number;
+  disabled: boolean;
+  onMove: (register: string, pps: number) => void;
+}
+
+/** What an arrow key does: 1 %, with Shift 10 %. */
+const STEP = 1.01;
+
+/** Every speed threshold on one axis of speeds, and what the driver does between them. */
+export function SpeedAxis({ axis, scale, modes, thresholds, limits, now, disabled, onMove }: Props) {
+  const box = useRef<HTMLDivElement>(null);
+  const needle = useRef<HTMLSpanElement>(null);
+  const latest = useRef({ now, axis });
+  latest.current = { now, axis };
+  useEffect(
+    () =>
+      everyTick(() => {
+        const speed = Math.abs(latest.current.now());
+        const mark = needle.current;
+        if (!mark) return;
+        mark.style.visibility = speed > 0 ? "visible" : "hidden";
+        mark.style.left = percent(shareOf(speed, latest.current.axis));
+      }),
+    [],
+  );
+
+  function move(register: string, event: PointerEvent) {
+    const frame = box.current?.getBoundingClientRect();
+    if (!frame) return;
+    const share = Math.min(1, Math.max(0, (event.clientX - frame.left) / frame.width));
+    onMove(register, speedAt(share, axis));
+  }
+  function key(threshold: Threshold, event: KeyboardEvent) {
+    const sizes: Record<string, number> = {
+      ArrowRight: STEP,
+      ArrowUp: STEP,
+      ArrowLeft: 1 / STEP,
+      ArrowDown: 1 / STEP,
+      PageUp: 2,
+      PageDown: 0.5,
+    };
+    const factor = sizes[event.key];
+    if (factor === undefined || disabled || threshold.pps === null) return;
+    const by = event.shiftKey ? factor ** 10 : factor;
+    onMove(threshold.register, Math.min(axis.most, Math.max(axis.least, Math.max(axis.least, threshold.pps) * by)));
+    event.preventDefault();
+  }
+
+  return (
+    <div className={classes.axisBox}>
+      <div className="grid gap-4 relative" ref={box}>
+        <Lane label="Chopper" zones={chopperZones(modes, axis)} axis={axis} scale={scale} />
+        <Lane label="Load" zones={coolZones(modes, axis)} axis={axis} scale={scale} />
+        {[...limits]
+          .sort((a, b) => a.pps - b.pps)
+          .map(({ name, pps }, index) => (
+            <span
+              key={name}
+              className={classes.limit}
+              // the names of two that are close stand either side of them
+              data-side={(index === 0 && limits.length > 1) || shareOf(pps, axis) > 0.85 ? "before" : "after"}
+              style={{ left: percent(shareOf(pps, axis)) }}
+              title={`${name} at ${compact(rpmOf(pps, scale), 3)} rpm`}
+            >
+              <span className={`${classes.limitName} caution text-12 nowrap`}>{name}</span>
+            </span>
+          ))}
+        <span ref={needle} className={classes.needle} style={{ visibility: "hidden" }} title="speed now" />
+        {thresholds.map((threshold) =>
+          threshold.pps === null ? null : (
+            <div
+              key={threshold.register}
+              role="slider"
+              tabIndex={disabled ? -1 : 0}
+              className={classes.threshold}
+              data-lane={threshold.lane}
+              data-staged={threshold.staged}
+              data-edge={edgeOf(shareOf(threshold.pps, axis))}
+              style={{ left: percent(shareOf(threshold.pps, axis)) }}
+              aria-label={`${threshold.register} as a speed`}
+              aria-valuemin={Math.round(axis.least)}
+              aria-valuemax={Math.round(axis.most)}
+              aria-valuenow={Math.round(threshold.pps)}
+              aria-valuetext={`${compact(Math.round(threshold.pps))} pps, ${compact(rpmOf(threshold.pps, scale), 3)} rpm`}
+              aria-disabled={disabled}
+              onKeyDown={(event) => key(threshold, event)}
+              onPointerDown={(event) => {
+                if (disabled || event.button !== 0) return;
+                event.currentTarget.setPointerCapture(event.pointerId);
+                event.currentTarget.focus();
+              }}
+              onPointerMove={(event) => {
+                if (event.currentTarget.hasPointerCapture(event.pointerId)) move(threshold.register, event);
+              }}
+            >
+              <span className={`${classes.thresholdName} text-12 bold nowrap`}>{threshold.name}</span>
+            </div>
+          ),
+        )}
+      </div>
+      <div className={classes.axisTicks} aria-hidden>
+        {ticksOf(axis, scale).map(({ pps, rpm }) => (
+          <span key={rpm} style={{ left: percent(shareOf(pps, axis)) }} data-decade={/^1/.test(String(rpm))}>
+            {compact(rpm)}
+          </span>
+        ))}
+      </div>
+      <div className="hint right">rpm</div>
+    </div>
+  );
+}
+
+function Lane({ label, zones, axis, scale }: { label: string; zones: Zone[]; axis: LogAxis; scale: SpeedScale }) {
+  return (
+    <ul className={`${classes.lane} list relative`} aria-label={label}>
+      {zones.map((zone) => (
+        <li
+          key={`${zone.kind} ${zone.from}`}
+          className={`${classes.zone} center ink text-12 nowrap`}
+          data-kind={zone.kind}
+          style={{
+            left: percent(shareOf(zone.from, axis)),
+            width: percent(shareOf(zone.to, axis) - shareOf(zone.from, axis)),
+          }}
+          title={`${zone.name}: ${compact(rpmOf(zone.from, scale), 3)} to ${compact(rpmOf(zone.to, scale), 3)} rpm`}
+        >
+          <span>{zone.name}</span>
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+/** Near an end of the axis a name stands beside its line, not across the end. */
+function edgeOf(share: number): "left" | "right" | undefined {
+  if (share < 0.05) return "left";
+  return share > 0.95 ? "right" : undefined;
+}
+
+const percent = (share: number) => `${(100 * share).toFixed(3)}%`;

@@ -1,0 +1,93 @@
+import { Button } from "@mantine/core";
+import { IconArrowBackUp } from "@tabler/icons-react";
+import { useState } from "react";
+import type { Schemas } from "../../api/client";
+import { NumberField } from "../../lib/NumberField";
+import { EmulatorTime, Faults, Power } from "../../pages/bench/EmulatorParts";
+import { BridgesAt, EncoderOnShaft, MotorStage, Shaft, Supply } from "../../pages/bench/MotorParts";
+import type { ControlsProps } from "../family";
+
+type TmclState = Schemas["TmclState"];
+type TmclPatch = Schemas["TmclPatch"];
+
+const SWITCHES = [
+  ["left", "Left"],
+  ["home", "Home"],
+  ["right", "Right"],
+] as const;
+const FAULTS = [
+  ["silence", "Silent: answers are lost"],
+  ["unplugged", "Unplugged: the line is gone"],
+  ["undervoltage", "Undervoltage: bridges off"],
+] as const;
+
+/** The world of an emulated module: what pulls at its shaft, its stage, its supply, its line; and how the rotor is. */
+export function Controls({ ...emulator }: ControlsProps) {
+  const state = emulator.state as TmclState;
+  const send: (patch: TmclPatch) => void = emulator.send;
+  const { faults, encoder } = state;
+  return (
+    <>
+      <Shaft world={state} send={send}>
+        <Supply volts={state.supply_v} send={send} />
+      </Shaft>
+      <EncoderOnShaft
+        slip={encoder.slip_fullsteps}
+        what="The magnet"
+        onSlip={() => send({ encoder: { slip_fullsteps: 1 } })}
+        eccentricityDeg={encoder.eccentricity_deg}
+        onEccentricity={(eccentricity_deg) => send({ encoder: { eccentricity_deg } })}
+      />
+      <MotorStage
+        stage={state.stage}
+        switches={state.switches}
+        names={SWITCHES}
+        onSwitch={(name, value) => send({ switches: { [name]: value } })}
+        onPlaces={(stage) => send({ stage })}
+      />
+      <EmulatorTime state={state} send={send} />
+      <Faults faults={faults} names={FAULTS} send={(change) => send({ faults: change })}>
+        <NumberField
+          label="Half frames"
+          value={faults.half_frame_rate}
+          min={0}
+          max={1}
+          step={0.01}
+          onChange={(half_frame_rate) => send({ faults: { half_frame_rate } })}
+        />
+        <NumberField
+          label="Answers late by"
+          unit="s"
+          value={faults.late_reply_s}
+          min={0}
+          max={60}
+          step={0.01}
+          onChange={(late_reply_s) => send({ faults: { late_reply_s } })}
+        />
+        <BridgesAt celsius={state.motor.temperature_c} send={send} />
+      </Faults>
+      <Power send={send} note="A power cycle keeps what was stored in the EEPROM. Motor and stage stay where they are.">
+        <FactoryDefault send={send} />
+      </Power>
+    </>
+  );
+}
+
+/** What cannot be taken back is asked for twice. */
+function FactoryDefault({ send }: { send: (patch: TmclPatch) => void }) {
+  const [sure, setSure] = useState(false);
+  return (
+    <Button
+      size="xs"
+      variant={sure ? "filled" : "default"}
+      leftSection={<IconArrowBackUp size={16} aria-hidden />}
+      onBlur={() => setSure(false)}
+      onClick={() => {
+        if (sure) send({ factory_default: true });
+        setSure(!sure);
+      }}
+    >
+      {sure ? "Erase all?" : "Factory"}
+    </Button>
+  );
+}

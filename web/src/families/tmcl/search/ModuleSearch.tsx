@@ -1,0 +1,179 @@
+import { Button, Group, Progress, Select, Switch, Text } from "@mantine/core";
+import { useQueryClient } from "@tanstack/react-query";
+import { useState } from "react";
+import type { Schemas } from "../../../api/client";
+import { type AxisAddress, motion } from "../../../api/motion";
+import type { Device } from "../../../api/queries";
+import { fixed } from "../../../lib/format";
+import { NumberField } from "../../../lib/NumberField";
+import classes from "../../../pages/bench/bench.module.css";
+import type { LiveAxis } from "../../../pages/bench/live";
+import { setZero } from "../../../pages/bench/motion/setZero";
+import type { Action } from "../../../pages/bench/motion/useAction";
+import { searchKey, useSearch } from "../../../pages/bench/motion/useSearch";
+import { useParameters } from "../../../pages/module/useParameters";
+import { type BaseMode, type Choice, choiceOf, codeOf, extraOf, stepsOf, titleOf } from "./searchModes";
+
+const BASES: readonly BaseMode[] = [1, 2, 3, 4, 5, 6, 7, 8];
+const MODE = "reference_search_mode";
+const FAST = "reference_search_speed";
+const SLOW = "reference_switch_speed";
+const NAMES = [MODE, FAST, SLOW] as const;
+const SPEED_MAX = 7_999_774;
+
+interface Props {
+  at: AxisAddress;
+  device: Device;
+  live: LiveAxis;
+  action: Action;
+  disabled: boolean;
+}
+
+/** The module's own reference search: its modes, its two speeds, what it does now and what it found. */
+export function ModuleSearch({ at, device, live, action, disabled }: Props) {
+  const queries = useQueryClient();
+  const search = useSearch(at, !disabled);
+  const parameters = useParameters(at, NAMES, !disabled);
+  const [chosen, setChosen] = useState<Choice | null>(null);
+  const [speeds, setSpeeds] = useState<{ fast: number | null; slow: number | null }>({ fast: null, slow: null });
+  const running = search.data?.state === "running";
+  const held = choiceOf(parameters.held(MODE) ?? 0);
+  const choice = (running ? choiceOf(search.data?.mode ?? 0) : null) ??
+    chosen ??
+    held ?? { base: 1, mirrored: false, inverted: false };
+  const extra = extraOf(choice.base);
+  const fast = speeds.fast ?? parameters.held(FAST);
+  const slow = speeds.slow ?? parameters.held(SLOW);
+  const locked = disabled || running;
+  const start: Schemas["ReferenceSearchStart"] = {
+    mode: codeOf(choice) as NonNullable<Schemas["ReferenceSearchStart"]["mode"]>,
+    // null: as the module holds it; 0 there means that nobody has set it yet
+    search_speed_pps: speeds.fast,
+    switch_speed_pps: speeds.slow,
+  };
+  const refresh = () => {
+    void queries.invalidateQueries({ queryKey: searchKey(at) });
+    void queries.invalidateQueries({ queryKey: ["emulator", at.device] });
+    void queries.invalidateQueries({ queryKey: ["parameters", at.device] });
+  };
+  const speed = (label: string, key: "fast" | "slow", value: number | null) => (
+    <NumberField
+      classNames={{ root: classes.inline, input: "num" }}
+      label={label}
+      value={value}
+      placeholder="unknown"
+      unit="pps"
+      min={1}
+      max={SPEED_MAX}
+      step={1000}
+      disabled={locked}
+      onChange={(next) => setSpeeds((now) => ({ ...now, [key]: next }))}
+      data-testid={`search-${key}`}
+    />
+  );
+  return (
+    <>
+      <Select
+        size="xs"
+        aria-label="Reference search mode, AP 193"
+        data={BASES.map((base) => ({
+          value: String(base),
+          label: `${base}  ${titleOf({ base, mirrored: choice.mirrored, inverted: false })}`,
+        }))}
+        value={String(choice.base)}
+        allowDeselect={false}
+        disabled={locked}
+        comboboxProps={{ width: "max-content", position: "bottom-start" }}
+        onChange={(value) => value && setChosen({ ...choice, base: Number(value) as BaseMode })}
+        data-testid="search-mode"
+      />
+      <Switch
+        size="sm"
+        label={extra === "mirrored" ? "left and right exchanged (+64)" : "home switch inverted (+128)"}
+        checked={choice[extra]}
+        disabled={locked}
+        onChange={(event) => setChosen({ ...choice, [extra]: event.currentTarget.checked })}
+        data-testid="search-extra"
+      />
+      {speed("Search", "fast", fast)}
+      {speed("Switch", "slow", slow)}
+      <ol className={`${classes.searchSteps} hint m-0 tight`} aria-label="What the search does">
+        {stepsOf(choice).map((step, index) => (
+          <li key={`${step.to}${step.until}`} value={index + 1}>
+            <span className={`${classes.searchArrow} inline-block ink centered`} aria-hidden>
+              {step.to === "left" ? "←" : step.to === "right" ? "→" : "0"}
+            </span>
+            {step.fast ? "fast" : "slowly"} until {step.until}
+          </li>
+        ))}
+      </ol>
+      <Progress
+        value={100 * (search.data?.progress ?? 0)}
+        size={6}
+        color={search.data?.state === "failed" ? "red" : "accent"}
+        aria-label="Reference search"
+      />
+      <Text
+        size="xs"
+        c={search.data?.state === "failed" ? "red" : "dimmed"}
+        mih={36}
+        role="status"
+        data-testid="search-state"
+        data-state={search.data?.state}
+      >
+        {outcome(search.data)}
+      </Text>
+      <div className={classes.searchResult}>
+        <span>End switches apart, AP 196</span>
+        <span className="num" data-testid="search-distance">
+          {fixed(search.data?.distance)}
+        </span>
+        <span>Zero lay at, AP 197</span>
+        <span className="num" data-testid="search-last">
+          {fixed(search.data?.last_position)}
+        </span>
+      </div>
+      <Group gap={6} grow wrap="nowrap">
+        <Button
+          size="xs"
+          disabled={disabled}
+          color={running ? "red" : "accent"}
+          data-testid="reference-search"
+          onClick={() =>
+            void action
+              .run(running ? "Ending the search" : "Starting the search", () =>
+                running ? motion.endSearch(at) : motion.search(at, start),
+              )
+              .then(refresh)
+          }
+        >
+          {running ? "Abort" : "Search"}
+        </Button>
+        <Button
+          size="xs"
+          variant="default"
+          disabled={locked}
+          title="Calls the present position 0; the motor does not move"
+          data-testid="set-zero"
+          onClick={() => void action.run("Setting zero", () => setZero(at, device, live.moving())).then(refresh)}
+        >
+          Set zero here
+        </Button>
+      </Group>
+    </>
+  );
+}
+
+function outcome(search: Schemas["ReferenceSearchState"] | undefined): string {
+  if (search === undefined) return "";
+  switch (search.state) {
+    case "idle":
+      return "The module searches by itself; it does not need this page.";
+    case "running":
+      return search.phase || "searching";
+    case "done":
+      return search.message || "Found: the counter is zero there.";
+    default:
+      return search.message || `The search was ${search.state}.`;
+  }
+}

@@ -1,0 +1,121 @@
+import { useSessionStorage } from "@mantine/hooks";
+import { useCallback, useEffect, useMemo } from "react";
+import type { Device } from "../../api/queries";
+import { scaleOf } from "../units";
+import type { Kind } from "./answer";
+import { type ChipRamp, chipRamp } from "./chip";
+import { MOTOR, type Motor } from "./motor";
+import { unitsOf } from "./scales";
+import { useAxisRegisters } from "./useAxisRegisters";
+import { useLive } from "./useLive";
+import { useSketch } from "./useSketch";
+
+/** What is designed, which of its values go together, and whatever else a kind of ramp is made of. */
+export interface Sketch<Design, Lock, More> {
+  design: Design;
+  lock: Lock;
+  distance: number;
+  more: More;
+}
+
+/** A kind of ramp: what a designer of it begins with, and how it changes. */
+export interface RampRules<Design, Lock, More> {
+  /** of what is kept for the session */
+  name: string;
+  /** the registers that it is compared with */
+  groups: readonly string[];
+  /** what it is drawn as */
+  kinds: readonly Kind[];
+  fresh: Sketch<Design, Lock, More>;
+  changed: (design: Design, parameter: keyof Design, value: number, lock: Lock) => Design;
+  locked: (design: Design, lock: Lock) => Design;
+  lockOf: (design: Design) => Lock;
+  showingDistance: (design: Design) => number;
+  /** what the chip holds; null where that is not known, or has never been set */
+  read: (chip: ChipRamp, clockHz: number, more: More) => { design: Design; more: More } | null;
+}
+
+/** A designer works without a chip, too: then at this clock, and with a driver of 256 microsteps. */
+const CLOCK_HZ = 16e6;
+const MICROSTEPS = 256;
+
+/** A sketch of a ramp for an axis, kept for the session: how it is changed, in which units it is read, and the chip beside it. */
+export function useDesigner<Design, Lock, More>(
+  rules: RampRules<Design, Lock, More>,
+  device: Device | undefined,
+  axis: number,
+) {
+  const clockHz = device?.clock_hz ?? CLOCK_HZ;
+  const info = device?.axes[axis];
+  const { connected, readings } = useAxisRegisters(device, axis, rules.groups);
+  const told = useMemo(() => (readings.data ? chipRamp(readings.data) : null), [readings.data]);
+  const chip = connected ? told : null;
+  const own = `${device?.id ?? "-"}.${axis}`;
+  const { sketch, latest, change, isFresh } = useSketch(`stepscope.${rules.name}.sketch.${own}`, rules.fresh);
+  const [unitKey, setUnits] = useSessionStorage({
+    key: `stepscope.${rules.name}.units`,
+    defaultValue: "pps",
+    getInitialValueInEffect: false,
+  });
+  const [motor, setMotor] = useSessionStorage<Motor>({
+    key: `stepscope.${rules.name}.motor.${own}`,
+    defaultValue: MOTOR,
+    getInitialValueInEffect: false,
+  });
+  const onMotor = useCallback((part: Partial<Motor>) => setMotor((before) => ({ ...before, ...part })), [setMotor]);
+  const onChange = useCallback(
+    (parameter: keyof Design, value: number) =>
+      change({ design: rules.changed(latest.current.design, parameter, value, latest.current.lock) }),
+    [rules, change, latest],
+  );
+  const onLock = useCallback(
+    (lock: Lock) => change({ lock, design: rules.locked(latest.current.design, lock) }),
+    [rules, change, latest],
+  );
+  const onMore = useCallback(
+    (part: Partial<More>) => change({ more: { ...latest.current.more, ...part } }),
+    [change, latest],
+  );
+  const onDistance = useCallback((distance: number) => change({ distance }), [change]);
+  /** Begin anew with this design, at a distance that shows it. */
+  const take = useCallback(
+    (design: Design, more: More) =>
+      change({
+        design,
+        more,
+        lock: rules.lockOf(design),
+        distance: Math.sign(latest.current.distance || 1) * rules.showingDistance(design),
+      }),
+    [rules, change, latest],
+  );
+
+  const held = useMemo(
+    () => (chip ? rules.read(chip, clockHz, sketch.more) : null),
+    [rules, chip, clockHz, sketch.more],
+  );
+  const read = useCallback(() => held && take(held.design, held.more), [held, take]);
+  // The first look at a chip is its own setting, unless it is not known or has never been set.
+  // biome-ignore lint/correctness/useExhaustiveDependencies: once, when the chip is known and nothing was kept
+  useEffect(() => {
+    if (isFresh) read();
+  }, [held === null]);
+
+  const scale = useMemo(
+    () => ({ ...scaleOf(info, clockHz), ...(device ? {} : { microstepsPerFullStep: MICROSTEPS }) }),
+    [info, clockHz, device],
+  );
+  const units = useMemo(() => unitsOf(unitKey, scale), [unitKey, scale]);
+  const way: 1 | -1 = sketch.distance < 0 ? -1 : 1;
+  return {
+    ...{ device, axis, connected, readings, chip, clockHz, scale, units, setUnits, motor, onMotor, way },
+    ...{ kinds: rules.kinds, sketch, latest, change, take, onChange, onLock, onMore, onDistance },
+    onRead: held === null ? null : read,
+    live: useLive(rules.kinds),
+  };
+}
+
+/** What the parts of a page ask of it that are the same for every kind of ramp. */
+export type AnyDesigner = Omit<
+  ReturnType<typeof useDesigner<object, string, object>>,
+  "sketch" | "latest" | "change" | "take" | "onChange" | "onLock" | "onMore"
+> & { sketch: { distance: number } };
