@@ -5,7 +5,7 @@ HOST ?= 127.0.0.1
 PORT ?= 8000
 # `make serve ARGS="--no-demo"`, `make e2e ARGS="-k scope"`
 ARGS ?=
-# Both cores of a small machine; a browser test keeps both busy by itself.
+# Both cores of a small machine.
 WORKERS ?= 2
 # The versions that this commit was tested with; `make CONSTRAINTS= run` takes the newest.
 CONSTRAINTS ?= constraints.txt
@@ -19,8 +19,12 @@ PIP := $(PY) -m pip --disable-pip-version-check
 # Inside .venv, so that deleting it forgets them too.
 STAMPS := .venv/.stamps
 
+# Images set it to stay small. Here it would have every test process compile the program, and pytest its tests, anew.
+unexport PYTHONDONTWRITEBYTECODE
+
 .DEFAULT_GOAL := help
-.PHONY: help run dev test test-fast lint format types conformance bench screenshots install web web-check chromium lock clean
+.PHONY: help run dev test test-fast lint lint-python lint-web format types conformance report bench screenshots install web \
+	web-check chromium lock clean
 
 help:  ## this list
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
@@ -28,22 +32,28 @@ help:  ## this list
 run: install  ## start stepscope with its demo bench and print the URL (HOST, PORT, ARGS)
 	@exec $(BIN)/stepscope serve --host $(HOST) --port $(PORT) $(ARGS)
 
-dev: $(STAMPS)/app $(STAMPS)/tools  ## server and UI, both reload on a change; one Ctrl-C ends both
+dev: $(STAMPS)/kernels $(STAMPS)/tools  ## server and UI, both reload on a change; one Ctrl-C ends both
 	@exec $(PY) scripts/dev.py --host $(HOST) --port $(PORT)
 
-test: lint web-check chromium  ## everything that CI holds: linters, types, UI tests, Python tests, browser tests
+test: $(STAMPS)/app $(STAMPS)/tools chromium  ## everything that CI holds: linters, types, UI, Python and browser tests
+	@# What keeps one core busy each, at the same time.
+	@$(MAKE) --no-print-directory --jobs=$(WORKERS) lint-python web-check $(STAMPS)/kernels
 	$(BIN)/pytest -n $(WORKERS) -m "not e2e" $(ARGS) $(NONE_IS_WELL)
-	@# One after the other: two browsers starve each other on two cores.
-	$(BIN)/pytest -m e2e $(ARGS) $(NONE_IS_WELL)
+	@# A browser and a server each; loadfile, for a file shares what it has set up there.
+	$(BIN)/pytest -n $(WORKERS) --dist loadfile -m e2e $(ARGS) $(NONE_IS_WELL)
 
-test-fast: $(STAMPS)/app $(STAMPS)/tools  ## Python tests that are quick: no browser, no server, nothing marked slow
+test-fast: $(STAMPS)/kernels $(STAMPS)/tools  ## Python tests that are quick: no browser, no server, nothing marked slow
 	$(BIN)/pytest -n $(WORKERS) -m "not e2e and not slow" $(ARGS)
 
-lint: $(STAMPS)/app $(STAMPS)/tools  ## ruff, mypy --strict, import directions, biome, tsc, stale generated files
+lint: lint-python lint-web  ## ruff, mypy --strict, import directions, biome, tsc, stale generated files
+
+lint-python: $(STAMPS)/app $(STAMPS)/tools
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy
 	$(BIN)/lint-imports
+	$(BIN)/mypy
+
+lint-web: $(STAMPS)/app $(STAMPS)/tools
 	$(PY) scripts/web.py npm run --silent lint
 	$(PY) scripts/web.py npm run --silent typecheck
 	$(PY) scripts/generate_types.py --check
@@ -59,18 +69,23 @@ types: $(STAMPS)/app $(STAMPS)/tools  ## the OpenAPI schema and the UI's TypeScr
 conformance: $(STAMPS)/app $(STAMPS)/tools  ## which sections of the data sheets the tests hold
 	$(PY) -m tests.conformance
 
+report: $(STAMPS)/kernels $(STAMPS)/tools  ## lines that the Python tests run, room by room, and the most complex functions
+	$(BIN)/pytest -n $(WORKERS) -m "not e2e" --cov=app --cov-report= $(ARGS)
+	@$(PY) scripts/report.py
+
 bench: install $(STAMPS)/tools chromium  ## measured figures beside what is required (QUICK=1 for a short run)
 	$(PY) -m tests.bench $(if $(QUICK),--quick) $(ARGS)
 
 screenshots: install $(STAMPS)/tools chromium  ## every page, two sizes, light and dark, into test-results/
 	$(PY) scripts/screenshots.py test-results/screenshots $(ARGS)
 
-install: $(STAMPS)/app web
+install: $(STAMPS)/kernels web
 
 web: $(STAMPS)/venv
 	@$(PY) scripts/web.py build
 
-web-check: install
+# Behind lint-web: both bring the npm packages where they are missing.
+web-check: web lint-web
 	$(PY) scripts/web.py npm run --silent test
 
 chromium: $(STAMPS)/tools
@@ -97,7 +112,10 @@ $(STAMPS)/venv:
 $(STAMPS)/app: $(STAMPS)/venv pyproject.toml hatch_build.py $(CONSTRAINTS) | web
 	@echo "installing stepscope into .venv (the first time takes a minute or two)"
 	@$(PIP) install --quiet $(addprefix --constraint ,$(CONSTRAINTS)) --editable .
-	@# Part of the install, so that the first start takes seconds like every other (numba keeps the result on disk).
+	@touch $@
+
+# Part of the install, so that the first start takes seconds like every other (numba keeps the result on disk).
+$(STAMPS)/kernels: $(STAMPS)/app
 	@echo "compiling the emulators and calculators, once"
 	@$(PY) -c "from app.main import compile_kernels; compile_kernels()"
 	@touch $@

@@ -1,12 +1,14 @@
-"""Writes web/src/api/openapi.json from the Python models, the UI's TypeScript types from it, and the calls that need no
-lease.
+"""Writes web/src/api/openapi.json from the Python models, the UI's TypeScript types from it, the calls that need no
+lease, and the catalog that the UI's tests work with.
 
 With --check nothing is written: it ends with 1 when a file is stale, and says which command makes it anew.
 """
 
 from __future__ import annotations
 
+import asyncio
 import json
+import re
 import sys
 import tempfile
 from pathlib import Path
@@ -16,6 +18,7 @@ from web import WEB, WebBuildError, install_packages, npm, require_node
 SCHEMA = WEB / "src" / "api" / "openapi.json"
 TYPES = WEB / "src" / "api" / "schema.d.ts"
 FREE_CALLS = WEB / "src" / "api" / "lease" / "free.json"
+CATALOG = WEB / "test" / "catalog.json"
 
 
 def schema_text() -> str:
@@ -31,9 +34,24 @@ def schema_text() -> str:
 def free_calls_text() -> str:
     """Return the calls that may be made without the lease, "METHOD /path": the page asks before all others."""
     from app.api.app import BASE
-    from app.api.http.lease_gate import FREE
+    from app.api.http.policies import CHANGING_METHODS, Policies
+    from app.main import create_app
+    from app.settings import Settings
 
-    return json.dumps(sorted(f"{method} {BASE}{path}" for method, path in FREE), indent=2) + "\n"
+    with tempfile.TemporaryDirectory() as folder:
+        routes = Policies(create_app(Settings(data_dir=Path(folder))), BASE).routes
+    free = {each for each in routes if each.policy.lease == "free" and each.method in CHANGING_METHODS}
+    paths = {f"{each.method} {BASE}{re.sub(r':int}', '}', each.path)}" for each in free}
+    return json.dumps(sorted(paths), indent=2) + "\n"
+
+
+def catalog_text() -> str:
+    """Return what `GET /catalog` answers, but for models that only an installed package lists."""
+    from app.api.catalog.routes import list_models
+
+    models = asyncio.run(list_models())
+    models = [model for model in models if model.tier == "full"]
+    return json.dumps([model.model_dump(mode="json") for model in models], indent=1, ensure_ascii=False) + "\n"
 
 
 def types_text(schema: str) -> str:
@@ -53,7 +71,7 @@ def main() -> int:
     """Write or check the files."""
     schema = schema_text()
     try:
-        wanted = {SCHEMA: schema, TYPES: types_text(schema), FREE_CALLS: free_calls_text()}
+        wanted = {SCHEMA: schema, TYPES: types_text(schema), FREE_CALLS: free_calls_text(), CATALOG: catalog_text()}
     except WebBuildError as error:
         print(f"types: {error}", file=sys.stderr)
         return 1

@@ -12,7 +12,7 @@ from app.cli import cli
 from app.emulator_server import fault
 from app.emulators.board.options import BoardPatch
 from app.emulators.line.faults import LinePatch
-from app.emulators.tmcl.options import Pd42Patch
+from app.emulators.tmcl.options import TmclPatch
 from app.errors import LinkDown, LinkError, UnknownThing, UsageError
 
 
@@ -32,7 +32,7 @@ from app.errors import LinkDown, LinkError, UnknownThing, UsageError
     ],
 )
 def test_a_name_may_leave_out_its_path(name: str, path: str) -> None:
-    assert fault.path_of(Pd42Patch, name) == path
+    assert fault.path_of(TmclPatch, name) == path
 
 
 def test_a_board_and_its_chip_have_faults_of_the_same_name() -> None:
@@ -42,7 +42,7 @@ def test_a_board_and_its_chip_have_faults_of_the_same_name() -> None:
 
 
 def test_every_name_leads_to_itself_and_every_short_one_is_alone() -> None:
-    for model in (Pd42Patch, LinePatch):
+    for model in (TmclPatch, LinePatch):
         for path in fault.names_of(model):
             assert fault.path_of(model, path) == path
             assert fault.path_of(model, path.rpartition(".")[2]) == path
@@ -50,7 +50,7 @@ def test_every_name_leads_to_itself_and_every_short_one_is_alone() -> None:
 
 def test_an_unknown_name_is_told_with_those_that_there_are() -> None:
     with pytest.raises(UnknownThing, match=r"faults\.silence"):
-        fault.path_of(Pd42Patch, "silent")
+        fault.path_of(TmclPatch, "silent")
 
 
 @pytest.mark.parametrize(

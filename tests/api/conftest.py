@@ -17,7 +17,7 @@ from app.emulators.line.line import Line
 from app.emulators.line.server import serve_pty
 from app.emulators.server import serve_tcp
 from app.emulators.tmcl.module import EmulatedModule
-from app.emulators.tmcl.options import Pd42Options
+from app.emulators.tmcl.options import TmclOptions
 from app.main import create_app
 from app.settings import Settings
 
@@ -76,7 +76,7 @@ async def motor(client: httpx.AsyncClient) -> str:
 def far_line(tmp_path: Path) -> Iterator[str]:
     """A serial line at 115200 baud with emulated modules at address 1 and 2, on the wall clock: its port."""
     clock, port = WallClock(), tmp_path / "tty"
-    modules = [EmulatedModule(clock, Pd42Options(address=address, baud_code=7)) for address in (1, 2)]
+    modules = [EmulatedModule("pd42-1241", clock, TmclOptions(address=address, baud_code=7)) for address in (1, 2)]
     with serve_pty(Line(modules, clock, baud=115_200, addresses=(1, 2)), port) as server:
         serving = threading.Thread(target=server.run)
         serving.start()

@@ -16,7 +16,8 @@ from fastapi import FastAPI
 
 from app.api.audit import wording as audit_words
 from app.api.http.guard import SAFE_METHODS
-from app.devices.core.device import LimitReached
+from app.api.http.policies import Policies
+from app.devices.core.events import LimitReached
 from app.errors import LinkTimeout
 from app.main import bench_of, create_app
 from app.settings import Settings
@@ -95,7 +96,7 @@ async def test_a_write_without_an_answer_is_not_proven_and_entered_once(
     app: FastAPI, client: httpx.AsyncClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     device = bench_of(app).manager.get("bench")
-    exchange = device.port.exchange
+    exchange = device.session.port.exchange
     written = False
 
     async def silent(frame: bytes, *given: Any, **more: Any) -> bytes:
@@ -105,7 +106,7 @@ async def test_a_write_without_an_answer_is_not_proven_and_entered_once(
             raise LinkTimeout("emulator", 0.1, "a write")
         return await exchange(frame, *given, **more)
 
-    monkeypatch.setattr(device.port, "exchange", silent)
+    monkeypatch.setattr(device.session.port, "exchange", silent)
     assert (await client.put("devices/bench/registers/v_max?axis=0", json={"value": 7})).status_code == 504
     (entry,) = await entries(client, q="v_max")
     assert told(entry, "subject", "new") == ("v_max", 7)
@@ -216,15 +217,17 @@ async def test_what_the_demo_sets_up_is_nobodys_doing(client: httpx.AsyncClient)
 def test_no_address_is_forgotten(app: FastAPI) -> None:
     """Each call that may change something is silent by intent, or has words; those of a device name it."""
     unnamed = {"device": "bench", "axis": "1", "name": "v_max"}
+    policies = Policies(app, "/api/v1")
     for path, methods in app.openapi()["paths"].items():
         for method in methods:
             if method.upper() in SAFE_METHODS:
                 continue
             address = path.removeprefix("/api/v1/").format_map(_Names(unnamed))
-            call = audit_words.taken_apart(method.upper(), address, b"")
-            if audit_words.is_silent(call):
+            call = audit_words.taken_apart(method.upper(), address, b"", policies.plain)
+            policy = policies.of_call(call.key)
+            if audit_words.is_silent(policy, call):
                 continue
-            said = audit_words.in_words(call)
+            said = audit_words.in_words(policy, call)
             assert said.action.strip(), path
             assert call.device == ("bench" if "{device}" in path else None), path
             assert call.axis == (1 if "{axis}" in path else None), path
@@ -270,7 +273,7 @@ async def test_it_comes_as_csv_that_no_spreadsheet_runs(
     client: httpx.AsyncClient, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("app.api.audit.routes.PIECE", 2)
-    monkeypatch.setattr("app.api.audit.csv_text.PIECE", 2)
+    monkeypatch.setattr("app.audit.csv_text.PIECE", 2)
     await client.put(
         "devices/bench/registers/v_min?axis=0", json={"value": 9}, headers={"Stepscope-Name": "=HYPERLINK(1)"}
     )

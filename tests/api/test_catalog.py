@@ -1,10 +1,13 @@
 from __future__ import annotations
 
+from typing import get_args
+
 import httpx
 import pytest
 
 from app import __version__
 from app.registers.catalog import MODELS
+from app.registers.wires import Wire
 
 
 async def test_health_tells_the_version(client: httpx.AsyncClient) -> None:
@@ -19,9 +22,42 @@ async def test_ports_are_those_of_the_machine_and_the_emulators(client: httpx.As
 
 
 async def test_the_catalog_lists_every_model(client: httpx.AsyncClient) -> None:
-    entries = (await client.get("catalog")).json()
+    entries = (await client.get("catalog")).json()[: len(MODELS)]
     assert [entry["name"] for entry in entries] == list(MODELS)
     assert [entry["registers"] for entry in entries] == [len(model.table) for model in MODELS.values()]
+
+
+async def test_the_catalog_says_what_each_model_is_and_can(client: httpx.AsyncClient) -> None:
+    for entry in (await client.get("catalog")).json():  # the listed ones too
+        model = MODELS[entry["name"]]
+        assert set(entry["capabilities"]) == model.capabilities
+        assert (entry["family"], entry["description"]) == (model.family, model.description)
+        assert (entry["clock_hz_min"], entry["clock_hz_max"]) == (model.clock_hz_min, model.clock_hz_max)
+        assert entry["current_scale"] == model.current_scale
+        assert (entry["datagram_bits"], entry["uart"]) == (model.datagram_bits, model.uart)
+        assert {wire["kind"] for wire in entry["wires"]} == model.wires
+        assert all((wire["frames"] == "tmcl") == (model.kind == "module") for wire in entry["wires"])
+
+
+@pytest.mark.parametrize("name", list(MODELS))
+async def test_the_wires_of_a_model_are_those_that_a_connection_takes(client: httpx.AsyncClient, name: str) -> None:
+    for kind in get_args(Wire):
+        link = {"kind": kind, "host": "127.0.0.1", "port": 1 if kind == "tcp" else "/dev/nothing"}
+        wanted = {"tcp": ("kind", "host", "port"), "emulator": ("kind",)}.get(kind, ("kind", "port"))
+        link = {key: link[key] for key in wanted}
+        if kind == "spidev":
+            link = {"kind": kind, "bus": 0, "device": 0}
+        if kind == "can":
+            link = {"kind": kind, "interface": "virtual", "channel": "vcan"}
+        tried = await client.post("devices/test", json={"model": name, "link": link})
+        refused = tried.status_code == 422 or (tried.status_code == 400 and "link" in tried.json()["detail"])
+        assert refused == (kind not in MODELS[name].wires), (kind, tried.json())
+
+
+async def test_every_capability_of_a_model_has_a_title(client: httpx.AsyncClient) -> None:
+    titles = {row["name"]: row["title"] for row in (await client.get("catalog/capabilities")).json()}
+    for entry in (await client.get("catalog")).json():
+        assert all(titles[capability] for capability in entry["capabilities"])
 
 
 @pytest.mark.parametrize("name", list(MODELS))

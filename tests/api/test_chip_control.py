@@ -9,7 +9,7 @@ import httpx
 import pytest
 
 from app.clock import WallClock
-from app.emulator_server.chip_control import make_chip_control_app
+from app.emulator_server.tmc5xxx.control import make_chip_control_app
 from app.emulators.line.server import LineServer
 from app.emulators.line.uart import uart_line
 from app.emulators.tmc5xxx import EmulatedTmc5xxx

@@ -20,7 +20,7 @@ async def added(client: httpx.AsyncClient, model: str, **link: object) -> str:
     return f"devices/{answer.json()['id']}/axes/0"
 
 
-@pytest.mark.parametrize("model", [model for model in MODELS if model != "pd42-1241"])
+@pytest.mark.parametrize("model", [name for name, model in MODELS.items() if model.kind == "chip"])
 async def test_a_device_as_after_power_on_says_that_it_cannot_move_and_the_remedy_is_a_call_that_helps(
     client: httpx.AsyncClient, clock: VirtualClock, model: str
 ) -> None:
@@ -44,7 +44,7 @@ async def test_a_device_as_after_power_on_says_that_it_cannot_move_and_the_remed
     assert (await client.get(url)).json()["condition"]["kind"] in ("ready", "unknown")  # unknown: it was reset
 
 
-@pytest.mark.parametrize("model", [model for model in MODELS if model != "pd42-1241"])
+@pytest.mark.parametrize("model", [name for name, model in MODELS.items() if model.kind == "chip"])
 async def test_the_start_up_that_is_offered_after_a_power_cycle_lets_it_move(
     client: httpx.AsyncClient, clock: VirtualClock, model: str
 ) -> None:

@@ -114,6 +114,15 @@ async def test_a_blocked_shaft_is_a_following_error_and_then_lost_steps_and_neve
     assert (axis["condition"]["remedies"], axis["referenced"]) == ([], True)
 
 
+async def test_an_encoder_counts_as_soon_as_its_resolution_is_written(
+    app: FastAPI, client: httpx.AsyncClient, clock: VirtualClock
+) -> None:
+    one = await rig(app, client, clock, "tmc4361", encoder=False)
+    written = await client.put(f"{one.url}/registers/ENC_IN_RES", json={"fields": {"ENC_IN_RES": 40_000}})
+    assert written.status_code == 200, written.text
+    await one.post("axes/0/position-from-encoder")
+
+
 async def test_a_module_that_moves_keeps_its_position_whatever_its_encoder_says(
     app: FastAPI, client: httpx.AsyncClient, clock: VirtualClock
 ) -> None:
@@ -180,18 +189,18 @@ async def test_a_stall_is_told_and_its_flag_can_be_cleared(
     app: FastAPI, client: httpx.AsyncClient, clock: VirtualClock, model: str
 ) -> None:
     one = await rig(app, client, clock, model, encoder=False)
-    await one.device.write("SW_MODE", 0, fields={"sg_stop": 1, "stop_l_enable": 0, "stop_r_enable": 0})
+    await one.device.registers.write("SW_MODE", 0, fields={"sg_stop": 1, "stop_l_enable": 0, "stop_r_enable": 0})
     if one.device.axes and model in ("tmc5130", "tmc5160"):
-        await one.device.write("TCOOLTHRS", 0, 2_000)
+        await one.device.registers.write("TCOOLTHRS", 0, 2_000)
     else:
-        await one.device.write("VCOOLTHRS", 0, 10_000)
-        await one.device.write("VHIGH", 0, (1 << 23) - 1)
+        await one.device.registers.write("VCOOLTHRS", 0, 10_000)
+        await one.device.registers.write("VHIGH", 0, (1 << 23) - 1)
     await one.post("axes/0/rotate", {"velocity": 40_000})
     for _ in range(10):
         await clock.advance(0.05)
     await one.world(blocked=True)
     await one.at_rest()
-    stopped_s = one.device.motion_ends(0)[-1].time_s if one.device.motion_ends(0) else clock.now()
+    stopped_s = one.device.monitor.motion_ends(0)[-1].time_s if one.device.monitor.motion_ends(0) else clock.now()
     await clock.advance(TOLD_S)
     condition = (await one.told())["condition"]
     assert (condition["kind"], condition["remedy"]["label"]) == ("stalled", "clear the flag")
@@ -298,8 +307,8 @@ async def test_what_a_stall_still_holds_when_its_flag_is_cleared_says_what_lets_
     app: FastAPI, client: httpx.AsyncClient, clock: VirtualClock
 ) -> None:
     one = await rig(app, client, clock, "tmc4361", encoder=False)
-    await one.device.write("VSTALL_LIMIT", 0, 1000)
-    await one.device.write("REFERENCE_CONF", 0, fields={"stop_on_stall": 1})
+    await one.device.registers.write("VSTALL_LIMIT", 0, 1000)
+    await one.device.registers.write("REFERENCE_CONF", 0, fields={"stop_on_stall": 1})
     await one.post("axes/0/rotate", {"velocity": 40_000})
     await clock.advance(1.0)
     await one.world(blocked=True)
@@ -331,7 +340,7 @@ async def test_a_module_whose_motor_gets_no_current_cannot_move(
     app: FastAPI, client: httpx.AsyncClient, clock: VirtualClock
 ) -> None:
     one = await rig(app, client, clock, "pd42-1241")
-    await one.device.write("maximum_current", 0, 0)
+    await one.device.registers.write("maximum_current", 0, 0)
     await clock.advance(TOLD_S)
     condition = (await one.told())["condition"]
     assert condition["kind"] == "cannot_move"

@@ -15,9 +15,9 @@ import httpx
 import pytest
 from fastapi import FastAPI
 
-from app.api.devices.emulator_routes import PATCHES
 from app.clock import VirtualClock
 from app.conditions.truth import truth_of
+from app.emulators.build import family_of
 from app.links.emulator import EmulatorPort
 from tests.api.test_conditions_found import ALL, SIX_POINT, TOLD_S, WITH_ENCODER, Rig, rig
 
@@ -31,9 +31,9 @@ SWINGS_FULLSTEPS = 0.5
 
 def around(one: Rig, **change: Any) -> None:
     """Change the emulated world, and tell nobody: as it is with a real one."""
-    port = one.device.port
+    port = one.device.session.port
     assert isinstance(port, EmulatorPort)
-    port.wire.patch(PATCHES[port.wire.model].model_validate(one.world_of(change)), port.take_turn())  # type: ignore[attr-defined]
+    port.wire.patch(family_of(port.wire.model).patch.model_validate(one.world_of(change)), port.take_turn())  # type: ignore[attr-defined]
 
 
 async def rotating(one: Rig) -> None:
@@ -55,7 +55,7 @@ async def still(one: Rig) -> None:
 
 async def stalling(one: Rig) -> None:
     """Turning, with what the chip has to stop at a stall."""
-    write = one.device.write
+    write = one.device.registers.write
     if one.device.model in SIX_POINT:
         await write("SW_MODE", 0, fields={"sg_stop": 1, "stop_l_enable": 0, "stop_r_enable": 0})
         if one.device.model in ("tmc5130", "tmc5160"):

@@ -15,7 +15,7 @@ FAR = 102_400
 
 async def set_resolution(one: Rig, counts: int) -> None:
     """Set the encoder to `counts` a turn, which has 40,000 (the external one of a module 4,000)."""
-    write = one.device.write
+    write = one.device.registers.write
     if one.device.model in SIX_POINT:
         await write("ENCMODE", 0, fields={"enc_sel_decimal": 1})
         await write("ENC_CONST", 0, (51_200 // counts << 16) + round(51_200 % counts / counts * 10_000))
@@ -89,10 +89,10 @@ async def test_an_encoder_that_counts_the_other_way_is_turned_round(
 ) -> None:
     one = await rig(app, client, clock, model)
     if model == "tmc4361":
-        await one.device.write("ENC_IN_CONF", 0, fields={"invert_enc_dir": 1})
+        await one.device.registers.write("ENC_IN_CONF", 0, fields={"invert_enc_dir": 1})
     else:
-        await one.device.write("ENC_CONST", 0, -round(1.28 * 65536))
-        await one.device.write("ENCMODE", 0, fields={"enc_sel_decimal": 0})
+        await one.device.registers.write("ENC_CONST", 0, -round(1.28 * 65536))
+        await one.device.registers.write("ENCMODE", 0, fields={"enc_sel_decimal": 0})
     for target in (FAR, 0, FAR):
         await go(one, target)
     condition = (await one.told())["condition"]
@@ -107,7 +107,7 @@ async def test_a_built_in_encoder_that_is_off_has_the_full_steps_of_the_motor_se
     app: FastAPI, client: httpx.AsyncClient, clock: VirtualClock
 ) -> None:
     one = await rig(app, client, clock, "pd42-1241")
-    await one.device.write("motor_fullstep_resolution", 0, 400)
+    await one.device.registers.write("motor_fullstep_resolution", 0, 400)
     for target in (FAR, 0, FAR):
         await go(one, target)
     assert "counts 100 % too many" in (await one.told())["condition"]["cause"]
@@ -125,7 +125,7 @@ async def test_places_of_before_a_counter_was_written_or_the_power_was_off_count
     for target in (FAR, 0, FAR):
         await go(one, target)
     assert "looks wrong" in (await one.told())["condition"]["cause"]
-    await one.device.write("X_ENC", 0, 0)
+    await one.device.registers.write("X_ENC", 0, 0)
     await clock.advance(TOLD_S)
     assert "steps are lost" in (await one.told())["condition"]["cause"]
     for target in (0, FAR, 0):
@@ -134,6 +134,6 @@ async def test_places_of_before_a_counter_was_written_or_the_power_was_off_count
     await one.post("axes/0/position-from-encoder")
     await clock.advance(TOLD_S)
     assert await one.kind() == "ready"
-    await one.device.write("X_ENC", 0, 90_000)
+    await one.device.registers.write("X_ENC", 0, 90_000)
     await clock.advance(TOLD_S)
     assert "steps are lost" in (await one.told())["condition"]["cause"]

@@ -176,11 +176,13 @@ async def test_a_disk_that_does_not_answer_costs_one_thread(
 
 
 async def test_a_queue_tells_how_long_it_was_waited_for() -> None:
+    from app.links.port import PortTraits
     from app.links.queue import LinkQueue
 
     class Port:
         name = "port"
         last_exchange_s = 0.0
+        traits = PortTraits()
 
         async def exchange(self, frame: bytes, timeout_s: float | None = None) -> bytes:
             return frame + b"!"
@@ -191,7 +193,7 @@ async def test_a_queue_tells_how_long_it_was_waited_for() -> None:
         async def aclose(self) -> None: ...
 
     queue = LinkQueue(Port())
-    assert isinstance(queue._arbiter, Arbiter)
+    assert isinstance(queue.arbiter, Arbiter)
     async with queue.turn() as turn:
         waiting = asyncio.create_task(queue.exchange(b"abc", Priority.STOP))
         await asyncio.sleep(0.02)

@@ -6,10 +6,10 @@ import pytest
 from hypothesis import strategies as st
 from hypothesis.stateful import RuleBasedStateMachine, initialize, invariant, rule
 
-from app.api.http.errors import BenchNotTaken, BenchTaken
-from app.api.lease.lease import ASK_STAYS_S, ASKING_MAX, Lease, LeaseEvent
 from app.clock import VirtualClock
 from app.errors import UnknownThing, WrongState
+from app.lease.errors import BenchNotTaken, BenchTaken
+from app.lease.lease import ASK_STAYS_S, ASKING_MAX, Lease, LeaseEvent
 
 ANNA, BEN, CARL = "session-of-anna-0001", "session-of-ben-00002", "session-of-carl-0003"
 NAMES = {ANNA: "Anna", BEN: "Ben", CARL: "Carl"}

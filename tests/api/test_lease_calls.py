@@ -9,8 +9,8 @@ import pytest
 from fastapi import FastAPI
 
 from app.api.bench import Bench
-from app.api.lease.lease import LeaseEvent
 from app.clock import VirtualClock
+from app.lease.lease import LeaseEvent
 from app.main import bench_of
 
 ANNA = {"stepscope-session": "session-of-anna-0001"}

@@ -182,9 +182,9 @@ async def test_a_note_goes_when_the_motor_has_come_to_rest(
 ) -> None:
     started = (await client.post("devices/bench/axes/0/move", json={"target": 3000})).json()
     device = bench_of(app).manager.get("bench")
-    device.motion_commands[0] = 0  # as for a server that has just come up
-    device.set_state("connecting")
-    device.set_state("connected")
+    device.session.motion_commands[0] = 0  # as for a server that has just come up
+    device.session.set_state("connecting")
+    device.session.set_state("connected")
     await clock.advance(0.01)
     assert list(device.notes) == ["axis 0 was already moving when stepscope connected; a stop ends it"]
     for _ in range(20):
@@ -198,9 +198,9 @@ async def test_a_device_that_is_removed_is_looked_at_no_more(app: FastAPI, clock
     found = FoundMoving(clock)
     device = bench.manager.get("bench")
     found.sync([device])
-    await device.rotate(0, 1000)
-    device.set_state("connecting")
-    device.set_state("connected")
+    await device.motion.rotate(0, 1000)
+    device.session.set_state("connecting")
+    device.session.set_state("connected")
     await clock.advance(0.01)
     assert device.notes
     found.sync([])

@@ -9,11 +9,11 @@ import httpx
 import pytest
 
 from app.clock import WallClock
-from app.emulator_server.line_control import Controlled, make_control_app
+from app.emulator_server.tmcl.control import Controlled, make_control_app
 from app.emulators.line.line import Line
 from app.emulators.line.server import LineServer
 from app.emulators.tmcl.module import EmulatedModule
-from app.emulators.tmcl.options import Pd42Options
+from app.emulators.tmcl.options import TmclOptions
 
 
 @pytest.fixture(params=[(1,), (1, 7)], ids=["one module", "two modules"])
@@ -26,7 +26,7 @@ def addresses(request: pytest.FixtureRequest) -> tuple[int, ...]:
 def controlled(addresses: tuple[int, ...]) -> Iterator[Controlled]:
     """A line that a thread serves, as in the program, though without an end."""
     clock = WallClock()
-    modules = {address: EmulatedModule(clock, Pd42Options(address=address)) for address in addresses}
+    modules = {address: EmulatedModule("pd42-1241", clock, TmclOptions(address=address)) for address in addresses}
     with LineServer(Line(list(modules.values()), clock, addresses=addresses), []) as server:
         thread = threading.Thread(target=server.run)
         thread.start()

@@ -17,7 +17,12 @@ MOTOR = {"resistance_ohm": 2.3, "inductance_h": 4.4e-3, "current_a": 1.06, "supp
 MODELS = list(TABLES)
 
 
+ONE_AXIS = ("tmc5130", "tmc5160", "tmc5240")
+
+
 def sense(model: str) -> dict[str, object]:
+    if model == "tmc5240":
+        return {"model": model, "reference_resistor_ohm": 12_000}
     return {"model": model, "sense_resistor_ohm": 0.1 if model == "tmc5160" else 0.15}
 
 
@@ -29,6 +34,8 @@ async def test_a_wanted_current_comes_back_from_its_settings(client: httpx.Async
     assert there["nearest"][0] == there["run"]
     assert there["run"]["rms_a"] * math.sqrt(2) == pytest.approx(there["run"]["peak_a"])
     selected = {name: there["run"][name] for name in ("vsense", "global_scaler") if there["run"][name] is not None}
+    if there["current_range"] is not None:
+        selected["current_range"] = there["current_range"]
     settings = {**sense(model), **selected, "irun": there["run"]["scale"], "ihold": there["hold"]["scale"]}
     back = (await client.post("calc/coil-current", json=settings)).json()
     assert back["run"]["peak_a"] == there["run"]["peak_a"]
@@ -39,7 +46,7 @@ async def test_a_wanted_current_comes_back_from_its_settings(client: httpx.Async
 
 @pytest.mark.parametrize("model", MODELS)
 async def test_what_is_to_be_written_has_a_place_in_the_chip(client: httpx.AsyncClient, model: str) -> None:
-    waiting = {"waiting_s": 0.2} if model in ("tmc5130", "tmc5160") else {}
+    waiting = {"waiting_s": 0.2} if model in ONE_AXIS else {}
     body = {**sense(model), "run_a": 0.8, "hold_a": 0.3, "lowering_s": 0.3, **waiting}
     answer = (await client.post("calc/coil-current", json=body)).json()
     written = {(s["name"], s["field"]) for s in answer["settings"]}
@@ -50,7 +57,8 @@ async def test_what_is_to_be_written_has_a_place_in_the_chip(client: httpx.Async
         assert part.minimum <= setting["value"] <= part.maximum
     assert ("IHOLD_IRUN", "IHOLDDELAY") in written
     assert (("TPOWERDOWN", None) in written) == bool(waiting)
-    assert (("GLOBAL_SCALER", None) in written) == (model == "tmc5160")
+    assert (("GLOBAL_SCALER", None) in written) == (model in ("tmc5160", "tmc5240"))
+    assert (("DRV_CONF", "CURRENT_RANGE") in written) == (model == "tmc5240")
     assert answer["delay"]["lowering_s"] == pytest.approx(0.3, abs=0.3)
 
 
@@ -155,9 +163,9 @@ async def test_a_velocity_in_every_register(client: httpx.AsyncClient, model: st
     assert [rows[name]["raw"] for name in ("A1", "AMAX", "DMAX", "D1")] == [1000] * 4
     assert rows["TZEROWAIT"]["raw"] == 3125
     assert {"TPWMTHRS", "TCOOLTHRS", "THIGH", "TPOWERDOWN"} & set(rows) == (
-        {"TPWMTHRS", "TCOOLTHRS", "THIGH", "TPOWERDOWN"} if model in ("tmc5130", "tmc5160") else set()
+        {"TPWMTHRS", "TCOOLTHRS", "THIGH", "TPOWERDOWN"} if model in ONE_AXIS else set()
     )
-    if model in ("tmc5130", "tmc5160"):
+    if model in ONE_AXIS:
         assert rows["TPWMTHRS"]["raw"] == 313
         assert rows["TPWMTHRS"]["rising"] > rows["TPWMTHRS"]["value"]
     else:

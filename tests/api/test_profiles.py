@@ -140,7 +140,7 @@ async def test_what_is_left_is_in_the_problem_and_can_be_brought_back(
     document = await profile_of(client)
     for axis in range(3):
         await client.put("devices/bench/registers/v_max", params={"axis": axis}, json={"value": 700})
-    port = bench_of(app).manager.get("bench").port
+    port = bench_of(app).manager.get("bench").session.port
     assert isinstance(port, EmulatorPort)
     far_end = port.wire
 

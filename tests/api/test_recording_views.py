@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from fastapi import FastAPI
 
-from app.api.recordings.service import RecordingDesk
 from app.clock import VirtualClock
 from app.main import bench_of
+from app.recording.service import RecordingDesk
 from app.telemetry.frames import decode
 from tests.api.test_recordings import CHANNELS, detail, run, start
 

@@ -14,13 +14,12 @@ from hypothesis import strategies as st
 
 from app.api.app import BASE
 from app.api.http.guard import SAFE_METHODS
-from app.api.http.lease_gate import STOPS
-from app.api.http.roles import ADMINISTERS, LOOKING_SOCKETS, LOOKS, Policy
+from app.api.http.policies import Policies
 from app.clock import VirtualClock
 from app.main import bench_of, create_app
 from app.settings import Settings
 from app.store.tokens import ROLES, Role, at_least
-from tests.api.test_lease_gate import filled, shape
+from tests.api.test_lease_gate import filled
 
 TOO_LOW = "/problems/role-too-low"
 PROCEDURES = ("/reference-search", "/shuttle", "/closed-loop-calibration", "/step-response", "/disturbance")
@@ -62,6 +61,7 @@ def expected(method: str, path: str) -> Role:
         and ((method == "POST" and short.endswith("/stop")) or (method == "DELETE" and short.endswith(PROCEDURES)))
     )
     computes = short.startswith("/calc/") or short in ("/recordings/compare", "/profiles/compare")
+    computes = computes or short.endswith("/program/assemble")
     return "look" if stops or (method == "POST" and (computes or short == "/access/log-out")) else "drive"
 
 
@@ -99,37 +99,39 @@ async def test_the_contract_names_the_role_of_every_operation(guarded: tuple[Fas
         assert told or operation["x-required-role"] == "look", f"{method} {path}"
 
 
-def test_every_exception_is_a_route_that_there_is() -> None:
-    app = create_app(Settings())
-    there = {(method, shape(path)) for method, path in all_routes(app)}
-    calc = ("POST", "/calc/{subject}")
-    for method, path in (LOOKS | ADMINISTERS) - {calc}:
-        assert (method, shape(BASE + path)) in there, f"{method} {path}"
-    sockets = {context.path for context in iter_route_contexts(app.routes) if not getattr(context, "methods", None)}
-    assert {BASE + path for path in LOOKING_SOCKETS} == sockets, "a new socket needs its place in LOOKING_SOCKETS"
+@pytest.fixture(scope="module")
+def policies() -> Policies:
+    return Policies(create_app(Settings()), BASE)
+
+
+def test_every_socket_has_a_role(policies: Policies) -> None:
+    sockets = {each.path: each.policy.role for each in policies.routes if not each.method}
+    assert sockets == {"/devices/{device}/telemetry": "look", "/conditions": "look"}
 
 
 @given(st.sampled_from(METHODS), st.text(), st.data())
-def test_no_address_gets_past_the_roles(method: str, text: str, data: st.DataObject) -> None:
+def test_no_address_gets_past_the_roles(policies: Policies, method: str, text: str, data: st.DataObject) -> None:
     """Whatever stands in an address: only those calls that are named are for `look`, and tokens for nobody else."""
-    policy = Policy(BASE)
     path = data.draw(st.sampled_from([f"{BASE}/{text}", f"{BASE}/devices/{text}", f"{BASE}/tokens/{text}", text]))
-    needed = policy.needs(method, path)
+    needed = policies.role(method, path)
     if path.startswith(f"{BASE}/tokens"):
         assert needed == "administer"
     elif method in SAFE_METHODS:
         assert needed == "look"
     elif needed == "look":
-        named = (re.sub(r"{[^}]*}", "[^/]+", BASE + each) for verb, each in LOOKS if verb == method)
+        looks = (each.path for each in policies.routes if each.method == method and each.policy.role == "look")
+        named = (re.sub(r"{[^}]*}", "[^/]+", BASE + each) for each in looks)
         assert any(re.fullmatch(pattern, path) for pattern in named)
     else:
         assert needed == "drive"
 
 
 @given(st.text(st.characters(exclude_characters="/"), min_size=1))
-def test_a_stop_is_for_every_role_whatever_the_device_is_called(name: str) -> None:
-    for method, path in STOPS:
-        assert Policy(BASE).needs(method, BASE + path.replace("{device}", name).replace("{axis}", name)) == "look"
+def test_a_stop_is_for_every_role_whatever_the_device_is_called(policies: Policies, name: str) -> None:
+    stops = [(each.method, each.path) for each in policies.routes if each.policy.stops]
+    assert len(stops) == 3 + len(PROCEDURES)  # of everything, of an axis, and of a program
+    for method, path in stops:
+        assert policies.role(method, BASE + path.replace("{device}", name).replace("{axis}", name)) == "look"
 
 
 async def test_look_reads_and_stops_and_changes_nothing(guarded: tuple[FastAPI, dict[Role, str]]) -> None:

@@ -40,7 +40,7 @@ async def test_the_cure_is_in_the_refusal_and_one_move_then_arrives(
 ) -> None:
     device = await added(client, model)
     assert device["start_up"] is False
-    if model == "pd42-1241":  # its memory knows a speed: a user has set it to 0
+    if MODELS[model].kind == "module":  # its memory knows a speed: a user has set it to 0
         await client.put("devices/new/registers/maximum_positioning_speed", json={"value": 0})
     last = len(device["axes"]) - 1
     refused = await client.post(f"devices/new/axes/{last}/move", json={"target": 3_000})

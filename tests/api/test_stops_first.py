@@ -16,9 +16,9 @@ from starlette.types import Message
 from app.clock import HELD_MAX_S, TURN_S, VirtualClock, WallClock
 from app.conditions.service import LOOK_EVERY_S
 from app.devices.core import stopping
-from app.emulators.build import build_emulator
 from app.emulators.server import serve_tcp
 from app.emulators.tmc428.device import EmulatedDevice
+from app.emulators.tmc428.family import FAMILY
 from app.emulators.tmc428.options import EmulatorPatch
 from app.links.queue import Priority
 from app.main import bench_of
@@ -28,7 +28,7 @@ from app.serving import keep_out_of_collections
 @pytest.fixture
 async def far(client: httpx.AsyncClient) -> AsyncIterator[EmulatedDevice]:
     """A connected chip over TCP that never answers again once it is silent."""
-    chip = build_emulator("tmc428", WallClock())
+    chip = FAMILY.make("tmc428", WallClock())
     server = await serve_tcp(chip, "127.0.0.1", 0)
     link = {"kind": "tcp", "host": "127.0.0.1", "port": server.sockets[0].getsockname()[1], "timeout_s": 60}
     added = await client.post("devices", json={"name": "far", "model": "tmc428", "link": link})
@@ -45,7 +45,7 @@ async def test_looks_and_samples_wait_while_a_stop_is_under_way_but_not_for_ever
     (
         await client.put("devices/bench/registers/v_max?axis=0", json={"value": 100})
     ).raise_for_status()  # looked at often
-    queue, sending = bench_of(app).manager.get("bench").queue, bench_of(app).manager.get("far").queue
+    queue, sending = bench_of(app).manager.get("bench").session.queue, bench_of(app).manager.get("far").session.queue
 
     def looks() -> int:
         return queue.counts.frames[Priority.SAMPLE]

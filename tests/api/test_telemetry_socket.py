@@ -127,6 +127,19 @@ async def test_a_status_comes_every_second(server: str) -> None:
 
 
 @pytest.mark.parametrize(
+    ("limit", "words"), [("SUBSCRIPTIONS_MAX", "different ways"), ("HISTORY_BYTES_MAX", "on their way")]
+)
+async def test_what_readers_may_use_up_is_told(
+    server: str, monkeypatch: pytest.MonkeyPatch, limit: str, words: str
+) -> None:
+    monkeypatch.setattr(f"app.telemetry.hub.{limit}", -1)
+    async with socket(server, f"{BENCH}?channels=position.0&history_s=5") as connection:
+        problem = (await Stream(connection).message())["problem"]
+        assert (problem["status"], problem["type"]) == (409, "/problems/wrong-state")
+        assert words in problem["detail"]
+
+
+@pytest.mark.parametrize(
     ("address", "status", "words"),
     [
         (f"{BENCH}?channels=position.9", 404, "position.9"),

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from app.api.console.schemas import TmclFields
 from app.api.console.tmcl_text import command_of
 from app.clock import VirtualClock
-from app.devices.tmcl.frames import spelled
+from app.devices.core.tmcl_frames import spelled
 from app.errors import UsageError
 from app.links.tmcl import Request, check_reply
 from app.links.tmcl_text import parse_line

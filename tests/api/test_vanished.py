@@ -10,8 +10,8 @@ import httpx
 import pytest
 from fastapi import FastAPI
 
-from app.api.lease.lease import LeaseEvent
 from app.clock import VirtualClock
+from app.lease.lease import LeaseEvent
 from app.main import bench_of
 from tests.api import test_tmc5xxx, test_tmc4361
 
@@ -192,7 +192,7 @@ async def test_a_motor_that_this_server_never_moved_is_left_alone(
     axis = await slow(client, chip428)
     await client.post(f"{axis}/rotate", json={"velocity": 1000})
     device = bench_of(app).manager.get("bench")
-    device.motion_commands[0] = 0  # as after a restart: the motor turned before this server was there
+    device.session.motion_commands[0] = 0  # as after a restart: the motor turned before this server was there
     await take(client, "stop")
     await silence(clock, 9.0)
     assert (await state_of(client, axis))["moving"]

@@ -11,8 +11,8 @@ import time
 from collections.abc import Sequence
 
 from app.clock import VirtualClock
-from app.emulators.build import build_emulator
 from app.emulators.tmc5xxx import MODELS, EmulatedTmc5xxx, Tmc5xxxModel, Tmc5xxxOptions
+from app.emulators.tmc5xxx.family import FAMILY
 from app.links.datagram40 import Reply, read, read_chain
 from app.registers.tmc5xxx.table import AXES, TABLES
 from tests.bench.table import Row
@@ -49,7 +49,7 @@ def address(model: Tmc5xxxModel, name: str, axis: int) -> int | None:
 
 def started(model: Tmc5xxxModel, options: Tmc5xxxOptions) -> EmulatedTmc5xxx:
     """A chip with all its registers set."""
-    chip = build_emulator(model, VirtualClock(), options)
+    chip = FAMILY.make(model, VirtualClock(), options)
     if AXES[model] == 2:
         chip.write(0x00, 1 << 5, 0.0)  # encoder 2 has its pins
     for axis in range(AXES[model]):
@@ -90,7 +90,7 @@ def fast_forward(model: Tmc5xxxModel, seconds: int) -> tuple[float, int, int]:
 
 def a_year() -> tuple[float, int]:
     """(seconds that it took, microsteps that the position is off)."""
-    chip = build_emulator("tmc5160", VirtualClock(), Tmc5xxxOptions(motor="rigid"))
+    chip = FAMILY.make("tmc5160", VirtualClock(), Tmc5xxxOptions(motor="rigid"))
     pps = 1_000_000  # VMAX 2^20 at 16 MHz: exact
     for place, word in ((0x26, 2000), (0x27, 1 << 20), (0x20, 1)):
         chip.write(place, word, 0.0)

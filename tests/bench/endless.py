@@ -11,7 +11,7 @@ import asyncio
 import contextlib
 import time
 from collections.abc import Awaitable, Callable, Coroutine, Generator, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from fractions import Fraction
 from typing import Any, cast
 
@@ -21,7 +21,8 @@ from app.clock import VirtualClock, WallClock
 from app.devices.core.config import DeviceConfig
 from app.devices.core.device import Device
 from app.devices.manager import DeviceManager
-from app.devices.tmc5xxx.driver import Tmc5xxx
+from app.devices.tmc5xxx.family import compose
+from app.devices.tmc5xxx.moves import SixPointMotion
 from app.devices.tmc5xxx.start_up import Start, start_up
 from app.devices.tmc428.start_up import AxisStart
 from app.devices.tmc428.start_up import start_up as start_up_428
@@ -181,8 +182,8 @@ def measure_cost(model: str, *, quick: bool) -> Row:
 # --- a year -------------------------------------------------------------------------------------
 
 
-class Slow(Tmc5xxx):
-    """A driver that is told how fast its motor turns: looks as far apart as that allows."""
+class Slow(SixPointMotion):
+    """A part that is told how fast its motor turns: looks as far apart as that allows."""
 
     def speed_limit_pps(self, axis: int) -> float:
         return 1.01 * PER_TURN
@@ -196,10 +197,12 @@ async def _year(seconds: int) -> tuple[float, int, int]:
     config = DeviceConfig("year", "tmc5160", {"kind": "emulator"})
     # A driver looks on ten times a second while its motor moves, which in a year is 300 million times: its own clock
     # stands still here, and nobody looks but the service.
-    device = Slow("year", config, EmulatorPort(wire), VirtualClock())
+    device = compose("year", config, EmulatorPort(wire), VirtualClock())
+    assert isinstance(device.motion, SixPointMotion)
+    device.motion = Slow(**{part.name: getattr(device.motion, part.name) for part in fields(device.motion)})
     service = EndlessService(clock, unix_s=clock.now, period_max_s=float("inf"))
-    await device.refresh()
-    device.set_state("connected")
+    await device.identity.refresh()
+    device.session.set_state("connected")
     await start_up(device, [Start(vmax=PER_TURN, amax=1_000_000, stops=False)])
     await service.set_gear(device, 0, GEAR)
     turn = Fraction(PER_TURN * GEAR[2], GEAR[1])

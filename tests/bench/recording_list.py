@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import httpx
@@ -19,6 +20,7 @@ COUNT, LIMIT = 10_000, 100
 REQUIRED_S = 0.2
 ROUNDS = 5
 MEMORY_MB = 100.0
+OLDEST = "the first of all"
 
 
 def measure(quick: bool) -> Sequence[Row]:
@@ -27,11 +29,9 @@ def measure(quick: bool) -> Sequence[Row]:
         with ServerProcess(Path(folder), "--demo") as server:
             recording = _recorded(server)
         _multiply(Path(folder) / FOLDER, recording, count)
-        with (
-            ServerProcess(Path(folder), "--demo") as server,
-            httpx.Client(base_url=f"{server.url}/api/v1", timeout=60) as api,
-        ):
-            api.get("/health").raise_for_status()
+        with a_server(Path(folder)) as (server, api):
+            cold_s, asked_s = _cold_search_s(api)
+        with a_server(Path(folder)) as (server, api):
             before_mb = _memory_mb(server.pid)
             first_s = _page_s(api)
             pages_s = _all_pages_s(api, count)
@@ -40,10 +40,11 @@ def measure(quick: bool) -> Sequence[Row]:
             again_s = max(_page_s(api, search="run 78", device="bench") for _ in range(ROUNDS))
             grown_mb = _memory_mb(server.pid) - before_mb
     rows = [
+        ("the first search after the start, the slowest page", cold_s),
         ("the first page after the start", first_s),
         (f"the slowest of {len(pages_s)} pages", max(pages_s)),
         ("a page after another recording, the slowest", max(begun_s)),
-        ("the first search", search_s),
+        ("a search", search_s),
         ("a search, the slowest", again_s),
     ]
     return [
@@ -55,6 +56,7 @@ def measure(quick: bool) -> Sequence[Row]:
                 ratio=took_s / REQUIRED_S,
                 required=f"< {REQUIRED_S:g} s",
                 ok=took_s < REQUIRED_S,
+                notes=(f"complete after {asked_s:.1f} s of asking",) if took_s == cold_s else (),
             )
             for what, took_s in rows
         ),
@@ -67,6 +69,34 @@ def measure(quick: bool) -> Sequence[Row]:
             ok=grown_mb < MEMORY_MB,
         ),
     ]
+
+
+@contextmanager
+def a_server(folder: Path) -> Iterator[tuple[ServerProcess, httpx.Client]]:
+    """One that has just begun, and has worked out its routes."""
+    with (
+        ServerProcess(folder, "--demo") as server,
+        httpx.Client(base_url=f"{server.url}/api/v1", timeout=60) as api,
+    ):
+        api.get("/health").raise_for_status()
+        yield server, api
+
+
+def _cold_search_s(api: httpx.Client) -> tuple[float, float]:
+    """How long the slowest page of a search took that finds the oldest alone, and all of them together [s]."""
+    slowest_s, before, found = 0.0, "", 0
+    began_s = time.perf_counter()
+    while True:
+        asked_s = time.perf_counter()
+        page = api.get("/recordings", params={"search": OLDEST, "limit": LIMIT, "before": before}).raise_for_status()
+        slowest_s = max(slowest_s, time.perf_counter() - asked_s)
+        told = page.json()
+        found += len(told["recordings"])
+        before = told["next"] or ""
+        if not before:
+            break
+    assert found == 1
+    return slowest_s, time.perf_counter() - began_s
 
 
 def _recorded(server: ServerProcess) -> str:
@@ -85,7 +115,9 @@ def _multiply(folder: Path, recording: str, count: int) -> None:
     for number in range(count):
         copy = f"2024{number // 2500 + 1:02}{number // 100 % 25 + 1:02}-{number % 100:06}-{number:04x}"
         (folder / f"{copy}{SUFFIX}").write_bytes(rows.replace(recording.encode(), copy.encode()))
-        (folder / f"{copy}.json").write_text(f'{{"name": "run {number}", "note": "of {count}"}}')
+        (folder / f"{copy}.json").write_text(
+            f'{{"name": "{f"run {number}" if number else OLDEST}", "note": "of {count}"}}'
+        )
 
 
 def _page_s(api: httpx.Client, **wanted: str) -> float:

@@ -10,10 +10,10 @@ import threading
 import time
 from collections.abc import Callable
 from functools import partial
-from typing import Any
 
 import httpx
 from websockets.asyncio.client import connect
+from websockets.exceptions import WebSocketException
 
 from tests.peers.talker import talker
 
@@ -127,23 +127,32 @@ def talkative(url: str, count: int, kind: str) -> None:
     _together(count, flood)
 
 
-def readers(url: str, count: int) -> None:
-    """Telemetry sockets that take what they get."""
+def readers(url: str, count: int, rate_step_hz: float = 0.0, batch_hz: float = 5.0) -> None:
+    """Telemetry sockets that take what they get, of the same rate or each of its own; who is refused comes again."""
+    asyncio.run(_read(url.replace("http", "ws", 1), count, rate_step_hz, batch_hz))
 
-    async def read() -> None:
-        path = "/api/v1/devices/bench/telemetry?channels=position.0&rate_hz=100&batch_hz=5"
-        async with contextlib.AsyncExitStack() as stack:
-            target = url.replace("http", "ws", 1) + path
-            sockets = [await stack.enter_async_context(connect(target, compression=None)) for _ in range(count)]
-            ready()
 
-            async def one(each: Any) -> None:
-                async for _ in each:
-                    pass
+async def _read(url: str, count: int, rate_step_hz: float, batch_hz: float) -> None:
+    begun = asyncio.Semaphore(0)
 
-            await asyncio.gather(*(one(each) for each in sockets))
+    async def one(number: int) -> None:
+        rate_hz = 100 + number * rate_step_hz
+        target = f"{url}/api/v1/devices/bench/telemetry?channels=position.0&rate_hz={rate_hz}&batch_hz={batch_hz}"
+        told = False
+        while True:
+            with contextlib.suppress(OSError, WebSocketException):
+                async with connect(target, compression=None, open_timeout=60) as each:
+                    async for _ in each:
+                        if not told:
+                            told = True
+                            begun.release()
+            await asyncio.sleep(30.0)
 
-    asyncio.run(read())
+    async with asyncio.TaskGroup() as group:
+        for number in range(count):
+            group.create_task(one(number))
+            await begun.acquire()
+        ready()
 
 
 def talk(url: str, count: int) -> None:
@@ -163,6 +172,7 @@ LOADS: dict[str, Callable[[str, int], None]] = {
     "bodies": bodies,
     **{kind: partial(talkative, kind=kind) for kind in FRAMES},
     "readers": readers,
+    "different readers": partial(readers, rate_step_hz=1.0, batch_hz=60.0),
     "talker": talk,
 }
 

@@ -38,6 +38,7 @@ LOADS = (
     ("8 WebSockets with texts in parts of 1 byte", "parts", 8),
     ("8 WebSockets with pings", "pings", 8),
     ("500 telemetry readers", "readers", 500),
+    ("300 telemetry readers, each of its own rate", "different readers", 300),
     ("a peer at 2 MB/s", "talker", 1),
     ("a full disk", "", 0),
 )

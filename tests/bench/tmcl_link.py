@@ -162,13 +162,13 @@ async def _telemetry(*, quick: bool) -> list[Row]:
         async with _device(process.pty, PATIENCE_S) as device:
             sampling = Sampling(device, CHANNELS, 10_000.0, WallClock(), failures.append)
             await asyncio.sleep(1.0)
-            before, start_s = sum(device.queue.counts.frames), time.perf_counter()
+            before, start_s = sum(device.session.queue.counts.frames), time.perf_counter()
             rows = 0
             while time.perf_counter() - start_s < seconds:
                 await asyncio.sleep(0.05)
                 rows += len(sampling.take().time_s)
             took_s = time.perf_counter() - start_s
-            achieved = (sum(device.queue.counts.frames) - before) / took_s
+            achieved = (sum(device.session.queue.counts.frames) - before) / took_s
             between, waited_ms = await _stops(device, stops)
             sampling.end()
             await sampling.cut_off()
@@ -247,7 +247,7 @@ async def _replug(*, quick: bool) -> Row:
                 await asyncio.gather(*load, return_exceptions=True)
                 sampling.end()
                 await sampling.cut_off()
-                assert isinstance(device.port, LinePort)
+                assert isinstance(device.session.port, LinePort)
     left = [thread.name for thread in threading.enumerate() if thread.name.startswith("line ")]
     recovered = sum(took < BACK_WITHIN_S for took in took_s)
     found = (
@@ -268,7 +268,7 @@ async def _replug(*, quick: bool) -> Row:
 async def _read_on(device: Device) -> None:
     while True:
         with contextlib.suppress(BenchError):
-            await device.read("actual_position")
+            await device.registers.read("actual_position")
         await asyncio.sleep(0)
 
 

@@ -13,9 +13,9 @@ from app.devices.core.device import Device
 from app.devices.core.results import AxisState
 from app.devices.manager import DeviceManager
 from app.emulators.build import build_emulator
-from app.emulators.tmcl.options import Pd42Options, Pd42Patch, SwitchesChange
+from app.emulators.tmcl.options import SwitchesChange, TmclOptions, TmclPatch
 from app.links.emulator import EmulatorPort
-from app.links.port import FramePort
+from app.links.port import FramePort, PortTraits
 from app.links.queue import Priority
 from app.links.registry import Link
 
@@ -28,8 +28,9 @@ class SlowPort:
 
     def __init__(self, clock: Clock) -> None:
         self._clock = clock
-        self._port = EmulatorPort(build_emulator("pd42-1241", clock, Pd42Options()))
+        self._port = EmulatorPort(build_emulator("pd42-1241", clock, TmclOptions()))
         self.name = "slow"
+        self.traits = PortTraits()
 
     @property
     def last_exchange_s(self) -> float:
@@ -63,11 +64,11 @@ async def test_looks_keep_to_their_share_of_a_slow_wire_and_commands_overtake_th
         await clock.advance(0.01)
     device = adding.result()
     conditions = ConditionService(clock, lambda device, axis: "idle")
-    before = device.queue.counts.frames[2]
+    before = device.session.queue.counts.frames[2]
     conditions.sync(manager.devices)
     try:
         await pass_time(clock, 30.0)
-        looked = device.queue.counts.frames[2] - before
+        looked = device.session.queue.counts.frames[2] - before
         assert conditions.standing(device, 0).condition.kind == "ready"
         assert 30 < looked <= WIRE_SHARE * 30.0 / FRAME_S * 1.05
         # A stop waits for the one frame that is on the wire. A move waits for that, and for the 5 frames with which the
@@ -75,7 +76,7 @@ async def test_looks_keep_to_their_share_of_a_slow_wire_and_commands_overtake_th
         for priority, frames in ((Priority.STOP, 2), (Priority.COMMAND, 7)):
             for _ in range(20):
                 began_s = clock.now()
-                sending = asyncio.create_task(device.queue.exchange(GET_POSITION, priority))
+                sending = asyncio.create_task(device.session.queue.exchange(GET_POSITION, priority))
                 while not sending.done():
                     await clock.advance(0.001)
                 assert clock.now() - began_s <= frames * FRAME_S + 0.003, priority
@@ -94,7 +95,7 @@ class OwnTimePort(EmulatorPort):
 
 
 def own_time(model: str, link: Link, clock: Clock) -> FramePort:
-    return OwnTimePort(build_emulator("pd42-1241", clock, Pd42Options()))
+    return OwnTimePort(build_emulator("pd42-1241", clock, TmclOptions()))
 
 
 async def test_resting_emulators_are_looked_at_less_often_where_there_are_many_and_moving_ones_as_ever() -> None:
@@ -114,7 +115,7 @@ async def test_resting_emulators_are_looked_at_less_often_where_there_are_many_a
         looks.clear()
         await pass_time(clock, 10.0)
         assert all(5 <= number <= 20 for number in looks.values()), looks
-        rotating = asyncio.create_task(mover.rotate(0, 1000))
+        rotating = asyncio.create_task(mover.motion.rotate(0, 1000))
         while not rotating.done():
             await clock.advance(0.01)
         looks.clear()
@@ -173,13 +174,13 @@ async def test_a_change_around_a_device_is_looked_at_at_once() -> None:
     conditions = ConditionService(clock, lambda device, axis: "idle")
     conditions.sync(manager.devices)
     device = manager.devices[0]
-    port = device.port
+    port = device.session.port
     assert isinstance(port, EmulatorPort)
     try:
         await pass_time(clock, 5.0)
         for on in (True, False, True, False):
             await pass_time(clock, 2.37)
-            change = Pd42Patch(switches=SwitchesChange(right=on))
+            change = TmclPatch(switches=SwitchesChange(right=on))
             port.wire.patch(change, port.take_turn())  # type: ignore[attr-defined]
             conditions.stirred(device)
             await pass_time(clock, 0.1)
@@ -204,7 +205,7 @@ async def test_a_look_that_fails_as_nobody_foresaw_leaves_no_condition_of_before
         await pass_time(clock, 1.0)
         assert conditions.standing(device, 0).condition.kind == "ready"
         with monkeypatch.context() as broken:
-            broken.setattr(type(device), "signs", lambda self, axis, state: 1 // 0)
+            broken.setattr(type(device.monitor), "signs", lambda self, axis, state: 1 // 0)
             await pass_time(clock, 1.0)
             found = conditions.standing(device, 0).condition
             assert found.kind == "unknown"

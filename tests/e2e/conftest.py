@@ -36,7 +36,7 @@ expect.set_options(timeout=10_000)  # the machine may be busy; passing tests do 
 
 
 def pytest_itemcollected(item: pytest.Item) -> None:
-    """Mark every test here: `make test` runs them apart, two browsers starve each other on two cores."""
+    """Mark every test here: `make test` runs them apart, each file by one worker, which has a server of its own."""
     item.add_marker(pytest.mark.e2e)
 
 
@@ -115,17 +115,64 @@ def new_context(
         context.close()
 
 
+@pytest.fixture(scope="module")
+def usual_context(browser: Browser, server: ServerProcess) -> Iterator[BrowserContext]:
+    """The browser-in-the-browser of every `page` of a module: in a fresh one, all scripts would be compiled anew."""
+    context = browser.new_context(base_url=server.url, viewport=DESKTOP)
+    context.set_default_timeout(10_000)
+    begin_with_the_bench(context)
+    # A tab of our origin that stays, without a script of ours: with the last one goes what the browser has compiled.
+    context.new_page().goto("/api/v1/health")
+    yield context
+    context.close()
+
+
 @pytest.fixture
-def page(new_context: Callable[..., BrowserContext], errors: Errors, request: pytest.FixtureRequest) -> Iterator[Page]:
-    """A fresh page of desktop size. After the test no error may have been seen."""
-    page = new_context().new_page()
+def page(
+    usual_context: BrowserContext,
+    server: ServerProcess,
+    api: httpx.Client,
+    errors: Errors,
+    request: pytest.FixtureRequest,
+) -> Iterator[Page]:
+    """A fresh page of desktop size; nothing is stored or allowed in its browser. After the test no error may have
+    been seen.
+
+    What a test adds (scripts, routes, listeners) it adds to the page, which ends with it, and not to its context.
+    """
+    forget_all(usual_context, server.url)
+    take_the_bench(api)
+    idle = usual_context.pages[0]
+
+    def on_console(message: ConsoleMessage) -> None:
+        if message.page is not idle:  # for a page that is no HTML, Chromium asks for a /favicon.ico, some time
+            errors.on_console(message)
+
+    usual_context.on("console", on_console)
+    usual_context.on("weberror", errors.on_error)
+    page = usual_context.new_page()
     yield page
+    # Before the page closes: what a test ends in the middle of is not its doing.
+    usual_context.remove_listener("console", on_console)
+    usual_context.remove_listener("weberror", errors.on_error)
     if request.node.stash.get(FAILED, False):
         RESULTS.mkdir(exist_ok=True)
         name = re.sub(r"[^\w.-]+", "_", request.node.name)
         page.screenshot(path=RESULTS / f"{name}.png")
         (RESULTS / f"{name}.html").write_text(page.content())
+    for opened in usual_context.pages[1:]:
+        opened.close()
     assert not errors.unexpected()
+
+
+def forget_all(context: BrowserContext, origin: str) -> None:
+    """Leave nothing of former tests but the browser's caches: no storage, no cookies, no permissions."""
+    context.clear_cookies()
+    context.clear_permissions()
+    tools = context.new_cdp_session(context.pages[0])
+    kinds = "local_storage,indexeddb,cache_storage,service_workers"
+    tools.send("Storage.clearDataForOrigin", {"origin": origin, "storageTypes": kinds})
+    tools.detach()
 
 
 FAILED = pytest.StashKey[bool]()

@@ -7,7 +7,7 @@ import json
 from collections.abc import Iterator
 
 import httpx
-from playwright.sync_api import BrowserContext
+from playwright.sync_api import BrowserContext, Page
 
 
 @contextlib.contextmanager
@@ -21,7 +21,7 @@ def a_module(api: httpx.Client, name: str = "drive") -> Iterator[str]:
         api.delete(f"/devices/{made['id']}")
 
 
-def select(context: BrowserContext, device: str, axis: int = 0) -> None:
-    """Make the pages of `context` show that device from their first moment on."""
+def select(target: Page | BrowserContext, device: str, axis: int = 0) -> None:
+    """Make the page, or all pages of a context, show that device from their first moment on."""
     chosen = json.dumps({"device": device, "axis": axis})
-    context.add_init_script(f"localStorage.setItem('stepscope.selection', {json.dumps(chosen)})")
+    target.add_init_script(f"localStorage.setItem('stepscope.selection', {json.dumps(chosen)})")

@@ -77,12 +77,15 @@ def test_the_demo_bench_is_there(bench: Page) -> None:
 
 def test_another_family_is_one_click_away(bench: Page, api: httpx.Client, errors: Errors) -> None:
     errors.expect("status of 40[49]")  # a look that is under way when the device goes
+    modules = bench.get_by_role("button", name="Add one of the emulated modules")
+    modules.click()
     bench.get_by_role("button", name="Add an emulated PD42-1241").click()
     try:
         expect(bench.get_by_test_id("server-status")).to_have_text("3 of 3 connected")
         expect(bench.get_by_role("link", name="Encoder")).to_be_visible()
         expect(bench.get_by_test_id("link-readout").first).to_contain_text("live")
-        expect(bench.get_by_role("button", name="Add an emulated PD42-1241")).to_have_count(0)
+        expect(modules).to_have_count(0)  # one is left of them
+        expect(bench.get_by_role("button", name="Add an emulated TMCM-1161")).to_be_visible()
     finally:
         for device in api.get("/devices").raise_for_status().json():
             if not device["demo"]:

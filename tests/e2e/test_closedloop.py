@@ -29,7 +29,7 @@ def chip(api: httpx.Client) -> Iterator[Loop]:
 @pytest.fixture
 def loop(page: Page, chip: Loop) -> Page:
     """The page with live samples."""
-    select(page.context, chip.device)
+    select(page, chip.device)
     page.goto("/closed-loop")
     expect(page.get_by_test_id("link-readout").first).to_contain_text("live", timeout=PATIENCE_MS)
     expect(page.get_by_test_id("mode")).not_to_have_text("\N{EN DASH}", timeout=PATIENCE_MS)
@@ -190,7 +190,7 @@ def test_without_the_server_it_says_so_and_keeps_its_place(loop: Page, errors: E
 
 
 def test_other_devices_are_led_elsewhere(page: Page, api: httpx.Client) -> None:
-    select(page.context, "bench")
+    select(page, "bench")
     page.goto("/closed-loop")
     expect(page.get_by_text("Closed loop is not for bench")).to_be_visible(timeout=PATIENCE_MS)
     page.get_by_role("link", name="Registers of bench").click()

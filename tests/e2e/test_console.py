@@ -22,7 +22,7 @@ def module(api: httpx.Client) -> Iterator[str]:
 
 @pytest.fixture
 def drive(module: str, page: Page) -> str:
-    select(page.context, module)
+    select(page, module)
     return module
 
 
@@ -81,6 +81,7 @@ def test_commands_that_move_are_marked_before_they_are_sent(page: Page, api: htt
     expect(page.locator("form").get_by_text("moves the motor")).to_be_visible()
     line.press("Enter")
     expect(page.get_by_label("Commands sent, newest first")).to_contain_text("100 done")
+    page.get_by_label("Filter frames").fill("MVP")  # while it moves, looks push it out of sight
     expect(page.get_by_label("Frames, newest last")).to_contain_text("MVP ABS, 0, 2000")
     assert api.get(f"/devices/{drive}/registers/ap0").json()["value"] == 2000
     api.post(f"/devices/{drive}/axes/0/stop", json={}).raise_for_status()
@@ -122,7 +123,7 @@ def test_the_frame_log_is_filtered_paused_and_copied(page: Page, api: httpx.Clie
 
 
 def test_a_chip_has_its_datagrams_and_its_frames_here(page: Page) -> None:
-    select(page.context, "bench")
+    select(page, "bench")
     page.goto("/console")
     page.get_by_label("Datagram in hex, 4 bytes").fill("03 00 00 00")
     page.get_by_role("button", name="Send").click()

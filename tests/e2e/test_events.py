@@ -25,7 +25,7 @@ def chip(api: httpx.Client) -> Iterator[Loop]:
 
 @pytest.fixture
 def bench(page: Page, chip: Loop) -> Page:
-    select(page.context, chip.device)
+    select(page, chip.device)
     page.goto("/")
     expect(page.get_by_test_id("events")).to_be_visible(timeout=PATIENCE_MS)
     return page
@@ -125,7 +125,7 @@ def test_accessible_as_timeline_and_as_list(
 
 @pytest.mark.sheet("DS-TMC4361", "7.2")
 def test_the_registers_page_does_not_read_events_away(page: Page, chip: Loop) -> None:
-    select(page.context, chip.device)
+    select(page, chip.device)
     page.goto("/registers")
     row = page.locator("tr[data-row='0/EVENTS']")
     expect(row).to_contain_text("not polled", timeout=PATIENCE_MS)

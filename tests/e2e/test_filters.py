@@ -28,7 +28,7 @@ def chip(api: httpx.Client) -> Iterator[Loop]:
 def filters(page: Page, chip: Loop) -> Page:
     """The page with a chip that filters nothing, its settings read."""
     chip.write("INPUT_FILT_CONF", 0)
-    select(page.context, chip.device)
+    select(page, chip.device)
     page.goto("/filters")
     expect(page.get_by_test_id("group-ref")).to_contain_text("No filtering", timeout=PATIENCE_MS)
     return page

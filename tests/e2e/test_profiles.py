@@ -28,7 +28,7 @@ def module(api: httpx.Client) -> Iterator[str]:
 
 @pytest.fixture
 def drive(module: str, page: Page) -> str:
-    select(page.context, module)
+    select(page, module)
     return module
 
 

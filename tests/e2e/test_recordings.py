@@ -161,11 +161,13 @@ def test_a_recording_begins_beside_the_live_plots(page: Page, api: httpx.Client,
     page.get_by_role("button", name="Record this axis").click()
     end = page.get_by_role("button", name="End the recording")
     expect(end).to_be_visible()
-    running = [each for each in api.get("/recordings").json()["recordings"] if each["state"] == "recording"]
+    # It waits until its first samples come.
+    running = [each["id"] for each in api.get("/recordings").json()["recordings"] if each["state"] != "done"]
     assert len(running) == 1
+    wait_until(lambda: line(api, running[0])["state"] == "recording")
     end.click()
     expect(page.get_by_role("button", name="Record this axis")).to_be_visible()
-    assert line(api, running[0]["id"])["state"] == "done"
+    assert line(api, running[0])["state"] == "done"
 
 
 def test_what_is_not_there_says_so(page: Page, errors: Any) -> None:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 
 import httpx
 import pytest
-from playwright.sync_api import BrowserContext, Locator, Page, expect
+from playwright.sync_api import Locator, Page, expect
 
 from tests.e2e.chips import Chip, a_chip, select
 from tests.e2e.conftest import DESKTOP, PHONE, Errors
@@ -22,14 +22,11 @@ def chip(api: httpx.Client) -> Iterator[Chip]:
 
 
 @pytest.fixture
-def designer(new_context: Callable[..., BrowserContext], errors: Errors, chip: Chip) -> Iterator[Page]:
-    page = new_context().new_page()
+def designer(chip: Chip, page: Page) -> Page:
     select(page, chip)
     page.goto("/sixpoint")
     expect(knob(page, "V1")).to_be_visible()
-    yield page
-    page.close()  # before its chip is gone
-    assert not errors.unexpected()
+    return page
 
 
 def knob(page: Page, parameter: str) -> Locator:
@@ -172,7 +169,7 @@ def test_a_move_lies_over_its_ramp_and_the_ramp_is_read_back(designer: Page, chi
     page.get_by_role("button", name="Stop axis").click()
     wait_for(lambda: not chip.axis()["moving"], "it stands")
     expect(page.get_by_text("told to hold its place", exact=False)).to_have_count(0)
-    page.get_by_text("positioning", exact=True).click()
+    page.get_by_role("radiogroup", name="Ramp mode").get_by_text("positioning").click()
     enter(page, "VMAX in chip units", "100000")
     expect(page.get_by_text("told to hold its place", exact=False)).to_be_visible()
     before = chip.axis()["position"]
@@ -181,11 +178,8 @@ def test_a_move_lies_over_its_ramp_and_the_ramp_is_read_back(designer: Page, chi
     assert chip.axis()["position"] == before
 
 
-def test_without_a_device_it_designs_all_the_same(
-    new_context: Callable[..., BrowserContext], check_axe: Callable[[Page], None]
-) -> None:
+def test_without_a_device_it_designs_all_the_same(page: Page, check_axe: Callable[[Page], None]) -> None:
     """The demo bench has other chips: those are sent to their own page, and nothing is selected here."""
-    page = new_context().new_page()
     page.route(re.compile("/api/v1/devices$"), lambda route: route.fulfill(json=[]))
     page.goto("/sixpoint")
     expect(knob(page, "V1")).to_be_visible()

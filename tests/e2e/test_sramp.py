@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Iterator
-from typing import Any
+from typing import Any, Literal
 
 import httpx
 import pytest
@@ -33,20 +33,18 @@ def stage(api: httpx.Client) -> Iterator[str]:
     api.delete(f"/devices/{STAGE}").raise_for_status()
 
 
-def selected(context: BrowserContext, device: str) -> BrowserContext:
-    """The pages of this browser show `device`."""
+def select(page: Page, device: str) -> Page:
+    """`page`, which shows `device`."""
     chosen = json.dumps(json.dumps({"device": device, "axis": 0}))
-    context.add_init_script(f"if (location.host) localStorage.setItem('stepscope.selection', {chosen})")
-    return context
+    page.add_init_script(f"if (location.host) localStorage.setItem('stepscope.selection', {chosen})")
+    return page
 
 
 @pytest.fixture
-def designer(new_context: Callable[..., BrowserContext], errors: Any, stage: str) -> Iterator[Page]:
-    page = selected(new_context(), stage).new_page()
-    page.goto("/sramp")
+def designer(stage: str, page: Page) -> Page:
+    select(page, stage).goto("/sramp")
     expect(knob(page, "BOW1")).to_be_visible()
-    yield page
-    assert not errors.unexpected()
+    return page
 
 
 def knob(page: Page, parameter: str) -> Locator:
@@ -128,7 +126,7 @@ def test_keys_step_a_handle_and_say_its_value(designer: Page) -> None:
 def test_a_finger_drags_a_handle_without_scrolling(
     new_context: Callable[..., BrowserContext], stage: str, check_axe: Callable[[Page], None]
 ) -> None:
-    page = selected(new_context(viewport=PHONE, has_touch=True, is_mobile=True), stage).new_page()
+    page = select(new_context(viewport=PHONE, has_touch=True, is_mobile=True).new_page(), stage)
     page.goto("/sramp")
     before, scrolled = value(page, "AMAX"), page.evaluate("scrollY")
     x, y = centre(knob(page, "AMAX"))
@@ -227,17 +225,16 @@ def test_other_chips_are_sent_to_their_own_page(page: Page) -> None:
 
 
 @pytest.mark.parametrize("path", ["/ramps", "/chain"])
-def test_pages_of_other_chips_lead_away(new_context: Callable[..., BrowserContext], stage: str, path: str) -> None:
-    page = selected(new_context(), stage).new_page()
-    page.goto(path)
+def test_pages_of_other_chips_lead_away(stage: str, page: Page, path: str) -> None:
+    select(page, stage).goto(path)
     expect(page.get_by_text(f"is not for {STAGE}")).to_be_visible()
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_it_is_accessible(
-    new_context: Callable[..., BrowserContext], stage: str, scheme: str, check_axe: Callable[[Page], None]
+    stage: str, page: Page, scheme: Literal["light", "dark"], check_axe: Callable[[Page], None]
 ) -> None:
-    page = selected(new_context(color_scheme=scheme), stage).new_page()
-    page.goto("/sramp")
+    page.emulate_media(color_scheme=scheme)
+    select(page, stage).goto("/sramp")
     expect(knob(page, "BOW1")).to_be_visible()
     check_axe(page)

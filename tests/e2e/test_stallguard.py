@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterator
 
 import httpx
 import pytest
-from playwright.sync_api import Locator, Page, expect
+from playwright.sync_api import Locator, Page, Route, expect
 
 from tests.e2e import chips
-from tests.e2e.conftest import DESKTOP, PHONE
+from tests.e2e.conftest import DESKTOP, PHONE, Errors
 from tests.e2e.motor import TURN, Motor, a_motor, select, wait_for
 
 THRESHOLDS = ("stop_on_stall", "smartenergy_threshold_speed", "smartenergy_hysteresis_start", "smartenergy_hysteresis")
@@ -115,8 +115,34 @@ def test_a_sweep_behind_another_page_ends_where_the_motor_is_stuck(load: Page, m
         motor.world(load_torque_nm=0)
         motor.write("stop_on_stall", 0)
     wait_for(lambda: not motor.axis()["moving"], "nothing goes on pressing", 5.0)
+    ended = load.get_by_test_id("run-ended")
+    expect(ended).to_contain_text("no longer turns as begun. Ended: stall")
     load.get_by_role("navigation", name="Pages").get_by_role("link", name="StallGuard").first.click()
     expect(load.get_by_test_id("run-note")).to_have_attribute("data-phase", "stuck")
+    load.get_by_role("navigation", name="Pages").get_by_role("link", name="Connections").first.click()
+    expect(ended).to_have_count(0)  # it was seen
+
+
+def test_a_sweep_that_the_server_ended_is_told_on_another_page(load: Page, motor: Motor, errors: Errors) -> None:
+    """The beats of this tab come too late, as those of one that nobody looks at."""
+    errors.expect("status of 409")  # they keep up nothing any more
+    keeping = "**/axes/*/rotate"
+
+    def hold_back(route: Route) -> None:
+        if route.request.method == "PATCH":
+            wait_for(lambda: not motor.axis()["moving"], "the server ends it by itself")
+        route.continue_()
+
+    load.get_by_test_id("sweep").click()
+    wait_for(lambda: motor.axis()["moving"], "it turns")
+    load.get_by_role("navigation", name="Pages").get_by_role("link", name="Connections").first.click()
+    load.route(keeping, hold_back)
+    ended = load.get_by_test_id("run-ended")
+    expect(ended).to_contain_text("had heard nothing of this tab for", timeout=10_000)
+    expect(load.get_by_test_id("run-under-way")).to_have_count(0)
+    load.unroute(keeping, hold_back)
+    ended.get_by_role("button", name="Close").click()
+    expect(ended).to_have_count(0)
 
 
 def test_a_threshold_is_typed_staged_and_read_back(load: Page, motor: Motor) -> None:

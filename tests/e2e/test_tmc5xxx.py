@@ -11,11 +11,10 @@ from pathlib import Path
 
 import httpx
 import pytest
-from playwright.sync_api import BrowserContext, Locator, Page, expect
+from playwright.sync_api import Locator, Page, expect
 
 from app.calc.microsteps.mslut_waves import Formula, wanted_wave
 from tests.e2e.chips import Chip, a_chip, select, set_up
-from tests.e2e.conftest import Errors
 from tests.e2e.motor import wait_for
 from tests.e2e.test_pages import LOOKS
 
@@ -32,18 +31,15 @@ def second(api: httpx.Client) -> Iterator[Chip]:
 
 
 @pytest.fixture
-def show(new_context: Callable[..., BrowserContext], errors: Errors, second: Chip) -> Iterator[Callable[[str], Page]]:
+def show(second: Chip, page: Page) -> Callable[[str], Page]:
     """Open a page that shows the second axis."""
-    page = new_context().new_page()
     select(page, second)
 
     def go(path: str) -> Page:
         page.goto(path)
         return page
 
-    yield go
-    page.close()
-    assert not errors.unexpected()
+    return go
 
 
 def row(page: Page, axis: int | None, name: str) -> Locator:

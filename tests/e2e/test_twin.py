@@ -80,7 +80,7 @@ def test_an_axis_is_drawn_follows_and_nothing_leaves_our_origin(
     page: Page, api: httpx.Client, server: ServerProcess
 ) -> None:
     asked: list[str] = []
-    page.context.on("request", lambda request: asked.append(request.url))
+    page.on("request", lambda request: asked.append(request.url))
     page.on("websocket", lambda socket: asked.append(socket.url))
     page.goto("/twin")
     before = drawn(page)

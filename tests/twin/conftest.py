@@ -96,7 +96,7 @@ async def rig() -> AsyncIterator[Rig]:
     axes = (AxisSettings(name="X", travel_mm_per_rev=8.0),)
     device = await manager.add(DeviceConfig("chip", "tmc5160", {"kind": "emulator"}, axes=axes))
     for name, value in (RAMP | MORE).items():
-        await device.write(name, 0, value)
+        await device.registers.write(name, 0, value)
     yield Rig(clock, manager, hub, twin, device, renderers)
     await twin.off()
     await hub.close()

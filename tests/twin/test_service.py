@@ -40,7 +40,7 @@ async def test_it_shows_the_axis_while_somebody_looks(rig: Rig) -> None:
         first = rig.renderer.told[0][1]
         assert (first["shape"]["device"], first["shape"]["travel_mm_per_rev"], first["scheme"]) == ("chip", 8.0, "dark")
         assert rig.renderer.look["position"] == 0.0
-        await rig.device.move(0, 25_600)
+        await rig.device.motion.move(0, 25_600)
         await rig.clock.advance(4.0)
         look = rig.renderer.look
         assert look["position"] == 25_600.0
@@ -53,7 +53,7 @@ async def test_it_shows_the_axis_while_somebody_looks(rig: Rig) -> None:
 async def test_never_more_than_thirty_updates_a_second(rig: Rig) -> None:
     await rig.twin.show(rig.device, 0)
     with rig.twin.looking():
-        await rig.device.rotate(0, 20_000.0)
+        await rig.device.motion.rotate(0, 20_000.0)
         await rig.clock.advance(2.5)
     looks_s = np.array(rig.renderer.looks_s)
     for begin_s in looks_s:
@@ -65,7 +65,7 @@ async def test_a_slow_renderer_gets_the_latest_and_no_more_than_it_takes(rig: Ri
     await rig.twin.show(rig.device, 0)
     rig.renderer.takes_s = 0.2
     with rig.twin.looking():
-        await rig.device.rotate(0, 20_000.0)
+        await rig.device.motion.rotate(0, 20_000.0)
         await rig.clock.advance(2.5)
         assert 3.0 <= rig.twin.info.updates_per_s <= 5.0
         age_s = rig.device.device_time_s() - rig.renderer.look["time_s"]
@@ -205,8 +205,8 @@ async def test_lost_steps_are_counted_also_while_nobody_looks(rig: Rig) -> None:
     await rig.twin.show(rig.device, 0)
     await rig.clock.advance(1.0)
     # The shaft is turned on by a whole electrical turn, as a blow would: the encoder counts it, the chip does not.
-    held = (await rig.device.read("X_ENC", 0)).raw
-    await rig.device.write("X_ENC", 0, held - 4 * 256)
+    held = (await rig.device.registers.read("X_ENC", 0)).raw
+    await rig.device.registers.write("X_ENC", 0, held - 4 * 256)
     await rig.clock.advance(1.0)
     with rig.twin.looking():
         await rig.clock.advance(0.2)
