@@ -103,7 +103,7 @@ def steps_between(held: Held, wants: Mapping[Key, Want], differing: Sequence[Key
 
 
 def _ungated(held: Held, steps: list[Step]) -> list[Step]:
-    """What waits for a start signal would take no write, and a start may overwrite one: the gates are open meanwhile."""
+    """What waits for a start signal takes no write, and a start may overwrite one: the gates are open meanwhile."""
     gates = rules_of(held.model).gates
     if gates is None or not steps:
         return steps
