@@ -1,6 +1,6 @@
 """A chip at an SPI bus of this machine, by Linux's spidev: `/dev/spidev0.0` and so on.
 
-The kernel's calls block, so each chain runs in a thread; chip select goes up between two frames. Where the
+The kernel's calls block, so each port has a thread; chip select goes up between two frames. Where the
 module or the device is not there, opening says what to do. SPI has no acknowledge: a chip without power
 reads as zeros or ones, and only registers can tell (a driver reads the version first).
 """
@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import errno
 from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from typing import Protocol, cast
 
 from ..clock import Clock, WallClock
@@ -60,6 +61,8 @@ class SpidevPort:
         self._make = make or _spidev
         self._spi: SpiDevice | None = None
         self._one_at_a_time = asyncio.Lock()
+        # Of its own: whoever keeps the threads that all share must not keep a stop from its chip.
+        self._thread: ThreadPoolExecutor | None = None
 
     @property
     def name(self) -> str:
@@ -83,7 +86,9 @@ class SpidevPort:
                 raise ValueError(f"a datagram has {self.frame_bytes} bytes, not {len(frame)}")
         # A cancelled caller's thread goes on to its end: the next one must not talk into it.
         async with self._one_at_a_time:
-            talking = asyncio.ensure_future(asyncio.to_thread(self._talk, frames))
+            if self._thread is None:
+                self._thread = ThreadPoolExecutor(1, self.name)
+            talking = asyncio.get_running_loop().run_in_executor(self._thread, self._talk, frames)
             try:
                 replies = await asyncio.shield(talking)
             except asyncio.CancelledError:
@@ -95,6 +100,9 @@ class SpidevPort:
     async def aclose(self) -> None:
         async with self._one_at_a_time:
             self._shut()
+            if self._thread is not None:
+                self._thread.shutdown(wait=False)  # nothing runs on it now
+                self._thread = None
 
     def _talk(self, frames: Sequence[bytes]) -> list[bytes]:
         spi = self._spi

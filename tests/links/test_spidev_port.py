@@ -10,6 +10,7 @@ import os
 import sys
 import threading
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from typing import cast
 
 import pytest
@@ -166,3 +167,16 @@ async def test_whoever_comes_after_a_cancelled_one_waits_for_its_frames() -> Non
         await first
     assert await second == datagram40.read(3)
     assert [frame[0] for frame in log] == [1, 2, 0x7F, 3]
+
+
+async def test_it_waits_for_nobody_who_keeps_the_threads_that_all_share() -> None:
+    shared, release = ThreadPoolExecutor(1), threading.Event()
+    asyncio.get_running_loop().set_default_executor(shared)
+    other = asyncio.create_task(asyncio.to_thread(release.wait, 20))
+    far = looped(Spi())
+    try:
+        assert await asyncio.wait_for(far.exchange(datagram40.FETCH), 10) == datagram40.FETCH
+    finally:
+        release.set()
+        await other
+    await far.aclose()
