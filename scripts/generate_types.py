@@ -1,5 +1,5 @@
-"""Writes web/src/api/openapi.json from the Python models, the UI's TypeScript types from it, the calls that need no
-lease, and the catalog that the UI's tests work with.
+"""Writes web/src/api/openapi.json from the Python models, the UI's TypeScript types and connection forms from it, the
+calls that need no lease, and the catalog that the UI's tests work with.
 
 With --check nothing is written: it ends with 1 when a file is stale, and says which command makes it anew.
 """
@@ -13,10 +13,13 @@ import sys
 import tempfile
 from pathlib import Path
 
+from forms import connection_forms
+
 from web import WEB, WebBuildError, install_packages, npm, require_node
 
 SCHEMA = WEB / "src" / "api" / "openapi.json"
 TYPES = WEB / "src" / "api" / "schema.d.ts"
+FORMS = WEB / "src" / "api" / "forms.json"
 FREE_CALLS = WEB / "src" / "api" / "lease" / "free.json"
 CATALOG = WEB / "test" / "catalog.json"
 
@@ -54,6 +57,11 @@ def catalog_text() -> str:
     return json.dumps([model.model_dump(mode="json") for model in models], indent=1, ensure_ascii=False) + "\n"
 
 
+def forms_text(schema: str) -> str:
+    """Return what the page's connection form is made of."""
+    return json.dumps(connection_forms(json.loads(schema)), indent=1, ensure_ascii=False) + "\n"
+
+
 def types_text(schema: str) -> str:
     """Return the TypeScript types of `schema`. Raises WebBuildError when openapi-typescript fails."""
     node = require_node()
@@ -71,7 +79,8 @@ def main() -> int:
     """Write or check the files."""
     schema = schema_text()
     try:
-        wanted = {SCHEMA: schema, TYPES: types_text(schema), FREE_CALLS: free_calls_text(), CATALOG: catalog_text()}
+        wanted = {SCHEMA: schema, TYPES: types_text(schema), FORMS: forms_text(schema)}
+        wanted |= {FREE_CALLS: free_calls_text(), CATALOG: catalog_text()}
     except WebBuildError as error:
         print(f"types: {error}", file=sys.stderr)
         return 1

@@ -11,6 +11,7 @@ from ...emulators.tmc5xxx.options import Tmc5xxxOptions
 from ...emulators.tmc428.options import EmulatorOptions
 from ...emulators.tmc4361.options import Tmc4361Options
 from ...emulators.tmcl.options import TmclOptions
+from ...form_hints import REST_ONLY, form
 from ...registers.names import AnyModelName, ListedName, ModuleName
 from ..calc.schemas import ClockHz
 from ..links.schemas import Address, Baud
@@ -26,6 +27,24 @@ TcpPortNumber = Annotated[int, Field(strict=True, ge=1, le=65_535)]
 Seconds = Annotated[float, Field(strict=True, ge=0.001, le=60, allow_inf_nan=False)]
 CanId = Annotated[int, Field(strict=True, ge=1, le=0x7FF)]
 Text = Annotated[str, StringConstraints(strict=True, min_length=1, max_length=200)]
+SerialPort = Annotated[
+    Text,
+    Field(
+        description="device name, or an address of pyserial: socket://, rfc2217://, spy://",
+        json_schema_extra=form(ports=True),
+    ),
+]
+LineSeconds = Annotated[
+    Seconds, Field(title="Answer within", description="how long to wait for an answer, beyond its own time [s]")
+]
+LineBaud = Annotated[
+    Baud,
+    Field(
+        title="Baud (not on USB)",
+        description="without meaning on USB",
+        examples=[9600, 14400, 19200, 28800, 38400, 57600, 76800, 115200, 230400, 250000, 500000, 1000000],
+    ),
+]
 
 
 class EmulatorLink(EmulatorOptions):
@@ -51,9 +70,11 @@ class TcpLink(Body):
     `stepscope emulate`."""
 
     kind: Literal["tcp"]
-    host: Host = Field(description="name or address of the machine")
-    port: TcpPortNumber
-    timeout_s: Seconds = Field(default=1.0, description="how long to wait for an answer [s]")
+    host: Host = Field(
+        title="Host", description="name or address of the machine", json_schema_extra=form(proposed="127.0.0.1")
+    )
+    port: TcpPortNumber = Field(title="Port", description="as the program or adapter there says it", examples=[4280])
+    timeout_s: Seconds = Field(default=1.0, title="Answer within", description="how long to wait for an answer [s]")
 
 
 class ModuleEmulatorLink(TmclOptions):
@@ -64,6 +85,7 @@ class ModuleEmulatorLink(TmclOptions):
         default=None,
         description="name of its memory in the server's data directory, small letters, digits and dashes; a new "
         "device without one gets one of its own, so that what it stores outlives the server",
+        json_schema_extra=REST_ONLY,
     )
 
 
@@ -71,71 +93,112 @@ class ModuleTcpLink(Body):
     """A module behind a TCP socket: 9-byte TMCL frames both ways. Several modules may share the socket."""
 
     kind: Literal["tcp"]
-    host: Host = Field(description="name or address of the machine")
-    port: TcpPortNumber
-    address: Address = Field(default=1, description="the module's address on the line")
-    timeout_s: Seconds = Field(default=1.0, description="how long to wait for an answer [s]")
+    host: Host = Field(
+        title="Host", description="name or address of the machine", json_schema_extra=form(proposed="127.0.0.1")
+    )
+    port: TcpPortNumber = Field(title="Port", description="as the program or adapter there says it", examples=[4242])
+    address: Address = Field(default=1, title="Module address", description="the module's address on the line")
+    timeout_s: Seconds = Field(default=1.0, title="Answer within", description="how long to wait for an answer [s]")
 
 
 class ModuleSerialLink(Body):
     """A module on USB, RS485 or RS232. Several modules may share the line, each by its address."""
 
     kind: Literal["serial"]
-    port: Text = Field(description="device name, or an address of pyserial: socket://, rfc2217://, spy://")
-    baud: Baud = Field(default=9600, description="without meaning on USB")
-    address: Address = Field(default=1, description="the module's address on the line")
-    timeout_s: Seconds = Field(default=0.25, description="how long to wait for an answer, beyond its own time [s]")
+    port: SerialPort = Field(title="Port or address")
+    baud: LineBaud = 9600
+    address: Address = Field(default=1, title="Module address", description="the module's address on the line")
+    timeout_s: LineSeconds = 0.25
 
 
 class ModuleCanLink(Body):
     """A module on CAN, through python-can (the extra "can")."""
 
     kind: Literal["can"]
-    interface: Text = Field(description="of python-can: socketcan, pcan, virtual, ...")
-    channel: Text = Field(description="as the interface calls it: can0, ...")
-    bitrate: Annotated[int, Field(strict=True, ge=10_000, le=1_000_000)] = Field(default=1_000_000, description="bit/s")
-    send_id: CanId = Field(default=1, description="what the module listens to (global parameter 71)")
-    receive_id: CanId = Field(default=2, description="what the module answers under (global parameter 70)")
-    timeout_s: Seconds = Field(default=0.25, description="how long to wait for an answer [s]")
+    interface: Text = Field(
+        title="Interface of python-can",
+        description="of python-can: socketcan, pcan, virtual, ...",
+        examples=["socketcan", "pcan", "slcan", "kvaser", "ixxat", "vector", "gs_usb", "virtual"],
+        json_schema_extra=form(proposed="socketcan"),
+    )
+    channel: Text = Field(
+        title="Channel", description="as the interface calls it: can0, ...", json_schema_extra=form(proposed="can0")
+    )
+    bitrate: Annotated[int, Field(strict=True, ge=10_000, le=1_000_000)] = Field(
+        default=1_000_000,
+        title="Bit rate",
+        description="of every node on the bus [bit/s]",
+        examples=[20_000, 50_000, 100_000, 125_000, 250_000, 500_000, 1_000_000],
+    )
+    timeout_s: Seconds = Field(default=0.25, title="Answer within", description="how long to wait for an answer [s]")
+    send_id: CanId = Field(
+        default=1, title="The module listens to id", description="what the module listens to (global parameter 71)"
+    )
+    receive_id: CanId = Field(
+        default=2, title="It answers under id", description="what the module answers under (global parameter 70)"
+    )
 
 
 class SpidevLink(Body):
     """A chip at an SPI bus of the server's machine, through Linux's spidev (the extra "spidev")."""
 
     kind: Literal["spidev"]
-    bus: Annotated[int, Field(strict=True, ge=0, le=255)] = Field(description="B of /dev/spidevB.D")
-    device: Annotated[int, Field(strict=True, ge=0, le=255)] = Field(description="D: the chip select")
-    speed_hz: Annotated[int, Field(strict=True, ge=10_000, le=16_000_000)] = Field(
-        default=1_000_000, description="SPI clock [Hz]; a quarter of the chip's clock is safe"
+    bus: Annotated[int, Field(strict=True, ge=0, le=255)] = Field(
+        title="Bus", description="B of /dev/spidevB.D", json_schema_extra=form(proposed="0")
     )
-    mode: Annotated[int, Field(strict=True, ge=0, le=3)] = Field(default=3, description="SPI mode")
+    device: Annotated[int, Field(strict=True, ge=0, le=255)] = Field(
+        title="Chip select", description="D of /dev/spidevB.D", json_schema_extra=form(proposed="0")
+    )
+    speed_hz: Annotated[int, Field(strict=True, ge=10_000, le=16_000_000)] = Field(
+        default=1_000_000, title="Clock of the bus", description="a quarter of the chip's clock is safe [Hz]"
+    )
+    mode: Annotated[int, Field(strict=True, ge=0, le=3)] = Field(
+        default=3, title="SPI mode", description="clock polarity and phase: the chips use 3"
+    )
 
 
 class LandungsbrueckeLink(Body):
     """A chip on an evaluation board with a base board (Landungsbruecke, Startrampe) on USB."""
 
     kind: Literal["landungsbruecke"]
-    port: Text = Field(description="device name, or an address of pyserial: socket://, rfc2217://, spy://")
-    baud: Baud = Field(default=115_200, description="without meaning on USB")
-    motor: Annotated[int, Field(strict=True, ge=0, le=15)] = Field(default=0, description="the board's channel")
-    timeout_s: Seconds = Field(default=0.25, description="how long to wait for an answer, beyond its own time [s]")
+    port: SerialPort = Field(title="Port of the board")
+    timeout_s: LineSeconds = 0.25
+    baud: LineBaud = 115_200
+    motor: Annotated[int, Field(strict=True, ge=0, le=15)] = Field(
+        default=0, title="Motor of the board", description="the board's channel"
+    )
 
 
 class UartLink(Body):
     """A TMC5xxx on the single wire of its UART. Several may share the wire, each by its node address."""
 
     kind: Literal["uart"]
-    port: Text = Field(description="device name, or an address of pyserial: socket://, rfc2217://, spy://")
+    port: SerialPort = Field(title="Port of the UART")
     baud: Annotated[int, Field(strict=True, ge=9000, le=4_000_000)] = Field(
-        default=115_200, description="the chip measures it: at most a sixteenth of its clock"
+        default=115_200,
+        title="Baud",
+        description="the chip measures it: at most a sixteenth of its clock",
+        examples=[9600, 19_200, 57_600, 115_200, 230_400, 250_000, 460_800, 500_000],
     )
     node: Annotated[int, Field(strict=True, ge=0, le=254)] = Field(
-        default=0, description="NODEADDR, plus 1 where NEXTADDR is high; a TMC5062 has none"
+        default=0,
+        title="Node address",
+        description="NODEADDR, plus 1 where NEXTADDR is high; a TMC5062 has none",
+        json_schema_extra=form(where={"uart": ["node"]}),
     )
+    timeout_s: LineSeconds = 0.25
     echo: Literal["auto", "on", "off"] = Field(
-        default="auto", description="whether what is sent comes back, as on a single wire; auto finds out"
+        default="auto",
+        title="What is sent comes back as an echo",
+        description="whether what is sent comes back, as on a single wire; auto finds out",
+        json_schema_extra=form(
+            words={
+                "auto": "found out when connecting",
+                "on": "yes: one wire both ways",
+                "off": "no: the adapter takes it off",
+            }
+        ),
     )
-    timeout_s: Seconds = Field(default=0.25, description="how long to wait for an answer, beyond its own time [s]")
 
 
 class ListedEmulatorLink(ListedOptions):
@@ -175,7 +238,7 @@ Axes = Annotated[list[AxisConfig], Field(max_length=8)]
 class _Create(Body):
     """Axes that are not given get defaults."""
 
-    name: Name
+    name: Name = Field(title="Name", description="the device goes by it everywhere")
     clock_hz: ClockHz | None = Field(default=None, description="the chip's clock [Hz]; null: 16 MHz")
     axes: Axes | None = None
     start_up: Flag = Field(

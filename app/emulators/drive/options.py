@@ -7,6 +7,7 @@ from typing import Annotated
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from ...form_hints import REST_ONLY, form
 from .kernel import TICK_CLOCKS
 
 MOST_STEPS_A_TICK = 16
@@ -25,33 +26,36 @@ class MotorOptions(_Closed):
     """
 
     rotor_teeth: Annotated[int, Field(strict=True, ge=1, le=200)] = Field(
-        default=50, description="50: 1.8 deg a full step"
+        default=50, description="50: 1.8 deg a full step", json_schema_extra=REST_ONLY
     )
     resistance_ohm: Annotated[float, Field(strict=True, ge=0.05, le=200)] = Field(
-        default=2.3, description="of one coil"
+        default=2.3, description="of one coil", json_schema_extra=REST_ONLY
     )
     inductance_h: Annotated[float, Field(strict=True, ge=1e-4, le=0.5)] = Field(
-        default=4.4e-3, description="of one coil"
-    )
-    rated_current_a: Annotated[float, Field(strict=True, ge=0.05, le=20)] = Field(
-        default=1.5, description="in both coils, at the holding torque"
+        default=4.4e-3, description="of one coil", json_schema_extra=REST_ONLY
     )
     holding_torque_nm: Annotated[float, Field(strict=True, ge=1e-4, le=50)] = Field(
-        default=0.45, description="both coils at rated current"
+        default=0.45, title="Holding torque", description="both coils at rated current [N m]"
     )
-    rotor_inertia_kgm2: Annotated[float, Field(strict=True, ge=1e-8, le=1e-2)] = 58e-7
+    rated_current_a: Annotated[float, Field(strict=True, ge=0.05, le=20)] = Field(
+        default=1.5, title="Rated current", description="in both coils, at the holding torque [A]"
+    )
+    rotor_inertia_kgm2: Annotated[float, Field(strict=True, ge=1e-8, le=1e-2)] = Field(
+        default=58e-7, json_schema_extra=REST_ONLY
+    )
     detent_torque_nm: Annotated[float, Field(strict=True, ge=-5, le=5)] = Field(
         default=0.02,
         description="amplitude Td of -Td sin(4e); either sign, 0 for an ideal motor. 4.4 % of the holding torque",
+        json_schema_extra=REST_ONLY,
     )
     viscous_nms: Annotated[float, Field(strict=True, ge=0, le=1)] = Field(
-        default=1e-3, description="viscous friction B [N m s]"
+        default=1e-3, description="viscous friction B [N m s]", json_schema_extra=REST_ONLY
     )
     friction_nm: Annotated[float, Field(strict=True, ge=0, le=10)] = Field(
-        default=0.005, description="Coulomb friction Tc, turning"
+        default=0.005, description="Coulomb friction Tc, turning", json_schema_extra=REST_ONLY
     )
     stiction_ratio: Annotated[float, Field(strict=True, ge=1, le=3)] = Field(
-        default=1.2, description="friction at rest as a multiple of that when turning"
+        default=1.2, description="friction at rest as a multiple of that when turning", json_schema_extra=REST_ONLY
     )
 
     @property
@@ -63,14 +67,16 @@ class MotorOptions(_Closed):
 class LoadOptions(_Closed):
     """What hangs on the shaft from the start; `World` changes torque and friction while it runs."""
 
-    inertia_kgm2: Annotated[float, Field(strict=True, ge=0, le=1)] = Field(
-        default=0.0, description="added to the rotor's"
-    )
     torque_nm: Annotated[float, Field(strict=True, ge=-50, le=50)] = Field(
-        default=0.0, description="constant, like a weight: positive ones pull the shaft to negative positions"
+        default=0.0,
+        title="Load torque",
+        description="constant, like a weight: positive ones pull the shaft to negative positions [N m]",
     )
     friction_nm: Annotated[float, Field(strict=True, ge=0, le=50)] = Field(
-        default=0.0, description="Coulomb friction of the load"
+        default=0.0, title="Load friction", description="Coulomb friction of the load [N m]"
+    )
+    inertia_kgm2: Annotated[float, Field(strict=True, ge=0, le=1)] = Field(
+        default=0.0, title="Load inertia", description="added to the rotor's [kg m²]"
     )
 
 
@@ -80,10 +86,27 @@ class StageSwitches(_Closed):
     The default is 300 mm of travel at 200 full steps and 8 mm a turn, started in the middle.
     """
 
-    left_at_fullsteps: FullSteps = Field(default=-3750.0, description="left switch is active here and to the left")
-    right_at_fullsteps: FullSteps = Field(default=3750.0, description="right switch is active here and to the right")
-    home_from_fullsteps: FullSteps = Field(default=-3500.0, description="left end of the home switch")
-    home_to_fullsteps: FullSteps = Field(default=-3400.0, description="right end of the home switch")
+    left_at_fullsteps: FullSteps = Field(
+        default=-3750.0, title="Left", description="left switch is active here and to the left [full steps]"
+    )
+    right_at_fullsteps: FullSteps = Field(
+        default=3750.0,
+        title="Right",
+        description="right switch is active here and to the right [full steps]",
+        json_schema_extra=form(above="left_at_fullsteps"),
+    )
+    home_from_fullsteps: FullSteps = Field(
+        default=-3500.0,
+        title="Home from",
+        description="left end of the home switch [full steps]",
+        json_schema_extra=form(where={"capabilities": ["home_switch"]}),
+    )
+    home_to_fullsteps: FullSteps = Field(
+        default=-3400.0,
+        title="Home to",
+        description="right end of the home switch [full steps]",
+        json_schema_extra=form(where={"capabilities": ["home_switch"]}, at_least="home_from_fullsteps"),
+    )
 
     @model_validator(mode="after")
     def _in_order(self) -> StageSwitches:
@@ -101,21 +124,34 @@ class EncoderOptions(_Closed):
     """
 
     internal_counts: Annotated[int, Field(strict=True, ge=4, le=1 << 20)] = Field(
-        default=1024, description="positions a turn"
+        default=1024, description="positions a turn", json_schema_extra=REST_ONLY
     )
-    internal_zero_fullsteps: FullSteps = Field(default=37.3, description="rotor place at which the magnet reads 0")
+    internal_zero_fullsteps: FullSteps = Field(
+        default=37.3, description="rotor place at which the magnet reads 0", json_schema_extra=REST_ONLY
+    )
     eccentricity_deg: Annotated[float, Field(strict=True, ge=0, le=10)] = Field(
-        default=0.25, description="internal: amplitude e1 of the once-a-turn error [deg of the shaft]"
+        default=0.25,
+        title="Eccentricity",
+        description="internal: amplitude e1 of the once-a-turn error [deg of the shaft]",
+        json_schema_extra=form(unit="°"),
     )
-    eccentricity_phase_deg: Annotated[float, Field(strict=True, ge=-360, le=360)] = 40.0
+    eccentricity_phase_deg: Annotated[float, Field(strict=True, ge=-360, le=360)] = Field(
+        default=40.0, json_schema_extra=REST_ONLY
+    )
     second_harmonic_deg: Annotated[float, Field(strict=True, ge=0, le=10)] = Field(
-        default=0.1, description="internal: amplitude e2 of the twice-a-turn error [deg of the shaft]"
+        default=0.1,
+        description="internal: amplitude e2 of the twice-a-turn error [deg of the shaft]",
+        json_schema_extra=REST_ONLY,
     )
-    second_harmonic_phase_deg: Annotated[float, Field(strict=True, ge=-360, le=360)] = 110.0
+    second_harmonic_phase_deg: Annotated[float, Field(strict=True, ge=-360, le=360)] = Field(
+        default=110.0, json_schema_extra=REST_ONLY
+    )
     external_lines: Annotated[int, Field(strict=True, ge=1, le=1 << 20)] = Field(
-        default=1000, description="of the external encoder: four counts a line"
+        default=1000, title="External lines", description="of the external encoder: four counts a line"
     )
-    external_reversed: Annotated[bool, Field(strict=True)] = Field(default=False, description="A and B are swapped")
+    external_reversed: Annotated[bool, Field(strict=True)] = Field(
+        default=False, description="A and B are swapped", json_schema_extra=REST_ONLY
+    )
 
 
 class DriveOptions(_Closed):

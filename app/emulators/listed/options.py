@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import BaseModel, Field
+from pydantic import BaseModel, ConfigDict, Field
 
+from ...form_hints import REST_ONLY, form
 from ..drive.bench import Closed, Flag, Rate, Seed, TimeScale
 
 PLAIN = (
@@ -16,15 +17,27 @@ PLAIN = (
 class ListedOptions(Closed):
     """How a plain emulated module is made: the `link` of an emulated device."""
 
-    time_scale: TimeScale = Field(default=1.0, description="how fast the module's time passes; 0 stands still")
-    address: Annotated[int, Field(strict=True, ge=1, le=255)] = Field(default=1, description="serial address")
+    model_config = ConfigDict(json_schema_extra=form(fold="time"))
+
+    time_scale: TimeScale = Field(
+        default=1.0,
+        title="Time runs at",
+        description="how fast the module's time passes; 0 stands still",
+        json_schema_extra=form(unit="x real time"),
+    )
+    address: Annotated[int, Field(strict=True, ge=1, le=255)] = Field(
+        default=1, description="serial address", json_schema_extra=REST_ONLY
+    )
     unknown_parameters: Annotated[list[Annotated[int, Field(strict=True, ge=0, le=255)]], Field(max_length=256)] = (
         Field(
             default_factory=list,
             description="axis parameters that its firmware, as another version, does not have: answered with status 3",
+            json_schema_extra=REST_ONLY,
         )
     )
-    seed: Seed = Field(default=1241, description="of the noise that faults on the wire make")
+    seed: Seed = Field(
+        default=1241, description="of the noise that faults on the wire make", json_schema_extra=REST_ONLY
+    )
 
 
 class ListedFaultsChange(Closed):

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
+from ...form_hints import REST_ONLY, form
 from ..drive.bench import (
     ChipFaultsChange,
     Closed,
@@ -28,23 +29,38 @@ FaultsChange = ChipFaultsChange
 class Tmc4361Options(Closed):
     """How an emulated chip, its motor, its encoder and its stage are made: the `link` of an emulated device."""
 
-    time_scale: TimeScale = Field(default=1.0, description="how fast the chip's time passes; 0 stands still")
-    clock_hz: Annotated[float, Field(strict=True, ge=4.2e6, le=32e6, allow_inf_nan=False)] = Field(
-        default=16e6, description="the clock at CLK_EXT [Hz]; CLK_FREQ only tells the chip what it is"
+    model_config = ConfigDict(json_schema_extra=form(fold="motor, load, stage, encoder"))
+
+    time_scale: TimeScale = Field(
+        default=1.0,
+        title="Time runs at",
+        description="how fast the chip's time passes; 0 stands still",
+        json_schema_extra=form(unit="x real time"),
     )
-    motor: MotorOptions = Field(default_factory=MotorOptions)
-    load: LoadOptions = Field(default_factory=LoadOptions)
-    encoder: ShaftEncoder = Field(default_factory=ShaftEncoder)
-    stage: StageSwitches = Field(default_factory=StageSwitches)
-    supply_v: Supply = Field(default=24.0, description="motor supply [V]")
+    supply_v: Supply = Field(default=24.0, title="Supply", description="motor supply [V]")
+    seed: Seed = Field(
+        default=4361, title="Seed of noise and faults", description="of the noise in the load value and of bit errors"
+    )
+    start_fullsteps: FullSteps = Field(
+        default=0.0, title="Rotor at first", description="where the rotor stands at first [full steps]"
+    )
+    clock_hz: Annotated[float, Field(strict=True, ge=4.2e6, le=32e6, allow_inf_nan=False)] = Field(
+        default=16e6,
+        description="the clock at CLK_EXT [Hz]; CLK_FREQ only tells the chip what it is",
+        json_schema_extra=REST_ONLY,
+    )
+    motor: MotorOptions = Field(default_factory=MotorOptions, title="Motor and load")
+    load: LoadOptions = Field(default_factory=LoadOptions, title="Motor and load")
+    stage: StageSwitches = Field(default_factory=StageSwitches, title="Stage: where switches are")
+    encoder: ShaftEncoder = Field(default_factory=ShaftEncoder, title="Encoder")
     full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30, allow_inf_nan=False)] = Field(
-        default=2.1, description="peak coil current at current scale 255 [A]: the default motor's holding torque"
+        default=2.1,
+        description="peak coil current at current scale 255 [A]: the default motor's holding torque",
+        json_schema_extra=REST_ONLY,
     )
     stall_threshold: Annotated[int, Field(strict=True, ge=-64, le=63)] = Field(
-        default=0, description="SGT of the driver's StallGuard2"
+        default=0, description="SGT of the driver's StallGuard2", json_schema_extra=REST_ONLY
     )
-    start_fullsteps: FullSteps = Field(default=0.0, description="where the rotor stands at first [full steps]")
-    seed: Seed = Field(default=4361, description="of the noise in the load value and of bit errors")
 
     def feedback(self) -> FeedbackOptions:
         """The part that the feedback unit and the motor are made with."""

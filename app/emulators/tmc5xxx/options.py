@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, get_args
 
-from pydantic import Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
 
+from ...form_hints import REST_ONLY, form
 from ..drive.bench import (
     ChipFaultsChange,
     Closed,
@@ -29,8 +30,10 @@ Rigid = Literal["rigid"]
 class LineEncoder(Closed):
     """An encoder with A, B and N lines on the shaft of each motor. N is high for one line a turn, from its count 0."""
 
-    lines: Annotated[int, Field(strict=True, ge=1, le=1 << 20)] = Field(default=10_000, description="four counts each")
-    reversed: Flag = Field(default=False, description="A and B are swapped")
+    lines: Annotated[int, Field(strict=True, ge=1, le=1 << 20)] = Field(
+        default=10_000, title="Lines", description="of a turn, four counts each"
+    )
+    reversed: Flag = Field(default=False, description="A and B are swapped", json_schema_extra=REST_ONLY)
 
 
 class Tmc5xxxOptions(Closed):
@@ -39,28 +42,51 @@ class Tmc5xxxOptions(Closed):
     Two motors of one chip are alike.
     """
 
-    time_scale: TimeScale = Field(default=1.0, description="how fast the chip's time passes; 0 stands still")
+    model_config = ConfigDict(json_schema_extra=form(fold="motor, load, stage"))
+
+    time_scale: TimeScale = Field(
+        default=1.0,
+        title="Time runs at",
+        description="how fast the chip's time passes; 0 stands still",
+        json_schema_extra=form(unit="x real time"),
+    )
+    supply_v: Supply = Field(default=24.0, title="Supply", description="motor supply [V]")
+    seed: Seed = Field(
+        default=5160, title="Seed of noise and faults", description="of the noise in the load value and of bit errors"
+    )
+    start_fullsteps: FullSteps = Field(
+        default=0.0, title="Rotor at first", description="where the rotors stand at first [full steps]"
+    )
     clock_hz: Annotated[float, Field(strict=True, ge=4e6, le=18e6, allow_inf_nan=False)] = Field(
         default=16e6,
         description="fCLK, which the units of all registers hang on [Hz]; left out, a TMC5240 has its own 12.5 MHz",
+        json_schema_extra=REST_ONLY,
     )
     motor: MotorOptions | Rigid = Field(
         default_factory=MotorOptions,
+        title="Motor and load",
         description='"rigid": no physics, the shaft follows the field exactly, and long stretches at constant velocity '
         "take no time to work out",
     )
-    load: LoadOptions = Field(default_factory=LoadOptions)
-    encoder: LineEncoder = Field(default_factory=LineEncoder, description="not seen by a TMC5031")
-    stage: StageSwitches = Field(default_factory=StageSwitches)
-    supply_v: Supply = Field(default=24.0, description="motor supply [V]")
+    load: LoadOptions = Field(default_factory=LoadOptions, title="Motor and load")
+    stage: StageSwitches = Field(default_factory=StageSwitches, title="Stage: where switches are")
+    encoder: LineEncoder = Field(
+        default_factory=LineEncoder,
+        title="Encoder",
+        description="on the shaft of each motor",
+        json_schema_extra=form(where={"capabilities": ["encoder"]}),
+    )
     full_scale_a: Annotated[float, Field(strict=True, ge=0.1, le=30, allow_inf_nan=False)] | None = Field(
         default=None,
         description="peak coil current at current scale 31, vsense 0 or GLOBALSCALER 0, and the widest CURRENT_RANGE; "
         "null: as the chip's evaluation board has it [A]",
+        json_schema_extra=REST_ONLY,
     )
-    start_fullsteps: FullSteps = Field(default=0.0, description="where the rotors stand at first [full steps]")
-    node_pin: Flag = Field(default=False, description="NEXTADDR is high: the UART's node address is one more")
-    seed: Seed = Field(default=5160, description="of the noise in the load value and of bit errors")
+    node_pin: Flag = Field(
+        default=False,
+        description="NEXTADDR is high: the UART's node address is one more",
+        json_schema_extra=REST_ONLY,
+    )
 
     def for_clock(self, clock_hz: float) -> Tmc5xxxOptions:
         """The same with the clock that a chip has by itself, where nobody has said another."""

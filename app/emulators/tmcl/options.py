@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import ConfigDict, Field
 
+from ...form_hints import REST_ONLY, form
 from ..drive.bench import (
     Closed,
     Flag,
@@ -27,29 +28,49 @@ Level = Flag | Literal["open"]
 class TmclOptions(Closed):
     """How an emulated module, its motor and its stage are made: the `link` of an emulated device."""
 
-    time_scale: TimeScale = Field(default=1.0, description="how fast the module's time passes; 0 stands still")
+    model_config = ConfigDict(json_schema_extra=form(fold="motor, load, stage, encoders"))
+
+    time_scale: TimeScale = Field(
+        default=1.0,
+        title="Time runs at",
+        description="how fast the module's time passes; 0 stands still",
+        json_schema_extra=form(unit="x real time"),
+    )
+    supply_v: Supply = Field(default=24.0, title="Supply", description="motor supply [V]")
+    seed: Seed = Field(
+        default=1241,
+        title="Seed of noise and faults",
+        description="of the noise in the load value and of faults on the wire",
+    )
+    start_fullsteps: FullSteps = Field(
+        default=0.0, title="Rotor at first", description="where the rotor stands at first [full steps]"
+    )
     address: Annotated[int, Field(strict=True, ge=1, le=255)] = Field(
-        default=1, description="serial address at delivery; what its EEPROM holds comes first"
+        default=1,
+        description="serial address at delivery; what its EEPROM holds comes first",
+        json_schema_extra=REST_ONLY,
     )
     baud_code: Annotated[int, Field(strict=True, ge=0, le=11)] = Field(
-        default=0, description="code of the baud rate at delivery (global parameter 65); 0 is 9600, 7 is 115200"
+        default=0,
+        description="code of the baud rate at delivery (global parameter 65); 0 is 9600, 7 is 115200",
+        json_schema_extra=REST_ONLY,
     )
-    motor: MotorOptions = Field(default_factory=MotorOptions)
-    load: LoadOptions = Field(default_factory=LoadOptions)
-    stage: StageSwitches = Field(default_factory=StageSwitches)
-    encoders: EncoderOptions = Field(default_factory=EncoderOptions)
-    supply_v: Supply = Field(default=24.0, description="motor supply [V]")
-    start_fullsteps: FullSteps = Field(default=0.0, description="where the rotor stands at first [full steps]")
+    motor: MotorOptions = Field(default_factory=MotorOptions, title="Motor and load")
+    load: LoadOptions = Field(default_factory=LoadOptions, title="Motor and load")
+    stage: StageSwitches = Field(default_factory=StageSwitches, title="Stage: where switches are")
+    encoders: EncoderOptions = Field(default_factory=EncoderOptions, title="Encoders")
     unknown_parameters: Annotated[list[Annotated[int, Field(strict=True, ge=0, le=255)]], Field(max_length=256)] = (
         Field(
             default_factory=list,
             description="axis parameters that its firmware, as another version, does not have: answered with status 3",
+            json_schema_extra=REST_ONLY,
         )
     )
     command_us: Annotated[float, Field(strict=True, ge=1, le=1e6, allow_inf_nan=False)] = Field(
-        default=100.0, description="how long a command of a program takes [us of the module's time]; no source tells it"
+        default=100.0,
+        description="how long a command of a program takes [us of the module's time]; no source tells it",
+        json_schema_extra=REST_ONLY,
     )
-    seed: Seed = Field(default=1241, description="of the noise in the load value and of faults on the wire")
 
     def drive(self, full_scale_a: float) -> DriveOptions:
         """The part that the motor and its driver chip, of that peak coil current, are made with."""

@@ -2320,36 +2320,40 @@ export interface components {
              */
             name?: string;
             /**
-             * Full Steps Per Rev
+             * Full steps per revolution
+             * @description of the motor: 200 where a full step is 1.8 deg
              * @default 200
              */
             full_steps_per_rev?: number;
             /**
-             * Driver Microsteps
+             * Driver microsteps per full step
              * @description microsteps per full step of the step/direction driver (TMC4210); others know theirs
              * @default 16
              */
             driver_microsteps?: number;
             /**
-             * Gear Ratio
-             * @description motor turns per turn of the load
+             * Motor turns per turn of the load
+             * @description the gear between motor and load
              * @default 1
              */
             gear_ratio?: number;
             /**
-             * Travel Mm Per Rev
+             * Travel per revolution
              * @description travel of the load per turn of the load [mm]; null for a rotary axis
              */
             travel_mm_per_rev?: number | null;
-            /** @description soft limits; what is left out is not limited */
+            /**
+             * Soft limits
+             * @description the server refuses what is beyond, and stops an axis at its ends; what is left out is not limited
+             */
             limits?: components["schemas"]["AxisLimits-Input"];
             /**
-             * Lost Steps Microsteps
+             * Lost steps from
              * @description deviation of the encoder that tells of lost steps at rest [microsteps]; null: two full steps
              */
             lost_steps_microsteps?: number | null;
             /**
-             * Following Error Microsteps
+             * Following error from
              * @description deviation that tells of a motion not followed [microsteps]; null: four full steps
              */
             following_error_microsteps?: number | null;
@@ -2446,37 +2450,37 @@ export interface components {
          */
         "AxisLimits-Input": {
             /**
-             * Position Min
+             * From
              * @description of the chip's counter [microsteps]
              */
             position_min?: number | null;
             /**
-             * Position Max
+             * To
              * @description of the chip's counter [microsteps]
              */
             position_max?: number | null;
             /**
-             * Velocity Max Pps
+             * Speed
              * @description either way [microsteps/s]
              */
             velocity_max_pps?: number | null;
             /**
-             * Acceleration Max Pps2
+             * Acceleration
              * @description of every acceleration and deceleration that can be set [microsteps/s^2]
              */
             acceleration_max_pps2?: number | null;
             /**
-             * Current Max A
+             * Current
              * @description of a coil, RMS, in motion or at rest [A]
              */
             current_max_a?: number | null;
             /**
-             * Sense Resistor Ohm
+             * Sense resistor
              * @description of a TMC5xxx: what makes amperes of its current scales [ohm]
              */
             sense_resistor_ohm?: number | null;
             /**
-             * Current Full Scale A
+             * Full scale
              * @description RMS at the greatest current scale [A]: needed with TMC428, TMC4361 and PD42-1241, else instead of the sense resistor
              */
             current_full_scale_a?: number | null;
@@ -2487,37 +2491,37 @@ export interface components {
          */
         "AxisLimits-Output": {
             /**
-             * Position Min
+             * From
              * @description of the chip's counter [microsteps]
              */
             position_min: number | null;
             /**
-             * Position Max
+             * To
              * @description of the chip's counter [microsteps]
              */
             position_max: number | null;
             /**
-             * Velocity Max Pps
+             * Speed
              * @description either way [microsteps/s]
              */
             velocity_max_pps: number | null;
             /**
-             * Acceleration Max Pps2
+             * Acceleration
              * @description of every acceleration and deceleration that can be set [microsteps/s^2]
              */
             acceleration_max_pps2: number | null;
             /**
-             * Current Max A
+             * Current
              * @description of a coil, RMS, in motion or at rest [A]
              */
             current_max_a: number | null;
             /**
-             * Sense Resistor Ohm
+             * Sense resistor
              * @description of a TMC5xxx: what makes amperes of its current scales [ohm]
              */
             sense_resistor_ohm: number | null;
             /**
-             * Current Full Scale A
+             * Full scale
              * @description RMS at the greatest current scale [A]: needed with TMC428, TMC4361 and PD42-1241, else instead of the sense resistor
              */
             current_full_scale_a: number | null;
@@ -3077,7 +3081,10 @@ export interface components {
          * @description A connection to a chip of 40-bit datagrams. An axis that is not given gets defaults.
          */
         Chip40Create: {
-            /** Name */
+            /**
+             * Name
+             * @description the device goes by it everywhere
+             */
             name: string;
             /**
              * Clock Hz
@@ -3106,27 +3113,43 @@ export interface components {
          */
         Chip40EmulatorLink: {
             /**
-             * Time Scale
+             * Time runs at
              * @description how fast the chip's time passes; 0 stands still
              * @default 1
              */
             time_scale?: number;
+            /**
+             * Supply
+             * @description motor supply [V]
+             * @default 24
+             */
+            supply_v?: number;
+            /**
+             * Seed of noise and faults
+             * @description of the noise in the load value and of bit errors
+             * @default 4361
+             */
+            seed?: number;
+            /**
+             * Rotor at first
+             * @description where the rotor stands at first [full steps]
+             * @default 0
+             */
+            start_fullsteps?: number;
             /**
              * Clock Hz
              * @description the clock at CLK_EXT [Hz]; CLK_FREQ only tells the chip what it is
              * @default 16000000
              */
             clock_hz?: number;
+            /** Motor and load */
             motor?: components["schemas"]["MotorOptions"];
+            /** Motor and load */
             load?: components["schemas"]["LoadOptions"];
-            encoder?: components["schemas"]["ShaftEncoder"];
+            /** Stage: where switches are */
             stage?: components["schemas"]["StageSwitches"];
-            /**
-             * Supply V
-             * @description motor supply [V]
-             * @default 24
-             */
-            supply_v?: number;
+            /** Encoder */
+            encoder?: components["schemas"]["ShaftEncoder"];
             /**
              * Full Scale A
              * @description peak coil current at current scale 255 [A]: the default motor's holding torque
@@ -3139,18 +3162,6 @@ export interface components {
              * @default 0
              */
             stall_threshold?: number;
-            /**
-             * Start Fullsteps
-             * @description where the rotor stands at first [full steps]
-             * @default 0
-             */
-            start_fullsteps?: number;
-            /**
-             * Seed
-             * @description of the noise in the load value and of bit errors
-             * @default 4361
-             */
-            seed?: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
@@ -3175,7 +3186,10 @@ export interface components {
          * @description A connection to a chip. Axes that are not given get defaults.
          */
         ChipCreate: {
-            /** Name */
+            /**
+             * Name
+             * @description the device goes by it everywhere
+             */
             name: string;
             /**
              * Clock Hz
@@ -4228,7 +4242,13 @@ export interface components {
          */
         EmulatorLink: {
             /**
-             * Seed
+             * Chip time runs at
+             * @description how fast chip time passes; 0 stands still
+             * @default 1
+             */
+            time_scale?: number;
+            /**
+             * Seed of RAM noise and bit errors
              * @description seed of the RAM noise after power-on and of bit errors
              * @default 428
              */
@@ -4240,27 +4260,21 @@ export interface components {
              */
             clock_hz?: number;
             /**
-             * Time Scale
-             * @description how fast chip time passes; 0 stands still
-             * @default 1
-             */
-            time_scale?: number;
-            /**
-             * Wiring
+             * How the switches reach REF1 to REF3
              * @description TMC428: how the switches reach REF1..REF3 (DS-TMC428 Figures 9-3 to 9-5); the reference switch is wired or with the left one (9.8). The chip interprets its pins by refmux and mot1r whatever the wiring.
              * @default multiplexed
              * @enum {string}
              */
-            wiring?: "left-only" | "two-one-null" | "multiplexed";
+            wiring?: "multiplexed" | "two-one-null" | "left-only";
             /**
-             * V Actual Writable
+             * V_ACTUAL can be written in
              * @description where a write to V_ACTUAL counts: in HOLD_MODE only, as DS-TMC428 8.6 says, so that a stop in VELOCITY_MODE brakes; or in VELOCITY_MODE too, where 0 then stops dead, as Trinamic's own software expects
              * @default hold-mode
              * @enum {string}
              */
             v_actual_writable?: "hold-mode" | "velocity-mode";
             /**
-             * Stages
+             * Stages: switches and carriage
              * @description one stage an axis; axes beyond the list have the default stage
              */
             stages?: components["schemas"]["StageOptions"][];
@@ -4394,7 +4408,7 @@ export interface components {
              */
             internal_zero_fullsteps?: number;
             /**
-             * Eccentricity Deg
+             * Eccentricity
              * @description internal: amplitude e1 of the once-a-turn error [deg of the shaft]
              * @default 0.25
              */
@@ -4416,7 +4430,7 @@ export interface components {
              */
             second_harmonic_phase_deg?: number;
             /**
-             * External Lines
+             * External lines
              * @description of the external encoder: four counts a line
              * @default 1000
              */
@@ -5345,28 +5359,40 @@ export interface components {
              */
             kind: "landungsbruecke";
             /**
-             * Port
+             * Port of the board
              * @description device name, or an address of pyserial: socket://, rfc2217://, spy://
              */
             port: string;
             /**
-             * Baud
-             * @description without meaning on USB
-             * @default 115200
-             */
-            baud?: number;
-            /**
-             * Motor
-             * @description the board's channel
-             * @default 0
-             */
-            motor?: number;
-            /**
-             * Timeout S
+             * Answer within
              * @description how long to wait for an answer, beyond its own time [s]
              * @default 0.25
              */
             timeout_s?: number;
+            /**
+             * Baud (not on USB)
+             * @description without meaning on USB
+             * @default 115200
+             * @example 9600
+             * @example 14400
+             * @example 19200
+             * @example 28800
+             * @example 38400
+             * @example 57600
+             * @example 76800
+             * @example 115200
+             * @example 230400
+             * @example 250000
+             * @example 500000
+             * @example 1000000
+             */
+            baud?: number;
+            /**
+             * Motor of the board
+             * @description the board's channel
+             * @default 0
+             */
+            motor?: number;
         };
         /**
          * LatchedPosition
@@ -5599,7 +5625,7 @@ export interface components {
         LineEncoder: {
             /**
              * Lines
-             * @description four counts each
+             * @description of a turn, four counts each
              * @default 10000
              */
             lines?: number;
@@ -5744,7 +5770,10 @@ export interface components {
          * @description A connection to a module that an installed package lists. Axes that are not given get defaults.
          */
         ListedCreate: {
-            /** Name */
+            /**
+             * Name
+             * @description the device goes by it everywhere
+             */
             name: string;
             /**
              * Clock Hz
@@ -5770,7 +5799,7 @@ export interface components {
          */
         ListedEmulatorLink: {
             /**
-             * Time Scale
+             * Time runs at
              * @description how fast the module's time passes; 0 stands still
              * @default 1
              */
@@ -5900,23 +5929,23 @@ export interface components {
          */
         LoadOptions: {
             /**
-             * Inertia Kgm2
-             * @description added to the rotor's
-             * @default 0
-             */
-            inertia_kgm2?: number;
-            /**
-             * Torque Nm
-             * @description constant, like a weight: positive ones pull the shaft to negative positions
+             * Load torque
+             * @description constant, like a weight: positive ones pull the shaft to negative positions [N m]
              * @default 0
              */
             torque_nm?: number;
             /**
-             * Friction Nm
-             * @description Coulomb friction of the load
+             * Load friction
+             * @description Coulomb friction of the load [N m]
              * @default 0
              */
             friction_nm?: number;
+            /**
+             * Load inertia
+             * @description added to the rotor's [kg m²]
+             * @default 0
+             */
+            inertia_kgm2?: number;
         };
         /**
          * LoopHealth
@@ -6096,8 +6125,16 @@ export interface components {
              */
             kind: "can";
             /**
-             * Interface
+             * Interface of python-can
              * @description of python-can: socketcan, pcan, virtual, ...
+             * @example socketcan
+             * @example pcan
+             * @example slcan
+             * @example kvaser
+             * @example ixxat
+             * @example vector
+             * @example gs_usb
+             * @example virtual
              */
             interface: string;
             /**
@@ -6106,36 +6143,46 @@ export interface components {
              */
             channel: string;
             /**
-             * Bitrate
-             * @description bit/s
+             * Bit rate
+             * @description of every node on the bus [bit/s]
              * @default 1000000
+             * @example 20000
+             * @example 50000
+             * @example 100000
+             * @example 125000
+             * @example 250000
+             * @example 500000
+             * @example 1000000
              */
             bitrate?: number;
             /**
-             * Send Id
+             * Answer within
+             * @description how long to wait for an answer [s]
+             * @default 0.25
+             */
+            timeout_s?: number;
+            /**
+             * The module listens to id
              * @description what the module listens to (global parameter 71)
              * @default 1
              */
             send_id?: number;
             /**
-             * Receive Id
+             * It answers under id
              * @description what the module answers under (global parameter 70)
              * @default 2
              */
             receive_id?: number;
-            /**
-             * Timeout S
-             * @description how long to wait for an answer [s]
-             * @default 0.25
-             */
-            timeout_s?: number;
         };
         /**
          * ModuleCreate
          * @description A connection to a module. Axes that are not given get defaults.
          */
         ModuleCreate: {
-            /** Name */
+            /**
+             * Name
+             * @description the device goes by it everywhere
+             */
             name: string;
             /**
              * Clock Hz
@@ -6164,11 +6211,29 @@ export interface components {
          */
         ModuleEmulatorLink: {
             /**
-             * Time Scale
+             * Time runs at
              * @description how fast the module's time passes; 0 stands still
              * @default 1
              */
             time_scale?: number;
+            /**
+             * Supply
+             * @description motor supply [V]
+             * @default 24
+             */
+            supply_v?: number;
+            /**
+             * Seed of noise and faults
+             * @description of the noise in the load value and of faults on the wire
+             * @default 1241
+             */
+            seed?: number;
+            /**
+             * Rotor at first
+             * @description where the rotor stands at first [full steps]
+             * @default 0
+             */
+            start_fullsteps?: number;
             /**
              * Address
              * @description serial address at delivery; what its EEPROM holds comes first
@@ -6181,22 +6246,14 @@ export interface components {
              * @default 0
              */
             baud_code?: number;
+            /** Motor and load */
             motor?: components["schemas"]["MotorOptions"];
+            /** Motor and load */
             load?: components["schemas"]["LoadOptions"];
+            /** Stage: where switches are */
             stage?: components["schemas"]["StageSwitches"];
+            /** Encoders */
             encoders?: components["schemas"]["EncoderOptions"];
-            /**
-             * Supply V
-             * @description motor supply [V]
-             * @default 24
-             */
-            supply_v?: number;
-            /**
-             * Start Fullsteps
-             * @description where the rotor stands at first [full steps]
-             * @default 0
-             */
-            start_fullsteps?: number;
             /**
              * Unknown Parameters
              * @description axis parameters that its firmware, as another version, does not have: answered with status 3
@@ -6208,12 +6265,6 @@ export interface components {
              * @default 100
              */
             command_us?: number;
-            /**
-             * Seed
-             * @description of the noise in the load value and of faults on the wire
-             * @default 1241
-             */
-            seed?: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
@@ -6236,24 +6287,36 @@ export interface components {
              */
             kind: "serial";
             /**
-             * Port
+             * Port or address
              * @description device name, or an address of pyserial: socket://, rfc2217://, spy://
              */
             port: string;
             /**
-             * Baud
+             * Baud (not on USB)
              * @description without meaning on USB
              * @default 9600
+             * @example 9600
+             * @example 14400
+             * @example 19200
+             * @example 28800
+             * @example 38400
+             * @example 57600
+             * @example 76800
+             * @example 115200
+             * @example 230400
+             * @example 250000
+             * @example 500000
+             * @example 1000000
              */
             baud?: number;
             /**
-             * Address
+             * Module address
              * @description the module's address on the line
              * @default 1
              */
             address?: number;
             /**
-             * Timeout S
+             * Answer within
              * @description how long to wait for an answer, beyond its own time [s]
              * @default 0.25
              */
@@ -6274,16 +6337,20 @@ export interface components {
              * @description name or address of the machine
              */
             host: string;
-            /** Port */
+            /**
+             * Port
+             * @description as the program or adapter there says it
+             * @example 4242
+             */
             port: number;
             /**
-             * Address
+             * Module address
              * @description the module's address on the line
              * @default 1
              */
             address?: number;
             /**
-             * Timeout S
+             * Answer within
              * @description how long to wait for an answer [s]
              * @default 1
              */
@@ -6433,17 +6500,17 @@ export interface components {
              */
             inductance_h?: number;
             /**
-             * Rated Current A
-             * @description in both coils, at the holding torque
-             * @default 1.5
-             */
-            rated_current_a?: number;
-            /**
-             * Holding Torque Nm
-             * @description both coils at rated current
+             * Holding torque
+             * @description both coils at rated current [N m]
              * @default 0.45
              */
             holding_torque_nm?: number;
+            /**
+             * Rated current
+             * @description in both coils, at the holding torque [A]
+             * @default 1.5
+             */
+            rated_current_a?: number;
             /**
              * Rotor Inertia Kgm2
              * @default 0.0000058
@@ -9283,6 +9350,12 @@ export interface components {
          */
         ShaftEncoder: {
             /**
+             * Eccentricity
+             * @description amplitude e1 of the once-a-turn error [deg of the shaft]
+             * @default 0
+             */
+            eccentricity_deg?: number;
+            /**
              * Kind
              * @description incremental with N channel, or absolute over SSI or SPI
              * @default abn
@@ -9332,12 +9405,6 @@ export interface components {
              */
             reversed?: boolean;
             /**
-             * Eccentricity Deg
-             * @description amplitude e1 of the once-a-turn error [deg of the shaft]
-             * @default 0
-             */
-            eccentricity_deg?: number;
-            /**
              * Eccentricity Phase Deg
              * @default 0
              */
@@ -9378,7 +9445,10 @@ export interface components {
          * @description A connection to a TMC5xxx. Axes that are not given get defaults.
          */
         SixPointCreate: {
-            /** Name */
+            /**
+             * Name
+             * @description the device goes by it everywhere
+             */
             name: string;
             /**
              * Clock Hz
@@ -9407,11 +9477,29 @@ export interface components {
          */
         SixPointEmulatorLink: {
             /**
-             * Time Scale
+             * Time runs at
              * @description how fast the chip's time passes; 0 stands still
              * @default 1
              */
             time_scale?: number;
+            /**
+             * Supply
+             * @description motor supply [V]
+             * @default 24
+             */
+            supply_v?: number;
+            /**
+             * Seed of noise and faults
+             * @description of the noise in the load value and of bit errors
+             * @default 5160
+             */
+            seed?: number;
+            /**
+             * Rotor at first
+             * @description where the rotors stand at first [full steps]
+             * @default 0
+             */
+            start_fullsteps?: number;
             /**
              * Clock Hz
              * @description fCLK, which the units of all registers hang on [Hz]; left out, a TMC5240 has its own 12.5 MHz
@@ -9419,43 +9507,30 @@ export interface components {
              */
             clock_hz?: number;
             /**
-             * Motor
+             * Motor and load
              * @description "rigid": no physics, the shaft follows the field exactly, and long stretches at constant velocity take no time to work out
              */
             motor?: components["schemas"]["MotorOptions"] | "rigid";
+            /** Motor and load */
             load?: components["schemas"]["LoadOptions"];
-            /** @description not seen by a TMC5031 */
-            encoder?: components["schemas"]["LineEncoder"];
+            /** Stage: where switches are */
             stage?: components["schemas"]["StageSwitches"];
             /**
-             * Supply V
-             * @description motor supply [V]
-             * @default 24
+             * Encoder
+             * @description on the shaft of each motor
              */
-            supply_v?: number;
+            encoder?: components["schemas"]["LineEncoder"];
             /**
              * Full Scale A
              * @description peak coil current at current scale 31, vsense 0 or GLOBALSCALER 0, and the widest CURRENT_RANGE; null: as the chip's evaluation board has it [A]
              */
             full_scale_a?: number | null;
             /**
-             * Start Fullsteps
-             * @description where the rotors stand at first [full steps]
-             * @default 0
-             */
-            start_fullsteps?: number;
-            /**
              * Node Pin
              * @description NEXTADDR is high: the UART's node address is one more
              * @default false
              */
             node_pin?: boolean;
-            /**
-             * Seed
-             * @description of the noise in the load value and of bit errors
-             * @default 5160
-             */
-            seed?: number;
             /**
              * @description discriminator enum property added by openapi-typescript
              * @enum {string}
@@ -9589,19 +9664,19 @@ export interface components {
              */
             bus: number;
             /**
-             * Device
-             * @description D: the chip select
+             * Chip select
+             * @description D of /dev/spidevB.D
              */
             device: number;
             /**
-             * Speed Hz
-             * @description SPI clock [Hz]; a quarter of the chip's clock is safe
+             * Clock of the bus
+             * @description a quarter of the chip's clock is safe [Hz]
              * @default 1000000
              */
             speed_hz?: number;
             /**
-             * Mode
-             * @description SPI mode
+             * SPI mode
+             * @description clock polarity and phase: the chips use 3
              * @default 3
              */
             mode?: number;
@@ -9615,32 +9690,32 @@ export interface components {
          */
         StageOptions: {
             /**
-             * Left At Fullsteps
-             * @description left switch is active here and to the left
+             * Left switch
+             * @description left switch is active here and to the left [full steps]
              * @default 0
              */
             left_at_fullsteps?: number;
             /**
-             * Right At Fullsteps
-             * @description right switch is active here and to the right
-             * @default 7500
-             */
-            right_at_fullsteps?: number;
-            /**
-             * Ref From Fullsteps
-             * @description left end of the reference switch
+             * Left end of the reference switch
+             * @description left end of the reference switch [full steps]
              * @default 250
              */
             ref_from_fullsteps?: number;
             /**
-             * Ref To Fullsteps
-             * @description right end of the reference switch
+             * Right end of the reference switch
+             * @description right end of the reference switch [full steps]
              * @default 350
              */
             ref_to_fullsteps?: number;
             /**
-             * Start Fullsteps
-             * @description where the carriage stands at first
+             * Right switch
+             * @description right switch is active here and to the right [full steps]
+             * @default 7500
+             */
+            right_at_fullsteps?: number;
+            /**
+             * Carriage at first
+             * @description where the carriage stands at first [full steps]
              * @default 3750
              */
             start_fullsteps?: number;
@@ -9653,26 +9728,26 @@ export interface components {
          */
         StageSwitches: {
             /**
-             * Left At Fullsteps
-             * @description left switch is active here and to the left
+             * Left
+             * @description left switch is active here and to the left [full steps]
              * @default -3750
              */
             left_at_fullsteps?: number;
             /**
-             * Right At Fullsteps
-             * @description right switch is active here and to the right
+             * Right
+             * @description right switch is active here and to the right [full steps]
              * @default 3750
              */
             right_at_fullsteps?: number;
             /**
-             * Home From Fullsteps
-             * @description left end of the home switch
+             * Home from
+             * @description left end of the home switch [full steps]
              * @default -3500
              */
             home_from_fullsteps?: number;
             /**
-             * Home To Fullsteps
-             * @description right end of the home switch
+             * Home to
+             * @description right end of the home switch [full steps]
              * @default -3400
              */
             home_to_fullsteps?: number;
@@ -10072,10 +10147,14 @@ export interface components {
              * @description name or address of the machine
              */
             host: string;
-            /** Port */
+            /**
+             * Port
+             * @description as the program or adapter there says it
+             * @example 4280
+             */
             port: number;
             /**
-             * Timeout S
+             * Answer within
              * @description how long to wait for an answer [s]
              * @default 1
              */
@@ -10743,7 +10822,7 @@ export interface components {
              */
             kind: "uart";
             /**
-             * Port
+             * Port of the UART
              * @description device name, or an address of pyserial: socket://, rfc2217://, spy://
              */
             port: string;
@@ -10751,27 +10830,35 @@ export interface components {
              * Baud
              * @description the chip measures it: at most a sixteenth of its clock
              * @default 115200
+             * @example 9600
+             * @example 19200
+             * @example 57600
+             * @example 115200
+             * @example 230400
+             * @example 250000
+             * @example 460800
+             * @example 500000
              */
             baud?: number;
             /**
-             * Node
+             * Node address
              * @description NODEADDR, plus 1 where NEXTADDR is high; a TMC5062 has none
              * @default 0
              */
             node?: number;
             /**
-             * Echo
+             * Answer within
+             * @description how long to wait for an answer, beyond its own time [s]
+             * @default 0.25
+             */
+            timeout_s?: number;
+            /**
+             * What is sent comes back as an echo
              * @description whether what is sent comes back, as on a single wire; auto finds out
              * @default auto
              * @enum {string}
              */
             echo?: "auto" | "on" | "off";
-            /**
-             * Timeout S
-             * @description how long to wait for an answer, beyond its own time [s]
-             * @default 0.25
-             */
-            timeout_s?: number;
         };
         /**
          * UartState

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
+from ....form_hints import REST_ONLY, form
 from ...drive import DriveOptions, EncoderOptions, LoadOptions, MotorOptions
 from ...drive.options import FullSteps
 
@@ -19,28 +20,43 @@ class _Closed(BaseModel):
 class ShaftEncoder(_Closed):
     """The encoder on the motor's shaft. It sees theta + e1 sin(theta + p1), cut into whole counts."""
 
-    kind: EncoderKind = Field(default="abn", description="incremental with N channel, or absolute over SSI or SPI")
+    eccentricity_deg: Annotated[float, Field(strict=True, ge=0, le=10)] = Field(
+        default=0.0,
+        title="Eccentricity",
+        description="amplitude e1 of the once-a-turn error [deg of the shaft]",
+        json_schema_extra=form(unit="°"),
+    )
+    kind: EncoderKind = Field(
+        default="abn",
+        description="incremental with N channel, or absolute over SSI or SPI",
+        json_schema_extra=REST_ONLY,
+    )
     lines: Annotated[int, Field(strict=True, ge=1, le=1 << 22)] = Field(
-        default=10_000, description="abn: lines a turn, four counts each"
+        default=10_000, title="Lines", description="abn: lines a turn, four counts each"
     )
     single_turn_bits: Annotated[int, Field(strict=True, ge=2, le=24)] = Field(
-        default=13, description="ssi, spi: bits of the place in the turn"
+        default=13, description="ssi, spi: bits of the place in the turn", json_schema_extra=REST_ONLY
     )
     multi_turn_bits: Annotated[int, Field(strict=True, ge=0, le=24)] = Field(
-        default=12, description="ssi, spi: bits of the turns counted"
+        default=12, description="ssi, spi: bits of the turns counted", json_schema_extra=REST_ONLY
     )
-    gray: Annotated[bool, Field(strict=True)] = Field(default=False, description="ssi, spi: answers in Gray code")
+    gray: Annotated[bool, Field(strict=True)] = Field(
+        default=False, description="ssi, spi: answers in Gray code", json_schema_extra=REST_ONLY
+    )
     status_bits: Annotated[int, Field(strict=True, ge=0, le=3)] = Field(
-        default=0, description="ssi, spi: status bits after the position"
+        default=0, description="ssi, spi: status bits after the position", json_schema_extra=REST_ONLY
     )
     zero_fullsteps: FullSteps = Field(
-        default=37.3, description="mounting offset: place of the rotor at which the encoder counts 0 (N pulse)"
+        default=37.3,
+        description="mounting offset: place of the rotor at which the encoder counts 0 (N pulse)",
+        json_schema_extra=REST_ONLY,
     )
-    reversed: Annotated[bool, Field(strict=True)] = Field(default=False, description="counts down as the motor goes up")
-    eccentricity_deg: Annotated[float, Field(strict=True, ge=0, le=10)] = Field(
-        default=0.0, description="amplitude e1 of the once-a-turn error [deg of the shaft]"
+    reversed: Annotated[bool, Field(strict=True)] = Field(
+        default=False, description="counts down as the motor goes up", json_schema_extra=REST_ONLY
     )
-    eccentricity_phase_deg: Annotated[float, Field(strict=True, ge=-360, le=360)] = 0.0
+    eccentricity_phase_deg: Annotated[float, Field(strict=True, ge=-360, le=360)] = Field(
+        default=0.0, json_schema_extra=REST_ONLY
+    )
 
     @property
     def counts(self) -> int:

@@ -4,16 +4,14 @@ import { type FormEvent, useState } from "react";
 import type { Device } from "../../api/queries";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { scaleOf } from "../../lib/units";
-import { AxesFields } from "./AxisFields";
-import { ChipLinkFields } from "./ChipLinkFields";
 import css from "./connections.module.css";
-import { axisConfigs, type Draft, linkOf, moduleKind, problemsOf, withModel } from "./draft";
-import { EmulatorOptions } from "./EmulatorOptions";
-import { LimitFields } from "./LimitFields";
-import { ModuleLinkFields } from "./ModuleLinkFields";
-import { canModel, isModule, type Kind, kindsOf, NAMES_ONLY } from "./models";
+import { axisConfigs, clockField, type Draft, linkOf, linkValues, problemsOf, withModel } from "./draft";
+import { AxisFold, AxisTable, type Entry, FieldInput, type Row } from "./fields";
+import { axisForm, linkForm, NAME, needed, type Values } from "./form";
+import { LinkFields } from "./LinkFields";
+import { inMechanics } from "./mechanics";
+import { type Kind, kindsOf, NAMES_ONLY } from "./models";
 import { TestResult } from "./TestResult";
-import { ThresholdFields } from "./ThresholdFields";
 import { useCatalog, useLinkTest, useSaveDevice } from "./useConnections";
 
 interface Props {
@@ -36,10 +34,24 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
   const set = (change: Partial<Draft>) => setDraft((now) => ({ ...now, ...change }));
 
   const all = problemsOf(draft, names);
-  // An empty field is no mistake before one has tried to save; a wrong one is at once.
-  const problem = (path: string, text: string) => (tried || text.trim() !== "" ? all[path] : undefined);
   const model = draft.model;
-  const kind = moduleKind(draft);
+  const entry = (prefix: string, values: Values, onChange: (values: Values) => void): Entry => ({
+    value: ({ path }) => values[path] ?? "",
+    // An empty field is no mistake before one has tried to save; a wrong one is at once.
+    problem: (field) =>
+      tried || values[field.path]?.trim() || !needed(field) ? all[`${prefix}${field.path}`] : undefined,
+    onChange: (field, text) => onChange({ ...values, [field.path]: text }),
+  });
+  const clock = clockField(model);
+  const own = entry("", { name: draft.name, clock_mhz: draft.clockMhz }, ({ name = "", clock_mhz: clockMhz = "" }) =>
+    set({ name, clockMhz }),
+  );
+  const rows = draft.axes.map((axis, index): Row => {
+    const replaced = (values: Values) => set({ axes: draft.axes.map((each, at) => (at === index ? values : each)) });
+    const id = `axis ${index}`;
+    return { id, name: axis.name || id, ...entry(`axes.${index}.`, axis, replaced) };
+  });
+  const [table, ...folds] = axisForm(model).groups;
   const link = JSON.stringify([draft.model.name, linkOf(draft)]);
   // How a device counts its microsteps is known once it has answered; the mechanics are those that are typed.
   const scales = axisConfigs(draft).map((typed, index) => {
@@ -54,7 +66,7 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
     setTried(true);
     const paths = Object.keys(all);
     if (paths.length > 0) {
-      if (paths.some((path) => /^(stages|options|seed|timeScale)/.test(path))) setMore(true);
+      if (paths.some((path) => path.startsWith("link."))) setMore(true);
       return;
     }
     save.mutate(draft, { onSuccess: onSaved });
@@ -91,7 +103,7 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
           ref={focusIfEmpty}
           classNames={{ label: "hint regular" }}
           value={draft.name}
-          error={problem("name", draft.name)}
+          error={own.problem(NAME)}
           maxLength={80}
           autoComplete="off"
           onChange={(event) => set({ name: event.currentTarget.value })}
@@ -124,45 +136,37 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
           aria-label="Kind of link"
           data={kindsOf(draft.model)}
           value={draft.kind}
-          onChange={(kind) =>
-            set({ kind: kind as Kind, ...(kind === "tcp" && draft.host === "" ? { host: "127.0.0.1" } : {}) })
+          onChange={(kind) => set({ kind: kind as Kind })}
+        />
+        <LinkFields
+          // what is told of a field is told of this kind's
+          key={draft.kind}
+          form={linkForm(model, draft.kind)}
+          names={rows.map(({ name }) => name)}
+          {...entry("link.", linkValues(draft), (values) => set({ links: { ...draft.links, [draft.kind]: values } }))}
+          open={more}
+          onOpen={setMore}
+        />
+        {clock && <FieldInput field={clock} {...own} />}
+      </fieldset>
+      <fieldset className={`${css.group} stack gap-8 m-0 mt-12 rule-top`}>
+        <legend>Axes</legend>
+        {table && <AxisTable group={table} rows={rows} />}
+      </fieldset>
+      {folds.map((group) => (
+        <AxisFold
+          key={group.title}
+          group={group}
+          rows={rows}
+          note={(index) =>
+            group.fields.some(({ path }) => path.startsWith("limits.")) && (
+              <div className={`${css.limitNote} hint regular`}>
+                {inMechanics(draft.axes[index] ?? {}, scales[index])}
+              </div>
+            )
           }
         />
-        {isModule(model) ? (
-          kind === "emulator" ? (
-            <EmulatorOptions
-              model={model}
-              options={draft.options}
-              problem={problem}
-              onChange={(options) => set({ options })}
-              open={more}
-              onOpen={setMore}
-            />
-          ) : (
-            <ModuleLinkFields
-              kind={kind}
-              draft={draft.module}
-              problem={problem}
-              onChange={(change) => setDraft((now) => ({ ...now, module: { ...now.module, ...change } }))}
-            />
-          )
-        ) : (
-          <ChipLinkFields
-            draft={draft}
-            model={model}
-            problems={all}
-            problem={problem}
-            onChange={set}
-            more={more}
-            onMore={setMore}
-          />
-        )}
-      </fieldset>
-      <AxesFields draft={draft} problems={all} strict={tried} onChange={(axes) => set({ axes })} />
-      <LimitFields draft={draft} problems={all} scales={scales} onChange={(axes) => set({ axes })} />
-      {canModel(model, "encoder") && (
-        <ThresholdFields draft={draft} problems={all} onChange={(axes) => set({ axes })} />
-      )}
+      ))}
       <div className={`${css.results} stack gap-6 mt-8`}>
         <TestResult
           test={test.data}
@@ -199,7 +203,7 @@ export function DeviceForm({ device, initial, names, onClose, onSaved }: Props) 
 /** How to serve an emulated device where this link leads to; null where that is no socket. */
 function emulateCommand(draft: Draft): string | null {
   if (draft.kind !== "tcp") return null;
-  const [host, port] = isModule(draft.model) ? [draft.module.host, draft.module.tcpPort] : [draft.host, draft.port];
+  const { host = "", port = "" } = linkValues(draft);
   return `stepscope emulate ${draft.model.name} --tcp ${host.trim()}:${port.trim()}`;
 }
 

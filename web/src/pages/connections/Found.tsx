@@ -29,23 +29,14 @@ export function Found({ onAdd, names, models }: Props) {
   const boards = models.find(({ wires }) => wires.some(({ frames }) => frames === "board"));
   const addSerial = (model: Model | undefined, port: string, baud?: number, address?: number) => {
     if (!model) return;
-    const draft = newDraft(model, "serial");
-    onAdd({
-      ...draft,
-      name: freeName(shortName(model), names),
-      module: {
-        ...draft.module,
-        serialPort: port,
-        baud: baud === undefined ? "" : String(baud),
-        address: address === undefined ? "" : String(address),
-      },
-    });
+    const [rate, node] = [baud, address].map((value) => (value === undefined ? "" : String(value)));
+    const draft = newDraft(model, "serial", { port, baud: rate ?? "", address: node ?? "" });
+    onAdd({ ...draft, name: freeName(shortName(model), names) });
   };
   const addBoard = (model: Model | undefined, port: string) => {
     const kind = model?.wires.find(({ frames }) => frames === "board")?.kind;
     if (!model || !kind) return;
-    const draft = newDraft(model, kind);
-    onAdd({ ...draft, name: freeName(shortName(model), names), module: { ...draft.module, serialPort: port } });
+    onAdd({ ...newDraft(model, kind, { port }), name: freeName(shortName(model), names) });
   };
   return (
     <>
@@ -125,15 +116,7 @@ function Elsewhere({ model, port, onAdd }: { model: Model; port: string; onAdd: 
   return (
     <>
       <Command text={`stepscope emulate ${model.name} --tcp 127.0.0.1:${port}`} />
-      <Button
-        size="compact-xs"
-        variant="default"
-        mt={8}
-        onClick={() => {
-          const draft = newDraft(model, "tcp");
-          onAdd(isModule(model) ? { ...draft, module: { ...draft.module, tcpPort: port } } : { ...draft, port });
-        }}
-      >
+      <Button size="compact-xs" variant="default" mt={8} onClick={() => onAdd(newDraft(model, "tcp", { port }))}>
         Connect to 127.0.0.1:{port}
       </Button>
     </>

@@ -4,15 +4,8 @@ import { usePorts } from "./useConnections";
 
 type Port = Schemas["Port"];
 
-interface Props {
-  label: string;
-  value: string;
-  problem?: string | undefined;
-  onChange: (port: string) => void;
-}
-
 /** A serial port: one that is there, or whatever pyserial takes, typed in. */
-export function PortField({ label, value, problem, onChange }: Props) {
+export function PortField(props: AutocompleteProps) {
   const ports = usePorts();
   const serial = ports.data?.filter((port) => port.kind === "serial") ?? [];
   const byName = new Map(serial.map((port) => [port.name, port]));
@@ -28,19 +21,16 @@ export function PortField({ label, value, problem, onChange }: Props) {
   return (
     <Autocomplete
       size="xs"
-      label={label}
-      placeholder="/dev/ttyACM0, socket://host:port, rfc2217://host:port"
       classNames={{ input: "num", label: "hint regular" }}
+      {...props}
+      placeholder="/dev/ttyACM0, socket://host:port, rfc2217://host:port"
       data={serial.map((port) => port.name)}
       // what is there is always offered, whatever is typed
       filter={({ options }) => options}
       renderOption={renderOption}
       comboboxProps={{ width: "max-content", position: "bottom-start" }}
-      value={value}
-      error={problem}
       autoComplete="off"
       spellCheck={false}
-      onChange={onChange}
     />
   );
 }

@@ -5,7 +5,7 @@ import { fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { parseAddresses } from "./addresses";
 import css from "./connections.module.css";
-import { BAUDS } from "./module";
+import { SEARCHED } from "./form";
 import { PortField } from "./PortField";
 import { useProbe } from "./useConnections";
 
@@ -42,12 +42,12 @@ export function Probe({ onAdd }: { onAdd: (found: Found) => void }) {
         }}
         noValidate
       >
-        <PortField label="Port or address" value={port} problem={wrongPort} onChange={setPort} />
+        <PortField label="Port or address" value={port} error={wrongPort} onChange={setPort} />
         <fieldset className={css.bauds}>
           <legend className="hint regular">Baud rates</legend>
           <Chip.Group multiple value={bauds} onChange={setBauds}>
             <Group gap={4}>
-              {BAUDS.map((baud) => (
+              {SEARCHED.bauds.map((baud) => (
                 <Chip key={baud} value={String(baud)} size="xs" radius="sm" variant="light">
                   {fixed(baud)}
                 </Chip>

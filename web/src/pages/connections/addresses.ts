@@ -1,7 +1,8 @@
+import { SEARCHED } from "./form";
+
 export type Addresses = { ok: true; list: number[] } | { ok: false; why: string };
 
-const LOW = 1;
-const HIGH = 255;
+const { lowest: LOW, highest: HIGH } = SEARCHED;
 
 /** "1-4, 7" as addresses; nothing typed as none: the server then asks the first ones. */
 export function parseAddresses(text: string): Addresses {

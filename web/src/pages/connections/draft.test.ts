@@ -2,9 +2,19 @@ import { describe, expect, it } from "vitest";
 import { about } from "../../../test/catalog";
 import type { Device } from "../../api/queries";
 import { parseAddresses } from "./addresses";
-import { changeBody, createBody, draftOf, linkOf, newDraft, problemsOf, withModel } from "./draft";
+import {
+  changeBody,
+  createBody,
+  type Draft,
+  draftOf,
+  linkOf,
+  linkValues,
+  newDraft,
+  problemsOf,
+  withModel,
+} from "./draft";
+import { fieldsOf, linkForm, type Values } from "./form";
 import { kindsOf } from "./models";
-import { optionsOf } from "./options";
 import { freeName, linkText } from "./words";
 
 const DEVICE = {
@@ -24,6 +34,11 @@ const DEVICE = {
   })),
 } as unknown as Device;
 
+/** The draft with something typed of its link. */
+function typed(draft: Draft, values: Values): Draft {
+  return { ...draft, links: { ...draft.links, [draft.kind]: { ...linkValues(draft), ...values } } };
+}
+
 describe("a new connection", () => {
   it("says only what was typed, so that the server's defaults hold", () => {
     const draft = { ...newDraft(about("tmc428")), name: " bench " };
@@ -37,18 +52,18 @@ describe("a new connection", () => {
 
   it("has as many axes as the chip, and keeps what was typed of them", () => {
     const draft = newDraft(about("tmc428"), "tcp");
-    draft.axes = draft.axes.map((axis) => ({ ...axis, gear: "3" }));
+    draft.axes = draft.axes.map((axis) => ({ ...axis, gear_ratio: "3" }));
     const one = withModel(draft, about("tmc4210"));
     expect(one.axes).toHaveLength(1);
-    expect(withModel(one, about("tmc428")).axes.map((axis) => axis.gear)).toEqual(["3", "", ""]);
+    expect(withModel(one, about("tmc428")).axes.map((axis) => axis.gear_ratio ?? "")).toEqual(["3", "", ""]);
   });
 
   it("says where the emulated chip lets its velocity be written, and keeps it in an edit", () => {
-    const draft = { ...newDraft(about("tmc428")), vActualWritable: "velocity-mode" };
+    const draft = typed(newDraft(about("tmc428")), { v_actual_writable: "velocity-mode" });
     expect(linkOf(draft)).toEqual({ kind: "emulator", v_actual_writable: "velocity-mode" });
     const held = { ...DEVICE, link: { kind: "emulator", v_actual_writable: "velocity-mode" } } as Device;
-    expect(draftOf(held).vActualWritable).toBe("velocity-mode");
-    expect(changeBody(draftOf(held), { ...draftOf(held), seed: "3" }).link).toMatchObject({
+    expect(linkValues(draftOf(held)).v_actual_writable).toBe("velocity-mode");
+    expect(changeBody(draftOf(held), typed(draftOf(held), { seed: "3" })).link).toMatchObject({
       kind: "emulator",
       seed: 3,
       v_actual_writable: "velocity-mode",
@@ -57,13 +72,13 @@ describe("a new connection", () => {
 
   it("gives the emulated driver the microsteps that the axis is reckoned with", () => {
     const draft = newDraft(about("tmc4210"));
-    draft.axes = draft.axes.map((axis) => ({ ...axis, driverMicrosteps: "32" }));
+    draft.axes = draft.axes.map((axis) => ({ ...axis, driver_microsteps: "32" }));
     expect(linkOf(draft)).toEqual({ kind: "emulator", driver_microsteps: 32 });
   });
 });
 
 describe("what is refused before it is sent", () => {
-  const good = { ...newDraft(about("tmc428"), "tcp"), name: "far", port: "4280" };
+  const good = { ...newDraft(about("tmc428"), "tcp", { port: "4280" }), name: "far" };
   it("takes a complete tcp link", () => {
     expect(problemsOf(good, ["bench"])).toEqual({});
     expect(linkOf(good)).toEqual({ kind: "tcp", host: "127.0.0.1", port: 4280 });
@@ -73,15 +88,19 @@ describe("what is refused before it is sent", () => {
     ["name", { name: " " }],
     ["name", { name: "Bench" }],
     ["name", { name: "x".repeat(61) }],
-    ["port", { port: "" }],
-    ["port", { port: "70000" }],
-    ["port", { port: "42.5" }],
-    ["host", { host: "" }],
-    ["timeoutS", { timeoutS: "0" }],
-    ["clockMhz", { clockMhz: "0" }],
-    ["clockMhz", { clockMhz: "20" }],
-    ["clockMhz", { clockMhz: "fast" }],
-    ["axes.1.gear", { axes: good.axes.map((axis, index) => (index === 1 ? { ...axis, gear: "0" } : axis)) }],
+    ["link.port", typed(good, { port: "" })],
+    ["link.port", typed(good, { port: "70000" })],
+    ["link.port", typed(good, { port: "42.5" })],
+    ["link.host", typed(good, { host: "" })],
+    ["link.host", typed(good, { host: "no name" })],
+    ["link.timeout_s", typed(good, { timeout_s: "0" })],
+    ["clock_mhz", { clockMhz: "0" }],
+    ["clock_mhz", { clockMhz: "20" }],
+    ["clock_mhz", { clockMhz: "fast" }],
+    [
+      "axes.1.gear_ratio",
+      { axes: good.axes.map((axis, index) => (index === 1 ? { ...axis, gear_ratio: "0" } : axis)) },
+    ],
     ["axes.2.name", { axes: good.axes.map((axis, index) => (index === 2 ? { ...axis, name: "" } : axis)) }],
   ])("refuses %s of %j", (path, change) => {
     expect(Object.keys(problemsOf({ ...good, ...change }, ["bench"]))).toEqual([path]);
@@ -92,27 +111,30 @@ describe("what is refused before it is sent", () => {
   });
 
   it("checks a stage against the defaults of what was not said", () => {
-    const draft = { ...newDraft(about("tmc428")), name: "bench" };
-    draft.stages = draft.stages.map((stage, index) =>
-      index === 0 ? { ...stage, left: "8000", refFrom: "400" } : stage,
+    const draft = typed(
+      { ...newDraft(about("tmc428")), name: "bench" },
+      { "stages.0.left_at_fullsteps": "8000", "stages.0.ref_from_fullsteps": "400" },
     );
-    expect(Object.keys(problemsOf(draft))).toEqual(["stages.0.right", "stages.0.refTo"]);
+    expect(Object.keys(problemsOf(draft)).sort()).toEqual([
+      "link.stages.0.ref_to_fullsteps",
+      "link.stages.0.right_at_fullsteps",
+    ]);
   });
 });
 
 describe("editing", () => {
   it("shows a device as it is and sends nothing when nothing changed", () => {
     const draft = draftOf(DEVICE);
-    expect(draft).toMatchObject({ seed: "7", clockMhz: "8", wiring: "" });
-    expect(draft.stages[0]?.right).toBe("5000");
-    expect(draft.axes[2]?.travelMm).toBe("");
+    expect(draft.clockMhz).toBe("8");
+    expect(linkValues(draft)).toMatchObject({ seed: "7", wiring: "", "stages.0.right_at_fullsteps": "5000" });
+    expect(draft.axes[2]?.travel_mm_per_rev).toBe("");
     expect(changeBody(draft, { ...draft })).toEqual({});
   });
 
   it("does not touch the link for a new name or axis, and sends both for a new clock of an emulator", () => {
     const draft = draftOf(DEVICE);
     expect(changeBody(draft, { ...draft, name: "table" })).toEqual({ name: "table" });
-    const axes = draft.axes.map((axis) => ({ ...axis, travelMm: "5" }));
+    const axes = draft.axes.map((axis) => ({ ...axis, travel_mm_per_rev: "5" }));
     expect(Object.keys(changeBody(draft, { ...draft, axes }))).toEqual(["axes"]);
     const faster = changeBody(draft, { ...draft, clockMhz: "16" });
     expect(faster.clock_hz).toBe(16e6);
@@ -135,35 +157,29 @@ describe("a name for a new device", () => {
 });
 
 describe("a link to a module", () => {
-  const serial = () => {
-    const draft = { ...newDraft(about("pd42-1241"), "serial"), name: "drive" };
-    draft.module = { ...draft.module, serialPort: " /dev/ttyACM0 " };
-    return draft;
-  };
+  const serial = () => ({ ...newDraft(about("pd42-1241"), "serial", { port: " /dev/ttyACM0 " }), name: "drive" });
 
   it("says only what was typed", () => {
     expect(problemsOf(serial())).toEqual({});
     expect(linkOf(serial())).toEqual({ kind: "serial", port: "/dev/ttyACM0" });
-    const shared = serial();
-    shared.module = { ...shared.module, baud: "115200", address: "3", timeoutS: "0.5" };
+    const shared = typed(serial(), { baud: "115200", address: "3", timeout_s: "0.5" });
     expect(linkOf(shared)).toEqual({ kind: "serial", port: "/dev/ttyACM0", baud: 115200, address: 3, timeout_s: 0.5 });
     expect(createBody(shared)).toMatchObject({ model: "pd42-1241", clock_hz: null });
   });
 
   it.each([
-    ["serial", "module.serialPort", { serialPort: "" }],
-    ["serial", "module.address", { address: "0" }],
-    ["serial", "module.baud", { baud: "12" }],
-    ["tcp", "module.tcpPort", { tcpPort: "" }],
-    ["can", "module.canChannel", { canChannel: " " }],
-    ["can", "module.sendId", { sendId: "2048" }],
-    ["emulator", "options.supply_v", { options: { supply_v: "61" } }],
-    ["emulator", "options.stage.right_at_fullsteps", { options: { "stage.right_at_fullsteps": "-4000" } }],
+    ["serial", "link.port", { port: "" }],
+    ["serial", "link.address", { address: "0" }],
+    ["serial", "link.baud", { baud: "12" }],
+    ["tcp", "link.port", { port: "" }],
+    ["can", "link.channel", { channel: " " }],
+    ["can", "link.send_id", { send_id: "2048" }],
+    ["emulator", "link.supply_v", { supply_v: "61" }],
+    ["emulator", "link.stage.right_at_fullsteps", { "stage.right_at_fullsteps": "-4000" }],
   ] as const)("over %s refuses %s of %j", (kind, path, change) => {
-    const draft = { ...newDraft(about("pd42-1241"), kind), name: "drive" };
-    draft.module = { ...draft.module, serialPort: "/dev/ttyACM0", tcpPort: "4242", ...change };
-    draft.options = { ...("options" in change ? change.options : {}) };
-    expect(Object.keys(problemsOf(draft))).toEqual([path]);
+    const port = kind === "serial" ? "/dev/ttyACM0" : "4242";
+    const draft = { ...newDraft(about("pd42-1241"), kind, { port }), name: "drive" };
+    expect(Object.keys(problemsOf(typed(draft, change)))).toEqual([path]);
   });
 
   it("over CAN names interface and channel", () => {
@@ -181,9 +197,8 @@ describe("a link to a module", () => {
       axes: [DEVICE.axes[0]],
     } as unknown as Device;
     const draft = draftOf(device);
-    expect(draft.options["motor.holding_torque_nm"]).toBe("1");
-    draft.options = { ...draft.options, "motor.holding_torque_nm": "", "load.torque_nm": "0.1" };
-    expect(linkOf(draft)).toEqual({
+    expect(linkValues(draft)["motor.holding_torque_nm"]).toBe("1");
+    expect(linkOf(typed(draft, { "motor.holding_torque_nm": "", "load.torque_nm": "0.1" }))).toEqual({
       kind: "emulator",
       seed: 3,
       motor: { rotor_teeth: 100 },
@@ -220,8 +235,8 @@ describe("a TMC4361", () => {
 
   it("is reached over a board once the port is said", () => {
     const board = { ...named, kind: "landungsbruecke" as const };
-    expect(problemsOf(board)).toHaveProperty("module.serialPort");
-    const ready = { ...board, timeoutS: "0.5", module: { ...board.module, serialPort: " /dev/ttyACM0 " } };
+    expect(problemsOf(board)).toHaveProperty(["link.port"]);
+    const ready = typed(board, { timeout_s: "0.5", port: " /dev/ttyACM0 " });
     expect(problemsOf(ready)).toEqual({});
     const link = { kind: "landungsbruecke", port: "/dev/ttyACM0", timeout_s: 0.5 };
     expect(linkOf(ready)).toEqual(link);
@@ -246,36 +261,36 @@ describe("a TMC4361", () => {
         axes: DEVICE.axes.slice(0, 1),
       } as unknown as Device);
     const emulated = { kind: "emulator", seed: 3, motor: { resistance_ohm: 1 }, encoder: { kind: "ssi" } };
-    const faster = { ...of(emulated), options: { ...of(emulated).options, time_scale: "2" } };
+    const faster = typed(of(emulated), { time_scale: "2" });
     expect(changeBody(of(emulated), faster).link).toEqual({
       ...emulated,
       time_scale: 2,
       clock_hz: 8e6,
     });
     const board = { kind: "landungsbruecke", port: "/dev/ttyACM0", baud: 9600, motor: 2 };
-    expect(changeBody(of(board), { ...of(board), timeoutS: "0.5" }).link).toEqual({ ...board, timeout_s: 0.5 });
+    expect(changeBody(of(board), typed(of(board), { timeout_s: "0.5" })).link).toEqual({ ...board, timeout_s: 0.5 });
     const bus = { kind: "spidev", bus: 1, device: 0, mode: 0 };
-    const other = changeBody(of(bus), { ...of(bus), spi: { bus: "1", device: "1", speedHz: "" } });
+    const other = changeBody(of(bus), typed(of(bus), { bus: "1", device: "1", speed_hz: "" }));
     expect(other.link).toEqual({ ...bus, device: 1 });
     // another kind of link is another link
     expect(linkOf({ ...of(board), kind: "spidev" })).toEqual({ kind: "spidev", bus: 0, device: 0 });
   });
 
   it("takes no more of the emulator's time than that can be worked out in", () => {
-    expect(problemsOf({ ...named, options: { time_scale: "20" } })).toEqual({});
-    expect(problemsOf({ ...named, options: { time_scale: "21" } })).toHaveProperty(["options.time_scale"]);
+    expect(problemsOf(typed(named, { time_scale: "20" }))).toEqual({});
+    expect(problemsOf(typed(named, { time_scale: "21" }))).toHaveProperty(["link.time_scale"]);
   });
 
   it("is reached on the first bus where nothing is said", () => {
     const spi = { ...named, kind: "spidev" as const };
     expect(problemsOf(spi)).toEqual({});
     expect(linkOf(spi)).toEqual({ kind: "spidev", bus: 0, device: 0 });
-    const other = { ...spi, spi: { bus: "1", device: "2", speedHz: "4000000" } };
+    const other = typed(spi, { bus: "1", device: "2", speed_hz: "4000000" });
     expect(linkOf(other)).toEqual({ kind: "spidev", bus: 1, device: 2, speed_hz: 4_000_000 });
-    expect(problemsOf({ ...spi, spi: { bus: "x", device: "256", speedHz: "5" } })).toEqual({
-      "spi.bus": expect.stringContaining("Not a number"),
-      "spi.device": expect.stringContaining("255"),
-      "spi.speedHz": expect.stringContaining("10"),
+    expect(problemsOf(typed(spi, { bus: "x", device: "256", speed_hz: "5" }))).toEqual({
+      "link.bus": expect.stringContaining("Not a number"),
+      "link.device": expect.stringContaining("255"),
+      "link.speed_hz": expect.stringContaining("10"),
     });
     expect(linkText({ kind: "spidev", bus: 1, device: 0 })).toBe("spi 1.0");
   });
@@ -283,11 +298,10 @@ describe("a TMC4361", () => {
 
 describe("a TMC5xxx", () => {
   const named = (model: string) => ({ ...newDraft(about(model)), name: "far" });
-  const uart = (model: string) => {
-    const draft = { ...named(model), kind: "uart" as const };
-    draft.module = { ...draft.module, serialPort: " /dev/ttyUSB0 " };
-    return draft;
-  };
+  const uart = (model: string, values: Values = {}) => ({
+    ...newDraft(about(model), "uart", { port: " /dev/ttyUSB0 ", ...values }),
+    name: "far",
+  });
 
   it("has a UART where the chip has one, and two axes where it has two", () => {
     const kinds = (name: string) => kindsOf(about(name)).map((kind) => kind.value);
@@ -300,12 +314,10 @@ describe("a TMC5xxx", () => {
   });
 
   it("is reached over a UART once the port is said", () => {
-    expect(problemsOf({ ...uart("tmc5130"), module: newDraft(about("tmc428")).module })).toHaveProperty(
-      "module.serialPort",
-    );
+    expect(problemsOf(uart("tmc5130", { port: "" }))).toHaveProperty(["link.port"]);
     expect(problemsOf(uart("tmc5130"))).toEqual({});
     expect(linkOf(uart("tmc5130"))).toEqual({ kind: "uart", port: "/dev/ttyUSB0" });
-    const said = { ...uart("tmc5160"), timeoutS: "0.5", uart: { baud: "500000", node: "3", echo: "on" as const } };
+    const said = uart("tmc5160", { timeout_s: "0.5", baud: "500000", node: "3", echo: "on" });
     const link = { kind: "uart", port: "/dev/ttyUSB0", baud: 500_000, node: 3, echo: "on", timeout_s: 0.5 };
     expect(linkOf(said)).toEqual(link);
     expect(linkText(link)).toBe("uart /dev/ttyUSB0 at 500\u202f000 baud, node 3");
@@ -321,13 +333,13 @@ describe("a TMC5xxx", () => {
   });
 
   it("has a motor and a stage to set, and no home switch", () => {
-    const draft = { ...named("tmc5072"), options: { "motor.holding_torque_nm": "1", "encoder.lines": "500" } };
+    const draft = typed(named("tmc5072"), { "motor.holding_torque_nm": "1", "encoder.lines": "500" });
     expect(problemsOf(draft)).toEqual({});
     expect(linkOf(draft)).toEqual({ kind: "emulator", motor: { holding_torque_nm: 1 }, encoder: { lines: 500 } });
-    const keys = (name: string) => optionsOf(about(name)).flatMap(([, rows]) => rows.map(({ key }) => key));
+    const keys = (name: string) => fieldsOf(linkForm(about(name), "emulator")).map(({ path }) => path);
     expect(keys("tmc5072").some((key) => key.includes("home"))).toBe(false);
     expect(keys("tmc5031").some((key) => key.includes("encoder"))).toBe(false);
-    expect(keys("tmc428")).toEqual([]);
+    expect(keys("tmc428").some((key) => key.includes("motor"))).toBe(false);
   });
 
   it("stays rigid until something is said of its motor", () => {
@@ -340,23 +352,23 @@ describe("a TMC5xxx", () => {
       axes: DEVICE.axes.slice(0, 1),
     } as unknown as Device;
     const draft = draftOf(device);
-    expect(linkOf({ ...draft, options: { ...draft.options, seed: "7" } })).toMatchObject({ motor: "rigid", seed: 7 });
-    const soft = { ...draft, options: { ...draft.options, "motor.rated_current_a": "2" } };
+    expect(linkOf(typed(draft, { seed: "7" }))).toMatchObject({ motor: "rigid", seed: 7 });
+    const soft = typed(draft, { "motor.rated_current_a": "2" });
     expect(linkOf(soft)).toMatchObject({ motor: { rated_current_a: 2 } });
   });
 
   it("has no node to say where its datagrams bear none", () => {
-    const draft = { ...uart("tmc5062"), uart: { baud: "", node: "3", echo: "auto" as const } };
+    const draft = uart("tmc5062", { node: "3" });
     expect(problemsOf(draft)).toEqual({});
     expect(linkOf(draft)).toEqual({ kind: "uart", port: "/dev/ttyUSB0" });
   });
 
   it.each([
-    ["uart.node", { uart: { baud: "", node: "255", echo: "auto" as const } }],
-    ["uart.baud", { uart: { baud: "12", node: "", echo: "auto" as const } }],
-    ["timeoutS", { timeoutS: "0" }],
-    ["clockMhz", { clockMhz: "20" }],
-    ["clockMhz", { clockMhz: "3.9" }],
+    ["link.node", uart("tmc5072", { node: "255" })],
+    ["link.baud", uart("tmc5072", { baud: "12" })],
+    ["link.timeout_s", uart("tmc5072", { timeout_s: "0" })],
+    ["clock_mhz", { clockMhz: "20" }],
+    ["clock_mhz", { clockMhz: "3.9" }],
   ])("refuses %s of %j", (path, change) => {
     expect(Object.keys(problemsOf({ ...uart("tmc5072"), ...change }))).toEqual([path]);
   });

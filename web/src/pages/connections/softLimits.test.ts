@@ -2,7 +2,8 @@ import { describe, expect, it } from "vitest";
 import { about } from "../../../test/catalog";
 import { scaleOf } from "../../lib/units";
 import { createBody, newDraft, problemsOf } from "./draft";
-import { inMechanics, limitDraftOf, limited, limitProblems, limitsOf, NO_LIMITS, partsOf } from "./softLimits";
+import { AXIS_FIELDS, axisForm, complete, fieldsOf, problemsIn, type Values, valuesIn } from "./form";
+import { inMechanics } from "./mechanics";
 
 const LIMITS = {
   position_min: -3200,
@@ -14,36 +15,35 @@ const LIMITS = {
   current_full_scale_a: null,
 };
 
+const typedOf = (limits: object): Values => valuesIn({ limits }, AXIS_FIELDS);
+
 describe("soft limits of an axis", () => {
   it("come back as they were, so that saving another field takes none away", () => {
-    expect(limitsOf(limitDraftOf(LIMITS))).toEqual(LIMITS);
-    expect(limitDraftOf(undefined)).toEqual(NO_LIMITS);
-    expect(limited(NO_LIMITS)).toBe(false);
-    expect(limited(limitDraftOf(LIMITS))).toBe(true);
+    expect(complete(AXIS_FIELDS, typedOf(LIMITS)).limits).toEqual(LIMITS);
+    expect(Object.values(valuesIn({}, AXIS_FIELDS)).every((text) => text === "")).toBe(true);
     const draft = newDraft(about("tmc428"));
     expect(createBody(draft).axes[0]?.limits).toMatchObject({ position_min: null, velocity_max_pps: null });
   });
 
   it("ask for what makes amperes of the model's scales, and for nothing that it cannot keep", () => {
-    const shown = (name: string) => partsOf(about(name)).map(({ part }) => part);
-    expect(shown("tmc5160")).toContain("senseOhm");
-    expect(shown("tmc428")).toContain("fullScaleA");
-    expect(shown("tmc4210")).not.toContain("current");
-    const current = { ...NO_LIMITS, current: "1.2" };
-    expect(limitProblems(current, about("tmc5160")).map(([part]) => part)).toEqual(["senseOhm"]);
-    expect(limitProblems({ ...current, senseOhm: "0.11" }, about("tmc5160"))).toEqual([]);
+    const shown = (name: string) => fieldsOf(axisForm(about(name))).map(({ path }) => path);
+    expect(shown("tmc5160")).toContain("limits.sense_resistor_ohm");
+    expect(shown("tmc428")).toContain("limits.current_full_scale_a");
+    expect(shown("tmc4210")).not.toContain("limits.current_max_a");
+    const current = { name: "X", "limits.current_max_a": "1.2" };
+    const problems = (values: Values) => problemsIn(fieldsOf(axisForm(about("tmc5160"))), values);
+    expect(problems(current).map(([path]) => path)).toEqual(["limits.sense_resistor_ohm"]);
+    expect(problems({ ...current, "limits.sense_resistor_ohm": "0.11" })).toEqual([]);
   });
 
   it.each([
-    [{ positionMin: "10", positionMax: "5" }, "positionMax"],
-    [{ positionMin: "1.5" }, "positionMin"],
-    [{ velocity: "0" }, "velocity"],
-    [{ acceleration: "fast" }, "acceleration"],
+    [{ "limits.position_min": "10", "limits.position_max": "5" }, "position_max"],
+    [{ "limits.position_min": "1.5" }, "position_min"],
+    [{ "limits.velocity_max_pps": "0" }, "velocity_max_pps"],
+    [{ "limits.acceleration_max_pps2": "fast" }, "acceleration_max_pps2"],
   ])("refuse %o before it is sent", (typed, part) => {
     const draft = { ...newDraft(about("tmc428")), name: "bench" };
-    draft.axes = draft.axes.map((axis, index) =>
-      index === 1 ? { ...axis, limits: { ...NO_LIMITS, ...typed } } : axis,
-    );
+    draft.axes = draft.axes.map((axis, index) => (index === 1 ? { ...axis, ...typed } : axis));
     expect(Object.keys(problemsOf(draft))).toEqual([`axes.1.limits.${part}`]);
   });
 
@@ -56,9 +56,9 @@ describe("soft limits of an axis", () => {
       ramp_div: null,
     };
     const scale = (travel: number | null) => scaleOf({ ...axis, travel_mm_per_rev: travel } as never, 16e6);
-    expect(inMechanics(limitDraftOf(LIMITS), scale(8))).toMatch(/^from −8.mm, to 16.mm, at most 4.mm\/s$/);
-    expect(inMechanics(limitDraftOf(LIMITS), scale(null))).toMatch(/^from −360°, to 720°, at most 30.rpm$/);
-    expect(inMechanics(limitDraftOf(LIMITS), undefined)).toBe("");
-    expect(inMechanics(NO_LIMITS, scale(8))).toBe("");
+    expect(inMechanics(typedOf(LIMITS), scale(8))).toMatch(/^from −8.mm, to 16.mm, at most 4.mm\/s$/);
+    expect(inMechanics(typedOf(LIMITS), scale(null))).toMatch(/^from −360°, to 720°, at most 30.rpm$/);
+    expect(inMechanics(typedOf(LIMITS), undefined)).toBe("");
+    expect(inMechanics({}, scale(8))).toBe("");
   });
 });
