@@ -19,6 +19,7 @@ from ..procedures.replay import Plan, Progress, Replay, plan_of
 from ..profiles.capture import capture
 from ..store.recordings.head import Column, Head
 from ..store.recordings.library import NAME_MAX, Label, Library
+from ..store.recordings.readers import Readers
 from ..store.recordings.sink import FileSink, megabytes
 from ..telemetry.hub import TelemetryHub
 from ..telemetry.recorder import Recorder, State, Trigger
@@ -65,6 +66,7 @@ class RecordingDesk:
         `reserve_bytes` of the disk are left to the rest of the system: a recording ends before it takes them.
         """
         self.library = library
+        self.readers = Readers()
         self.reserve_bytes = reserve_bytes
         self._hub, self._clock, self._unix_s = hub, clock, unix_s
         self._recorders: dict[str, Recorder] = {}
@@ -193,7 +195,7 @@ class RecordingDesk:
             opened, marks = self.library.open(recording), self.library.marks(recording)
             return self.library.entry(recording).label, plan_of(opened.head, marks, opened.first_s, opened.last_s)
 
-        label, plan = await asyncio.to_thread(read)
+        label, plan = await self.readers.do(read)
         chosen = options if options is not None else plan.head.emulator or {}
         called = name if name is not None else f"replay of {label.name or recording}"[:NAME_MAX]
         made: list[str] = []
@@ -245,6 +247,7 @@ class RecordingDesk:
             progress.cancelled.set()
         await asyncio.gather(*(recorder.stop() for recorder in self._recorders.values()))
         await asyncio.gather(*self._replaying, return_exceptions=True)
+        self.readers.close()
 
 
 async def axes_of(device: Device) -> tuple[dict[str, Any], ...]:

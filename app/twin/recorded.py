@@ -22,9 +22,17 @@ class RecordedAxis:
     """The samples of one axis: `time_s` [rows], never falling, and columns by quantity [rows], NaN where missing."""
 
     def __init__(
-        self, recording: str, shape: Shape, zero_s: float, time_s: FloatArray, columns: Mapping[str, FloatArray]
+        self,
+        recording: str,
+        shape: Shape,
+        zero_s: float,
+        time_s: FloatArray,
+        columns: Mapping[str, FloatArray],
+        rows: int | None = None,
     ) -> None:
+        """`rows` are those of the recording, where these samples are not all of them."""
         self.recording = recording
+        self.rows = len(time_s) if rows is None else rows
         self.zero_s = zero_s
         self._time_s = time_s
         self._columns = {name: column for name, column in columns.items() if name in CHANNELS}
@@ -35,11 +43,6 @@ class RecordedAxis:
             self.shape, time_s[::every], {name: column[::every] for name, column in self._columns.items()}
         )
         self._travel = watches.travel(self.shape)
-
-    @property
-    def rows(self) -> int:
-        """How many samples it has."""
-        return len(self._time_s)
 
     @property
     def span_s(self) -> tuple[float, float]:

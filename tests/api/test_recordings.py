@@ -15,7 +15,12 @@ import pytest
 from fastapi import FastAPI
 
 from app.clock import VirtualClock
+from app.main import bench_of
 from app.settings import Settings
+from app.store.recordings.file import Rows
+from app.store.recordings.head import Column, Head
+from app.store.recordings.library import Label
+from app.store.recordings.opened import PIECE_ROWS
 
 CHANNELS = ["position.0", "velocity.0"]
 MISSING = "20200101-000000-0000"
@@ -134,6 +139,28 @@ async def test_files_for_other_programs(client: httpx.AsyncClient, clock: Virtua
     assert table.field("velocity.0").metadata == {b"unit": b"pps"}
     assert table["position.0"].to_pylist() == [float(line[1]) for line in lines[1:]]
     assert json.loads(table.schema.metadata[b"stepscope"])["device"] == "bench"
+
+
+async def test_a_long_recording_goes_out_piece_by_piece(client: httpx.AsyncClient, app: FastAPI) -> None:
+    library = bench_of(app).desk.library
+    head = Head("20261123-200000-0a0a", "bench", "tmc428", (Column("a.0", "pps"),), 1000.0, 0.0, 0.0, True, 16e6)
+    writer = library.begin(head, Label("long"))
+    values = np.arange(3 * PIECE_ROWS, dtype=float)
+    for part in np.array_split(values, 30):
+        writer.append(Rows(part / 1000, part[None]))
+    writer.close()
+    library.ended(head.id)
+    async with client.stream("GET", f"recordings/{head.id}?format=csv") as answer:
+        assert "content-length" not in answer.headers
+        lines = (await answer.aread()).decode().splitlines()
+    assert lines[0] == '"time_s","a.0"'
+    assert [float(line.split(",")[1]) for line in lines[1:]] == values.tolist()
+    parquet = (await client.get(f"recordings/{head.id}?format=parquet")).content
+    assert pyarrow.parquet.read_table(io.BytesIO(parquet))["a.0"].to_pylist() == values.tolist()
+    assert pyarrow.parquet.ParquetFile(io.BytesIO(parquet)).num_row_groups >= 3
+    found = (await client.get(f"recordings/{head.id}/figures")).json()
+    assert (found["from_s"], found["to_s"]) == (0.0, values[-1] / 1000)
+    assert found["figures"]["a.0"]["mean"] == pytest.approx(values.mean())
 
 
 async def test_the_list_is_searched_renamed_and_cleared(client: httpx.AsyncClient, clock: VirtualClock) -> None:

@@ -8,6 +8,7 @@ import httpx
 import pytest
 from server_process import ServerProcess
 
+from tests.bench.recording_view import make_long
 from tests.bench.stops import loaded, server, timed_ms
 
 COMES_THROUGH_S = 20.0
@@ -16,7 +17,7 @@ COMES_THROUGH_S = 20.0
 
 @pytest.fixture(scope="module")
 def bench() -> Iterator[tuple[ServerProcess, httpx.Client]]:
-    with server("--demo") as running:
+    with server("--demo", prepare=make_long) as running:
         yield running
 
 
@@ -30,6 +31,7 @@ def bench() -> Iterator[tuple[ServerProcess, httpx.Client]]:
         ("parts", 8),
         ("pings", 8),
         ("readers", 20),
+        ("downloads", 12),
         ("talker", 1),
         ("", 0),
     ],
@@ -41,6 +43,7 @@ def bench() -> Iterator[tuple[ServerProcess, httpx.Client]]:
         "parts",
         "pings",
         "readers",
+        "downloads",
         "a talking peer",
         "a full disk",
     ],

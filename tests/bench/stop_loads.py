@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import itertools
 import socket
 import sys
 import threading
@@ -166,6 +167,22 @@ def talk(url: str, count: int) -> None:
         threading.Event().wait()
 
 
+def downloads(url: str, count: int) -> None:
+    """Recordings that are fetched as files and worked out in whole, again and again."""
+    api = f"{url}/api/v1/recordings"
+    recording = httpx.get(api, timeout=60).raise_for_status().json()["recordings"][0]["id"]
+    wishes = itertools.cycle((f"{recording}?format=csv", f"{recording}?format=parquet", f"{recording}/figures"))
+
+    def fetch() -> None:
+        wish = next(wishes)
+        while True:
+            with contextlib.suppress(httpx.HTTPError), httpx.stream("GET", f"{api}/{wish}", timeout=60) as answer:
+                for _ in answer.iter_raw():
+                    pass
+
+    _together(count, fetch)
+
+
 LOADS: dict[str, Callable[[str, int], None]] = {
     "half-open": half_open,
     "header": header,
@@ -174,6 +191,7 @@ LOADS: dict[str, Callable[[str, int], None]] = {
     "readers": readers,
     "different readers": partial(readers, rate_step_hz=1.0, batch_hz=60.0),
     "talker": talk,
+    "downloads": downloads,
 }
 
 if __name__ == "__main__":

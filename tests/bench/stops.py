@@ -14,7 +14,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
@@ -22,12 +22,15 @@ from typing import Any
 import httpx
 from server_process import ServerProcess, free_port
 
+from tests.bench.recording_view import make_long
 from tests.bench.serving import cpu_seconds
 from tests.bench.table import Row, p99
 
 STOP_LIMIT_MS = 100.0
 TOLD_LIMIT_MS = 1000.0
 CPU_LIMIT = 0.25
+MEMORY_LIMIT_MB = 800.0
+"""A server with its demo takes half of that."""
 DESCRIPTORS = 1024
 LOADS = (
     ("1,100 half-open sockets", "half-open", 1100),
@@ -39,6 +42,7 @@ LOADS = (
     ("8 WebSockets with pings", "pings", 8),
     ("500 telemetry readers", "readers", 500),
     ("300 telemetry readers, each of its own rate", "different readers", 300),
+    ("12 downloads of a long recording", "downloads", 12),
     ("a peer at 2 MB/s", "talker", 1),
     ("a full disk", "", 0),
 )
@@ -78,10 +82,11 @@ def ended(process: subprocess.Popen[bytes]) -> Iterator[None]:
 
 
 @contextmanager
-def server(*arguments: str) -> Iterator[tuple[ServerProcess, httpx.Client]]:
-    """A server that is given 1,024 descriptors, as by a shell."""
+def server(*arguments: str, prepare: Callable[[Path], object] = str) -> Iterator[tuple[ServerProcess, httpx.Client]]:
+    """A server that is given 1,024 descriptors, as by a shell; `prepare` puts into its data directory what is there."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
+        prepare(Path(folder))
         resource.setrlimit(resource.RLIMIT_NOFILE, (min(soft, DESCRIPTORS), hard))
         try:
             process = stack.enter_context(ServerProcess(Path(folder), *arguments))
@@ -109,19 +114,21 @@ def loaded(load: str, count: int, process: ServerProcess) -> Iterator[None]:
 def stops_under(what: str, load: str, count: int, empty: str, quick: bool) -> list[Row]:
     times = 50 if quick else 200
     with (
-        server("--demo") as (process, api),
+        server("--demo", prepare=make_long if load == "downloads" else str) as (process, api),
         loaded(load, count // 10 if quick and load == "readers" else count, process),
     ):
         empty_ms = timed_ms(empty, "stop", times)
         one_ms = timed_ms(process.url, "devices/bench/axes/0/stop", times)
         if load == "talker":  # whose own stop is waited for
             all_ms, told_ms = _each_told(api, times // 10)
-            told = [_row(f"stop-all under {what}: the peer, told", told_ms, empty_ms, TOLD_LIMIT_MS)]
+            more = [_row(f"stop-all under {what}: the peer, told", told_ms, empty_ms, TOLD_LIMIT_MS)]
         else:
-            all_ms, told = timed_ms(process.url, "stop", times), []
+            all_ms, more = timed_ms(process.url, "stop", times), []
+        if load == "downloads":
+            more = [_memory_row(f"memory under {what}, at most", process.pid)]
     return [
         _row(f"stop-all under {what}", all_ms, empty_ms),
-        *told,
+        *more,
         _row(f"one axis's stop under {what}", one_ms, empty_ms),
     ]
 
@@ -162,6 +169,13 @@ def timed_ms(
             raise RuntimeError(f"{path} was answered {answer.status}: {said[:200]!r}")
         time.sleep(0.01)
     return took_ms
+
+
+def _memory_row(what: str, pid: int) -> Row:
+    status = Path(f"/proc/{pid}/status").read_text(encoding="ascii")
+    most_mb = int(status.partition("VmHWM:")[2].split()[0]) / 1024
+    limit = f"< {MEMORY_LIMIT_MB:g} MB"
+    return Row(what, f"{most_mb:.0f} MB", limit, most_mb / MEMORY_LIMIT_MB, limit, most_mb < MEMORY_LIMIT_MB)
 
 
 def _row(what: str, took_ms: Sequence[float], empty_ms: Sequence[float], limit_ms: float = STOP_LIMIT_MS) -> Row:

@@ -2,13 +2,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Iterator
+from dataclasses import astuple
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from app.calc.signals.statistics import figures
+from app.calc.signals.statistics import Figures, Piece
+from app.calc.signals.statistics import figures as figures_of
+
+
+def figures(time_s: np.ndarray, values: np.ndarray, cuts: Iterable[int] = ()) -> Figures:
+    """Of one channel, in pieces that end at `cuts`."""
+
+    def pieces() -> Iterator[Piece]:
+        ends = sorted({0, *cuts, len(values)})
+        for first, last in pairwise(ends):
+            yield time_s[first:last], values[None, first:last]
+
+    (found,) = figures_of(pieces, 1)
+    return found
 
 
 def test_a_damped_step_settles_and_overshoots_as_theory_says() -> None:
@@ -48,3 +65,24 @@ def test_figures_of_what_is_there(values: np.ndarray, mirrored: bool) -> None:
         assert (found.first, found.last) == (known[0], known[-1])
         assert found.overshoot is None or 0 <= found.overshoot <= np.ptp(known)
         assert found.settling_s is None or 0 <= found.settling_s <= (len(values) - 1) / 10
+
+
+@given(
+    arrays(np.float64, st.integers(1, 50), elements=st.floats(-1e3, 1e3) | st.just(np.nan)),
+    st.sets(st.integers(1, 49), max_size=8),
+    st.booleans(),
+)
+def test_in_how_many_pieces_it_comes_does_not_matter(values: np.ndarray, cuts: set[int], rising: bool) -> None:
+    values = np.sort(values) if rising else values
+    time_s = np.arange(len(values)) / 10
+    whole = figures(time_s, values)
+    parts = figures(time_s, values, (cut for cut in cuts if cut < len(values)))
+    for one, other in zip(astuple(parts), astuple(whole), strict=True):
+        assert other is one is None or one == pytest.approx(other, rel=1e-9, abs=1e-9)
+
+
+def test_settling_is_told_whether_or_not_the_last_sample_outside_ends_a_piece() -> None:
+    time_s, values = np.arange(6.0), np.array([0.0, 50.0, 110.0, 101.0, 100.0, 100.0])
+    for cuts in ((), (1,), (2,), (3,), (1, 2, 3, 4, 5)):
+        found = figures(time_s, values, cuts)
+        assert (found.overshoot, found.settling_s) == (10.0, 3.0)

@@ -155,6 +155,37 @@ CUT = """() => [...document.querySelectorAll('[data-testid=scope] [data-row]')].
 """The parts of the scope's legends that are not to be seen whole."""
 
 
+def eventually(check: Callable[[], None]) -> None:
+    """All of `check` holds at once within 20 s: events come when they like, and take room."""
+    until_s = time.monotonic() + 20
+    while True:
+        try:
+            return check()
+        except AssertionError:
+            if time.monotonic() > until_s:
+                raise
+        time.sleep(0.1)
+
+
+def whole(page: Page, at_least: int) -> None:
+    """So many plots of the scope are to be seen whole, on the same vertical lines, with labels and their time."""
+    stack = plots_of(page)
+    assert len(stack) > at_least, [plot["label"] for plot in stack]
+    *plots, axis = stack
+    assert crooked(stack) == []
+    assert page.evaluate(CUT) == []
+    for plot in plots:
+        assert len(labels_beside(plot)) >= 2, (plot["label"], labels_beside(plot))
+        assert plot["height"] > 50
+    assert sum(plot["label"].startswith("Switches") for plot in plots) <= 1
+    assert len(axis["texts"]) > 2, "the time axis has its ticks"
+    scope = page.get_by_test_id("scope")
+    expect(scope.get_by_test_id("time-axis")).to_be_in_viewport(ratio=1, timeout=1000)
+    for plot in plots:
+        drawn = scope.get_by_role("img", name=plot["label"], exact=True)
+        expect(drawn).to_be_in_viewport(ratio=0.95, timeout=1000)
+
+
 @pytest.mark.parametrize("size", [DESKTOP, LAPTOP], ids=["desktop", "laptop"])
 @pytest.mark.parametrize("model", ["tmc4361", "tmc5160"])
 def test_the_scope_shows_whole_plots_and_their_time(
@@ -167,27 +198,8 @@ def test_the_scope_shows_whole_plots_and_their_time(
         page = context.new_page()
         page.goto("/")
         expect(page.get_by_test_id("events")).to_be_visible()  # the last to come, and it takes room
-        page.evaluate("() => new Promise((done) => requestIdleCallback(done, { timeout: 3000 }))")
-        wait_for(
-            lambda: all(len(labels_beside(plot)) > 1 for plot in plots_of(page)[:-1]) and len(plots_of(page)) > 1,
-            "every plot of the scope has its labels",
-        )
-        stack = plots_of(page)
-        *plots, axis = stack
-        assert plots
-        assert crooked(stack) == []
-        assert page.evaluate(CUT) == []
-        lanes = [plot for plot in plots if plot["label"].startswith("Switches")]
-        for plot in plots:
-            assert len(labels_beside(plot)) >= 2, (plot["label"], labels_beside(plot))
-            assert plot["height"] > 50
-        assert len(plots) >= (2 if size is LAPTOP else 3), [plot["label"] for plot in plots]
-        assert len(lanes) <= 1
-        assert len(axis["texts"]) > 2, "the time axis has its ticks"
         scope = page.get_by_test_id("scope")
-        expect(scope.get_by_test_id("time-axis")).to_be_in_viewport(ratio=1)
-        for plot in plots:
-            expect(scope.get_by_role("img", name=plot["label"], exact=True)).to_be_in_viewport(ratio=0.95)
+        eventually(lambda: whole(page, at_least=2 if size is LAPTOP else 3))
         folded = scope.get_by_test_id("folded-plots").get_by_role("button")
         if folded.count():
             expect(folded.first).to_be_in_viewport(ratio=1)

@@ -106,7 +106,7 @@ def _recording(side: _Side) -> out.ComparedRecording:
         zero_s=side.zero_s,
         from_s=float(time_s[0]) if len(time_s) else 0.0,
         to_s=float(time_s[-1]) if len(time_s) else 0.0,
-        figures=figures_of(head, side.rows),
+        figures=figures_of(head, lambda: (side.rows,)),
     )
 
 

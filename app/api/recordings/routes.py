@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Annotated, Literal, TypeVar
 
 from fastapi import APIRouter, HTTPException, Path, Query
-from fastapi.responses import Response
+from fastapi.responses import Response, StreamingResponse
 
 from ...calc.signals.spectrum import Detrend, Window
 from ...errors import OutOfRange, StoreUnavailable, UnknownThing, UsageError, WrongState
@@ -36,7 +36,7 @@ from .schemas import (
     ReplayStart,
     Spectrum,
 )
-from .views import csv_of, detail, figures_of, info, parquet_of, plot, plot_frame, rows_between, zero_of
+from .views import csv_of, detail, ends_of, figures_of, info, parquet_of, plot, plot_frame, rows_between, zero_of
 
 router = APIRouter(prefix="/recordings", tags=["recordings"])
 
@@ -50,7 +50,7 @@ ROWS_AS = {"csv": "text/csv", "parquet": "application/vnd.apache.parquet"}
 
 
 async def _aside(work: Callable[[], T]) -> T:
-    # A long recording takes tenths of a second to read: not on the loop that samples and stops motors.
+    # The disk may be slow: not on the loop that samples and stops motors.
     return await asyncio.to_thread(work)
 
 
@@ -84,7 +84,7 @@ async def list_recordings(
 @policy(lease="free", role="look", audit="silent")
 async def compare_recordings(bench: CurrentBench, body: CompareWith) -> Comparison:
     """Lay recordings on each other: aligned curves, what each is above the first, their figures side by side."""
-    return await _aside(lambda: compare(bench.desk.library, body))
+    return await bench.desk.readers.do(lambda: compare(bench.desk.library, body))
 
 
 @router.api_route("/compare", methods=["GET", "PUT", "PATCH", "DELETE"], include_in_schema=False)
@@ -129,14 +129,14 @@ async def get_recording(
 ) -> RecordingDetail:
     """What a recording is of, its marks and figures; or with `format` all of its rows as a file."""
     desk = bench.desk
-    opened = await _aside(lambda: desk.library.open(recording))
+    opened = await desk.readers.do(lambda: desk.library.open(recording))
     if format != "json":
         write = csv_of if format == "csv" else parquet_of
-        content = await _aside(lambda: write(opened.head, opened.read(0, opened.rows)))
+        content = await desk.readers.stream(write(opened.head, opened.pieces(0, opened.rows)))
         named = {"content-disposition": f'attachment; filename="{recording}.{format}"'}
-        return Response(content, media_type=ROWS_AS[format], headers=named)  # type: ignore[return-value]  # a file is no JSON
+        return StreamingResponse(content, media_type=ROWS_AS[format], headers=named)  # type: ignore[return-value]  # a file is no JSON
     course = desk.course(recording)
-    return await _aside(
+    return await desk.readers.do(
         lambda: detail(
             desk.library.entry(recording), course, opened, desk.library.marks(recording), with_figures=figures
         )
@@ -171,14 +171,15 @@ async def plot_recording(
 ) -> RecordingPlot:
     """What a plot of so many points shows, in full or of a stretch of it."""
     library = bench.desk.library
-    opened = await _aside(lambda: library.open(recording))
+    readers = bench.desk.readers
+    opened = await readers.do(lambda: library.open(recording))
     marks = await _aside(lambda: library.marks(recording))
     if format == "frame":
         if channel:
             raise UsageError("a frame is of all channels")
-        frame, rows = await _aside(lambda: plot_frame(opened, marks, from_s, to_s, points))
+        frame, rows = await readers.do(lambda: plot_frame(opened, marks, from_s, to_s, points))
         return Response(frame, media_type=FRAME, headers={"stepscope-rows": str(rows)})  # type: ignore[return-value]
-    return await _aside(lambda: plot(opened, marks, channel or (), from_s, to_s, points))
+    return await readers.do(lambda: plot(opened, marks, channel or (), from_s, to_s, points))
 
 
 @router.get("/{recording}/figures", responses=problems(UnknownThing, WrongState))
@@ -191,11 +192,12 @@ async def get_recording_figures(
     def figures() -> RecordingFigures:
         opened = library.open(recording)
         zero_s = zero_of(opened, library.marks(recording)) or 0.0
-        rows = opened.read(*rows_between(opened, zero_s, from_s, to_s))
-        ends = rows.time_s[[0, -1]] - zero_s if len(rows.time_s) else (0.0, 0.0)
-        return RecordingFigures(from_s=float(ends[0]), to_s=float(ends[1]), figures=figures_of(opened.head, rows))
+        first, last = rows_between(opened, zero_s, from_s, to_s)
+        begin_s, end_s = ends_of(opened, first, last, zero_s)
+        found = figures_of(opened.head, lambda: opened.pieces(first, last))
+        return RecordingFigures(from_s=begin_s, to_s=end_s, figures=found)
 
-    return await _aside(figures)
+    return await bench.desk.readers.do(figures)
 
 
 @router.get("/{recording}/spectrum", responses=problems(UnknownThing, WrongState, OutOfRange))
@@ -213,7 +215,7 @@ async def get_spectrum(
 ) -> Spectrum:
     """What a channel swings at: amplitudes and power density over frequency."""
     library = bench.desk.library
-    return await _aside(
+    return await bench.desk.readers.do(
         lambda: spectrum_of(
             library.open(recording), library.marks(recording), channel, from_s, to_s, window, detrend, points
         )

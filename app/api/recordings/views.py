@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import io
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import chain
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -11,7 +13,7 @@ import pyarrow.csv
 import pyarrow.parquet
 from numpy.typing import NDArray
 
-from ...calc.signals.statistics import figures
+from ...calc.signals.statistics import Piece, figures
 from ...errors import UnknownThing
 from ...recording.service import Course
 from ...store.recordings.file import TIME, Rows
@@ -48,7 +50,7 @@ def detail(
 ) -> RecordingDetail:
     """Everything of one recording but its rows. Figures are of all rows, which have to be read for them."""
     told = info(entry, course).model_dump()
-    told["rows"] = opened.rows
+    rows = told["rows"] = opened.rows  # of this moment: it may be growing
     head = opened.head
     return RecordingDetail(
         **told,
@@ -56,24 +58,33 @@ def detail(
         zero_s=zero_of(opened, marks),
         duration_s=(opened.last_s or 0.0) - (opened.first_s or 0.0),
         marks=[MarkOut.model_validate(mark) for mark in marks],
-        figures=figures_of(head, opened.read(0, opened.rows)) if with_figures else {},
+        figures=figures_of(head, lambda: opened.pieces(0, rows)) if with_figures else {},
         configuration=None if head.configuration is None else dict(head.configuration),
         replay_of=head.replay_of,
     )
 
 
-def figures_of(head: Head, rows: Rows) -> dict[str, FiguresOut]:
-    """By channel, and by axis what the motor was away from its planned position."""
-    columns = dict(zip((column.name for column in head.columns), rows.columns, strict=True))
-    for name in list(columns):
+def figures_of(head: Head, pieces: Callable[[], Iterable[Rows]]) -> dict[str, FiguresOut]:
+    """By channel, and by axis what the motor was away from its planned position. `pieces` are gone through twice."""
+    names = [column.name for column in head.columns]
+    away: dict[str, tuple[int, int]] = {}
+    for number, name in enumerate(names):
         quantity, _, axis = name.rpartition(".")
-        planned = columns.get(f"predicted_position.{axis}")
+        planned = f"predicted_position.{axis}"
         # The encoder knows where the motor is; without one the chip's own count is the best there is.
-        if planned is not None and (
-            quantity == "encoder_position" or (quantity == "position" and f"encoder_position.{axis}" not in columns)
+        if planned in names and (
+            quantity == "encoder_position" or (quantity == "position" and f"encoder_position.{axis}" not in names)
         ):
-            columns[f"following_error.{axis}"] = columns[name] - planned
-    return {name: FiguresOut.model_validate(figures(rows.time_s, values)) for name, values in columns.items()}
+            away[f"following_error.{axis}"] = number, names.index(planned)
+
+    def with_errors() -> Iterator[Piece]:
+        for rows in pieces():
+            errors = [rows.columns[number] - rows.columns[planned] for number, planned in away.values()]
+            yield rows.time_s, np.stack((*rows.columns, *errors))
+
+    told = [*names, *away]
+    found = figures(with_errors, len(told))
+    return {name: FiguresOut.model_validate(one) for name, one in zip(told, found, strict=True)}
 
 
 def zero_of(opened: Opened, marks: Sequence[Mark]) -> float | None:
@@ -86,6 +97,14 @@ def rows_between(opened: Opened, zero_s: float, from_s: float | None, to_s: floa
     first = 0 if from_s is None else opened.row_at(from_s + zero_s)
     last = opened.rows if to_s is None else opened.row_at(to_s + zero_s, "right")
     return first, max(first, last)
+
+
+def ends_of(opened: Opened, first: int, last: int, zero_s: float) -> tuple[float, float]:
+    """Times since the zero of the row `first` and of the one before `last` [s]; 0 where there is none."""
+    if last <= first:
+        return 0.0, 0.0
+    begin, end = opened.read(first, first + 1).time_s, opened.read(last - 1, last).time_s
+    return float(begin[0] - zero_s), float(end[0] - zero_s)
 
 
 def plot(
@@ -115,11 +134,11 @@ def plot(
                     values=nothing_as_null(values),
                 )
             )
-    shown = opened.read(first, first + 1).time_s, opened.read(last - 1, last).time_s
+    from_s, to_s = ends_of(opened, first, last, zero_s)
     return RecordingPlot(
         zero_s=zero_s,
-        from_s=float(shown[0][0] - zero_s) if last > first else 0.0,
-        to_s=float(shown[1][0] - zero_s) if last > first else 0.0,
+        from_s=from_s,
+        to_s=to_s,
         rows=last - first,
         thinned=last - first > points,
         curves=curves,
@@ -149,26 +168,54 @@ def require_channels(head: Head, channels: Sequence[str]) -> None:
             raise UnknownThing("recorded channel", name, names)
 
 
-def csv_of(head: Head, rows: Rows) -> bytes:
-    """A line a row, device time [s] first; a missing sample is an empty cell."""
-    out = io.BytesIO()
-    pyarrow.csv.write_csv(_table(head, rows, missing_is_null=True), out)
-    return out.getvalue()
+def csv_of(head: Head, pieces: Iterable[Rows]) -> Iterator[bytes]:
+    """A line a row, device time [s] first; a missing sample is an empty cell. Of no rows the names alone."""
+    first = True
+    for rows in chain(pieces, (Rows(np.empty(0), np.empty((len(head.columns), 0))),)):
+        out = io.BytesIO()
+        options = pyarrow.csv.WriteOptions(include_header=first)
+        pyarrow.csv.write_csv(_table(head, rows, missing_is_null=True), out, options)
+        first = False
+        yield out.getvalue()
 
 
-def parquet_of(head: Head, rows: Rows) -> bytes:
+def parquet_of(head: Head, pieces: Iterable[Rows]) -> Iterator[bytes]:
     """The same for programs; units and the whole head are in the file's metadata."""
-    out = io.BytesIO()
-    pyarrow.parquet.write_table(_table(head, rows), out, compression="zstd")
-    return out.getvalue()
+    out = _Taken()
+    with pyarrow.parquet.ParquetWriter(out, _schema(head), compression="zstd") as writer:
+        for rows in pieces:
+            writer.write_table(_table(head, rows))
+            yield out.take()
+    yield out.take()
+
+
+class _Taken(io.RawIOBase):
+    """A file whose bytes are taken away while it is written."""
+
+    def __init__(self) -> None:
+        self._parts: list[bytes] = []
+
+    def writable(self) -> bool:
+        return True
+
+    def write(self, data: Any, /) -> int:
+        self._parts.append(bytes(data))
+        return len(self._parts[-1])
+
+    def take(self) -> bytes:
+        taken, self._parts = b"".join(self._parts), []
+        return taken
+
+
+def _schema(head: Head) -> pa.Schema:
+    units = [(TIME, "s"), *((column.name, column.unit) for column in head.columns)]
+    fields = [pa.field(name, pa.float64(), metadata={"unit": unit}) for name, unit in units]
+    return pa.schema(fields, metadata={"stepscope": head.encode()})
 
 
 def _table(head: Head, rows: Rows, *, missing_is_null: bool = False) -> pa.Table:
-    names = [TIME, *(column.name for column in head.columns)]
-    units = ["s", *(column.unit for column in head.columns)]
     columns = [pa.array(values, from_pandas=missing_is_null) for values in (rows.time_s, *rows.columns)]
-    fields = [pa.field(name, pa.float64(), metadata={"unit": unit}) for name, unit in zip(names, units, strict=True)]
-    return pa.table(columns, schema=pa.schema(fields, metadata={"stepscope": head.encode()}))
+    return pa.table(columns, schema=_schema(head))
 
 
 def nothing_as_null(values: NDArray[np.float64]) -> list[float | None]:

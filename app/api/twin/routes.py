@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from dataclasses import fields
 from typing import Any
 
@@ -10,6 +9,7 @@ from fastapi import APIRouter
 
 from ...devices.core.config import AxisSettings
 from ...errors import UnknownThing, WrongState
+from ...store.recordings.opened import thinned
 from ...twin.process import TwinFailed
 from ...twin.recorded import RecordedAxis
 from ...twin.service import UPDATES_PER_S, TwinInfo
@@ -23,6 +23,9 @@ from .proxy import VIEW
 from .schemas import TwinCursor, TwinLook, TwinShow, TwinState
 
 router = APIRouter(prefix="/twin", tags=["twin"])
+
+ROWS_MAX = 4_000_000
+"""So many of a recording's rows are kept for the view; of a longer one every second, or every third, and so on."""
 
 
 @router.get("")
@@ -57,7 +60,7 @@ async def scrub_twin(bench: CurrentBench, body: TwinCursor) -> TwinState:
     recorded = bench.twin.recorded(body.recording)
     if recorded is None or body.time_s > recorded.span_s[1]:  # one that is being written may have grown meanwhile
         asked, known = body.recording, recorded
-        recorded = await asyncio.to_thread(lambda: _recorded(bench, asked, known))
+        recorded = await bench.desk.readers.do(lambda: _recorded(bench, asked, known))
     await bench.twin.scrub(recorded, body.time_s, body.scheme)
     return _state(bench.twin.info)
 
@@ -98,14 +101,16 @@ def _recorded(bench: Bench, recording: str, known: RecordedAxis | None) -> Recor
         travel_mm_per_rev=settings.travel_mm_per_rev,
         sine_coil=sine_coil_of(head.model),
     )
-    rows = opened.read(0, opened.rows)
-    columns = {
-        name.removesuffix(f".{axis}"): rows.columns[index].copy()
+    wanted = [
+        index
         for index, name in enumerate(names)
         if name.endswith(f".{axis}") and name.removesuffix(f".{axis}") in CHANNELS
-    }
+    ]
+    rows = opened.rows  # of this moment: it may be growing
+    time_s, columns = thinned(opened.pieces(0, rows), wanted, max(1, -(-rows // ROWS_MAX)))
+    quantities = (names[index].removesuffix(f".{axis}") for index in wanted)
     zero_s = zero_of(opened, library.marks(recording)) or 0.0
-    return RecordedAxis(recording, shape, zero_s, rows.time_s.copy(), columns)
+    return RecordedAxis(recording, shape, zero_s, time_s, dict(zip(quantities, columns, strict=True)), rows)
 
 
 def _state(info: TwinInfo) -> TwinState:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,32 +36,102 @@ class Figures:
     settling_s: float | None
 
 
-def figures(time_s: FloatArray, values: FloatArray) -> Figures:
-    """Figures of `values` [rows] at `time_s` [rows, s]; NaN is missing. All None where nothing is there."""
-    there = np.isfinite(values)
-    known, at_s = values[there], time_s[there]
-    missing = int(len(values) - len(known))
-    if not len(known):
-        return Figures(0, missing, *[None] * 9)
-    first, last = float(known[0]), float(known[-1])
-    step = last - first
-    overshoot = settling_s = None
-    # A step ends elsewhere than it began; noise around one place has neither overshoot nor settling time.
-    if abs(step) > 0.5 * float(np.ptp(known)):
-        beyond = (known - last) * np.sign(step)
-        overshoot = max(0.0, float(beyond.max()))
-        outside = np.flatnonzero(np.abs(known - last) > BAND * abs(step))
-        settling_s = float(at_s[min(outside[-1] + 1, len(at_s) - 1)] - at_s[0]) if len(outside) else 0.0
-    return Figures(
-        samples=len(known),
-        missing=missing,
-        minimum=float(known.min()),
-        maximum=float(known.max()),
-        mean=float(known.mean()),
-        rms=float(np.sqrt(np.mean(known**2))),
-        peak=float(known[np.abs(known).argmax()]),
-        first=first,
-        last=last,
-        overshoot=overshoot,
-        settling_s=settling_s,
-    )
+Piece = tuple[FloatArray, FloatArray]
+"""Times [rows, s] and columns [channels, rows] of a part of a measurement."""
+
+
+def figures(pieces: Callable[[], Iterable[Piece]], channels: int) -> list[Figures]:
+    """Figures of each of `channels`; NaN is missing. All None where nothing is there.
+
+    `pieces` gives the measurement part by part, in order, and anew with each call: it is gone through twice, so that
+    one which is longer than the memory has figures as well.
+    """
+    sums = [_Sums() for _ in range(channels)]
+    for _, columns in pieces():
+        for one, values in zip(sums, columns, strict=True):
+            one.add(values)
+    steps = {number: _Step(one.first, one.last) for number, one in enumerate(sums) if one.is_step}
+    if steps:
+        for time_s, columns in pieces():
+            for number, step in steps.items():
+                step.add(time_s, columns[number])
+    return [one.figures(steps.get(number)) for number, one in enumerate(sums)]
+
+
+class _Sums:
+    """What one pass over a channel tells."""
+
+    def __init__(self) -> None:
+        self.samples = self.missing = 0
+        self.first = self.last = self._peak = math.nan
+        self._low, self._high = math.inf, -math.inf
+        self._sum = self._squares = 0.0
+
+    def add(self, values: FloatArray) -> None:
+        known = values[np.isfinite(values)]
+        self.missing += len(values) - len(known)
+        if not len(known):
+            return
+        if not self.samples:
+            self.first = self._peak = float(known[0])
+        self.samples += len(known)
+        self.last = float(known[-1])
+        self._low, self._high = min(self._low, float(known.min())), max(self._high, float(known.max()))
+        self._sum += float(known.sum())
+        self._squares += float(np.dot(known, known))
+        peak = float(known[np.abs(known).argmax()])
+        if abs(peak) > abs(self._peak):
+            self._peak = peak
+
+    @property
+    def is_step(self) -> bool:
+        """Whether it ends elsewhere than it began; noise around one place has neither overshoot nor settling time."""
+        return self.samples > 0 and abs(self.last - self.first) > 0.5 * (self._high - self._low)
+
+    def figures(self, step: _Step | None) -> Figures:
+        if not self.samples:
+            return Figures(0, self.missing, *[None] * 9)
+        return Figures(
+            samples=self.samples,
+            missing=self.missing,
+            minimum=self._low,
+            maximum=self._high,
+            mean=self._sum / self.samples,
+            rms=math.sqrt(self._squares / self.samples),
+            peak=self._peak,
+            first=self.first,
+            last=self.last,
+            overshoot=step.overshoot if step else None,
+            settling_s=step.settling_s if step else None,
+        )
+
+
+class _Step:
+    """A channel on its way from `first` to `last`."""
+
+    def __init__(self, first: float, last: float) -> None:
+        self._last, self._step = last, last - first
+        self.overshoot = 0.0
+        self._began_s = self._settled_s = math.nan
+        self._outside = False
+        """Whether the latest sample was outside of the band."""
+
+    def add(self, time_s: FloatArray, values: FloatArray) -> None:
+        there = np.isfinite(values)
+        away, at_s = values[there] - self._last, time_s[there]
+        if not len(away):
+            return
+        if math.isnan(self._began_s):
+            self._began_s = self._settled_s = float(at_s[0])
+        elif self._outside:
+            self._settled_s = float(at_s[0])
+        self.overshoot = max(self.overshoot, float((away * math.copysign(1.0, self._step)).max()))
+        outside = np.flatnonzero(np.abs(away) > BAND * abs(self._step))
+        self._outside = len(outside) > 0 and int(outside[-1]) == len(away) - 1
+        if len(outside):
+            self._settled_s = float(at_s[min(outside[-1] + 1, len(at_s) - 1)])
+
+    @property
+    def settling_s(self) -> float:
+        """From the first sample until it stays in the band [s]."""
+        return self._settled_s - self._began_s

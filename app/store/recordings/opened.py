@@ -7,7 +7,10 @@ part costs about the same few milliseconds, and what was written meanwhile is re
 from __future__ import annotations
 
 import threading
+from array import array
+from bisect import bisect_left, bisect_right
 from collections import OrderedDict
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +21,12 @@ from .file import FloatArray, Rows, decode_head, whole_batches
 from .head import Head, UnreadableRecording
 
 BLOCK = 64
-"""Rows of a short stretch."""
+"""Rows of a short stretch, of recordings that have no more than `BLOCKS_MAX` of them."""
+BLOCKS_MAX = 1 << 18
+"""Short stretches that are kept of a recording, 70 MB of eight channels; of longer ones they are twice as long, and so
+on."""
+PIECE_ROWS = 65_536
+"""Rows of a piece: some megabytes."""
 ROWS_AT_ONCE = 16_384
 """Taken in together: a megabyte or two stays in the processor's cache, and needs no fresh memory from the system."""
 KEPT_BYTES = 256 << 20
@@ -28,8 +36,8 @@ KEPT_BYTES = 256 << 20
 class Opened:
     """One file. Safe to use from several threads. Raises UnreadableRecording, FileNotFoundError."""
 
-    def __init__(self, path: Path) -> None:
-        self._path = path
+    def __init__(self, path: Path, blocks_max: int = BLOCKS_MAX) -> None:
+        self._path, self._blocks_max = path, blocks_max
         self._lock = threading.Lock()
         with pa.OSFile(str(path)) as source:  # an empty file cannot be mapped
             try:
@@ -39,12 +47,11 @@ class Opened:
             self._end = source.tell()
         self.head: Head = decode_head(self._schema)
         # Of each batch where it stands, the number of its first row, and that row's time.
-        self._offsets: list[int] = []
-        self._firsts: list[int] = []
-        self._times_s: list[float] = []
+        self._offsets, self._firsts, self._times_s = array("q"), array("q"), array("d")
         self._rows = 0
         self._last_s = float("nan")
         self._blocks = Stretches.of_rows(np.empty(0), np.empty((self.channels, 0)))
+        self._block = BLOCK
         self._rest = np.empty((1 + self.channels, 0))
         """Rows that are no whole block yet, times first."""
         self.refresh()
@@ -71,7 +78,7 @@ class Opened:
     @property
     def size_bytes(self) -> int:
         """What is kept of it in memory, about."""
-        return len(self._blocks) * (8 + self.channels * 33) + len(self._offsets) * 100
+        return len(self._blocks) * (8 + self.channels * 33) + len(self._offsets) * 24
 
     def refresh(self) -> None:
         """Take in what was written since."""
@@ -90,28 +97,38 @@ class Opened:
                 if held >= ROWS_AT_ONCE:
                     parts.append(self._taken(batches))
                     held, batches = 0, []
+                    if sum(map(len, parts)) > self._blocks_max:
+                        parts = [self._joined(parts)]
             if batches:
                 parts.append(self._taken(batches))
-            parts = [part for part in parts if len(part)]
-            self._blocks = Stretches.chained(parts) if len(parts) > 1 else parts[0] if parts else self._blocks
+            self._blocks = self._joined(parts)
 
     def _taken(self, batches: list[pa.RecordBatch]) -> Stretches:
         """The whole blocks that there are with `batches`; what is left waits for the next."""
         table = _table(batches, 1 + self.channels)
         begins = np.cumsum([0, *(batch.num_rows for batch in batches[:-1])])
-        self._times_s += table[0, begins].tolist()
+        self._times_s.extend(table[0, begins])
         self._last_s = float(table[0, -1])
         table = np.concatenate((self._rest, table), axis=1)
-        whole = table.shape[1] // BLOCK * BLOCK
+        whole = table.shape[1] // self._block * self._block
         self._rest = table[:, whole:].copy()
-        return Stretches.of_rows(table[0, :whole], table[1:, :whole]).joined(BLOCK)
+        return Stretches.of_rows(table[0, :whole], table[1:, :whole]).joined(self._block)
+
+    def _joined(self, parts: Sequence[Stretches]) -> Stretches:
+        """All of them as one, in longer blocks where there are too many; an odd one waits for its pair."""
+        parts = [part for part in parts if len(part)] or parts[:1]
+        blocks = Stretches.chained(parts) if len(parts) > 1 else parts[0]
+        while len(blocks) > self._blocks_max and len(blocks) % 2 == 0:
+            self._block *= 2
+            blocks = blocks.joined(2)
+        return blocks
 
     def read(self, first: int, last: int) -> Rows:
         """Rows from number `first` up to `last`, without it."""
         first, last = max(0, first), min(last, self._rows)
         if first >= last:
             return Rows(np.empty(0), np.empty((self.channels, 0)))
-        begin = int(np.searchsorted(self._firsts, first, side="right")) - 1
+        begin = bisect_right(self._firsts, first) - 1
         with pa.memory_map(str(self._path)) as source:
             source.seek(self._offsets[begin])
             batches, read = [], self._firsts[begin]
@@ -123,9 +140,33 @@ class Opened:
             table = _table(batches, 1 + self.channels)[:, first - self._firsts[begin] : last - self._firsts[begin]]
         return Rows(table[0], table[1:])
 
+    def pieces(self, first: int, last: int) -> Iterator[Rows]:
+        """The same in pieces of `PIECE_ROWS` and a batch at the most: for what is longer than the memory.
+
+        The file may be deleted meanwhile.
+        """
+        first, last = max(0, first), min(last, self._rows)
+        if first >= last:
+            return
+        begin = bisect_right(self._firsts, first) - 1
+        at = self._firsts[begin]
+        with pa.memory_map(str(self._path)) as source:
+            source.seek(self._offsets[begin])
+            batches: list[pa.RecordBatch] = []
+            read = at
+            for batch, _, _ in whole_batches(source, self._schema):
+                batches.append(batch)
+                read += batch.num_rows
+                if read - at >= PIECE_ROWS or read >= last:
+                    table = _table(batches, 1 + self.channels)[:, max(0, first - at) : last - at]
+                    yield Rows(table[0], table[1:])
+                    at, batches = read, []
+                if read >= last:
+                    return
+
     def row_at(self, time_s: float, side: str = "left") -> int:
         """The first row not before device time `time_s` [s]; with `side` "right" the first behind it."""
-        end = int(np.searchsorted(self._times_s, time_s, side="right" if side == "right" else "left"))
+        end = (bisect_right if side == "right" else bisect_left)(self._times_s, time_s)
         if end == 0:
             return 0
         # In the batch before, or up to the one that begins there: its first row is known not to be before.
@@ -138,13 +179,15 @@ class Opened:
         """Rows `first` up to `last` as at most `wanted` + 2 stretches; as they are where they are few enough."""
         first, last = max(0, first), min(last, self._rows)
         rows = max(0, last - first)
-        if rows < wanted * BLOCK or rows < 4 * BLOCK:
+        with self._lock:  # both of the same look
+            block, blocks = self._block, self._blocks
+        if rows < wanted * block or rows < 4 * block:
             read = self.read(first, last)
             return Stretches.of_rows(read.time_s, read.columns).joined(size_for(rows, wanted))
-        begin, end = -(-first // BLOCK), min(last // BLOCK, len(self._blocks))
-        inner = self._blocks.part(begin, end).joined(size_for(end - begin, wanted))
+        begin, end = -(-first // block), min(last // block, len(blocks))
+        inner = blocks.part(begin, end).joined(size_for(end - begin, wanted))
         parts = [inner]
-        for at, edge in ((0, (first, begin * BLOCK)), (len(parts), (end * BLOCK, last))):
+        for at, edge in ((0, (first, begin * block)), (len(parts), (end * block, last))):
             if edge[0] < edge[1]:
                 read = self.read(*edge)
                 outer = Stretches.of_rows(read.time_s, read.columns).joined(edge[1] - edge[0])
@@ -188,6 +231,17 @@ class OpenedRecordings:
         with self._lock:
             self._opened.pop(path, None)
             self._opening.pop(path, None)
+
+
+def thinned(pieces: Iterable[Rows], channels: Sequence[int], every: int) -> tuple[FloatArray, FloatArray]:
+    """The first of each `every` rows: `time_s` [rows], and of `channels` [channels, rows]."""
+    times_s, columns = [np.empty(0)], [np.empty((len(channels), 0))]
+    skip = 0
+    for rows in pieces:
+        times_s.append(rows.time_s[skip::every].copy())
+        columns.append(rows.columns[list(channels), skip::every])
+        skip = (skip - len(rows.time_s)) % every
+    return np.concatenate(times_s), np.concatenate(columns, axis=1)
 
 
 def _table(batches: list[pa.RecordBatch], width: int) -> FloatArray:
