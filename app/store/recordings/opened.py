@@ -25,8 +25,8 @@ BLOCK = 64
 BLOCKS_MAX = 1 << 18
 """Short stretches that are kept of a recording, 70 MB of eight channels; of longer ones they are twice as long, and so
 on."""
-PIECE_ROWS = 65_536
-"""Rows of a piece: some megabytes."""
+PIECE_ROWS = 16_384
+"""Rows of a piece: a megabyte or two."""
 ROWS_AT_ONCE = 16_384
 """Taken in together: a megabyte or two stays in the processor's cache, and needs no fresh memory from the system."""
 KEPT_BYTES = 256 << 20
