@@ -54,18 +54,13 @@ def change_emulator(far: CurrentBoard, body: BoardPatch) -> BoardState:
     return far.call(lambda: far.board.patch(body))
 
 
-def make_board_control_app(server: LineServer, board: EmulatedBoard, allowed_hosts: tuple[str, ...] = ()) -> FastAPI:
-    """The control port over a line with a board, with the guard and the problems of the dashboard's API."""
-    return control_app(ControlledBoard(server, board), router, allowed_hosts)
-
-
 def make_line(clock: Clock, options: LineOptions) -> Far:
     """The board, alone on its line."""
     board = build_board(options.chip or CHIPS[0], clock, {**of_chip(options), "seed": options.seed})
     board.chip.pace = Pace(clock.now, share=1.0)
 
     def make_control(server: LineServer) -> FastAPI:
-        return make_board_control_app(server, board)
+        return control_app(ControlledBoard(server, board), router)
 
     # Its firmware waits for nine bytes however long it takes.
     return Far(line_of([board], clock, options, replace(TMCL, pause_s=math.inf)), make_control)

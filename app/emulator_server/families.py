@@ -6,15 +6,14 @@ from collections.abc import Mapping
 
 from ..emulators.build import family_of
 from ..errors import UnknownThing
+from . import modules
 from .line import LineMaker
-from .listed import line as listed
 from .tmc5xxx import line as tmc5xxx
-from .tmcl import line as tmcl
 
 LINES: Mapping[str, LineMaker] = {
     "tmc5xxx": tmc5xxx.make_line,
-    "tmcl": tmcl.make_line,
-    "listed": listed.make_line,
+    "tmcl": modules.make_line,
+    "listed": modules.make_line,
 }
 
 

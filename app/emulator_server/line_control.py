@@ -4,23 +4,23 @@ An application of its own, without devices, store or telemetry: whoever tests a 
 `stepscope emulate` needs faults, not a dashboard.
 """
 
-from __future__ import annotations
-
+# Annotations are no strings here: FastAPI reads the types of a family that a function was given.
 from collections.abc import Mapping
-from typing import Annotated, Generic, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-from fastapi import APIRouter, Depends, FastAPI, Request
+from fastapi import APIRouter, Depends, FastAPI, Path, Request
+from pydantic import BaseModel
 
 from .. import __version__
 from ..api.http import openapi, problems
 from ..api.http.guard import Guard
 from ..api.http.problems import problems as responses
+from ..emulators.core.family import Emulator, EmulatorFamily
 from ..emulators.line.faults import LinePatch, LineState
 from ..emulators.line.server import LineServer
 from ..errors import OutOfRange, UnknownThing, WrongState
 
 BODY_LIMIT_BYTES = 64 * 1024
-Far = TypeVar("Far")
 
 
 class Served:
@@ -31,25 +31,31 @@ class Served:
         self.call = server.call
 
 
-class Several(Served, Generic[Far]):
-    """A line, and who is on it by the address that they were started with."""
+class Several(Served):
+    """A line, and the emulators of one family on it by the address that they were started with."""
 
-    kind = "module"
-
-    def __init__(self, server: LineServer, modules: Mapping[int, Far]) -> None:
+    def __init__(
+        self,
+        server: LineServer,
+        family: EmulatorFamily[Any, Any],
+        emulators: Mapping[int, Emulator],
+        kind: str = "module",
+        addresses: range = range(1, 256),
+    ) -> None:
+        """`kind` is the word for one of them, `addresses` are those that there can be."""
         super().__init__(server)
-        self.modules = modules
+        self.family, self.emulators, self.kind, self.addresses = family, emulators, kind, addresses
 
-    def module(self, address: int | None) -> Far:
-        """Raises UnknownThing for an address without a module, WrongState for none where there are several."""
+    def emulator(self, address: int | None) -> Emulator:
+        """Raises UnknownThing for an address without one, WrongState for none where there are several."""
         if address is None:
-            if len(self.modules) > 1:
-                known = ", ".join(f"/emulator/{known}" for known in self.modules)
+            if len(self.emulators) > 1:
+                known = ", ".join(f"/emulator/{known}" for known in self.emulators)
                 raise WrongState(f"there are several {self.kind}s on this line", f"ask for one of them: {known}")
-            return next(iter(self.modules.values()))
-        if address not in self.modules:
-            raise UnknownThing(self.kind, str(address), [str(known) for known in self.modules])
-        return self.modules[address]
+            return next(iter(self.emulators.values()))
+        if address not in self.emulators:
+            raise UnknownThing(self.kind, str(address), [str(known) for known in self.emulators])
+        return self.emulators[address]
 
 
 line_router = APIRouter(tags=["line"])
@@ -78,7 +84,46 @@ def change_line(far: CurrentLine, body: LinePatch) -> LineState:
     return far.call(lambda: far.line.patch(body))
 
 
-def control_app(served: Served, emulators: APIRouter, allowed_hosts: tuple[str, ...] = ()) -> FastAPI:
+# Plain functions, which run in a thread of their own: each waits until the line is between two frames.
+def make_control_app(several: Several) -> FastAPI:
+    """The control port over a line of emulators, with the guard and the problems of the dashboard's API."""
+    router, kind = APIRouter(tags=["emulator"]), several.kind
+    at = Path(
+        description=f"the address that the {kind} was started with", ge=several.addresses[0], le=several.addresses[-1]
+    )
+    if TYPE_CHECKING:
+        State: TypeAlias = BaseModel
+        Patch: TypeAlias = BaseModel
+    else:
+        State: TypeAlias = several.family.state
+        Patch: TypeAlias = several.family.patch
+
+    @router.get("/emulator", responses=REFUSED)
+    def get_emulator() -> State:
+        """The one emulator on this line, its motors and its faults."""
+        return several.call(several.emulator(None).state)
+
+    @router.patch("/emulator", responses=REFUSED)
+    def change_emulator(body: Patch) -> State:
+        """Cause faults, load the shaft, force switches; what is left out stays."""
+        emulator = several.emulator(None)
+        return several.call(lambda: emulator.patch(body))
+
+    @router.get("/emulator/{address}", responses=REFUSED)
+    def get_emulator_at(address: Annotated[int, at]) -> State:
+        """One of several."""
+        return several.call(several.emulator(address).state)
+
+    @router.patch("/emulator/{address}", responses=REFUSED)
+    def change_emulator_at(address: Annotated[int, at], body: Patch) -> State:
+        """The same for one of several."""
+        emulator = several.emulator(address)
+        return several.call(lambda: emulator.patch(body))
+
+    return control_app(several, router)
+
+
+def control_app(served: Served, emulators: APIRouter) -> FastAPI:
     """A control port with the routes of what is on the line, and those of the line."""
     app = FastAPI(
         title="stepscope emulator",
@@ -93,5 +138,5 @@ def control_app(served: Served, emulators: APIRouter, allowed_hosts: tuple[str, 
     app.include_router(emulators)
     app.include_router(line_router)
     problems.install(app)
-    app.add_middleware(Guard, allowed_hosts=allowed_hosts, body_limit_bytes=BODY_LIMIT_BYTES)
+    app.add_middleware(Guard, allowed_hosts=(), body_limit_bytes=BODY_LIMIT_BYTES)
     return app

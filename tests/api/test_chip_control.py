@@ -9,10 +9,11 @@ import httpx
 import pytest
 
 from app.clock import WallClock
-from app.emulator_server.tmc5xxx.control import make_chip_control_app
+from app.emulator_server.line_control import Several, make_control_app
 from app.emulators.line.server import LineServer
 from app.emulators.line.uart import uart_line
 from app.emulators.tmc5xxx import EmulatedTmc5xxx
+from app.emulators.tmc5xxx.family import FAMILY
 from app.links.datagram_uart import UartForm
 
 
@@ -35,7 +36,7 @@ def server(chips: dict[int, EmulatedTmc5xxx]) -> Iterator[LineServer]:
 
 @pytest.fixture
 async def api(server: LineServer, chips: dict[int, EmulatedTmc5xxx]) -> AsyncIterator[httpx.AsyncClient]:
-    transport = httpx.ASGITransport(make_chip_control_app(server, chips))
+    transport = httpx.ASGITransport(make_control_app(Several(server, FAMILY, chips, "chip", range(255))))
     async with httpx.AsyncClient(transport=transport, base_url="http://127.0.0.1:9000") as client:
         yield client
 
@@ -59,7 +60,7 @@ async def test_a_patch_changes_one_chip(api: httpx.AsyncClient, chips: dict[int,
 
 
 async def test_a_chip_alone_needs_no_node(server: LineServer, chips: dict[int, EmulatedTmc5xxx]) -> None:
-    transport = httpx.ASGITransport(make_chip_control_app(server, {0: chips[0]}))
+    transport = httpx.ASGITransport(make_control_app(Several(server, FAMILY, {0: chips[0]}, "chip", range(255))))
     async with httpx.AsyncClient(transport=transport, base_url="http://127.0.0.1:9000") as api:
         assert (await api.get("/emulator")).status_code == 200
         changed = await api.patch("/emulator", json={"axes": [{"axis": 0, "blocked": True}]})

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import threading
 from collections.abc import AsyncIterator, Iterator
+from typing import cast
 
 import httpx
 import pytest
 
 from app.clock import WallClock
-from app.emulator_server.tmcl.control import Controlled, make_control_app
+from app.emulator_server.line_control import Several, make_control_app
 from app.emulators.line.line import Line
 from app.emulators.line.server import LineServer
+from app.emulators.tmcl.family import FAMILY
 from app.emulators.tmcl.module import EmulatedModule
 from app.emulators.tmcl.options import TmclOptions
 
@@ -23,20 +25,20 @@ def addresses(request: pytest.FixtureRequest) -> tuple[int, ...]:
 
 
 @pytest.fixture
-def controlled(addresses: tuple[int, ...]) -> Iterator[Controlled]:
+def controlled(addresses: tuple[int, ...]) -> Iterator[Several]:
     """A line that a thread serves, as in the program, though without an end."""
     clock = WallClock()
     modules = {address: EmulatedModule("pd42-1241", clock, TmclOptions(address=address)) for address in addresses}
     with LineServer(Line(list(modules.values()), clock, addresses=addresses), []) as server:
         thread = threading.Thread(target=server.run)
         thread.start()
-        yield Controlled(server, modules)
+        yield Several(server, FAMILY, modules)
         server.stop()
         thread.join()
 
 
 @pytest.fixture
-async def api(controlled: Controlled) -> AsyncIterator[httpx.AsyncClient]:
+async def api(controlled: Several) -> AsyncIterator[httpx.AsyncClient]:
     transport = httpx.ASGITransport(make_control_app(controlled))
     async with httpx.AsyncClient(transport=transport, base_url="http://127.0.0.1:9000") as client:
         yield client
@@ -55,11 +57,11 @@ async def test_one_module_needs_no_address_and_several_do(api: httpx.AsyncClient
     assert (await api.patch("/emulator/9", json={})).json()["type"] == "/problems/unknown-thing"
 
 
-async def test_a_patch_changes_what_it_names(api: httpx.AsyncClient, controlled: Controlled) -> None:
+async def test_a_patch_changes_what_it_names(api: httpx.AsyncClient, controlled: Several) -> None:
     change = {"faults": {"silence": True, "late_reply_s": 0.5}, "load_torque_nm": 0.2}
     state = (await api.patch("/emulator/1", json=change)).json()
     assert (state["faults"]["silence"], state["faults"]["late_reply_s"], state["load_torque_nm"]) == (True, 0.5, 0.2)
-    assert controlled.modules[1].faults.silence
+    assert cast("EmulatedModule", controlled.emulators[1]).faults.silence
     assert (await api.get("/emulator/1")).json()["faults"]["unplugged"] is False
 
 
@@ -73,7 +75,7 @@ async def test_what_cannot_be_is_a_problem_document(api: httpx.AsyncClient, body
     assert answer.json()["facts"]["errors"]
 
 
-async def test_the_line_itself(api: httpx.AsyncClient, controlled: Controlled, addresses: tuple[int, ...]) -> None:
+async def test_the_line_itself(api: httpx.AsyncClient, controlled: Several, addresses: tuple[int, ...]) -> None:
     state = (await api.get("/line")).json()
     assert (state["baud"], state["addresses"], state["plugged"]) == (None, list(addresses), True)
     state = (await api.patch("/line", json={"baud": 9600, "faults": {"unplugged": True}})).json()

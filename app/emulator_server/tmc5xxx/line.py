@@ -34,9 +34,9 @@ def make_line(clock: Clock, options: LineOptions) -> Far:
         chip.catch_up(0.0)  # compiles: whoever is told that we are there gets answers at once
 
     def make_control(server: LineServer) -> FastAPI:
-        from .control import make_chip_control_app
+        from ..line_control import Several, make_control_app
 
-        return make_chip_control_app(server, chips)
+        return make_control_app(Several(server, FAMILY, chips, "chip", range(255)))
 
     return Far(
         uart_line(

@@ -1,1 +1,0 @@
-"""Listed modules on an emulated line, and their control port."""

@@ -1,1 +1,0 @@
-"""TMCL modules on an emulated line, and their control port."""
