@@ -42,11 +42,6 @@ def complete_channel(ctx: typer.Context, incomplete: str) -> list[str]:
     return [name for name in found if name not in said]
 
 
-def complete_recording(ctx: typer.Context, incomplete: str) -> list[str]:
-    """Recordings, the latest first."""
-    return list(_found(ctx, incomplete, lambda bench: (recording.id for recording in bench.recordings())))
-
-
 def complete_profile(ctx: typer.Context, incomplete: str) -> list[str]:
     """Numbers of kept profiles, the latest first."""
     return list(_found(ctx, incomplete, lambda bench: (str(profile.id) for profile in bench.profiles())))

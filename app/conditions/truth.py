@@ -3,17 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol, cast
+from typing import cast
 
 from ..devices.core.device import Device
-from ..emulators.core.ground_truth import GroundTruth
+from ..emulators.core.family import Emulator
 from ..links.emulator import EmulatorPort
-
-
-class Emulated(Protocol):
-    """What every emulator can."""
-
-    def ground_truth(self, axis: int, at_s: float) -> GroundTruth: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +27,7 @@ def truth_of(device: Device, axis: int) -> Truth | None:
     port = device.session.port
     if not isinstance(port, EmulatorPort):
         return None
-    told = cast("Emulated", port.wire).ground_truth(axis, port.take_turn())
+    told = cast("Emulator", port.wire).ground_truth(axis, port.take_turn())
     microsteps = device.axis(axis).microsteps_per_full_step or 256
     lost = None if told.lost_fullsteps is None else float(told.lost_fullsteps * microsteps)
     shaft = told.shaft_fullsteps * microsteps

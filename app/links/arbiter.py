@@ -1,7 +1,7 @@
 """One physical line, many who want it: who is next.
 
 STOP overtakes COMMAND overtakes SAMPLE. Whoever holds the line gives it back after each turn, or
-between two frames when `wanted_by_better` says so. Several queues share one arbiter where several
+between two frames when `most_urgent` is more urgent. Several queues share one arbiter where several
 modules share one line. On an idle line nobody waits and no task switches.
 """
 
@@ -83,10 +83,6 @@ class Arbiter:
                     return
         self._busy = False
         self.most_urgent = NOBODY
-
-    def wanted_by_better(self, priority: Priority) -> bool:
-        """Whether somebody more urgent waits."""
-        return self.most_urgent < priority
 
     def _look_again(self) -> None:
         for priority, line in enumerate(self._waiting):

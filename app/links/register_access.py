@@ -248,14 +248,6 @@ def _check_count(name: str, frames: Sequence[bytes], replies: Sequence[bytes]) -
         raise BadReply(name, f"{len(replies)} replies to {len(frames)} frames", b"".join(replies))
 
 
-def cut(access: RegisterAccess, joined: bytes) -> list[bytes]:
-    """The replies of one sample, taken apart again. Raises BadReply where they are no whole number."""
-    size = access.reply_bytes
-    if len(joined) % size:
-        raise BadReply("sample", f"{len(joined)} bytes are no whole number of {size}", joined)
-    return [joined[at : at + size] for at in range(0, len(joined), size)]
-
-
 def access_of(link: Mapping[str, object], model: str) -> RegisterAccess:
     """How registers of `model` are reached over `link`, whose options its port has already been made of."""
     kind = link.get("kind")

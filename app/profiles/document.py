@@ -206,15 +206,6 @@ def parse(data: object) -> ProfileDocument:
         ) from error
 
 
-def loads(text: str | bytes) -> ProfileDocument:
-    """A document of a file's text. Raises UnreadableProfile."""
-    try:
-        data = json.loads(text)
-    except (ValueError, RecursionError) as error:
-        raise UnreadableProfile("", f"no JSON: {error}") from error
-    return parse(data)
-
-
 def path_of(location: tuple[int | str, ...]) -> str:
     """`registers[3].fields.pmul`."""
     text = ""

@@ -8,7 +8,7 @@ import time
 from collections.abc import Awaitable, Callable, Coroutine, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, Literal, TypeVar
+from typing import Any, TypeVar
 
 from ..devices.core.axis_limits import AxisLimits
 from ..devices.core.config import AxisSettings
@@ -33,7 +33,6 @@ Busy = Callable[[Device], str]
 Configure = Callable[[Device, Sequence[AxisSettings]], Awaitable[None]]
 """Make these the settings of a device's axes."""
 T = TypeVar("T")
-ApplyState = Literal["idle", "running", "unfinished"]
 
 
 @dataclass(frozen=True, slots=True)

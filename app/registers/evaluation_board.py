@@ -43,15 +43,6 @@ class BoardStatus(IntEnum):
     DELAYED = 128
 
 
-STATUS_TEXTS: Mapping[int, str] = MappingProxyType(
-    {
-        BoardStatus.WRITE_PROTECTED: "write protected, or busy with an earlier reset",
-        BoardStatus.MAX_EXCEEDED: "maximum exceeded",
-        BoardStatus.READ_FAILED: "the chip has no supply voltage",
-        BoardStatus.DELAYED: "not finished yet",
-    }
-)
-
 MODULE_NUMBERS: Mapping[int, str] = MappingProxyType({12: "Landungsbrücke", 16: "Startrampe", 26: "Landungsbrücke V3"})
 """What a board calls itself: the four digits before the V of `0012V312` (command 136, type 0)."""
 
@@ -73,4 +64,3 @@ class SlotState(IntEnum):
 
     DONE = 2
     NO_ANSWER = 4
-    NOT_IN_FIRMWARE = 6

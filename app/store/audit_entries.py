@@ -16,8 +16,6 @@ from .tables import AuditRow, Value
 
 LONG = {"who": 100, "address": 60, "device": 80, "action": 60, "subject": 200, "outcome": 500, "detail": 500}
 """How long each text may be: much of it comes from outside."""
-OUTCOMES = (DONE, "not proven", "refused")
-"""What `outcome` is or begins with; a colon and the reason follow."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +51,7 @@ class Wanted:
     who: str = ""
     action: str = ""
     outcome: str = ""
-    """One of `OUTCOMES`."""
+    """What it begins with: "done", "not proven" or "refused"."""
     since_unix_s: float | None = None
     until_unix_s: float | None = None
     after: int | None = None

@@ -103,10 +103,6 @@ class Reader:
     _status: Status | None = None
     _wake: asyncio.Event = field(default_factory=asyncio.Event)
 
-    @property
-    def rows_queued(self) -> int:
-        return self._rows
-
     def push(self, body: Body) -> None:
         """Queue rows; where there are too many, the oldest go and are counted."""
         self._bodies.append(body)

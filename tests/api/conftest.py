@@ -14,7 +14,8 @@ from app.api.schemas import Port
 from app.clock import VirtualClock, WallClock
 from app.emulators.build import build_emulator
 from app.emulators.line.line import Line
-from app.emulators.line.server import serve_pty
+from app.emulators.line.pty import PtyEnd
+from app.emulators.line.server import LineServer
 from app.emulators.server import serve_tcp
 from app.emulators.tmcl.module import EmulatedModule
 from app.emulators.tmcl.options import TmclOptions
@@ -77,7 +78,7 @@ def far_line(tmp_path: Path) -> Iterator[str]:
     """A serial line at 115200 baud with emulated modules at address 1 and 2, on the wall clock: its port."""
     clock, port = WallClock(), tmp_path / "tty"
     modules = [EmulatedModule("pd42-1241", clock, TmclOptions(address=address, baud_code=7)) for address in (1, 2)]
-    with serve_pty(Line(modules, clock, baud=115_200, addresses=(1, 2)), port) as server:
+    with LineServer(Line(modules, clock, baud=115_200, addresses=(1, 2)), [PtyEnd(port)]) as server:
         serving = threading.Thread(target=server.run)
         serving.start()
         yield str(port)

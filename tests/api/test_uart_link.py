@@ -10,7 +10,8 @@ import httpx
 import pytest
 
 from app.clock import WallClock
-from app.emulators.line.server import serve_pty
+from app.emulators.line.pty import PtyEnd
+from app.emulators.line.server import LineServer
 from app.emulators.line.uart import uart_line
 from app.emulators.tmc5xxx import EmulatedTmc5xxx
 from app.links import discovery
@@ -31,7 +32,7 @@ def wire(tmp_path: Path) -> Iterator[str]:
     chips = [EmulatedTmc5xxx("tmc5160", clock), EmulatedTmc5xxx("tmc5130", clock)]
     for node, chip in enumerate(chips, 1):
         chip.write(NODECONF, node)
-    with serve_pty(uart_line(chips, clock, nodes=(1, 2), echo=True), port) as server:
+    with LineServer(uart_line(chips, clock, nodes=(1, 2), echo=True), [PtyEnd(port)]) as server:
         serving = threading.Thread(target=server.run)
         serving.start()
         yield str(port)

@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.driver_chain.chain import KNOWN_DRIVERS, DriverSpec, build_chain, chain_ram_from_datagrams, decode_chain
+from app.calc.driver_chain.chain import KNOWN_DRIVERS, DriverSpec, build_chain, decode_chain
 from app.calc.driver_chain.ram_words import pack_cells, unpack_words
 
 MEANS_NOTHING = 0xFF_FFFF & ~0x3F3F
@@ -114,20 +114,6 @@ def test_a_known_driver_is_recognised_with_its_bit_names() -> None:
     )
     assert [bit.bit_name for bit in decoded.bits[:3]] == ["MDA", "CA3", "CA2"]
     assert [bit.bit_name for bit in decoded.bits[12:]] == ["", ""]
-
-
-def test_datagrams_are_laid_over_what_the_ram_holds() -> None:
-    chain = build_chain(["tmc236"])
-    before = tuple(range(32))
-    words = chain_ram_from_datagrams(chain.datagrams, before)
-    assert words[:6] == chain.ram_words[:6]
-    assert words[6:] == before[6:]
-    with pytest.raises(ValueError, match="second time"):
-        chain_ram_from_datagrams(chain.datagrams * 2)
-    with pytest.raises(ValueError, match="0x60"):
-        chain_ram_from_datagrams([0xC0000200])
-    with pytest.raises(ValueError, match="32 RAM words"):
-        chain_ram_from_datagrams(chain.datagrams, before[:6])
 
 
 @pytest.mark.parametrize(

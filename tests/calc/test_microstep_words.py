@@ -14,7 +14,6 @@ from app.calc.microsteps.table import (
     design_table,
     table_datagrams,
     table_ram_words,
-    values_from_datagrams,
     values_from_ram_words,
 )
 
@@ -42,10 +41,16 @@ def test_rows_of_table_12_1(word: int, odd: int, even: int) -> None:
     assert table_datagrams(design_table().values)[word] == 0b11 << 30 | word << 25 | odd << 8 | even
 
 
+def values_written(datagrams: Sequence[int]) -> tuple[int, ...]:
+    """What the datagrams write, in whatever order they come."""
+    words = {datagram >> 25 & 31: datagram & 0xFF_FFFF for datagram in datagrams}
+    return values_from_ram_words([words[index] for index in range(32)])
+
+
 @pytest.mark.sheet("DS-TMC428", "12")
 def test_table_12_2_reads_back_as_the_sine_table() -> None:
     words = [int(word, 16) for word in TABLE_12_2.split()]
-    assert values_from_datagrams(words) == design_table().values
+    assert values_written(words) == design_table().values
 
 
 @given(
@@ -58,7 +63,7 @@ def test_every_table_survives_words_and_datagrams(values: list[int], noise: list
     datagrams = [
         word | other & bits_that_mean_nothing for word, other in zip(table_datagrams(values), noise, strict=True)
     ]
-    assert values_from_datagrams([datagrams[index] for index in order]) == tuple(values)
+    assert values_written([datagrams[index] for index in order]) == tuple(values)
 
 
 @given(values=tables)
@@ -85,30 +90,6 @@ def test_a_value_that_is_no_dac_count_is_refused_with_its_place(value: object) -
     values[17] = value
     with pytest.raises(ValueError, match=r"table value 17 is .*0\.\.63"):
         checked_values(values)  # type: ignore[arg-type]
-
-
-def test_a_missing_datagram_is_named() -> None:
-    datagrams = list(table_datagrams(range(64)))
-    del datagrams[9]
-    with pytest.raises(ValueError, match="RAM word 9"):
-        values_from_datagrams(datagrams)
-
-
-@pytest.mark.parametrize(
-    ("datagram", "complaint"),
-    [
-        (0xFE003F3F, "second time"),
-        (0xC1000000, "reads"),
-        (0x80000510, "goes to address 0x40"),
-        (0x7E000000, "goes to address 0x3f"),
-        (1 << 32, "allowed"),
-        (-1, "allowed"),
-    ],
-)
-def test_a_datagram_that_writes_no_table_is_refused(datagram: int, complaint: str) -> None:
-    datagrams = [*table_datagrams(range(64)), datagram]
-    with pytest.raises(ValueError, match=complaint):
-        values_from_datagrams(datagrams)
 
 
 @pytest.mark.parametrize("words", [[0] * 31, [0] * 33, []])

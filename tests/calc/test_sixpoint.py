@@ -10,7 +10,7 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from app.calc.ramps.sixpoint import MotionPlan, SixPoint, position_plan, sixpoint_ramp, velocity_plan
+from app.calc.ramps.sixpoint import MotionPlan, SixPoint, position_plan, velocity_plan
 from app.calc.ramps.trapezoid import trapezoid_ramp
 
 speeds = st.floats(1.0, 1e6)
@@ -160,7 +160,7 @@ def test_the_mirrored_move_is_the_move_mirrored(p: SixPoint, distance: float, v_
 @settings(deadline=None)
 @given(v_max=speeds, a_max=rates, d_max=rates, distance=distances)
 def test_without_v1_it_is_the_trapezoid(v_max: float, a_max: float, d_max: float, distance: float) -> None:
-    curve = sixpoint_ramp(SixPoint(v_max=v_max, a_max=a_max, d_max=d_max), distance, 101)
+    curve = position_plan(SixPoint(v_max=v_max, a_max=a_max, d_max=d_max), distance).curve(101)
     known = trapezoid_ramp(v_max, a_max, d_max, distance, 101)
     assert curve.duration_s == pytest.approx(known.duration_s, rel=1e-9)
     slopes = v_max**2 / (2 * a_max) + v_max**2 / (2 * d_max)

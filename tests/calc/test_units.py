@@ -14,8 +14,6 @@ from app.calc.units.mechanics import ACCELERATION_UNITS, POSITION_UNITS, RATE_UN
 from app.calc.units.tmc428 import (
     acceleration_from_hz_s,
     acceleration_hz_s,
-    full_step_rate_hz,
-    microsteps_per_full_step,
     pulse_rate_hz,
     steps_during_acceleration,
     velocity_from_rate,
@@ -47,13 +45,6 @@ def test_steps_of_acceleration_are_half_v_squared_over_a(
 ) -> None:
     rate, slope = pulse_rate_hz(velocity, pulse_div, clock), acceleration_hz_s(a_max, pulse_div, ramp_div, clock)
     assert steps_during_acceleration(velocity, a_max, ramp_div, pulse_div) == pytest.approx(0.5 * rate**2 / slope)
-
-
-@pytest.mark.sheet("DS-TMC428", "8.14")
-@pytest.mark.parametrize("usrs", range(7))
-def test_full_steps_are_microsteps_by_two_to_the_usrs(usrs: int) -> None:
-    assert microsteps_per_full_step(usrs) == 2**usrs
-    assert full_step_rate_hz(6400.0, usrs) == 6400.0 / 2**usrs
 
 
 @given(velocity=st.integers(-2047, 2047), pulse_div=dividers, clock=clocks)
@@ -89,7 +80,6 @@ def test_scalars_come_back_as_plain_floats() -> None:
     assert type(pulse_rate_hz(1, 0, 16e6)) is float
     assert type(velocity_from_rate(1.0, 0, 16e6)) is float
     assert type(acceleration_hz_s(1, 0, 0, 16e6)) is float
-    assert type(full_step_rate_hz(1.0, 3)) is float
     assert type(steps_during_acceleration(1, 1, 0, 0)) is float
     assert type(Mechanics().to_microsteps(1, "rev")) is float
 
@@ -108,10 +98,6 @@ def test_what_is_out_of_range_is_named_with_its_range() -> None:
             pulse_rate_hz(1, 0, clock)
     with pytest.raises(ValueError, match="a is -2047 to 2047"):
         acceleration_hz_s(-2048, 0, 0, 16e6)
-    with pytest.raises(ValueError, match="usrs is 0 to 6, got 7"):
-        full_step_rate_hz(1.0, 7)
-    with pytest.raises(ValueError, match="rate_hz is finite"):
-        full_step_rate_hz(math.inf, 1)
     with pytest.raises(ValueError, match="a_max is above 0 to 2047, got 0"):
         steps_during_acceleration(100, 0, 3, 3)
 

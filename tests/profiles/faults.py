@@ -275,7 +275,7 @@ def _same(b: Bench, item: Item, one: int, other: int) -> bool:
 def _owed(b: Bench, item: Item) -> bool:
     """A TMC4361's driver writes over EVENT_CLEAR_CONF for each look, and puts it back when the link is there again."""
     events = b.device.part(Events)
-    return events is not None and item.row is tmc4361.EVENT_CLEAR_CONF and events.owes
+    return events is not None and item.row is tmc4361.EVENT_CLEAR_CONF and events._owed is not None
 
 
 __all__ = ["FAULTS", "NEEDS_READING", "Fault", "Injector", "Report", "TappedWire", "target_of", "try_fault"]

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from .decode import DecodedChain, Finding, chain_ram_from_datagrams, decode_chain
+from .decode import DecodedChain, Finding, decode_chain
 from .frequencies import ChainFrequencies, chain_frequencies
 from .model import DRIVERS_MAX, NEXT_MOTOR, STATUS_BITS, ChainBit, DriverSpec
 from .ram_words import AREA_CHAIN, CELLS, pack_cells, write_datagrams
@@ -26,7 +26,6 @@ __all__ = [
     "Signal",
     "build_chain",
     "chain_frequencies",
-    "chain_ram_from_datagrams",
     "decode_chain",
     "signal_code",
     "signal_name",

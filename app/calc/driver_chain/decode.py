@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 from .model import DRIVERS_MAX, NEXT_MOTOR, STATUS_BITS, ChainBit, DriverSpec
-from .ram_words import AREA_CHAIN, CELLS, WORDS, unpack_words, whole_number, words_written
+from .ram_words import CELLS, WORDS, unpack_words, whole_number
 from .signals import CODE_MAX, CUSTOM, KNOWN_DRIVERS, is_unused, signal_name
 
 LSMD_MAX = 3
@@ -71,19 +71,6 @@ def decode_chain(ram_words: Sequence[int], lsmd: int) -> DecodedChain:
         length_bits=length,
         findings=tuple(_findings(bits, len(ends), drivers_expected, length)),
     )
-
-
-def chain_ram_from_datagrams(datagrams: Iterable[int], ram_words: Sequence[int] | None = None) -> tuple[int, ...]:
-    """The 32 register words after `datagrams` were written over `ram_words` (None: all zero).
-
-    Raises ValueError for a datagram that does not write to the chain's RAM or repeats one.
-    """
-    words = list(ram_words) if ram_words is not None else [0] * WORDS
-    if len(words) != WORDS:
-        raise ValueError(f"a driver chain has {WORDS} RAM words, these are {len(words)}")
-    for index, word in words_written(AREA_CHAIN, datagrams).items():
-        words[index] = word
-    return tuple(words)
 
 
 def _wrapped_length(ends: Sequence[int], drivers: int) -> int | None:

@@ -57,26 +57,3 @@ def unpack_words(words: Iterable[int]) -> tuple[int, ...]:
 def write_datagrams(area: int, words: Sequence[int]) -> tuple[int, ...]:
     """The 32-bit datagrams that write `words` from the start of `area` on."""
     return tuple((area + index) << 25 | word for index, word in enumerate(words))
-
-
-def words_written(area: int, datagrams: Iterable[int]) -> dict[int, int]:
-    """What datagrams write into `area`: index of the register word (0..31) to its 24 data bits.
-
-    Raises ValueError for a datagram that is not 32 bits, that reads, that goes elsewhere, or that
-    writes a word for the second time: a list that does so is not the one somebody meant.
-    """
-    words: dict[int, int] = {}
-    for position, datagram in enumerate(datagrams):
-        checked = whole_number(f"datagram {position}", datagram, 0, 0xFFFF_FFFF)
-        index = (checked >> 25) - area
-        if not 0 <= index < WORDS:
-            raise ValueError(
-                f"datagram {position} (${checked:08X}) goes to address {checked >> 25:#04x},"
-                f" not to {area:#04x}..{area + WORDS - 1:#04x}"
-            )
-        if checked >> 24 & 1:
-            raise ValueError(f"datagram {position} (${checked:08X}) reads instead of writing")
-        if index in words:
-            raise ValueError(f"datagram {position} (${checked:08X}) writes RAM word {index} for the second time")
-        words[index] = checked & 0xFF_FFFF
-    return words

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from ..driver_chain.ram_words import (
     AREA_TABLE,
@@ -12,7 +12,6 @@ from ..driver_chain.ram_words import (
     pack_cells,
     unpack_words,
     whole_number,
-    words_written,
     write_datagrams,
 )
 
@@ -48,15 +47,3 @@ def table_datagrams(values: Sequence[int]) -> tuple[int, ...]:
     Raises ValueError as `checked_values`.
     """
     return write_datagrams(AREA_TABLE, table_ram_words(values))
-
-
-def values_from_datagrams(datagrams: Iterable[int]) -> tuple[int, ...]:
-    """The 64 values that 32 datagrams write, in whatever order they come; inverse of `table_datagrams`.
-
-    Raises ValueError where one is no write to the table, comes twice, or is missing.
-    """
-    words = words_written(AREA_TABLE, datagrams)
-    missing = [index for index in range(WORDS) if index not in words]
-    if missing:
-        raise ValueError(f"the table is not complete: no datagram writes RAM word {', '.join(map(str, missing))}")
-    return unpack_words(words[index] for index in range(WORDS))

@@ -85,10 +85,6 @@ class MslutRegisters:
     def start_sin(self) -> int:
         return self.start & 0xFF
 
-    @property
-    def start_sin90(self) -> int:
-        return self.start >> 16 & 0xFF
-
     def with_dac_offset(self, offset: int) -> MslutRegisters:
         """The same wave beside another DAC_OFFSET, which shares MSLUTSTART in the TMC4361."""
         return MslutRegisters(self.words, self.select, self.start & 0x00FF_FFFF | (offset & 0xFF) << 24)

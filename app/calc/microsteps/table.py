@@ -13,7 +13,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from ..driver_chain.ram_words import CELL_MAX
-from .datagrams import checked_values, table_datagrams, table_ram_words, values_from_datagrams, values_from_ram_words
+from .datagrams import checked_values, table_datagrams, table_ram_words, values_from_ram_words
 from .metrics import AngleStep, TableMetrics, metrics
 from .sequencer import SequencerStep, step_through
 from .shapes import SIGMA_RANGE_OF_THE_SHEET, f_sigma, quarter_positions
@@ -31,7 +31,6 @@ __all__ = [
     "step_through",
     "table_datagrams",
     "table_ram_words",
-    "values_from_datagrams",
     "values_from_ram_words",
 ]
 

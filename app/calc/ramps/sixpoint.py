@@ -23,10 +23,9 @@ from itertools import accumulate, pairwise
 from typing import NamedTuple
 
 from ...number_text import plain
-from .curve import RampCurve
 from .sixpoint_plan import MotionPlan, Piece
 
-__all__ = ["MotionPlan", "SixPoint", "position_plan", "sixpoint_ramp", "velocity_plan"]
+__all__ = ["MotionPlan", "SixPoint", "position_plan", "velocity_plan"]
 
 ALMOST = 1e-9
 """Relative: a way that is shorter than the braking distance by less than this was meant to be just as long."""
@@ -151,11 +150,6 @@ def velocity_plan(parameters: SixPoint, v_target: float, v_actual: float = 0.0) 
         end_velocity_pps=float(v_target),
         arrival_s=track.time_s,
     )
-
-
-def sixpoint_ramp(parameters: SixPoint, distance: float, samples: int = 1000, v_actual: float = 0.0) -> RampCurve:
-    """`position_plan`, sampled evenly in time; the last sample is the end. Raises what that raises."""
-    return position_plan(parameters, distance, v_actual).curve(samples)
 
 
 # --- how it is worked out -------------------------------------------------------------------------

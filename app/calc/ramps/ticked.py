@@ -25,7 +25,6 @@ __all__ = [
     "exact_ramp",
     "ramp_ending",
     "trapezoid_ramp",
-    "warm_up",
 ]
 
 IntArray = NDArray[np.int64]
@@ -167,14 +166,6 @@ def exact_ramp(
     if state[kernel.ENDING] == kernel.UNDECIDED:
         raise ValueError(f"too long: more than {kernel.MAX_EVENTS} changes of the ramp generator within duration_s")
     return _curve(parameters, distance, clocks, rows, phases[: state[kernel.PHASES]], state, first_velocity)
-
-
-def warm_up() -> None:
-    """Compile the kernel, or load it from numba's cache on disk: seconds once, milliseconds after that.
-
-    For a thread at start-up, so that the first request does not wait for it.
-    """
-    exact_ramp(RampParameters(v_min=1, v_max=100, a_max=100, ramp_div=5, pulse_div=5, pmul=0, pdiv=5), 10, 2)
 
 
 @dataclass(frozen=True)

@@ -130,26 +130,6 @@ def acceleration_from_hz_s(
     return _plain(np.clip(register, -MAX_ACCELERATION, MAX_ACCELERATION))
 
 
-def microsteps_per_full_step(usrs: int) -> int:
-    """2^usrs, for usrs 0..6. Source: DS-TMC428 Table 8-8."""
-    return 1 << int(_whole("usrs", usrs, 0, MAX_USRS))
-
-
-@overload
-def full_step_rate_hz(rate_hz: float, usrs: int) -> float: ...
-@overload
-def full_step_rate_hz(rate_hz: Numbers, usrs: Numbers) -> float | FloatArray: ...
-def full_step_rate_hz(rate_hz: Numbers, usrs: Numbers) -> float | FloatArray:
-    """Full-step rate R_FS [Hz] of a pulse rate [Hz]: R / 2^usrs. The same for accelerations [Hz/s] and for steps.
-
-    Raises ValueError unless `usrs` is 0..6 and the rate finite. Source: DS-TMC428 8.14.
-    """
-    rate = np.asarray(rate_hz, dtype=np.float64)
-    if not np.all(np.isfinite(rate)):
-        raise ValueError("rate_hz is finite")
-    return _plain(rate / np.exp2(_whole("usrs", usrs, 0, MAX_USRS)))
-
-
 @overload
 def steps_during_acceleration(velocity: float, a_max: float, ramp_div: int, pulse_div: int) -> float: ...
 @overload

@@ -34,7 +34,6 @@ class AxisRows:
     mode: Field
     stop_left_off: Field
     stop_right_off: Field
-    soft_stop: Field
     reference_right: Field
     latch_waiting: Field
     pmul: Field
@@ -66,7 +65,6 @@ class AxisRows:
             mode=field_of(reference_row, mode),
             stop_left_off=field_of(reference_row, "disable_stop_l"),
             stop_right_off=field_of(reference_row, "disable_stop_r"),
-            soft_stop=field_of(reference_row, "soft_stop"),
             reference_right=field_of(reference_row, "ref_RnL"),
             latch_waiting=field_of(reference_row, "lp"),
             pmul=field_of(proportionality, "pmul"),

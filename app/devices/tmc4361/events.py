@@ -63,11 +63,6 @@ class Events(EventLog, LatchedFlags):
         """Whether one of these events is set, as last seen."""
         return bool(self.present & rows.event(*names))
 
-    @property
-    def owes(self) -> bool:
-        """Whether EVENT_CLEAR_CONF holds something else than its user wants, until the next look puts it back."""
-        return self._owed is not None
-
     # --- reading without losing one -------------------------------------------------------------
 
     async def peek(self, words: Words, registers: Sequence[Register] = ()) -> Held:

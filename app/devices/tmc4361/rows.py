@@ -102,7 +102,6 @@ MOVING = frozenset(
 ) | {row("VIRT_STOP_RIGHT").address, row("DSTOP").address, row("X_RANGE").address, RESET.address}
 """Addresses a write to which may move or stop the motor, or change how it moves."""
 
-POSITIONING = part(RAMPMODE, "OPERATION_MODE")
 SHAPE = part(RAMPMODE, "RAMP_PROFILE")
 HOLD, TRAPEZOID, S_SHAPED = range(3)
 """RAMP_PROFILE."""

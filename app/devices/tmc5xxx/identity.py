@@ -8,7 +8,7 @@ from ...registers.tmc5xxx.models import MODELS
 from ..core.register_io import read_once_more
 
 VERSIONS = {model.name: model.version for model in MODELS if model.version is not None}
-INPUTS, GCONF = 0x04, 0x00
+INPUTS = 0x04
 SURE = frozenset(VERSIONS.values()) - {0x01}
 """Versions that other chips are not likely to show at that address by chance."""
 

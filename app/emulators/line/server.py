@@ -7,20 +7,17 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
-import os
 import select
 import socket
 import sys
 from collections import deque
 from collections.abc import Callable, Iterable
 from concurrent.futures import Future
-from pathlib import Path
 from types import TracebackType
 from typing import Self, TypeVar, cast
 
 from .ends import Client, End
 from .line import Line
-from .pty import PtyEnd
 
 Result = TypeVar("Result")
 
@@ -159,8 +156,3 @@ def _sleep_exactly() -> None:
     if sys.platform == "linux":
         with contextlib.suppress(OSError, AttributeError):
             ctypes.CDLL(None).prctl(_PR_SET_TIMERSLACK, 1, 0, 0, 0)
-
-
-def serve_pty(line: Line, path: str | os.PathLike[str]) -> LineServer:
-    """A server, not yet entered, that shows `line` as a serial port at `path`."""
-    return LineServer(line, [PtyEnd(Path(path))])

@@ -55,10 +55,6 @@ async def temporary_folder() -> AsyncIterator[Path]:
         await asyncio.to_thread(folder.cleanup)
 
 
-def _folder() -> tempfile.TemporaryDirectory[str]:
-    return tempfile.TemporaryDirectory(prefix="stepscope-script-", ignore_cleanup_errors=True)
-
-
 @asynccontextmanager
 async def guest_server(folder: Path) -> AsyncIterator[Guest]:
     """A server without devices on a free port of the loopback address. Raises OSError with its words."""

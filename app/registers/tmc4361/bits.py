@@ -49,48 +49,6 @@ Sources: DS-TMC4361 7.2 (what events are); TMC4361A, PY4361, STEPPYR, TOM4361 (b
 EVENT_BITS: Final[Mapping[str, int]] = MappingProxyType({name: bit for bit, (name, _) in EVENTS.items()})
 EVENT_MASK: Final = sum(1 << bit for bit in EVENTS)
 
-STATUS_BITS: Final[Mapping[str, int]] = MappingProxyType(
-    {
-        "TARGET_REACHED_F": 0,
-        "POS_COMP_REACHED_F": 1,
-        "VEL_REACHED_F": 2,
-        "VEL_STATE_F": 3,
-        "RAMP_STATE_F": 5,
-        "STOPL_ACTIVE_F": 7,
-        "STOPR_ACTIVE_F": 8,
-        "VSTOPL_ACTIVE_F": 9,
-        "VSTOPR_ACTIVE_F": 10,
-        "ACTIVE_STALL_F": 11,
-        "HOME_ERROR_F": 12,
-        "FS_ACTIVE_F": 13,
-        "ENC_FAIL_F": 14,
-        "N_ACTIVE_F": 15,
-        "ENC_LATCH_F": 16,
-        "MULTI_CYCLE_FAIL_F": 17,
-        "SER_ENC_VAR_F": 17,
-        "CL_FIT_F": 19,
-        "SERIAL_ENC_FLAG[0]": 20,
-        "SERIAL_ENC_FLAG[1]": 21,
-        "SERIAL_ENC_FLAG[2]": 22,
-        "SERIAL_ENC_FLAG[3]": 23,
-        "SG": 24,
-        "UV_SF": 24,
-        "OT": 25,
-        "OTPW": 26,
-        "S2GA": 27,
-        "OCA": 27,
-        "S2GB": 28,
-        "OCB": 28,
-        "OLA": 29,
-        "OLB": 30,
-        "STST": 31,
-        "OCHS": 31,
-    }
-)
-"""Lowest bit of each flag of STATUS_FLAGS; VEL_STATE_F and RAMP_STATE_F have two bits, all others one.
-
-Where two names share a bit, the encoder or the motor driver that is connected decides (see the rows).
-"""
 
 SPI_STATUS_BITS: Final = 8
 
@@ -102,11 +60,6 @@ def selected_events(selection: int) -> tuple[int, ...]:
     shown; status bits beyond the selected ones stay 0. Source: DS-TMC4361 7.2.
     """
     return tuple(bit for bit in range(32) if selection >> bit & 1)[:SPI_STATUS_BITS]
-
-
-def spi_status(events: int, selection: int) -> int:
-    """The SPI status byte, 0..255, for EVENTS and SPI_STATUS_SELECTION (32 bits each). Source: DS-TMC4361 7.2."""
-    return sum((events >> bit & 1) << place for place, bit in enumerate(selected_events(selection)))
 
 
 def event_names(events: int) -> tuple[str, ...]:

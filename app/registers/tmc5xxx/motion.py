@@ -239,7 +239,6 @@ def _threshold(name: str, address: int, help_: str) -> Register:
     )
 
 
-_ALWAYS = "0 at every velocity; bits 7..0 do not count"
 VELOCITY_THRESHOLDS = (
     _threshold(
         "VCOOLTHRS",

@@ -19,8 +19,6 @@ from datetime import UTC, datetime
 from pathlib import Path
 from shutil import disk_usage
 
-import numpy as np
-
 from ...errors import StoreUnavailable, UnknownThing, UsageError, WrongState
 from ..document import Document, UnreadableDocument
 from . import file, marks
@@ -404,8 +402,3 @@ def _written(what: str) -> Iterator[None]:
         yield
     except OSError as error:
         raise StoreUnavailable(f"{what}: {error}", "make room, or give stepscope a folder that it may write") from error
-
-
-def span_s(rows: file.Rows) -> float:
-    """From the first to the last sample [s]."""
-    return float(np.ptp(rows.time_s)) if len(rows.time_s) else 0.0

@@ -72,7 +72,7 @@ async def test_peeking_at_events_clears_none_and_clearing_tells_first() -> None:
         await events.clear(words, rows.event("RST_EV"))
         await events.peek(words)
     assert not events.has("RST_EV")
-    assert not events.owes
+    assert events._owed is None
     assert [name for entry in events.events(0).events for name in entry.names].count("RST_EV") == 1
     assert events.resets == 1
 

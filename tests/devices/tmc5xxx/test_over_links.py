@@ -22,7 +22,8 @@ from app.devices.tmc5xxx.start_up import Start, start_up
 from app.emulators.board.build import build_board
 from app.emulators.drive.bench import ChipFaultsChange
 from app.emulators.line.line import Line
-from app.emulators.line.server import serve_pty
+from app.emulators.line.pty import PtyEnd
+from app.emulators.line.server import LineServer
 from app.emulators.line.uart import uart_line
 from app.emulators.server import serve_tcp
 from app.emulators.tmc5xxx import EmulatedTmc5xxx, Tmc5xxxModel, Tmc5xxxOptions, Tmc5xxxPatch
@@ -77,7 +78,7 @@ WAYS = (
 @contextmanager
 def served(line: Line, path: Path) -> Iterator[str]:
     """`line` on a pseudo-terminal: its port."""
-    with serve_pty(line, path) as server:
+    with LineServer(line, [PtyEnd(path)]) as server:
         serving = threading.Thread(target=server.run)
         serving.start()
         yield str(path)

@@ -11,7 +11,6 @@ from ...drive.units import bits, signed
 BINARY, DECIMAL = 1 << 16, 10_000
 """What a fraction of ENC_CONST is divided by, without and with enc_sel_decimal."""
 _MANUAL = 1 << 31
-_MOST = 1 << 31
 
 
 @dataclass(frozen=True, slots=True)
