@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..model import Access, Field
+from ..model import Access, Field, Register
 
 VELOCITY_UNIT = "fCLK/(65536*2^pulse_div) Hz"
 ACCELERATION_UNIT = "fCLK^2/2^(pulse_div+ramp_div+29) Hz/s"
@@ -10,6 +10,7 @@ DIVIDER_UNIT = "fCLK/32/2^n"
 
 RAMP_MODES = {0: "RAMP_MODE", 1: "SOFT_MODE", 2: "VELOCITY_MODE", 3: "HOLD_MODE"}
 OFF_ON = {0: "off", 1: "on"}
+INVERTED = {0: "as is", 1: "inverted"}
 ENABLED_DISABLED = {0: "stops", 1: "ignored"}
 
 INTERRUPTS = (
@@ -69,5 +70,34 @@ def reference_fields(upper_case: bool) -> tuple[Field, ...]:
             values={0: "idle", 1: "waiting"},
             lsb=16,
             access=Access.R,
+        ),
+    )
+
+
+def position_compare(name: str, source: str, interrupt: str, interrupt_source: str) -> tuple[Register, Register]:
+    """The position that is compared, and the interrupt that it raises."""
+    return (
+        Register(
+            name,
+            24,
+            "position at which the compare interrupt is raised",
+            signed=True,
+            unit="microsteps",
+            address=0x35,
+            group="position compare",
+            source=source,
+        ),
+        Register(
+            interrupt,
+            9,
+            "position compare interrupt and its mask",
+            address=0x36,
+            group="position compare",
+            volatile=True,
+            source=interrupt_source,
+            fields=(
+                Field("I", 1, "the compare position was met; write 1 to clear", lsb=0, access=Access.R_W1C),
+                Field("M", 1, "lets the flag be set and raise the interrupt", values=OFF_ON, lsb=8),
+            ),
         ),
     )

@@ -6,25 +6,50 @@ bits is taken from the data sheet of the TMC429, which shares the core, and says
 
 from __future__ import annotations
 
+import re
+from dataclasses import replace
+
 from ..model import Access, Field, Register, RegisterTable
-from .roles import ACCELERATION_UNIT, OFF_ON, VELOCITY_UNIT, divider_fields, interrupt_fields, reference_fields
+from .roles import INVERTED, OFF_ON, divider_fields, interrupt_fields, position_compare, reference_fields
+from .tmc428 import TMC428
 
 AXES = 1
 TYPE_VERSION = 0x429101
 
-_INVERTED = {0: "as is", 1: "inverted"}
+_SECTIONS = {
+    0x0: "6.1.1, 2.4",
+    0x2: "6.1.3",
+    0x3: "6.1.4",
+    0x4: "6.1.5",
+    0x5: "6.1.6",
+    0x6: "6.1.7",
+    0x7: "2.4, 6.1.8 (the table of 6.1 calls it 11 bits unsigned)",
+    0xB: "6.1 (register table); TMC429 v2.06, p. 36 (bits)",
+    0xD: "5.3, 6.1 (register table)",
+    0xE: "5.3, 6.1 (register table)",
+}
+"""Rows of an axis that are the TMC428's but for their spelling, by address."""
+
+
+def _spelled(text: str) -> str:
+    """As this data sheet spells it: modes in lower case, registers in upper case."""
+    text = re.sub(r"(RAMP|SOFT|VELOCITY|HOLD)_MODE", lambda mode: mode[0].lower(), text)
+    return text.replace("x_actual", "X_ACTUAL")
+
+
+def _taken_over(row: Register) -> Register:
+    return replace(
+        row,
+        name=row.name.upper(),
+        help=_spelled(row.help),
+        write_note=_spelled(row.write_note),
+        source=f"DS-TMC4210 {_SECTIONS[row.address]}",
+        fields=interrupt_fields(upper_case=False) if row.fields else (),
+    )
+
 
 _AXIS_REGISTERS = (
-    Register(
-        "X_TARGET",
-        24,
-        "where the motor goes in ramp_mode and soft_mode; stay within 2^23 of X_ACTUAL",
-        signed=True,
-        unit="microsteps",
-        address=0x00,
-        axis=0,
-        source="DS-TMC4210 6.1.1, 2.4",
-    ),
+    *(_taken_over(row) for row in TMC428 if row.axis == 0 and row.address in _SECTIONS),
     Register(
         "X_ACTUAL",
         24,
@@ -37,64 +62,6 @@ _AXIS_REGISTERS = (
         volatile=True,
         write_note="works in every mode, but in ramp_mode and soft_mode the motor then drives to X_TARGET",
         source="DS-TMC4210 6.1.2, 2.4",
-    ),
-    Register(
-        "V_MIN",
-        11,
-        "speed at or below which the motor may stop dead at its target; at least 1 reaches every target",
-        unit=VELOCITY_UNIT,
-        address=0x02,
-        axis=0,
-        source="DS-TMC4210 6.1.3",
-    ),
-    Register("V_MAX", 11, "speed limit", unit=VELOCITY_UNIT, address=0x03, axis=0, source="DS-TMC4210 6.1.4"),
-    Register(
-        "V_TARGET",
-        12,
-        "wanted velocity: yours in velocity_mode, the ramp generator's in ramp_mode and soft_mode",
-        signed=True,
-        range=(-2047, 2047),
-        unit=VELOCITY_UNIT,
-        address=0x04,
-        axis=0,
-        volatile=True,
-        write_note="kept in velocity_mode; the ramp generator overwrites it in ramp_mode and soft_mode",
-        source="DS-TMC4210 6.1.5",
-    ),
-    Register(
-        "V_ACTUAL",
-        12,
-        "present velocity, without its eight hidden fraction bits",
-        signed=True,
-        range=(-2047, 2047),
-        unit=VELOCITY_UNIT,
-        address=0x05,
-        axis=0,
-        access=Access.RW_IF,
-        volatile=True,
-        write_note="only in hold_mode; writing 0 there stops at once",
-        source="DS-TMC4210 6.1.6",
-    ),
-    Register(
-        "A_MAX",
-        11,
-        "acceleration limit; 0 leaves the motor unable to change its speed",
-        unit=ACCELERATION_UNIT,
-        address=0x06,
-        axis=0,
-        source="DS-TMC4210 6.1.7",
-    ),
-    Register(
-        "A_ACTUAL",
-        12,
-        "acceleration now applied, smoothed for reading",
-        signed=True,
-        unit=ACCELERATION_UNIT,
-        address=0x07,
-        axis=0,
-        access=Access.R,
-        volatile=True,
-        source="DS-TMC4210 2.4, 6.1.8 (the table of 6.1 calls it 11 bits unsigned)",
     ),
     Register(
         "PMUL_PDIV",
@@ -119,17 +86,6 @@ _AXIS_REGISTERS = (
         fields=reference_fields(upper_case=True),
     ),
     Register(
-        "INTERRUPT_MASK_INTERRUPT_FLAGS",
-        16,
-        "what happened, and what is watched for; a flag whose mask is off stays 0",
-        address=0x0B,
-        axis=0,
-        group="interrupts",
-        volatile=True,
-        source="DS-TMC4210 6.1 (register table); TMC429 v2.06, p. 36 (bits)",
-        fields=interrupt_fields(upper_case=False),
-    ),
-    Register(
         "PULSE_DIV_RAMP_DIV",
         16,
         "clock dividers",
@@ -138,30 +94,6 @@ _AXIS_REGISTERS = (
         write_note="change PULSE_DIV in ramp_mode only",
         source="DS-TMC4210 5.3, 6.1 (register table)",
         fields=divider_fields(upper_case=True),
-    ),
-    Register(
-        "DX_REF_TOLERANCE",
-        12,
-        "distance around position zero where switches do not stop the motor",
-        unit="microsteps",
-        address=0x0D,
-        axis=0,
-        group="switches",
-        source="DS-TMC4210 5.3, 6.1 (register table)",
-    ),
-    Register(
-        "X_LATCHED",
-        24,
-        "X_ACTUAL at the last change of the reference switch while armed",
-        signed=True,
-        unit="microsteps",
-        address=0x0E,
-        axis=0,
-        access=Access.RW_IF,
-        group="switches",
-        volatile=True,
-        write_note="any write arms the latch and sets lp; the value itself cannot be written",
-        source="DS-TMC4210 5.3, 6.1 (register table)",
     ),
     Register(
         "USTEP_COUNT_4210",
@@ -193,8 +125,8 @@ _GLOBAL_REGISTERS = (
                 lsb=1,
             ),
             Field("step_half", 1, "step output", values={0: "a pulse a step", 1: "an edge a step"}, lsb=2),
-            Field("inv_stp", 1, "step output level", values=_INVERTED, lsb=3),
-            Field("inv_dir", 1, "direction output level", values=_INVERTED, lsb=4),
+            Field("inv_stp", 1, "step output level", values=INVERTED, lsb=3),
+            Field("inv_dir", 1, "direction output level", values=INVERTED, lsb=4),
             Field("en_sd", 1, "step/direction interface", values=OFF_ON, lsb=5),
             Field(
                 "pos_comp_sel",
@@ -206,28 +138,11 @@ _GLOBAL_REGISTERS = (
             Field("en_refr", 1, "right switch inputs of a TMC429; without effect here", values=OFF_ON, lsb=8),
         ),
     ),
-    Register(
+    *position_compare(
         "POS_COMP_4210",
-        24,
-        "position at which the compare interrupt is raised",
-        signed=True,
-        unit="microsteps",
-        address=0x35,
-        group="position compare",
-        source="DS-TMC4210 5.3; TMC429 v2.06, p. 43 (access, sign)",
-    ),
-    Register(
+        "DS-TMC4210 5.3; TMC429 v2.06, p. 43 (access, sign)",
         "POS_COMP_INT_4210",
-        9,
-        "position compare interrupt and its mask",
-        address=0x36,
-        group="position compare",
-        volatile=True,
-        source="DS-TMC4210 5.3; TMC429 v2.06, p. 21",
-        fields=(
-            Field("I", 1, "the compare position was met; write 1 to clear", lsb=0, access=Access.R_W1C),
-            Field("M", 1, "lets the flag be set and raise the interrupt", values=OFF_ON, lsb=8),
-        ),
+        "DS-TMC4210 5.3; TMC429 v2.06, p. 21",
     ),
     Register(
         "POWER_DOWN",
@@ -291,4 +206,4 @@ _GLOBAL_REGISTERS = (
     ),
 )
 
-TMC4210 = RegisterTable("tmc4210", _AXIS_REGISTERS + _GLOBAL_REGISTERS)
+TMC4210 = RegisterTable("tmc4210", tuple(sorted(_AXIS_REGISTERS + _GLOBAL_REGISTERS, key=lambda row: row.address)))

@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from ..model import Access, Field, Register, RegisterTable
 from . import tmc428
-from .roles import OFF_ON
+from .roles import INVERTED, OFF_ON, position_compare
 from .tmc4210 import TYPE_VERSION
 
 AXES = tmc428.AXES
@@ -30,7 +30,6 @@ _GLOBAL_SECTIONS = {
     0x3E: "8.2.4.5, 7.3 (bits)",
     0x3F: "8.2.5, 7.3 (bits)",
 }
-_INVERTED = {0: "as is", 1: "inverted"}
 
 
 def _taken_over(row: Register) -> Register:
@@ -86,8 +85,8 @@ _INTERFACE = (
                 behaviour="the emulated chip is read by SDOZ_C",
             ),
             Field("step_half", 1, "step outputs", values={0: "a pulse a step", 1: "an edge a step"}, lsb=2),
-            Field("inv_stp", 1, "levels of the step outputs", values=_INVERTED, lsb=3),
-            Field("inv_dir", 1, "levels of the direction outputs; turns the motors round", values=_INVERTED, lsb=4),
+            Field("inv_stp", 1, "levels of the step outputs", values=INVERTED, lsb=3),
+            Field("inv_dir", 1, "levels of the direction outputs; turns the motors round", values=INVERTED, lsb=4),
             Field("en_sd", 1, "how motors are driven", values={0: "SPI driver chain", 1: "step/direction"}, lsb=5),
             Field(
                 "pos_comp_sel",
@@ -99,29 +98,7 @@ _INTERFACE = (
             Field("en_refr", 1, "inputs REFR1 to REFR3 as right switches", values=OFF_ON, lsb=8),
         ),
     ),
-    Register(
-        "pos_comp_429",
-        24,
-        "position at which the compare interrupt is raised",
-        signed=True,
-        unit="microsteps",
-        address=0x35,
-        group="position compare",
-        source="DS-TMC429 8.2.4.1",
-    ),
-    Register(
-        "pos_comp_int_429",
-        9,
-        "position compare interrupt and its mask",
-        address=0x36,
-        group="position compare",
-        volatile=True,
-        source="DS-TMC429 8.2.4.2, 7.3 (bits)",
-        fields=(
-            Field("I", 1, "the compare position was met; write 1 to clear", lsb=0, access=Access.R_W1C),
-            Field("M", 1, "lets the flag be set and raise the interrupt", values=OFF_ON, lsb=8),
-        ),
-    ),
+    *position_compare("pos_comp_429", "DS-TMC429 8.2.4.1", "pos_comp_int_429", "DS-TMC429 8.2.4.2, 7.3 (bits)"),
     Register(
         "type_version_429",
         24,
