@@ -13,7 +13,7 @@ from typing import ClassVar, Protocol
 from ...calc.microsteps.mslut import MslutRegisters
 from ...calc.tmcl.assembler import Assembly
 from ...calc.tmcl.instructions import Command, InstructionSet
-from ...errors import WrongState
+from ...errors import BenchError, WrongState
 from ...links.queue import Priority
 from ...registers.model import Register
 from .counter import CounterLook
@@ -107,8 +107,15 @@ class Registers(Protocol):
         ...
 
     async def write_many(self, items: Sequence[WriteItem]) -> BatchResult:
-        """Several writes in order; the first that fails ends it."""
-        ...
+        """Several writes in order; the first that fails ends it. None is sent where one would break a soft limit."""
+        await self.check_writes(items)
+        done: list[RegisterWritten] = []
+        for index, item in enumerate(items):
+            try:
+                done.append(await self.write(item.name, item.axis, item.value, item.fields))
+            except BenchError as error:
+                return BatchResult(done, error, len(items) - index - 1)
+        return BatchResult(done, None, 0)
 
     async def check_writes(self, items: Sequence[WriteItem]) -> None:
         """Raises SoftLimit where one of these writes, made in this order, would go beyond a soft limit. Sends no write.

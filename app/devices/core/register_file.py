@@ -19,7 +19,7 @@ from .changes import outcome_of, outcome_of_failure, register_changed
 from .lookup import Changes, Lookup, checked_fields, modify, word_of_value
 from .register_io import Words
 from .register_link import RegisterLink
-from .results import BatchResult, RegisterReading, RegisterWritten, WriteItem
+from .results import RegisterReading, RegisterWritten, WriteItem
 
 READ_AT_ONCE = 16
 """How many registers one turn may ask for where they travel in one chain."""
@@ -196,16 +196,6 @@ class RegisterFile(Registers):
             await self._rules.settle(words, register, read_back=register.access.readable)
         await self._rules.after_write(register)
         return _renamed(done, part)
-
-    async def write_many(self, items: Sequence[WriteItem]) -> BatchResult:
-        await self.check_writes(items)
-        done: list[RegisterWritten] = []
-        for index, item in enumerate(items):
-            try:
-                done.append(await self.write(item.name, item.axis, item.value, item.fields))
-            except BenchError as error:
-                return BatchResult(done, error, len(items) - index - 1)
-        return BatchResult(done, None, 0)
 
     async def _write(self, words: Words, register: Register, word: int, changes: Changes | None) -> RegisterWritten:
         """Write within a turn: `changes` over what the chip holds, or the whole `word`. Whoever listens is told."""

@@ -138,6 +138,15 @@ class Calls:
                 continue
         return None
 
+    async def before(self, register: Register) -> int | None:
+        """What the module holds before a write, where it can be asked and clears nothing by it."""
+        if not register.access.readable or register.read_clears:
+            return None
+        try:
+            return await self.get(register)
+        except UnknownParameter:  # the table knows more than this firmware: the write itself will tell
+            return None
+
     def need(self, register: Register, value: int | None) -> int:
         """`value` of `ask_many`, where nothing goes on without it. Raises UnknownParameter."""
         if value is None:

@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
-from ...errors import WrongState
+from typing import Protocol
+
+from ...errors import OutOfRange, WrongState
 from ...links.tmcl import FRAME_BYTES, Reply, Request, has_plain_reply, sound, version_string
 from ...registers.tmcl.commands import BY_OPCODE, Opcode
+from .capabilities import RawFrames, TmclCommands
 from .results import RawExchange, TmclExchange
-from .tmcl_frames import spelled
+from .session import Session
+from .tmcl_frames import request_of, spelled
+from .tmcl_link import TmclLink
 
 STOPPING = frozenset({Opcode.MST, Opcode.STOP_APPLICATION, Opcode.RESET_APPLICATION, Opcode.FACTORY_DEFAULT})
 """Commands that stop a motor, or the program that may turn it."""
@@ -64,3 +69,45 @@ def raw_exchange_of(request: Request, frame: bytes, reply: bytes, took_ms: float
             "text": done.text,
         },
     )
+
+
+class Sender(Protocol):
+    """Sends what somebody asks for by hand, once, and knows what it may set in motion."""
+
+    async def send(self, request: Request, frame: bytes) -> tuple[bytes, float]:
+        """The raw answer, b"" where there is none and need not be, and how long it took [ms]."""
+        ...
+
+
+class Console(RawFrames, TmclCommands):
+    """Sends any command to the module of `link`."""
+
+    def __init__(self, session: Session, link: TmclLink, sender: Sender) -> None:
+        self._session = session
+        self._link = link
+        self._sender = sender
+
+    async def tmcl(
+        self,
+        command: int | str,
+        type: int | str = 0,  # noqa: A002 (TMCL's own word)
+        motor: int = 0,
+        value: int = 0,
+    ) -> TmclExchange:
+        """One direct command; `command` and `type` by number or by TMCL's names. Never sent twice.
+
+        A status of an error is an answer, not an exception. Raises UnknownThing for a name, OutOfRange
+        for a number that its field cannot hold, LinkError.
+        """
+        request = request_of(self._link.address, command, type, motor, value)
+        self._session.require_connected()
+        frame = request.encode()
+        return exchange_of(request, frame, *await self._sender.send(request, frame))
+
+    async def exchange(self, frame: bytes) -> RawExchange:
+        """Nine bytes as they are, even with a wrong checksum or another module's address."""
+        if len(frame) != FRAME_BYTES:
+            raise OutOfRange("frame length", len(frame), FRAME_BYTES, FRAME_BYTES, "bytes")
+        self._session.require_connected()
+        request = Request.decode(frame)
+        return raw_exchange_of(request, frame, *await self._sender.send(request, frame))

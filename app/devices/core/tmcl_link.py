@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterator, Sequence
 from contextlib import asynccontextmanager
 from typing import Protocol
 
@@ -17,6 +17,10 @@ from .tmcl_calls import Calls, Lacking
 
 NOISE_S = 0.05
 """How long a garbled answer may be the latest news of the link before it counts as failed [s]."""
+CHUNK_S = 0.02
+"""How long a reading of many parameters may keep other commands waiting [s]."""
+CHUNKS = (4, 64)
+"""Fewest and most questions of one turn."""
 ADDRESS = 1
 """Of a module as it comes (GP 0, 66)."""
 
@@ -75,6 +79,12 @@ class TmclLink:
         """How long the questions of one reading of the axis take on this link, about [s]."""
         possible = self._session.calls_per_s_possible
         return 0.0 if possible is None else self._state.questions / possible
+
+    def shares(self, wanted: Sequence[Register]) -> Iterator[Sequence[Register]]:
+        """`wanted` in as many turns as other commands need."""
+        possible = self._session.calls_per_s_possible
+        size = CHUNKS[1] if possible is None else max(CHUNKS[0], min(CHUNKS[1], round(possible * CHUNK_S)))
+        return (wanted[first : first + size] for first in range(0, len(wanted), size))
 
     # --- noise ----------------------------------------------------------------------------------
 

@@ -1,20 +1,18 @@
-"""Commands as they are: nine raw bytes, or one TMCL command by its fields. What they may set in motion is known."""
+"""Commands that somebody sends by hand. What they may set in motion is known."""
 
 from __future__ import annotations
 
 import time
 
-from ...errors import LinkError, OutOfRange
+from ...errors import LinkError
 from ...links.port import Answer
 from ...links.queue import Priority
-from ...links.tmcl import FRAME_BYTES, Request, has_reply
+from ...links.tmcl import Request, has_reply
 from ...registers.model import Space
 from ...registers.tmcl.commands import BY_OPCODE, Opcode
-from ..core.capabilities import RawFrames, TmclCommands
-from ..core.results import RawExchange, TmclExchange
 from ..core.session import Session
-from ..core.tmcl_console import STOPPING, UNANSWERED_S, exchange_of, raw_exchange_of, require_no_boot_loader
-from ..core.tmcl_frames import WIDE_SHIFT, request_of, spelled
+from ..core.tmcl_console import STOPPING, UNANSWERED_S, Sender, require_no_boot_loader
+from ..core.tmcl_frames import WIDE_SHIFT, spelled
 from ..core.tmcl_link import TmclLink
 from .ongoing import ListedMotions
 from .state import ListedState
@@ -22,7 +20,7 @@ from .state import ListedState
 OF_AXIS = frozenset({Opcode.SAP, Opcode.AAP, Opcode.RSAP})
 
 
-class ListedConsole(RawFrames, TmclCommands):
+class ListedSender(Sender):
     """Sends any command to the module, once."""
 
     def __init__(self, session: Session, state: ListedState, link: TmclLink, motions: ListedMotions) -> None:
@@ -31,27 +29,7 @@ class ListedConsole(RawFrames, TmclCommands):
         self._link = link
         self._motions = motions
 
-    async def tmcl(
-        self,
-        command: int | str,
-        type: int | str = 0,  # noqa: A002 (TMCL's own word)
-        motor: int = 0,
-        value: int = 0,
-    ) -> TmclExchange:
-        request = request_of(self._link.address, command, type, motor, value)
-        self._session.require_connected()
-        frame = request.encode()
-        return exchange_of(request, frame, *await self._exchange(request, frame))
-
-    async def exchange(self, frame: bytes) -> RawExchange:
-        """Nine bytes as they are, even with a wrong checksum or another module's address."""
-        if len(frame) != FRAME_BYTES:
-            raise OutOfRange("frame length", len(frame), FRAME_BYTES, FRAME_BYTES, "bytes")
-        self._session.require_connected()
-        request = Request.decode(frame)
-        return raw_exchange_of(request, frame, *await self._exchange(request, frame))
-
-    async def _exchange(self, request: Request, frame: bytes) -> tuple[bytes, float]:
+    async def send(self, request: Request, frame: bytes) -> tuple[bytes, float]:
         """The raw answer, b"" where there is none and need not be, and how long it took [ms]."""
         require_no_boot_loader(request)
         self._link.check_limits(request)

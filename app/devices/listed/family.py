@@ -17,9 +17,10 @@ from ..core.device import Device, Parts
 from ..core.family import DeviceFamily
 from ..core.session import COUNTER_WRITES, Session
 from ..core.start_up import StartPlan, Wanted
+from ..core.tmcl_console import Console
 from ..core.tmcl_link import TmclLink
 from .configuration import ListedConfiguration
-from .console import ListedConsole
+from .console import ListedSender
 from .identity import ListedIdentity
 from .limits import ListedRules
 from .monitor import ListedCounter, ListedMonitor
@@ -55,7 +56,7 @@ def compose(
         Parts(
             identity=ListedIdentity(session, state, link, tasks),
             registers=ListedParameters(session, state, link, motions),
-            raw=ListedConsole(session, state, link, motions),
+            raw=Console(session, link, ListedSender(session, state, link, motions)),
             motion=motion,
             configuration=ListedConfiguration(state, motion),
             monitor=ListedMonitor(session, state, link, motions),

@@ -10,7 +10,6 @@ from ...errors import (
     LinkError,
     LinkTimeout,
     OutOfRange,
-    UnknownParameter,
     UsageError,
     WriteRefused,
     WrongState,
@@ -19,7 +18,7 @@ from ...registers.model import Register, Space, to_raw
 from ..core.capabilities import Registers
 from ..core.changes import DONE, outcome_of, outcome_of_failure, register_changed
 from ..core.lookup import number_of
-from ..core.results import BatchResult, RegisterReading, RegisterWritten, WriteItem
+from ..core.results import RegisterReading, RegisterWritten, WriteItem
 from ..core.session import Session
 from ..core.tmcl_calls import Calls
 from ..core.tmcl_frames import writing
@@ -27,10 +26,6 @@ from ..core.tmcl_link import TmclLink
 from .ongoing import ListedMotions
 from .state import ListedState, limit_address
 
-CHUNK_S = 0.02
-"""How long a reading of many parameters may keep other commands waiting [s]."""
-CHUNKS = (4, 64)
-"""Fewest and most questions of one turn."""
 ADDRESS, SUPPRESS_REPLY = 66, 255
 """Global parameters of bank 0 whose write changes how every module answers."""
 
@@ -65,11 +60,8 @@ class ListedParameters(Registers):
             for row in self._state.table
             if not row.read_clears and (axis is None or row.axis == axis) and (not groups or row.group in groups)
         ]
-        possible = self._session.calls_per_s_possible
-        size = CHUNKS[1] if possible is None else max(CHUNKS[0], min(CHUNKS[1], round(possible * CHUNK_S)))
         found: list[RegisterReading] = []
-        for first in range(0, len(wanted), size):
-            chunk = wanted[first : first + size]
+        for chunk in self._link.shares(wanted):
             async with self._link.calls() as calls:
                 values = await calls.ask_many(chunk)
             found += [_reading(row, value) for row, value in zip(chunk, values, strict=True) if value is not None]
@@ -98,7 +90,7 @@ class ListedParameters(Registers):
             )
         self._session.require_connected()
         async with self._link.calls(register.axis) as calls:
-            old = None if register.read_clears else await self._before(calls, register)
+            old = await calls.before(register)
             try:
                 written = await (self._move if self._state.moves(register) else self._put)(calls, register, value)
             except BenchError as error:
@@ -119,22 +111,6 @@ class ListedParameters(Registers):
                 if limiter.affects_limits(address):
                     found.append((address, item.value))
         limiter.check_writes(found)
-
-    async def write_many(self, items: Sequence[WriteItem]) -> BatchResult:
-        await self.check_writes(items)
-        done: list[RegisterWritten] = []
-        for index, item in enumerate(items):
-            try:
-                done.append(await self.write(item.name, item.axis, item.value, item.fields))
-            except BenchError as error:
-                return BatchResult(done, error, len(items) - index - 1)
-        return BatchResult(done, None, 0)
-
-    async def _before(self, calls: Calls, register: Register) -> int | None:
-        try:
-            return await calls.get(register)
-        except UnknownParameter:  # the table knows more than this firmware: the write itself will tell
-            return None
 
     async def _move(self, calls: Calls, register: Register, value: int) -> RegisterWritten:
         """Write what may set an axis in motion: once, whatever comes of it."""

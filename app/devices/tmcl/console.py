@@ -1,15 +1,14 @@
-"""Commands as they are: nine raw bytes, or one TMCL command by its fields. What they may set in motion is known."""
+"""Commands that somebody sends by hand. What they may set in motion is known."""
 
 from __future__ import annotations
 
 import time
 
-from ...errors import BadReply, LinkError, OutOfRange, WrongState
+from ...errors import BadReply, LinkError, WrongState
 from ...links.download import DownloadHold
 from ...links.port import Answer
 from ...links.queue import Priority
 from ...links.tmcl import (
-    FRAME_BYTES,
     Request,
     check_reply,
     has_reply,
@@ -17,12 +16,10 @@ from ...links.tmcl import (
 )
 from ...registers.model import Space
 from ...registers.tmcl.commands import BY_OPCODE, CONTROL_FIRST, Opcode, Status
-from ..core.capabilities import RawFrames, TmclCommands
 from ..core.changes import BY_HAND
-from ..core.results import RawExchange, TmclExchange
 from ..core.session import Session
-from ..core.tmcl_console import STOPPING, UNANSWERED_S, exchange_of, raw_exchange_of, require_no_boot_loader
-from ..core.tmcl_frames import request_of, spelled, written_by
+from ..core.tmcl_console import STOPPING, UNANSWERED_S, Sender, require_no_boot_loader
+from ..core.tmcl_frames import spelled, written_by
 from ..core.tmcl_link import TmclLink
 from .moving_writes import MovingWrites
 from .ongoing import OngoingMotion
@@ -33,7 +30,7 @@ ENDING_PROGRAMS = frozenset({Opcode.STOP_APPLICATION, Opcode.RESET_APPLICATION, 
 """Commands after which no program runs."""
 
 
-class Console(RawFrames, TmclCommands):
+class ModuleSender(Sender):
     """Sends any command to the module of `link`. `moving` hears of those that may have moved its motor."""
 
     def __init__(
@@ -54,34 +51,7 @@ class Console(RawFrames, TmclCommands):
         self._ongoing = ongoing
         self._moving = moving
 
-    async def tmcl(
-        self,
-        command: int | str,
-        type: int | str = 0,  # noqa: A002 (TMCL's own word)
-        motor: int = 0,
-        value: int = 0,
-    ) -> TmclExchange:
-        """One direct command; `command` and `type` by number or by TMCL's names. Never sent twice.
-
-        A status of an error is an answer, not an exception. Raises UnknownThing for a name, OutOfRange
-        for a number that its field cannot hold, LinkError.
-        """
-        request = request_of(self._link.address, command, type, motor, value)
-        self._session.require_connected()
-        frame = request.encode()
-        reply, took_ms = await self._exchange(request, frame)
-        return exchange_of(request, frame, reply, took_ms)
-
-    async def exchange(self, frame: bytes) -> RawExchange:
-        """Nine bytes as they are, even with a wrong checksum or another module's address."""
-        if len(frame) != FRAME_BYTES:
-            raise OutOfRange("frame length", len(frame), FRAME_BYTES, FRAME_BYTES, "bytes")
-        self._session.require_connected()
-        request = Request.decode(frame)
-        answer, took_ms = await self._exchange(request, frame)
-        return raw_exchange_of(request, frame, answer, took_ms)
-
-    async def _exchange(self, request: Request, frame: bytes) -> tuple[bytes, float]:
+    async def send(self, request: Request, frame: bytes) -> tuple[bytes, float]:
         """The raw answer, b"" where there is none and need not be, and how long it took [ms]."""
         self._require_harmless(request)
         stored = request.opcode < CONTROL_FIRST and self._download.problem is not None

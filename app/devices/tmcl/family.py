@@ -15,10 +15,11 @@ from ..core.config import DeviceConfig
 from ..core.device import Device, Parts
 from ..core.family import DeviceFamily
 from ..core.session import Session
+from ..core.tmcl_console import Console
 from ..core.tmcl_link import TmclLink
 from .borrowed import BorrowedAcceleration
 from .configuration import ModuleConfiguration
-from .console import Console
+from .console import ModuleSender
 from .counter import ModuleCounter, TickTimer, counter_writes
 from .departure import Departure
 from .download_mode import download_hold
@@ -61,7 +62,7 @@ def compose(
     stops = Stops(session, state, link, download, ongoing, borrowed)
     moving = MovingWrites(session, state, link, records, ongoing, borrowed)
     parameters = Parameters(session, state, link, records, moving)
-    console = Console(session, state, link, download, records, ongoing, moving)
+    console = Console(session, link, ModuleSender(session, state, link, download, records, ongoing, moving))
 
     session.writes_counter = counter_writes(state.roles)
     session.link_filters.append(link.counts)

@@ -46,7 +46,7 @@ class MovingWrites:
         records, what = self._records, f"writing {register.name}"
         request = writing(self._link.address, register, value)
         async with self._link.calls(register.axis) as calls:
-            old = await records.before(calls, register)
+            old = await calls.before(register)
             self._link.check_limits(request)
             self._session.commanded(0, register.name)
             try:

@@ -8,7 +8,7 @@ from ...errors import BadReply, BenchError, LinkTimeout, OutOfRange, UnknownPara
 from ...registers.model import Register, Space
 from ..core.capabilities import Registers
 from ..core.lookup import checked_fields
-from ..core.results import BatchResult, RegisterReading, RegisterWritten, WriteItem
+from ..core.results import RegisterReading, RegisterWritten, WriteItem
 from ..core.session import Session
 from ..core.tmcl_calls import Calls
 from ..core.tmcl_link import TmclLink
@@ -17,10 +17,6 @@ from .moving_writes import MovingWrites
 from .records import Records
 from .state import ModuleState
 
-CHUNK_S = 0.02
-"""How long a reading of many parameters may keep other commands waiting [s]."""
-CHUNKS = (4, 64)
-"""Fewest and most questions of one turn."""
 ADDRESS, SUPPRESS_REPLY = 66, 255
 """Global parameters of bank 0 whose write changes how the module answers."""
 
@@ -76,11 +72,8 @@ class Parameters(Registers):
 
     async def _values(self, wanted: Sequence[Register]) -> list[int | None]:
         """Of many rows, a turn for some at a time; None for those that this module does not have."""
-        possible = self._session.calls_per_s_possible
-        size = CHUNKS[1] if possible is None else max(CHUNKS[0], min(CHUNKS[1], round(possible * CHUNK_S)))
         values: list[int | None] = []
-        for first in range(0, len(wanted), size):
-            chunk = wanted[first : first + size]
+        for chunk in self._link.shares(wanted):
             async with self._link.calls() as calls:
                 try:
                     values += await calls.get_many(chunk)
@@ -117,7 +110,7 @@ class Parameters(Registers):
         if self._moving.may_move(register):
             return await self._moving.write(register, value)
         async with self._link.calls(register.axis) as calls:
-            old = await self._records.before(calls, register)
+            old = await calls.before(register)
             try:
                 written = await self._write(calls, register, value)
             except BenchError as error:
@@ -137,16 +130,6 @@ class Parameters(Registers):
             if register.space is Space.AXIS and limiter.affects_limits(register.address) and item.value is not None:
                 found.append((register.address, item.value))
         limiter.check_writes(found)
-
-    async def write_many(self, items: Sequence[WriteItem]) -> BatchResult:
-        await self.check_writes(items)
-        done: list[RegisterWritten] = []
-        for index, item in enumerate(items):
-            try:
-                done.append(await self.write(item.name, item.axis, item.value, item.fields))
-            except BenchError as error:
-                return BatchResult(done, error, len(items) - index - 1)
-        return BatchResult(done, None, 0)
 
     async def _write(self, calls: Calls, register: Register, value: int) -> RegisterWritten:
         records = self._records

@@ -25,9 +25,9 @@ from ...registers.tmcl.commands import CONTROL_FIRST, PROGRAM_COMMANDS, Opcode, 
 from ..core.capabilities import ProgramMemory
 from ..core.results import ProgramDownload, ProgramState
 from ..core.session import Session
+from ..core.tmcl_console import Console
 from ..core.tmcl_link import TmclLink
 from ..core.tmcl_refusals import refusal
-from .console import Console
 from .ongoing import OngoingMotion
 from .state import ModuleState
 

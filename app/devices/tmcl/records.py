@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from ...errors import BenchError, UnknownParameter, WriteRefused
+from ...errors import BenchError, WriteRefused
 from ...registers.model import Register, to_raw
 from ..core.changes import DONE, outcome_of, outcome_of_failure, register_changed
 from ..core.results import RegisterReading, RegisterWritten
 from ..core.session import Session
-from ..core.tmcl_calls import Calls
 from ..core.tmcl_refusals import limits, unit_of
 from . import units
 from .state import ModuleState
@@ -50,15 +49,6 @@ class Records:
             verified=verified,
             note=note,
         )
-
-    async def before(self, calls: Calls, register: Register) -> int | None:
-        """What the module holds before a write, where it can be asked and clears nothing by it."""
-        if not register.access.readable or register.read_clears:
-            return None
-        try:
-            return await calls.get(register)
-        except UnknownParameter:  # the table knows more than this firmware: the write itself will tell
-            return None
 
     def judge(self, register: Register, value: int, back: int) -> tuple[bool | None, str]:
         """Whether the module took `value`, and what to know about it. Raises WriteRefused."""
