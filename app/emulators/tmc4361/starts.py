@@ -8,123 +8,89 @@ Timing below a tick of 64 clocks is rounded up to it. Which stages and sets ther
 
 from __future__ import annotations
 
+from . import layout as c
 from .compiled import compiled, inlined
-from .layout import (
-    ACT_GEAR,
-    ACT_RAMPMODE,
-    ACT_VMAX,
-    ACT_XTARGET,
-    GEAR_RATIO,
-    GENERAL_CONF,
-    MISSED,
-    NEVER,
-    PENDING,
-    PIN_START,
-    POS_COMP,
-    R_AMAX,
-    R_ASTART,
-    R_BOW1,
-    R_DFINAL,
-    R_DMAX,
-    R_VBREAK,
-    R_VMAX,
-    R_VSTART,
-    R_VSTOP,
-    RAMPMODE,
-    SEEN,
-    SH_REG0,
-    START_AT,
-    START_CONF,
-    START_DELAY,
-    START_OUT,
-    START_OUT_ADD,
-    STARTED,
-    TICK,
-    TICK_CLOCKS,
-    X_PIPE0,
-    XTARGET,
-    Cells,
-)
+from .layout import Cells
 from .units import signed
 
 _ALL = (
-    R_VMAX,
-    R_AMAX,
-    R_DMAX,
-    R_ASTART,
-    R_DFINAL,
-    R_VBREAK,
-    R_VSTART,
-    R_VSTOP,
-    R_BOW1,
-    R_BOW1 + 1,
-    R_BOW1 + 2,
-    R_BOW1 + 3,
-    RAMPMODE,
+    c.R_VMAX,
+    c.R_AMAX,
+    c.R_DMAX,
+    c.R_ASTART,
+    c.R_DFINAL,
+    c.R_VBREAK,
+    c.R_VSTART,
+    c.R_VSTOP,
+    c.R_BOW1,
+    c.R_BOW1 + 1,
+    c.R_BOW1 + 2,
+    c.R_BOW1 + 3,
+    c.RAMPMODE,
 )
-_BOWS = (R_VMAX, R_AMAX, R_DMAX, R_BOW1, R_BOW1 + 1, R_BOW1 + 2, R_BOW1 + 3)
-_WITH_VSTART = (R_VMAX, R_AMAX, R_DMAX, R_ASTART, R_DFINAL, R_VBREAK, R_VSTART)
-_WITH_VSTOP = (R_VMAX, R_AMAX, R_DMAX, R_ASTART, R_DFINAL, R_VBREAK, R_VSTOP)
+_BOWS = (c.R_VMAX, c.R_AMAX, c.R_DMAX, c.R_BOW1, c.R_BOW1 + 1, c.R_BOW1 + 2, c.R_BOW1 + 3)
+_WITH_VSTART = (c.R_VMAX, c.R_AMAX, c.R_DMAX, c.R_ASTART, c.R_DFINAL, c.R_VBREAK, c.R_VSTART)
+_WITH_VSTOP = (c.R_VMAX, c.R_AMAX, c.R_DMAX, c.R_ASTART, c.R_DFINAL, c.R_VBREAK, c.R_VSTOP)
 _SET = 7
-_PIPED = (XTARGET, POS_COMP, GEAR_RATIO, GENERAL_CONF)
+_PIPED = (c.XTARGET, c.POS_COMP, c.GEAR_RATIO, c.GENERAL_CONF)
 
 
 @compiled
 def follow(r: Cells, s: Cells) -> None:
     """Act on what is written, but for registers that wait for a start."""
-    s[PENDING] &= r[START_CONF] & 15
-    waits = s[PENDING]
+    s[c.PENDING] &= r[c.START_CONF] & 15
+    waits = s[c.PENDING]
     if not waits & 1:
-        s[ACT_XTARGET] = signed(r[XTARGET])
+        s[c.ACT_XTARGET] = signed(r[c.XTARGET])
     if not waits & 2:
-        s[ACT_VMAX] = r[R_VMAX]
+        s[c.ACT_VMAX] = r[c.R_VMAX]
     if not waits & 4:
-        s[ACT_RAMPMODE] = r[RAMPMODE]
+        s[c.ACT_RAMPMODE] = r[c.RAMPMODE]
     if not waits & 8:
-        s[ACT_GEAR] = r[GEAR_RATIO]
+        s[c.ACT_GEAR] = r[c.GEAR_RATIO]
 
 
 @inlined
 def start_pin_active(r: Cells, s: Cells) -> bool:
     """Whether START has its active level, after the filter."""
-    return (s[SEEN] & PIN_START != 0) == (r[START_CONF] >> 9 & 1 != 0)
+    return (s[c.SEEN] & c.PIN_START != 0) == (r[c.START_CONF] >> 9 & 1 != 0)
 
 
 @compiled
 def trigger(r: Cells, s: Cells, pin_edge: bool, events: int) -> None:
     """See whether something triggers a start: the edge of START, or new `events` that START_CONF chooses."""
-    conf = r[START_CONF]
+    conf = r[c.START_CONF]
     by_pin = pin_edge and conf >> 5 & 1 and start_pin_active(r, s)
     reached = events & 1 | (events >> 2 & 1) << 1 | (events >> 1 & 1) << 2  # TARGET, VEL, POS_COMP
-    if s[START_AT] != NEVER or not (by_pin or reached & conf >> 6 & 7):
+    if s[c.START_AT] != c.NEVER or not (by_pin or reached & conf >> 6 & 7):
         return
-    delay = 0 if by_pin and conf >> 10 & 1 else r[START_DELAY]
-    s[START_AT] = s[TICK] + (delay + TICK_CLOCKS - 1) // TICK_CLOCKS
+    delay = 0 if by_pin and conf >> 10 & 1 else r[c.START_DELAY]
+    s[c.START_AT] = s[c.TICK] + (delay + c.TICK_CLOCKS - 1) // c.TICK_CLOCKS
 
 
 @inlined
 def is_due(r: Cells, s: Cells) -> bool:
     """Whether a start happens now. With busy_state_en it waits until all others let START go."""
-    if s[START_AT] > s[TICK]:
+    if s[c.START_AT] > s[c.TICK]:
         return False
-    return not r[START_CONF] >> 11 & 1 or start_pin_active(r, s)
+    return not r[c.START_CONF] >> 11 & 1 or start_pin_active(r, s)
 
 
 @compiled
 def start(r: Cells, s: Cells) -> None:
     """A start: waiting registers count, pipeline and shadow registers move."""
-    conf = r[START_CONF]
-    s[START_AT] = NEVER
-    s[STARTED] += 1
+    conf = r[c.START_CONF]
+    s[c.START_AT] = c.NEVER
+    s[c.STARTED] += 1
     if not conf >> 5 & 1:
-        s[START_OUT] = s[TICK] + (r[START_OUT_ADD] + 1 + TICK_CLOCKS - 1) // TICK_CLOCKS
-    s[PENDING] = 0
+        s[c.START_OUT] = s[c.TICK] + (r[c.START_OUT_ADD] + 1 + c.TICK_CLOCKS - 1) // c.TICK_CLOCKS
+    s[c.PENDING] = 0
     if conf >> 4 & 1:
-        if s[MISSED] >= (conf >> 20 & 15):
-            s[MISSED] = 0
+        if s[c.MISSED] >= (conf >> 20 & 15):
+            s[c.MISSED] = 0
             _shadow(r, conf)
         else:
-            s[MISSED] += 1
+            s[c.MISSED] += 1
     if conf >> 12 & 15:
         _pipeline(r, conf)
     follow(r, s)
@@ -144,10 +110,10 @@ def _shadow(r: Cells, conf: int) -> None:
     option, cyclic = conf >> 16 & 3, conf >> 18 & 1 != 0
     if option == 0:
         for n in range(len(_ALL)):
-            _change_places(r, _ALL[n], SH_REG0 + n, SH_REG0 + n, cyclic)
+            _change_places(r, _ALL[n], c.SH_REG0 + n, c.SH_REG0 + n, cyclic)
         return
     for n in range(_SET):
-        first = SH_REG0 + n
+        first = c.SH_REG0 + n
         if option == 1:
             register = _BOWS[n]
         elif option == 2:
@@ -177,10 +143,10 @@ def _pipeline(r: Cells, conf: int) -> None:
             continue
         end = min(begin + length, 8)
         old = r[_PIPED[n]]
-        r[_PIPED[n]] = r[X_PIPE0 + begin]
+        r[_PIPED[n]] = r[c.X_PIPE0 + begin]
         for stage in range(begin, end - 1):
-            r[X_PIPE0 + stage] = r[X_PIPE0 + stage + 1]
+            r[c.X_PIPE0 + stage] = r[c.X_PIPE0 + stage + 1]
         for stage in range(begin, end):
             if rewrite >> stage & 1:
-                r[X_PIPE0 + stage] = old
+                r[c.X_PIPE0 + stage] = old
         begin = end

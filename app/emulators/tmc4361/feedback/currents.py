@@ -23,45 +23,8 @@ import math
 from ...drive import kernel as k
 from ...drive.table import PEAK
 from ..compiled import compiled, inlined
-from .layout import (
-    BOOST_TIME,
-    CL_ANGLES,
-    CLOSED_LOOP,
-    CURRENT_A,
-    CURRENT_A_SPI,
-    CURRENT_B,
-    CURRENT_B_SPI,
-    CURRENT_CONF,
-    DEV,
-    DOWN_SCALE_DELAY,
-    DRV_SCALE_DELAY,
-    DUTY_A,
-    DUTY_B,
-    ENC_IN_CONF,
-    FREE,
-    FREEWHEEL_DELAY,
-    FREEZE,
-    FS_ACTIVE,
-    GENERAL_CONF,
-    MS_OFFSET,
-    PHASE,
-    PWM_FREQ,
-    RUNNING,
-    SCALE,
-    SCALE_CLOCKS,
-    SCALE_VALUES,
-    SPI_OUT_CONF,
-    START_SIN,
-    STDBY_DELAY,
-    STILL,
-    UP_SCALE_DELAY,
-    VDRV_SCALE_LIMIT,
-    VMIN_EMF,
-    WAVE,
-    Cells,
-    Floats,
-    bit,
-)
+from . import layout as c
+from .layout import Cells, Floats, bit
 
 HOLD_EN, DRIVE_EN, BOOST_ACC, BOOST_DEC, BOOST_START, DRIVE2_EN, FREEWHEEL_EN, CL_SCALE_EN, PWM_SCALE_EN = range(9)
 """Bits of CURRENT_CONF."""
@@ -76,17 +39,17 @@ LONGEST = 1 << 33
 @inlined
 def _scale_to(n: Cells, wanted: int, delay: int, clocks: int) -> None:
     """Go towards a scale, one step every `delay` clocks."""
-    scale = n[SCALE]
+    scale = n[c.SCALE]
     if scale == wanted:
-        n[SCALE_CLOCKS] = 0
+        n[c.SCALE_CLOCKS] = 0
         return
     if delay == 0:
-        n[SCALE] = wanted
+        n[c.SCALE] = wanted
         return
-    n[SCALE_CLOCKS] += clocks
-    steps = n[SCALE_CLOCKS] // delay
-    n[SCALE_CLOCKS] -= steps * delay
-    n[SCALE] = min(scale + steps, wanted) if wanted > scale else max(scale - steps, wanted)
+    n[c.SCALE_CLOCKS] += clocks
+    steps = n[c.SCALE_CLOCKS] // delay
+    n[c.SCALE_CLOCKS] -= steps * delay
+    n[c.SCALE] = min(scale + steps, wanted) if wanted > scale else max(scale - steps, wanted)
 
 
 @inlined
@@ -102,60 +65,60 @@ def _line(deviation: int, start: int, end: int, low: int, high: int) -> int:
 @inlined
 def _closed_loop_scale(n: Cells, clocks: int) -> None:
     """As much current as the deviation asks for."""
-    values = n[SCALE_VALUES]
+    values = n[c.SCALE_VALUES]
     low, high, start = values & 0xFF, values >> 8 & 0xFF, values >> 16 & 0xFF
-    beta = n[CL_ANGLES] & 0x1FF
+    beta = n[c.CL_ANGLES] & 0x1FF
     falling = values >> 24 & 0xFF
     if falling == 0:
         falling = beta
-    deviation = abs(n[DEV])
+    deviation = abs(n[c.DEV])
     up = _line(deviation, start, beta, low, high)
     down = max(_line(deviation, start, falling, low, high), up)
-    if n[SCALE] < up:
-        _scale_to(n, up, n[UP_SCALE_DELAY], clocks)
-    elif n[SCALE] > down:
-        _scale_to(n, down, n[DOWN_SCALE_DELAY], clocks)
+    if n[c.SCALE] < up:
+        _scale_to(n, up, n[c.UP_SCALE_DELAY], clocks)
+    elif n[c.SCALE] > down:
+        _scale_to(n, down, n[c.DOWN_SCALE_DELAY], clocks)
     else:
-        n[SCALE_CLOCKS] = 0
+        n[c.SCALE_CLOCKS] = 0
 
 
 @inlined
 def _ramp_scale(n: Cells, speed_pps: float, ramp_state: int, clocks: int) -> None:
     """As much current as what the ramp generator does asks for."""
-    conf, values = n[CURRENT_CONF], n[SCALE_VALUES]
+    conf, values = n[c.CURRENT_CONF], n[c.SCALE_VALUES]
     drive = values >> 8 & 0xFF if bit(conf, DRIVE_EN) else 255
     if not ramp_state & MOVING:
-        held = n[STILL] > n[STDBY_DELAY]
-        n[FREE] = bit(conf, FREEWHEEL_EN) and n[STILL] > n[STDBY_DELAY] + n[FREEWHEEL_DELAY]
+        held = n[c.STILL] > n[c.STDBY_DELAY]
+        n[c.FREE] = bit(conf, FREEWHEEL_EN) and n[c.STILL] > n[c.STDBY_DELAY] + n[c.FREEWHEEL_DELAY]
         if bit(conf, HOLD_EN) and held:
-            _scale_to(n, values >> 24 & 0xFF, n[DOWN_SCALE_DELAY], clocks)
+            _scale_to(n, values >> 24 & 0xFF, n[c.DOWN_SCALE_DELAY], clocks)
             return
     else:
-        n[FREE] = 0
-        if bit(conf, DRIVE2_EN) and speed_pps > n[VDRV_SCALE_LIMIT]:
+        n[c.FREE] = 0
+        if bit(conf, DRIVE2_EN) and speed_pps > n[c.VDRV_SCALE_LIMIT]:
             drive = values >> 16 & 0xFF
         if (
             (bit(conf, BOOST_ACC) and ramp_state & 3 == RISING)
             or (bit(conf, BOOST_DEC) and ramp_state & 3 == FALLING)
-            or (bit(conf, BOOST_START) and n[RUNNING] <= n[BOOST_TIME])
+            or (bit(conf, BOOST_START) and n[c.RUNNING] <= n[c.BOOST_TIME])
         ):
             drive = values & 0xFF
-    _scale_to(n, drive, n[UP_SCALE_DELAY] if drive > n[SCALE] else n[DRV_SCALE_DELAY], clocks)
+    _scale_to(n, drive, n[c.UP_SCALE_DELAY] if drive > n[c.SCALE] else n[c.DRV_SCALE_DELAY], clocks)
 
 
 @inlined
 def _bridges(fb: Floats, n: Cells) -> int:
     """What the driver's bridges do."""
-    if not n[k.DRIVER_ON] or n[FREE]:
+    if not n[k.DRIVER_ON] or n[c.FREE]:
         return k.OPEN
-    return k.VOLTAGE if bit(n[GENERAL_CONF], PWM_OUT_EN) else k.REGULATED
+    return k.VOLTAGE if bit(n[c.GENERAL_CONF], PWM_OUT_EN) else k.REGULATED
 
 
 @inlined
 def _duty(n: Cells, scale: float, value: int) -> float:
     """A PWM output's duty: half, and the wave around it."""
     duty = 0.5 + scale * (value + 0.5) / PEAK
-    period = n[PWM_FREQ] & 0xFFFF
+    period = n[c.PWM_FREQ] & 0xFFFF
     if period > 0:
         duty = math.floor(duty * period + 0.5) / period
     return min(max(duty, 0.0), 1.0)
@@ -164,11 +127,11 @@ def _duty(n: Cells, scale: float, value: int) -> float:
 @inlined
 def _pwm_scale(n: Cells, speed_pps: float) -> float:
     """Amplitude of the PWM's duty: from (PWM_AMPL + 1) / 2^17 at rest to 1/2 at PWM_VMAX."""
-    conf = n[CURRENT_CONF]
+    conf = n[c.CURRENT_CONF]
     if not bit(conf, PWM_SCALE_EN):
         return 0.5
     least = ((conf >> 16 & 0xFFFF) + 1) / 131072.0
-    fastest = float(n[VDRV_SCALE_LIMIT])  # PWM_VMAX at the same address
+    fastest = float(n[c.VDRV_SCALE_LIMIT])  # PWM_VMAX at the same address
     if speed_pps >= fastest and speed_pps > 0.0:
         return 0.5
     return least + (0.5 - least) * speed_pps / fastest if fastest > 0.0 else least
@@ -179,50 +142,53 @@ def energise(fb: Floats, n: Cells, velocity_pps: float, ramp_state: int, clocks:
     """Scale, wave and driver of one tick; with `motor_too` a step of the motor, unless it rests and nothing changed."""
     speed = abs(velocity_pps)
     if ramp_state & MOVING:
-        n[STILL] = 0
-        n[RUNNING] = min(n[RUNNING] + clocks, LONGEST)
+        n[c.STILL] = 0
+        n[c.RUNNING] = min(n[c.RUNNING] + clocks, LONGEST)
     else:
-        n[RUNNING] = 0
-        n[STILL] = min(n[STILL] + clocks, LONGEST)
-    closed = n[ENC_IN_CONF] >> 22 & 3 == CLOSED_LOOP
+        n[c.RUNNING] = 0
+        n[c.STILL] = min(n[c.STILL] + clocks, LONGEST)
+    closed = n[c.ENC_IN_CONF] >> 22 & 3 == c.CLOSED_LOOP
     if ramp_state & FROZEN:
-        n[FREE] = 0
-        if n[FREEZE] >> 24 & 0xFF:
-            n[SCALE] = n[FREEZE] >> 24 & 0xFF
-    elif closed and bit(n[CURRENT_CONF], CL_SCALE_EN):
-        n[FREE] = 0
+        n[c.FREE] = 0
+        if n[c.FREEZE] >> 24 & 0xFF:
+            n[c.SCALE] = n[c.FREEZE] >> 24 & 0xFF
+    elif closed and bit(n[c.CURRENT_CONF], CL_SCALE_EN):
+        n[c.FREE] = 0
         _closed_loop_scale(n, clocks)
     else:
         _ramp_scale(n, speed, ramp_state, clocks)
-    at = n[PHASE]
-    n[FS_ACTIVE] = (
-        not closed and bit(n[GENERAL_CONF], FS_EN) and n[VMIN_EMF] & 0xFFFFFF > 0 and speed >= (n[VMIN_EMF] & 0xFFFFFF)
+    at = n[c.PHASE]
+    n[c.FS_ACTIVE] = (
+        not closed
+        and bit(n[c.GENERAL_CONF], FS_EN)
+        and n[c.VMIN_EMF] & 0xFFFFFF > 0
+        and speed >= (n[c.VMIN_EMF] & 0xFFFFFF)
     )
-    if n[FS_ACTIVE]:
+    if n[c.FS_ACTIVE]:
         at = (at & ~0xFF) + 128
     n[k.LOOK] = at
     bridges = _bridges(fb, n)
     pwm = bridges == k.VOLTAGE
     if pwm:
-        at += n[MS_OFFSET] & 0x3FF
-    a, b = n[WAVE + (at & 1023)], n[WAVE + (at + 256 & 1023)]
-    factor = n[SCALE] + 1
-    n[CURRENT_A], n[CURRENT_B] = a, b
+        at += n[c.MS_OFFSET] & 0x3FF
+    a, b = n[c.WAVE + (at & 1023)], n[c.WAVE + (at + 256 & 1023)]
+    factor = n[c.SCALE] + 1
+    n[c.CURRENT_A], n[c.CURRENT_B] = a, b
     a_spi, b_spi = a * factor >> 8, b * factor >> 8
     if pwm:
         scale = _pwm_scale(n, speed)
-        fb[DUTY_A], fb[DUTY_B] = _duty(n, scale, a), _duty(n, scale, b)
-        ref_a = fb[k.SUPPLY] * (2.0 * fb[DUTY_A] - 1.0)
-        ref_b = fb[k.SUPPLY] * (2.0 * fb[DUTY_B] - 1.0)
+        fb[c.DUTY_A], fb[c.DUTY_B] = _duty(n, scale, a), _duty(n, scale, b)
+        ref_a = fb[k.SUPPLY] * (2.0 * fb[c.DUTY_A] - 1.0)
+        ref_b = fb[k.SUPPLY] * (2.0 * fb[c.DUTY_B] - 1.0)
     else:
         ref_a = fb[k.FULL_SCALE] * (a_spi + 0.5) / PEAK
         ref_b = fb[k.FULL_SCALE] * (b_spi + 0.5) / PEAK
-    if 1 <= n[SPI_OUT_CONF] & 15 <= 7:
-        offset = ((n[START_SIN] >> 24) + 128 & 0xFF) - 128
+    if 1 <= n[c.SPI_OUT_CONF] & 15 <= 7:
+        offset = ((n[c.START_SIN] >> 24) + 128 & 0xFF) - 128
         a_spi += offset
         b_spi += offset
-    n[CURRENT_A_SPI], n[CURRENT_B_SPI] = a_spi, b_spi
-    n[k.CS] = n[SCALE] >> 3
+    n[c.CURRENT_A_SPI], n[c.CURRENT_B_SPI] = a_spi, b_spi
+    n[k.CS] = n[c.SCALE] >> 3
     if bridges != n[k.BRIDGES]:
         n[k.BRIDGES] = bridges
         n[k.REST] = 0

@@ -24,69 +24,8 @@ import math
 from ...drive import kernel as k
 from ..compiled import compiled, inlined
 from ..layout import FB_ENC_DONE, FB_LATCH_X, FB_N_EVENT, FB_SER_DONE, FB_SER_FAIL, FEEDBACK_CLOCKS
-from .layout import (
-    ABN,
-    ANSWERED,
-    ASKED_AT,
-    BASE,
-    BASE_COUNTS,
-    CLK_FREQ,
-    COUNT_RATE,
-    COUNT_TURNS,
-    COUNTS,
-    DATA_DONE,
-    DEN,
-    EDGE_AT,
-    ENC_COMP,
-    ENC_FLAGS,
-    ENC_IN_CONF,
-    ENC_IN_DATA,
-    ENC_IN_RES,
-    ENC_POS,
-    ENC_RESET_VAL,
-    ENC_VEL_ZERO,
-    ENC_VMEAN,
-    FAILED,
-    GENERAL_CONF,
-    GLITCH,
-    GRAY,
-    INPUT_FILT_CONF,
-    KIND,
-    LAST_EDGE,
-    LATCH,
-    LATCH_FLAG,
-    MEAN_AT,
-    MEAN_Q16,
-    MOTOR_CLOCKS,
-    MOVED_AT,
-    MULTI_BITS,
-    N_LEVEL,
-    NOW,
-    NUM,
-    PER_TURN,
-    PERIOD,
-    PLACE,
-    REQUEST_AT,
-    SER_CLK,
-    SER_PTIME,
-    SINGLE,
-    SINGLE_BITS,
-    SSI,
-    SSI_DELAY,
-    STATUS_BITS,
-    STATUS_WORD,
-    TURN,
-    TURNS,
-    UNASKED,
-    V_AT,
-    V_COUNTS,
-    V_ENC,
-    VEL0,
-    Cells,
-    Floats,
-    bit,
-    wrap32,
-)
+from . import layout as c
+from .layout import Cells, Floats, bit, wrap32
 
 CLEAR_ON_N, CONTINUOUSLY, ONCE, POL_N, POL_A, POL_B, IGNORE_AB, LATCH_ENC, LATCH_X = 1, 2, 3, 4, 7, 8, 9, 10, 11
 MULTI_IN, MULTI_SIGNED, CALC_MULTI, MULTI_CYCLE, GRAY_EN, LEFT_ALIGNED, PREPROC_OR_LIMIT = 12, 13, 16, 17, 18, 19, 31
@@ -108,10 +47,10 @@ def true_place(fb: Floats) -> float:
 @compiled
 def compensation(fb: Floats, n: Cells, position: int) -> int:
     """What ENC_COMP adds at an encoder position: a triangle with one period a revolution (NOTES-TMC4361-ENCODER 4)."""
-    word = n[ENC_COMP]
-    if word == 0 or fb[TURN] <= 0.0:
+    word = n[c.ENC_COMP]
+    if word == 0 or fb[c.TURN] <= 0.0:
         return 0
-    turn = fb[TURN]
+    turn = fb[c.TURN]
     behind = position - (word & 0xFFFF) * turn / 65536.0
     behind -= math.floor(behind / turn) * turn
     half = turn / 2.0
@@ -123,10 +62,10 @@ def compensation(fb: Floats, n: Cells, position: int) -> int:
 @compiled
 def position_at(fb: Floats, n: Cells, counts: int) -> int:
     """ENC_POS at a count: scaled, compensated, wrapped to 32 bits or to the circular range."""
-    gone = (counts - n[BASE_COUNTS]) * n[NUM]
-    position = n[BASE] + (gone >> 16 if n[DEN] == 65536 else gone // n[DEN])
+    gone = (counts - n[c.BASE_COUNTS]) * n[c.NUM]
+    position = n[c.BASE] + (gone >> 16 if n[c.DEN] == 65536 else gone // n[c.DEN])
     position += compensation(fb, n, position)
-    period = fb[PERIOD]
+    period = fb[c.PERIOD]
     if period > 0.0:
         return position - math.floor(math.floor((position + period / 2.0) / period) * period + 0.5)
     return wrap32(position)
@@ -135,16 +74,16 @@ def position_at(fb: Floats, n: Cells, counts: int) -> int:
 @inlined
 def _in_turn(fb: Floats, n: Cells, counts: int) -> int:
     """Place of a count in its turn."""
-    place = counts - math.floor(counts * fb[COUNT_TURNS]) * n[PER_TURN]
+    place = counts - math.floor(counts * fb[c.COUNT_TURNS]) * n[c.PER_TURN]
     if place < 0:
-        return place + n[PER_TURN]
-    return place - n[PER_TURN] if place >= n[PER_TURN] else place
+        return place + n[c.PER_TURN]
+    return place - n[c.PER_TURN] if place >= n[c.PER_TURN] else place
 
 
 @inlined
 def _n_condition(fb: Floats, n: Cells, counts: int) -> bool:
     """Whether N, A and B are as pol_n, pol_a_for_n and pol_b_for_n ask."""
-    conf = n[ENC_IN_CONF]
+    conf = n[c.ENC_IN_CONF]
     if (_in_turn(fb, n, counts) < 4) != bit(conf, POL_N):
         return False
     if bit(conf, IGNORE_AB):
@@ -156,20 +95,20 @@ def _n_condition(fb: Floats, n: Cells, counts: int) -> bool:
 @inlined
 def _n_event(fb: Floats, n: Cells, counts: int) -> int:
     """Latch and clear, as armed."""
-    conf = n[ENC_IN_CONF]
+    conf = n[c.ENC_IN_CONF]
     if not bit(conf, CONTINUOUSLY) and not bit(conf, ONCE):
         return 0
     word = FB_N_EVENT
     if bit(conf, LATCH_ENC):
-        n[LATCH] = position_at(fb, n, counts)
-        n[LATCH_FLAG] = 1
+        n[c.LATCH] = position_at(fb, n, counts)
+        n[c.LATCH_FLAG] = 1
         word |= FB_ENC_DONE
     if bit(conf, LATCH_X):
         word |= FB_LATCH_X
     if bit(conf, CLEAR_ON_N):
-        n[BASE] = wrap32(n[ENC_RESET_VAL])
-        n[BASE_COUNTS] = counts
-    n[ENC_IN_CONF] = conf & ~(1 << ONCE)
+        n[c.BASE] = wrap32(n[c.ENC_RESET_VAL])
+        n[c.BASE_COUNTS] = counts
+    n[c.ENC_IN_CONF] = conf & ~(1 << ONCE)
     return word
 
 
@@ -180,13 +119,13 @@ _REPEATS = 8
 @compiled
 def pass_counts(fb: Floats, n: Cells, old: int, new: int) -> int:
     """What the N channel makes of the counts between two ticks."""
-    conf = n[ENC_IN_CONF]
-    per_turn = n[PER_TURN]
+    conf = n[c.ENC_IN_CONF]
+    per_turn = n[c.PER_TURN]
     way = 1 if new > old else -1
     low = min(old, new)
     place = _in_turn(fb, n, low)
     if bit(conf, POL_N) and place >= 4 and place + abs(new - old) < per_turn:
-        n[N_LEVEL] = 0  # far from the pulse
+        n[c.N_LEVEL] = 0  # far from the pulse
         return 0
     sensitivity = conf >> 5 & 3
     word = 0
@@ -204,8 +143,8 @@ def pass_counts(fb: Floats, n: Cells, old: int, new: int) -> int:
         passed = passed + 1 if _in_turn(fb, n, at + way) >= 4 else 0
         at += way
         met = _n_condition(fb, n, at)
-        was = n[N_LEVEL] != 0
-        n[N_LEVEL] = met
+        was = n[c.N_LEVEL] != 0
+        n[c.N_LEVEL] = met
         if sensitivity == 0:
             happens = met
         else:
@@ -218,9 +157,9 @@ def pass_counts(fb: Floats, n: Cells, old: int, new: int) -> int:
 @inlined
 def _filtered_out(n: Cells, delta: int) -> bool:
     """Whether A and B change too fast for INPUT_FILT_CONF: each holds a level for two counts."""
-    filtering = n[INPUT_FILT_CONF]
+    filtering = n[c.INPUT_FILT_CONF]
     needed = ((filtering >> 4 & 7) + 1) << (filtering & 7)
-    return needed > 1 and abs(delta) * needed > 2 * MOTOR_CLOCKS
+    return needed > 1 and abs(delta) * needed > 2 * c.MOTOR_CLOCKS
 
 
 @compiled
@@ -228,75 +167,75 @@ def _count(fb: Floats, n: Cells) -> int:
     """An ABN encoder after a step of the motor."""
     place = true_place(fb)
     counts = math.floor(place + 0.5)
-    delta = counts - n[COUNTS]
+    delta = counts - n[c.COUNTS]
     word = 0
     if delta != 0:
-        if n[KIND] != ABN or _filtered_out(n, delta):
-            n[BASE_COUNTS] += delta
-            n[V_COUNTS] += delta
+        if n[c.KIND] != c.ABN or _filtered_out(n, delta):
+            n[c.BASE_COUNTS] += delta
+            n[c.V_COUNTS] += delta
         else:
-            word = pass_counts(fb, n, n[COUNTS], counts)
+            word = pass_counts(fb, n, n[c.COUNTS], counts)
             # when it counted last, by how far the shaft has gone on since
             border = counts - 0.5 if delta > 0 else counts + 0.5
-            since = (place - border) / (place - fb[PLACE]) if place != fb[PLACE] else 0.0
-            fb[EDGE_AT] = n[NOW] - min(max(since, 0.0), 1.0) * MOTOR_CLOCKS
-            n[MOVED_AT] = n[NOW]
-            n[VEL0] = 0
-        n[COUNTS] = counts
-        fb[ENC_POS] = position_at(fb, n, counts)
-    fb[PLACE] = place
+            since = (place - border) / (place - fb[c.PLACE]) if place != fb[c.PLACE] else 0.0
+            fb[c.EDGE_AT] = n[c.NOW] - min(max(since, 0.0), 1.0) * c.MOTOR_CLOCKS
+            n[c.MOVED_AT] = n[c.NOW]
+            n[c.VEL0] = 0
+        n[c.COUNTS] = counts
+        fb[c.ENC_POS] = position_at(fb, n, counts)
+    fb[c.PLACE] = place
     return word
 
 
 @inlined
 def _speed(fb: Floats, n: Cells) -> None:
     """V_ENC every ENC_VMEAN_INT, V_ENC_MEAN every ENC_VMEAN_WAIT, both zero after ENC_VEL_ZERO without a count."""
-    if n[VEL0]:
-        n[V_AT] = n[MEAN_AT] = n[NOW]
+    if n[c.VEL0]:
+        n[c.V_AT] = n[c.MEAN_AT] = n[c.NOW]
         return
-    now = n[NOW]
-    word = n[ENC_VMEAN]
+    now = n[c.NOW]
+    word = n[c.ENC_VMEAN]
     interval = max(word >> 16 & 0xFFFF, 256)
-    gone = now - n[V_AT]
+    gone = now - n[c.V_AT]
     if gone >= interval:
-        counted = n[COUNTS] - n[V_COUNTS]
-        scale = fb[COUNT_RATE]
-        if bit(n[ENC_IN_CONF], PREPROC_OR_LIMIT):
-            n[V_ENC] = math.floor(counted * scale / gone + 0.5)
+        counted = n[c.COUNTS] - n[c.V_COUNTS]
+        scale = fb[c.COUNT_RATE]
+        if bit(n[c.ENC_IN_CONF], PREPROC_OR_LIMIT):
+            n[c.V_ENC] = math.floor(counted * scale / gone + 0.5)
         elif counted != 0:
-            lasted = fb[EDGE_AT] - fb[LAST_EDGE]
-            n[V_ENC] = math.floor(counted * scale / lasted + 0.5) if lasted > 0.0 else 0
-            fb[LAST_EDGE] = fb[EDGE_AT]
-        elif now - fb[LAST_EDGE] > 0.0:
-            most = math.floor(abs(scale) / (now - fb[LAST_EDGE]))
-            n[V_ENC] = min(max(n[V_ENC], -most), most)
-        n[V_COUNTS] = n[COUNTS]
-        n[V_AT] = now
+            lasted = fb[c.EDGE_AT] - fb[c.LAST_EDGE]
+            n[c.V_ENC] = math.floor(counted * scale / lasted + 0.5) if lasted > 0.0 else 0
+            fb[c.LAST_EDGE] = fb[c.EDGE_AT]
+        elif now - fb[c.LAST_EDGE] > 0.0:
+            most = math.floor(abs(scale) / (now - fb[c.LAST_EDGE]))
+            n[c.V_ENC] = min(max(n[c.V_ENC], -most), most)
+        n[c.V_COUNTS] = n[c.COUNTS]
+        n[c.V_AT] = now
     wait = max(word & 0xFF, 32)
     if word >> 8 & 15 == 0:  # no filter
-        n[MEAN_Q16] = n[V_ENC] * 65536
-        n[MEAN_AT] = now
-    while now - n[MEAN_AT] >= wait:
-        n[MEAN_AT] += wait
+        n[c.MEAN_Q16] = n[c.V_ENC] * 65536
+        n[c.MEAN_AT] = now
+    while now - n[c.MEAN_AT] >= wait:
+        n[c.MEAN_AT] += wait
         _filter(n)
-    if now - n[MOVED_AT] >= n[ENC_VEL_ZERO] & 0xFFFFFF:
-        n[VEL0] = 1
-        n[V_ENC] = n[MEAN_Q16] = 0
+    if now - n[c.MOVED_AT] >= n[c.ENC_VEL_ZERO] & 0xFFFFFF:
+        n[c.VEL0] = 1
+        n[c.V_ENC] = n[c.MEAN_Q16] = 0
 
 
 @inlined
 def _filter(n: Cells) -> None:
     """One step of V_ENC_MEAN."""
-    n[MEAN_Q16] += (n[V_ENC] * 65536 - n[MEAN_Q16]) >> (n[ENC_VMEAN] >> 8 & 15)
+    n[c.MEAN_Q16] += (n[c.V_ENC] * 65536 - n[c.MEAN_Q16]) >> (n[c.ENC_VMEAN] >> 8 & 15)
 
 
 @inlined
 def _frame(n: Cells, turns: int, single: int) -> int:
     """The bits that the encoder sends: turns, place in the turn, status, first bit highest."""
-    value = (turns & ((1 << n[MULTI_BITS]) - 1)) << n[SINGLE_BITS] | single
-    if n[GRAY]:
+    value = (turns & ((1 << n[c.MULTI_BITS]) - 1)) << n[c.SINGLE_BITS] | single
+    if n[c.GRAY]:
         value ^= value >> 1
-    return value << n[STATUS_BITS] | n[STATUS_WORD]
+    return value << n[c.STATUS_BITS] | n[c.STATUS_WORD]
 
 
 @inlined
@@ -312,39 +251,39 @@ def _from_gray(value: int) -> int:
 @compiled
 def _answer(fb: Floats, n: Cells) -> int:
     """The bits that the chip clocks in, and what the encoder on the shaft sends then. A wrong kind sends zeros."""
-    if n[KIND] != n[GENERAL_CONF] >> 10 & 3:
+    if n[c.KIND] != n[c.GENERAL_CONF] >> 10 & 3:
         return 0
-    data, conf = n[ENC_IN_DATA], n[ENC_IN_CONF]
+    data, conf = n[c.ENC_IN_DATA], n[c.ENC_IN_CONF]
     wanted = (data & 31) + 1 + (data >> 10 & 3)
     if bit(conf, MULTI_IN):
         wanted += (data >> 5 & 31) + 1
     counts = math.floor(true_place(fb) + 0.5)
-    turns = counts // n[PER_TURN]
-    frame = _frame(n, turns, counts - turns * n[PER_TURN])
-    spare = n[SINGLE_BITS] + n[MULTI_BITS] + n[STATUS_BITS] - wanted
+    turns = counts // n[c.PER_TURN]
+    frame = _frame(n, turns, counts - turns * n[c.PER_TURN])
+    spare = n[c.SINGLE_BITS] + n[c.MULTI_BITS] + n[c.STATUS_BITS] - wanted
     frame = frame >> spare if spare >= 0 else frame << -spare
-    frame ^= n[GLITCH] & ((1 << wanted) - 1)
-    n[GLITCH] = 0
+    frame ^= n[c.GLITCH] & ((1 << wanted) - 1)
+    n[c.GLITCH] = 0
     return frame
 
 
 @compiled
 def _ask(fb: Floats, n: Cells) -> int:
     """One request of a serial encoder: ENC_POS and the velocities from its answer."""
-    conf, data = n[ENC_IN_CONF], n[ENC_IN_DATA]
+    conf, data = n[c.ENC_IN_CONF], n[c.ENC_IN_DATA]
     flags_wide = data >> 10 & 3
     single_wide = (data & 31) + 1
     multi_wide = (data >> 5 & 31) + 1 if bit(conf, MULTI_IN) else 0
     word = _answer(fb, n)
-    if bit(conf, MULTI_CYCLE) and n[GENERAL_CONF] >> 10 & 3 == SSI and word != _answer(fb, n):
-        n[FAILED] = 1
+    if bit(conf, MULTI_CYCLE) and n[c.GENERAL_CONF] >> 10 & 3 == c.SSI and word != _answer(fb, n):
+        n[c.FAILED] = 1
         return FB_SER_FAIL
     wide = single_wide + multi_wide
     if bit(conf, LEFT_ALIGNED):
-        n[ENC_FLAGS] = word & ((1 << flags_wide) - 1)
+        n[c.ENC_FLAGS] = word & ((1 << flags_wide) - 1)
         value = word >> flags_wide
     else:
-        n[ENC_FLAGS] = word >> wide & ((1 << flags_wide) - 1)
+        n[c.ENC_FLAGS] = word >> wide & ((1 << flags_wide) - 1)
         value = word & ((1 << wide) - 1)
     if bit(conf, GRAY_EN):
         value = _from_gray(value)
@@ -353,73 +292,73 @@ def _ask(fb: Floats, n: Cells) -> int:
     turns = value >> single_wide
     if multi_wide and bit(conf, MULTI_SIGNED) and turns >> (multi_wide - 1):
         turns -= 1 << multi_wide
-    moved = single - n[SINGLE]
+    moved = single - n[c.SINGLE]
     moved -= (moved * 2 + turn) // (2 * turn) * turn  # the shorter way around
     if multi_wide:
-        moved = turns * turn + single - n[COUNTS]
-    if not n[ANSWERED]:
+        moved = turns * turn + single - n[c.COUNTS]
+    if not n[c.ANSWERED]:
         moved = 0
-    limit = n[ENC_VMEAN] & 0xFF
-    if bit(conf, PREPROC_OR_LIMIT) and limit and abs(moved) * 2048 > limit * (n[ENC_IN_RES] & 0x7FFFFFFF):
-        n[FAILED] = 1
+    limit = n[c.ENC_VMEAN] & 0xFF
+    if bit(conf, PREPROC_OR_LIMIT) and limit and abs(moved) * 2048 > limit * (n[c.ENC_IN_RES] & 0x7FFFFFFF):
+        n[c.FAILED] = 1
         return FB_SER_FAIL
-    n[FAILED] = 0
+    n[c.FAILED] = 0
     if not multi_wide:
-        if bit(conf, CALC_MULTI) and n[ANSWERED]:
-            turns = (n[SINGLE] + n[TURNS] * turn + moved) // turn
+        if bit(conf, CALC_MULTI) and n[c.ANSWERED]:
+            turns = (n[c.SINGLE] + n[c.TURNS] * turn + moved) // turn
         else:
-            turns = n[TURNS] if bit(conf, CALC_MULTI) else 0
-    n[SINGLE], n[TURNS] = single, turns
-    n[COUNTS] = turns * turn + single
-    gone = n[NOW] - n[ASKED_AT]
-    if n[ANSWERED] and gone > 0:
-        n[V_ENC] = math.floor(moved * fb[COUNT_RATE] / gone + 0.5)
+            turns = n[c.TURNS] if bit(conf, CALC_MULTI) else 0
+    n[c.SINGLE], n[c.TURNS] = single, turns
+    n[c.COUNTS] = turns * turn + single
+    gone = n[c.NOW] - n[c.ASKED_AT]
+    if n[c.ANSWERED] and gone > 0:
+        n[c.V_ENC] = math.floor(moved * fb[c.COUNT_RATE] / gone + 0.5)
         _filter(n)
-    n[ANSWERED] = 1
-    n[ASKED_AT] = n[NOW]
-    fb[ENC_POS] = position_at(fb, n, n[COUNTS])
+    n[c.ANSWERED] = 1
+    n[c.ASKED_AT] = n[c.NOW]
+    fb[c.ENC_POS] = position_at(fb, n, n[c.COUNTS])
     if moved != 0:
-        n[MOVED_AT] = n[NOW]
-        n[VEL0] = 0
-    elif n[NOW] - n[MOVED_AT] >= n[ENC_VEL_ZERO] & 0xFFFFFF:
-        n[VEL0] = 1
-        n[V_ENC] = n[MEAN_Q16] = 0
+        n[c.MOVED_AT] = n[c.NOW]
+        n[c.VEL0] = 0
+    elif n[c.NOW] - n[c.MOVED_AT] >= n[c.ENC_VEL_ZERO] & 0xFFFFFF:
+        n[c.VEL0] = 1
+        n[c.V_ENC] = n[c.MEAN_Q16] = 0
     return 0
 
 
 @inlined
 def _request_period(fb: Floats, n: Cells) -> int:
     """Clocks from one request to the next: SER_PTIME, unless the answer takes longer."""
-    data, conf = n[ENC_IN_DATA], n[ENC_IN_CONF]
+    data, conf = n[c.ENC_IN_DATA], n[c.ENC_IN_CONF]
     wide = (data & 31) + 1 + (data >> 10 & 3)
     if bit(conf, MULTI_IN):
         wide += (data >> 5 & 31) + 1
-    a_bit = (n[SER_CLK] & 0xFFFF) + (n[SER_CLK] >> 16 & 0xFFFF)
+    a_bit = (n[c.SER_CLK] & 0xFFFF) + (n[c.SER_CLK] >> 16 & 0xFFFF)
     lasts = wide * a_bit
-    if n[GENERAL_CONF] >> 10 & 3 == SSI:
-        lasts += n[SSI_DELAY] & 0xFFFF
+    if n[c.GENERAL_CONF] >> 10 & 3 == c.SSI:
+        lasts += n[c.SSI_DELAY] & 0xFFFF
         if bit(conf, MULTI_CYCLE):
-            lasts += lasts + (n[SSI_DELAY] >> 16 & 0xFFFF)
-        lasts += math.ceil(SSI_REPEAT_CLOCKS * fb[CLK_FREQ])
-    return max(n[SER_PTIME] & 0xFFFFF, lasts)
+            lasts += lasts + (n[c.SSI_DELAY] >> 16 & 0xFFFF)
+        lasts += math.ceil(SSI_REPEAT_CLOCKS * fb[c.CLK_FREQ])
+    return max(n[c.SER_PTIME] & 0xFFFFF, lasts)
 
 
 @inlined
 def _serial(fb: Floats, n: Cells) -> int:
     """A tick of an SSI or SPI encoder. Requests of ticks that were passed over had the answer that is known."""
     word = 0
-    last = n[NOW] - FEEDBACK_CLOCKS
-    if n[REQUEST_AT] <= last:
+    last = n[c.NOW] - FEEDBACK_CLOCKS
+    if n[c.REQUEST_AT] <= last:
         period = max(_request_period(fb, n), 1)
-        n[REQUEST_AT] += ((last - n[REQUEST_AT]) // period + 1) * period
-        asked = n[REQUEST_AT] - period
-        n[ASKED_AT] = max(n[ASKED_AT], (asked + FEEDBACK_CLOCKS - 1) // FEEDBACK_CLOCKS * FEEDBACK_CLOCKS)
-    if n[NOW] >= n[REQUEST_AT]:
-        n[UNASKED] = 0
+        n[c.REQUEST_AT] += ((last - n[c.REQUEST_AT]) // period + 1) * period
+        asked = n[c.REQUEST_AT] - period
+        n[c.ASKED_AT] = max(n[c.ASKED_AT], (asked + FEEDBACK_CLOCKS - 1) // FEEDBACK_CLOCKS * FEEDBACK_CLOCKS)
+    if n[c.NOW] >= n[c.REQUEST_AT]:
+        n[c.UNASKED] = 0
         word = _ask(fb, n)
-        n[REQUEST_AT] = max(n[REQUEST_AT] + _request_period(fb, n), n[NOW])
-        if n[DATA_DONE]:
-            n[DATA_DONE] = 0
+        n[c.REQUEST_AT] = max(n[c.REQUEST_AT] + _request_period(fb, n), n[c.NOW])
+        if n[c.DATA_DONE]:
+            n[c.DATA_DONE] = 0
             word |= FB_SER_DONE
     return word
 
@@ -427,7 +366,7 @@ def _serial(fb: Floats, n: Cells) -> int:
 @compiled
 def encode(fb: Floats, n: Cells, turned: bool) -> int:
     """A tick of the encoder unit, the shaft having `turned` or not; answers the "now" bits of the feedback's word."""
-    if n[GENERAL_CONF] >> 10 & 3 == ABN:
+    if n[c.GENERAL_CONF] >> 10 & 3 == c.ABN:
         word = _count(fb, n) if turned else 0
         _speed(fb, n)
         return word

@@ -30,50 +30,10 @@ from ..layout import (
     FB_TARGET_OK,
     FEEDBACK_CLOCKS,
 )
+from . import layout as c
 from .currents import FROZEN, LONGEST, MOVING, energise
 from .encoder import encode
-from .layout import (
-    ABN,
-    CL_OFFSET,
-    CL_TR_TOLERANCE,
-    CLOSED_LOOP,
-    COMMANDED,
-    DEV,
-    DIRECTION,
-    ENC_FLAGS,
-    ENC_IN_CONF,
-    ENC_POS,
-    ENC_POS_DEV_TOL,
-    FAILED,
-    FREEWHEEL_DELAY,
-    FS_ACTIVE,
-    GENERAL_CONF,
-    HOT,
-    INTEGERS_AT,
-    LATCH_FLAG,
-    MOTOR_CLOCKS,
-    N_LEVEL,
-    NOW,
-    OPEN_LOOP,
-    PHASE,
-    PID_DIFF,
-    PID_E,
-    PID_VEL,
-    SATURATED,
-    SCALE_CLOCKS,
-    SHAFT_FULLSTEPS,
-    STDBY_DELAY,
-    STILL,
-    TOLERANCE,
-    UNASKED,
-    VEL0,
-    X_NEW,
-    Cells,
-    Floats,
-    bit,
-    wrap10,
-    wrap32,
-)
+from .layout import Cells, Floats, bit, wrap10, wrap32
 from .regulation import BACKLOG, CLR_XACT, VELOCITY_MODE_EN, commutate, error_of, pid
 
 CALIBRATION_EN = 24
@@ -86,8 +46,8 @@ STST = 1 << 31
 @compiled
 def regulation_tick(fb: Floats, x_actual: int, velocity_pps: float) -> float:
     """Velocity of the step output [pps]: the ramp generator's, the PID's (modus 2) or their sum (modus 3)."""
-    n = fb[INTEGERS_AT:].view(np.int64)
-    if n[ENC_IN_CONF] >> 22 & 3 <= CLOSED_LOOP:
+    n = fb[c.INTEGERS_AT :].view(np.int64)
+    if n[c.ENC_IN_CONF] >> 22 & 3 <= c.CLOSED_LOOP:
         return velocity_pps
     return pid(fb, n, x_actual, velocity_pps)
 
@@ -95,12 +55,12 @@ def regulation_tick(fb: Floats, x_actual: int, velocity_pps: float) -> float:
 @inlined
 def _sequence(fb: Floats, n: Cells, commanded: int, velocity_pps: float, clocks: int) -> None:
     """The coils' phase: by the steps, or by the closed loop. Leaving the loop, the steps go on from where it was."""
-    if n[ENC_IN_CONF] >> 22 & 3 == CLOSED_LOOP:
+    if n[c.ENC_IN_CONF] >> 22 & 3 == c.CLOSED_LOOP:
         commutate(fb, n, velocity_pps, clocks)
     else:
-        n[PHASE] += n[DIRECTION] * (commanded - n[COMMANDED])
-        n[SATURATED] = 0
-    n[COMMANDED] = commanded
+        n[c.PHASE] += n[c.DIRECTION] * (commanded - n[c.COMMANDED])
+        n[c.SATURATED] = 0
+    n[c.COMMANDED] = commanded
 
 
 @inlined
@@ -124,13 +84,13 @@ def _stall_guard(fb: Floats, n: Cells, velocity_pps: float, before: int) -> None
 @inlined
 def _corrected_x(fb: Floats, n: Cells) -> bool:
     """Whether XACTUAL has to follow the encoder, and to where."""
-    conf, error = n[ENC_IN_CONF], n[DEV]
-    position = math.floor(fb[ENC_POS])
-    if bit(conf, CLR_XACT) and abs(error) > n[ENC_POS_DEV_TOL] & 0x7FFFFFFF:
-        fb[X_NEW] = position
+    conf, error = n[c.ENC_IN_CONF], n[c.DEV]
+    position = math.floor(fb[c.ENC_POS])
+    if bit(conf, CLR_XACT) and abs(error) > n[c.ENC_POS_DEV_TOL] & 0x7FFFFFFF:
+        fb[c.X_NEW] = position
         return True
-    if conf >> 22 & 3 == CLOSED_LOOP and bit(conf, VELOCITY_MODE_EN) and abs(error) > BACKLOG:
-        fb[X_NEW] = wrap32(position + (BACKLOG if error > 0 else -BACKLOG))
+    if conf >> 22 & 3 == c.CLOSED_LOOP and bit(conf, VELOCITY_MODE_EN) and abs(error) > BACKLOG:
+        fb[c.X_NEW] = wrap32(position + (BACKLOG if error > 0 else -BACKLOG))
         return True
     return False
 
@@ -138,31 +98,31 @@ def _corrected_x(fb: Floats, n: Cells) -> bool:
 @inlined
 def _levels(fb: Floats, n: Cells) -> int:
     """The levels of the feedback's word."""
-    error = abs(n[DEV])
-    mode = n[ENC_IN_CONF] >> 22 & 3
-    word = (n[ENC_FLAGS] & 15) << 20 | n[HOT] << 24
-    if mode == OPEN_LOOP or error <= n[CL_TR_TOLERANCE] & 0x7FFFFFFF:
+    error = abs(n[c.DEV])
+    mode = n[c.ENC_IN_CONF] >> 22 & 3
+    word = (n[c.ENC_FLAGS] & 15) << 20 | n[c.HOT] << 24
+    if mode == c.OPEN_LOOP or error <= n[c.CL_TR_TOLERANCE] & 0x7FFFFFFF:
         word |= FB_TARGET_OK
-    if error > n[ENC_POS_DEV_TOL] & 0x7FFFFFFF:
+    if error > n[c.ENC_POS_DEV_TOL] & 0x7FFFFFFF:
         word |= FB_ENC_FAIL
-    if mode == CLOSED_LOOP:
-        if error <= n[TOLERANCE] & 0xFF:
+    if mode == c.CLOSED_LOOP:
+        if error <= n[c.TOLERANCE] & 0xFF:
             word |= FB_CL_FIT
-        if n[SATURATED]:
+        if n[c.SATURATED]:
             word |= FB_CL_MAX
-    if n[FS_ACTIVE]:
+    if n[c.FS_ACTIVE]:
         word |= FB_FS_ACTIVE
-    if n[N_LEVEL]:
+    if n[c.N_LEVEL]:
         word |= FB_N_ACTIVE
-    if n[LATCH_FLAG]:
+    if n[c.LATCH_FLAG]:
         word |= FB_ENC_LATCH
-    if n[FAILED]:
+    if n[c.FAILED]:
         word |= FB_MULTI_FAIL
-    if n[VEL0]:
+    if n[c.VEL0]:
         word |= FB_ENC_VEL0
     if k.stalled(n):
         word |= FB_STALL
-    if n[STILL] >= STANDSTILL_CLOCKS:
+    if n[c.STILL] >= STANDSTILL_CLOCKS:
         word |= STST
     return word
 
@@ -170,13 +130,13 @@ def _levels(fb: Floats, n: Cells) -> int:
 @inlined
 def _quiet(n: Cells, moved: bool, ramp_state: int) -> bool:
     """Whether nothing here will change by itself."""
-    if moved or not n[k.REST] or ramp_state & (MOVING | FROZEN) == MOVING or not n[VEL0]:
+    if moved or not n[k.REST] or ramp_state & (MOVING | FROZEN) == MOVING or not n[c.VEL0]:
         return False
-    if n[SCALE_CLOCKS] or n[STILL] < min(n[STDBY_DELAY] + n[FREEWHEEL_DELAY] + STANDSTILL_CLOCKS, LONGEST):
+    if n[c.SCALE_CLOCKS] or n[c.STILL] < min(n[c.STDBY_DELAY] + n[c.FREEWHEEL_DELAY] + STANDSTILL_CLOCKS, LONGEST):
         return False
-    if n[ENC_IN_CONF] >> 22 & 3 > CLOSED_LOOP and (n[PID_E] or n[PID_VEL] or n[PID_DIFF]):
+    if n[c.ENC_IN_CONF] >> 22 & 3 > c.CLOSED_LOOP and (n[c.PID_E] or n[c.PID_VEL] or n[c.PID_DIFF]):
         return False
-    return n[GENERAL_CONF] >> 10 & 3 == ABN or not n[UNASKED]
+    return n[c.GENERAL_CONF] >> 10 & 3 == c.ABN or not n[c.UNASKED]
 
 
 @compiled
@@ -194,26 +154,26 @@ def motor_and_encoder_tick(
     step output's, `clock` the chip's clocks since power-on, `ramp_state` RAMP_STATE_F | 4 while VACTUAL is not 0 | 8
     while frozen. While the word says FB_QUIET calls may be left out.
     """
-    n = fb[INTEGERS_AT:].view(np.int64)
-    clocks = clock - n[NOW]
-    n[NOW] = clock
-    phase, look, rested = n[PHASE], n[k.LOOK], n[k.REST] != 0
-    motor_too = clock & (MOTOR_CLOCKS - 1) < FEEDBACK_CLOCKS
+    n = fb[c.INTEGERS_AT :].view(np.int64)
+    clocks = clock - n[c.NOW]
+    n[c.NOW] = clock
+    phase, look, rested = n[c.PHASE], n[k.LOOK], n[k.REST] != 0
+    motor_too = clock & (c.MOTOR_CLOCKS - 1) < FEEDBACK_CLOCKS
     _sequence(fb, n, commanded_position_256ths, velocity_pps, clocks)
     energise(fb, n, velocity_pps, ramp_state, clocks, motor_too)
     _stall_guard(fb, n, velocity_pps, look)
-    fb[SHAFT_FULLSTEPS] = fb[k.THETA] * fb[k.TEETH] / (math.pi / 2.0)
+    fb[c.SHAFT_FULLSTEPS] = fb[k.THETA] * fb[k.TEETH] / (math.pi / 2.0)
     turned = motor_too and not (rested and n[k.REST])
     if turned:
-        n[UNASKED] = 1
+        n[c.UNASKED] = 1
     word = encode(fb, n, turned)
-    n[DEV] = error_of(fb, x_actual)
-    conf = n[ENC_IN_CONF]
-    if bit(conf, CALIBRATION_EN) and conf >> 22 & 3 == OPEN_LOOP:
-        n[CL_OFFSET] = wrap10(n[PHASE] - n[DIRECTION] * math.floor(fb[ENC_POS]))
+    n[c.DEV] = error_of(fb, x_actual)
+    conf = n[c.ENC_IN_CONF]
+    if bit(conf, CALIBRATION_EN) and conf >> 22 & 3 == c.OPEN_LOOP:
+        n[c.CL_OFFSET] = wrap10(n[c.PHASE] - n[c.DIRECTION] * math.floor(fb[c.ENC_POS]))
     if _corrected_x(fb, n):
         word |= FB_SET_X
     word |= _levels(fb, n)
-    if motor_too and _quiet(n, n[PHASE] != phase, ramp_state):
+    if motor_too and _quiet(n, n[c.PHASE] != phase, ramp_state):
         word |= FB_QUIET
     return word

@@ -21,49 +21,8 @@ from __future__ import annotations
 import math
 
 from ..compiled import compiled, inlined
-from .layout import (
-    ABN,
-    ANGLE,
-    CL_ANGLES,
-    CL_DUE,
-    CL_ISUM,
-    CL_OFFSET,
-    CLK_FREQ,
-    DEV,
-    DIRECTION,
-    DV_CLIP,
-    ENC_IN_CONF,
-    ENC_POS,
-    ENC_VMEAN,
-    GAIN_D,
-    GAIN_I,
-    GAIN_P,
-    GENERAL_CONF,
-    I_CLIP_D_DIV,
-    MEAN_Q16,
-    NOW,
-    PERIOD,
-    PHASE,
-    PID_ALONE,
-    PID_COUNT,
-    PID_DIFF,
-    PID_E,
-    PID_FRESH,
-    PID_ISUM,
-    PID_LAST,
-    PID_VEL,
-    REACH,
-    SATURATED,
-    TOLERANCE,
-    VADD_EMF,
-    VMIN_EMF,
-    Cells,
-    Floats,
-    bit,
-    clip,
-    wrap10,
-    wrap32,
-)
+from . import layout as c
+from .layout import Cells, Floats, bit, clip, wrap10, wrap32
 
 EMF_EN, CLR_XACT, VLIMIT_EN, VELOCITY_MODE_EN = 25, 26, 27, 28
 """Bits of ENC_IN_CONF."""
@@ -74,8 +33,8 @@ BACKLOG = 768
 @compiled
 def error_of(fb: Floats, x_actual: int) -> int:
     """XACTUAL - ENC_POS [microsteps], the short way around a circular range."""
-    error = x_actual - math.floor(fb[ENC_POS])
-    period = fb[PERIOD]
+    error = x_actual - math.floor(fb[c.ENC_POS])
+    period = fb[c.PERIOD]
     if period > 0.0:
         return error - math.floor(math.floor(error / period + 0.5) * period + 0.5)
     return wrap32(error)
@@ -84,50 +43,50 @@ def error_of(fb: Floats, x_actual: int) -> int:
 @inlined
 def _sum_limit(n: Cells) -> int:
     """PID_I_CLIP, as ISUM is counted."""
-    return (n[I_CLIP_D_DIV] & 0x7FFF) << 16
+    return (n[c.I_CLIP_D_DIV] & 0x7FFF) << 16
 
 
 @inlined
 def _proportional_integral(n: Cells, error: int, isum: int) -> float:
     """P and I parts of PID and catch-up limiter [pps]."""
-    return error * (n[GAIN_P] & 0xFFFFFF) / 256.0 + isum / 256.0 * (n[GAIN_I] & 0xFFFFFF) / 256.0
+    return error * (n[c.GAIN_P] & 0xFFFFFF) / 256.0 + isum / 256.0 * (n[c.GAIN_I] & 0xFFFFFF) / 256.0
 
 
 @compiled
 def pid(fb: Floats, n: Cells, x_actual: int, velocity_pps: float) -> float:
     """One tick of regulation_modus 2 or 3; the velocity of the step output [pps]."""
     error = error_of(fb, x_actual)
-    if abs(error) <= n[TOLERANCE] & 0xFFFFF:
+    if abs(error) <= n[c.TOLERANCE] & 0xFFFFF:
         error = 0
-    n[PID_E] = error
-    if n[PID_FRESH]:
-        n[PID_FRESH] = n[PID_DIFF] = n[PID_COUNT] = n[PID_ISUM] = 0
-        n[PID_LAST] = error
-    n[PID_ISUM] = clip(n[PID_ISUM] + error, _sum_limit(n))
-    n[PID_COUNT] += 1
-    if n[PID_COUNT] >= n[I_CLIP_D_DIV] >> 16 & 0xFF:
-        n[PID_COUNT] = 0
-        n[PID_DIFF] = n[PID_LAST] - error
-        n[PID_LAST] = error
-    wanted = _proportional_integral(n, error, n[PID_ISUM]) + float((n[GAIN_D] & 0xFFFFFF) * n[PID_DIFF])
-    limit = float(n[DV_CLIP] & 0x7FFFFFFF)
-    n[PID_VEL] = int(min(max(wanted, -limit), limit))  # cut towards zero
-    if n[ENC_IN_CONF] >> 22 & 3 == PID_ALONE:
-        return float(n[PID_VEL])
-    return velocity_pps + n[PID_VEL]
+    n[c.PID_E] = error
+    if n[c.PID_FRESH]:
+        n[c.PID_FRESH] = n[c.PID_DIFF] = n[c.PID_COUNT] = n[c.PID_ISUM] = 0
+        n[c.PID_LAST] = error
+    n[c.PID_ISUM] = clip(n[c.PID_ISUM] + error, _sum_limit(n))
+    n[c.PID_COUNT] += 1
+    if n[c.PID_COUNT] >= n[c.I_CLIP_D_DIV] >> 16 & 0xFF:
+        n[c.PID_COUNT] = 0
+        n[c.PID_DIFF] = n[c.PID_LAST] - error
+        n[c.PID_LAST] = error
+    wanted = _proportional_integral(n, error, n[c.PID_ISUM]) + float((n[c.GAIN_D] & 0xFFFFFF) * n[c.PID_DIFF])
+    limit = float(n[c.DV_CLIP] & 0x7FFFFFFF)
+    n[c.PID_VEL] = int(min(max(wanted, -limit), limit))  # cut towards zero
+    if n[c.ENC_IN_CONF] >> 22 & 3 == c.PID_ALONE:
+        return float(n[c.PID_VEL])
+    return velocity_pps + n[c.PID_VEL]
 
 
 @inlined
 def _gamma(n: Cells) -> int:
     """Angle against the back-EMF, by V_ENC_MEAN."""
-    if not bit(n[ENC_IN_CONF], EMF_EN):
+    if not bit(n[c.ENC_IN_CONF], EMF_EN):
         return 0
-    mean = (n[MEAN_Q16] + 32768) >> 16
-    over = abs(mean) - (n[VMIN_EMF] & 0xFFFFFF)
+    mean = (n[c.MEAN_Q16] + 32768) >> 16
+    over = abs(mean) - (n[c.VMIN_EMF] & 0xFFFFFF)
     if over <= 0:
         return 0
-    gamma = n[CL_ANGLES] >> 16 & 0xFF
-    span = n[VADD_EMF] & 0xFFFFFF
+    gamma = n[c.CL_ANGLES] >> 16 & 0xFF
+    span = n[c.VADD_EMF] & 0xFFFFFF
     if over < span:
         gamma = gamma * over // span
     return gamma if mean > 0 else -gamma
@@ -136,48 +95,48 @@ def _gamma(n: Cells) -> int:
 @inlined
 def _correction(n: Cells) -> int:
     """Angle of the field over the rotor without gamma; sets SATURATED."""
-    error = n[DEV]
+    error = n[c.DEV]
     angle = error
-    if abs(error) > n[TOLERANCE] & 0xFF:
-        angle = abs(error) * (n[GAIN_D] & 0xFFFFFF) >> 16
+    if abs(error) > n[c.TOLERANCE] & 0xFF:
+        angle = abs(error) * (n[c.GAIN_D] & 0xFFFFFF) >> 16
         angle = angle if error > 0 else -angle
-    beta = n[CL_ANGLES] & 0x1FF
-    n[SATURATED] = abs(angle) >= beta
+    beta = n[c.CL_ANGLES] & 0x1FF
+    n[c.SATURATED] = abs(angle) >= beta
     return clip(angle, beta)
 
 
 @inlined
 def _limited(fb: Floats, n: Cells, turn: int, velocity_pps: float, clocks: int) -> int:
     """As much of a turn of the field as the catch-up limiter lets through."""
-    n[CL_ISUM] = clip(n[CL_ISUM] + n[DEV], _sum_limit(n))
-    allowed = min(abs(_proportional_integral(n, n[DEV], n[CL_ISUM])), float(n[DV_CLIP] & 0x7FFFFFFF))
-    reach = fb[REACH] + (abs(velocity_pps) + allowed) * clocks / fb[CLK_FREQ]
+    n[c.CL_ISUM] = clip(n[c.CL_ISUM] + n[c.DEV], _sum_limit(n))
+    allowed = min(abs(_proportional_integral(n, n[c.DEV], n[c.CL_ISUM])), float(n[c.DV_CLIP] & 0x7FFFFFFF))
+    reach = fb[c.REACH] + (abs(velocity_pps) + allowed) * clocks / fb[c.CLK_FREQ]
     whole = math.floor(min(reach, 512.0))
     turned = clip(turn, whole)
-    fb[REACH] = reach - whole if whole < 512 and turned != turn else 0.0
+    fb[c.REACH] = reach - whole if whole < 512 and turned != turn else 0.0
     return turned
 
 
 @compiled
 def commutate(fb: Floats, n: Cells, velocity_pps: float, clocks: int) -> None:
     """One tick of the closed loop: the coils' phase from the rotor's place and the deviation."""
-    if n[GENERAL_CONF] >> 10 & 3 != ABN:
-        if n[NOW] < n[CL_DUE]:
+    if n[c.GENERAL_CONF] >> 10 & 3 != c.ABN:
+        if n[c.NOW] < n[c.CL_DUE]:
             return
-        cycle = max(n[ENC_VMEAN] >> 16 & 0xFFFF, 1)
-        n[CL_DUE] += ((n[NOW] - n[CL_DUE]) // cycle + 1) * cycle
+        cycle = max(n[c.ENC_VMEAN] >> 16 & 0xFFFF, 1)
+        n[c.CL_DUE] += ((n[c.NOW] - n[c.CL_DUE]) // cycle + 1) * cycle
         clocks = max(clocks, cycle)
     gamma = _gamma(n)
     angle = _correction(n) + gamma
-    rotor = n[DIRECTION] * math.floor(fb[ENC_POS]) + n[CL_OFFSET]
-    phase = n[PHASE]
-    turn = wrap10(rotor + n[DIRECTION] * angle - phase)
-    if bit(n[ENC_IN_CONF], VLIMIT_EN):
+    rotor = n[c.DIRECTION] * math.floor(fb[c.ENC_POS]) + n[c.CL_OFFSET]
+    phase = n[c.PHASE]
+    turn = wrap10(rotor + n[c.DIRECTION] * angle - phase)
+    if bit(n[c.ENC_IN_CONF], VLIMIT_EN):
         ahead = wrap10(phase - rotor)
-        most = (n[CL_ANGLES] & 0x1FF) + abs(gamma)
+        most = (n[c.CL_ANGLES] & 0x1FF) + abs(gamma)
         turned = _limited(fb, n, turn, velocity_pps, clocks)
         turned = min(max(ahead + turned, -most), most) - ahead
-        angle = n[DIRECTION] * (ahead + turned)
+        angle = n[c.DIRECTION] * (ahead + turned)
         turn = turned
-    n[ANGLE] = angle
-    n[PHASE] = phase + turn
+    n[c.ANGLE] = angle
+    n[c.PHASE] = phase + turn
