@@ -13,7 +13,7 @@ from app.emulators.tmc4361 import EmulatedTmc4361
 from app.errors import BadReply
 from app.links import datagram40, datagram_uart, tmcl
 from app.links.datagram_uart import IFCNT, UartForm
-from app.links.register_access import BoardAccess, RegisterAccess, Spi40Access, UartAccess, access_of, cut
+from app.links.register_access import BoardAccess, RegisterAccess, Spi40Access, UartAccess, access_of
 from app.registers.catalog import MODELS
 
 X_COMPARE, X_TARGET, VIRTUAL_LEFT, VERSION = 0x32, 0x37, 0x33, 0x7F
@@ -71,7 +71,6 @@ def test_what_is_written_is_read_in_one_chain(far: Far) -> None:
     assert access.words(replies) == [0, 0xFFFF_FFFE, 0x8000_0000, 0xFFFF_FFFE]
     assert {len(frame) for frame in frames} == {access.frame_bytes}
     assert {len(reply) for reply in replies} == {access.reply_bytes}
-    assert cut(access, b"".join(replies)) == replies
 
 
 def test_a_single_write(far: Far) -> None:
@@ -123,8 +122,6 @@ def test_replies_that_are_too_few(far: Far) -> None:
     frames = far.access.read_frames([far.registers[0], far.registers[1]])
     with pytest.raises(BadReply, match="replies to"):
         far.access.check_all(frames, far.say(frames)[:-1])
-    with pytest.raises(BadReply, match="no whole number"):
-        cut(far.access, b"".join(far.say(frames))[:-1])
 
 
 @given(st.binary(min_size=9, max_size=9))

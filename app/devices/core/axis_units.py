@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...calc.units.mechanics import POSITION_UNITS, Mechanics
+from ...calc.units.mechanics import POSITION_UNITS, RATE_UNITS, Mechanics
 from ...errors import UsageError
 
 CHIP = "chip"
@@ -17,4 +17,17 @@ def to_position(mechanics: Mechanics, value: float, unit: str) -> int:
     try:
         return round(mechanics.to_microsteps(value, unit))
     except (ValueError, OverflowError) as error:
+        raise UsageError(str(error)) from error
+
+
+def velocity_unit_in(unit: str, mechanics: Mechanics, pps: float) -> float:
+    """How much of `unit` a chip unit of velocity is, which is `pps`. Raises UsageError for a unit that the axis lacks."""
+    if unit == CHIP:
+        return 1.0
+    spelled = SPELLINGS.get(unit, unit)
+    if spelled not in RATE_UNITS:
+        raise UsageError(f"{unit!r} is no unit of velocity; there are {', '.join((*RATE_UNITS, CHIP))}")
+    try:
+        return float(mechanics.from_microsteps(pps, spelled))
+    except ValueError as error:
         raise UsageError(str(error)) from error

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from ...calc.units.mechanics import RATE_UNITS, Mechanics
+from ...calc.units.mechanics import Mechanics
 from ...calc.units.tmc428 import MAX_VELOCITY, pulse_rate_hz
-from ...errors import OutOfRange, UsageError
+from ...errors import OutOfRange
 from ...number_text import plain
-from ..core.axis_units import CHIP, SPELLINGS
+from ..core.axis_units import velocity_unit_in
 
 
 def to_chip_velocity(
@@ -35,12 +35,4 @@ def to_chip_velocity(
 
 def one_chip_unit(mechanics: Mechanics, unit: str, pulse_div: int, clock_hz: float) -> float:
     """How much of `unit` velocity 1 is. Raises UsageError for a unit that the axis does not have."""
-    if unit == CHIP:
-        return 1.0
-    spelled = SPELLINGS.get(unit, unit)
-    if spelled not in RATE_UNITS:
-        raise UsageError(f"{unit!r} is no unit of velocity; there are {', '.join((*RATE_UNITS, CHIP))}")
-    try:
-        return float(mechanics.from_microsteps(pulse_rate_hz(1, pulse_div, clock_hz), spelled))
-    except ValueError as error:
-        raise UsageError(str(error)) from error
+    return velocity_unit_in(unit, mechanics, pulse_rate_hz(1, pulse_div, clock_hz))

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from ...calc.units.mechanics import RATE_UNITS
-from ...errors import OutOfRange, UsageError
-from ..core.axis_units import CHIP, SPELLINGS
+from ...errors import OutOfRange
+from ..core.axis_units import velocity_unit_in
 from ..core.events import MotionStarted
 from ..core.register_io import Write
 from ..core.register_link import RegisterLink
@@ -68,7 +67,7 @@ class Rotation:
 
     def _speed(self, axis: int, velocity: float, unit: str, before: Before) -> int:
         """A velocity as VMAX, in 1/256 pps. Raises OutOfRange with the limits in `unit`."""
-        one = self._one_speed(axis, unit)
+        one = velocity_unit_in(unit, self._memory.mechanics(axis), 1 / 256)
         limit_pps = before.setting.units.limits("VMAX").highest
         limit = limit_pps * 256 * one
         # Rounded up by a hair: what a client got with fewer digits has to fit.
@@ -82,18 +81,6 @@ class Rotation:
             vmax = self._session.limiter.rounded(axis, vmax, 1 / 256)
         before.warnings += before.setting.units.warnings("VMAX", vmax / 256)
         return vmax
-
-    def _one_speed(self, axis: int, unit: str) -> float:
-        """How much of `unit` a VMAX of 1 is. Raises UsageError for a unit that the axis does not have."""
-        if unit == CHIP:
-            return 1.0
-        spelled = SPELLINGS.get(unit, unit)
-        if spelled not in RATE_UNITS:
-            raise UsageError(f"{unit!r} is no unit of velocity; there are {', '.join((*RATE_UNITS, CHIP))}")
-        try:
-            return float(self._memory.mechanics(axis).from_microsteps(1 / 256, spelled))
-        except ValueError as error:
-            raise UsageError(str(error)) from error
 
     def _writes_of_rotation(self, before: Before, vmax: int) -> list[Write]:
         mode, speed = Write(rows.RAMPMODE, self._cruise.shape), put(rows.VMAX, vmax)

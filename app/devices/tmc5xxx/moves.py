@@ -13,12 +13,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ...calc.ramps.sixpoint import MotionPlan
-from ...calc.units.mechanics import RATE_UNITS
 from ...calc.units.tmc5xxx import VELOCITY_MAX, velocity_unit_pps
 from ...errors import BadReply, CannotMove, LinkError, OutOfRange, UsageError, WriteRefused
 from ...number_text import plain
 from ...registers.model import Register, to_raw
-from ..core.axis_units import CHIP, SPELLINGS, to_position
+from ..core.axis_units import to_position, velocity_unit_in
 from ..core.capabilities import Motion
 from ..core.events import MotionStarted
 from ..core.motion_watch import Kind
@@ -209,7 +208,7 @@ class SixPointMotion(Motion):
 
     def _speed(self, axis: int, velocity: float, unit: str, before: Before) -> int:
         """A velocity in chip units, with its sign. Raises OutOfRange with the limits in `unit`."""
-        one = self._one_speed(axis, unit)
+        one = velocity_unit_in(unit, self.setting.mechanics(axis), velocity_unit_pps(self.session.clock_hz))
         exact = velocity / one
         limit = VELOCITY_MAX * one
         # Rounded up by a hair: a limit has to fit although a client sent it with fewer digits.
@@ -224,19 +223,6 @@ class SixPointMotion(Motion):
         if speed and abs(speed / exact - 1) > 0.01:
             before.warnings.append(f"rounded to {speed} chip units, {plain(speed * one, 6)} {unit}")
         return speed
-
-    def _one_speed(self, axis: int, unit: str) -> float:
-        """How much of `unit` a VMAX of 1 is. Raises UsageError for a unit that the axis does not have."""
-        if unit == CHIP:
-            return 1.0
-        spelled = SPELLINGS.get(unit, unit)
-        if spelled not in RATE_UNITS:
-            raise UsageError(f"{unit!r} is no unit of velocity; there are {', '.join((*RATE_UNITS, CHIP))}")
-        try:
-            mechanics = self.setting.mechanics(axis)
-            return float(mechanics.from_microsteps(velocity_unit_pps(self.session.clock_hz), spelled))
-        except ValueError as error:
-            raise UsageError(str(error)) from error
 
     # --- together -------------------------------------------------------------------------------
 
