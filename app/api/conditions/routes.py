@@ -5,13 +5,14 @@ from __future__ import annotations
 import asyncio
 import contextlib
 
-from fastapi import APIRouter, WebSocket, WebSocketDisconnect
+from fastapi import APIRouter, WebSocket
 from pydantic import ValidationError
 
 from ...clock import BackgroundClock
 from ...conditions.service import ConditionService, Standing
 from ...devices.core.device import Device
 from ..bench import Bench
+from ..http.sockets import until_one_ends
 from ..policy import policy
 from .pages import Pages
 from .schemas import (
@@ -46,18 +47,11 @@ async def conditions(socket: WebSocket) -> None:
     bench: Bench = socket.app.state.bench
     news = News(bench.conditions)
     try:
-        tasks = [
-            asyncio.create_task(_send(socket, bench.conditions, news, bench.background), name="conditions socket"),
-            asyncio.create_task(_hear(socket, bench.pages), name="conditions socket hears"),
-        ]
-        try:
-            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-        finally:
-            for task in tasks:
-                task.cancel()
-            for end in await asyncio.gather(*tasks, return_exceptions=True):
-                if isinstance(end, Exception) and not isinstance(end, WebSocketDisconnect):
-                    raise end
+        await until_one_ends(
+            _send(socket, bench.conditions, news, bench.background),
+            _hear(socket, bench.pages),
+            name="conditions socket",
+        )
     finally:
         news.end()
 

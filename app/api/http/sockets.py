@@ -8,11 +8,26 @@ from dataclasses import dataclass
 from typing import Any, cast
 
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
+from starlette.websockets import WebSocketDisconnect
 
 from .identity import Identity, identity_of
 
 ENDED = 4401
 """Close code: who opened this socket has logged out, or the token was revoked."""
+
+
+async def until_one_ends(*sides: Coroutine[Any, Any, None], name: str) -> None:
+    """Serve a socket both ways until one way ends, or the client has gone. Raises what ended it otherwise."""
+    tasks = [asyncio.create_task(side, name=name) for side in sides]
+    try:
+        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        for task in tasks:
+            task.cancel()
+        ends = await asyncio.gather(*tasks, return_exceptions=True)
+    for end in ends:
+        if isinstance(end, Exception) and not isinstance(end, WebSocketDisconnect):
+            raise end
 
 
 @dataclass(eq=False, slots=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
 from collections.abc import Mapping
 
@@ -15,6 +14,7 @@ from ...telemetry.frames import encode_body
 from ...telemetry.reader import Event, MoveSeen, Status
 from ..bench import Bench
 from ..http.problems import problem_of
+from ..http.sockets import until_one_ends
 from ..policy import policy
 from .schemas import (
     SUBPROTOCOL,
@@ -73,7 +73,7 @@ async def telemetry(socket: WebSocket, device: str) -> None:
             history_rows=len(joined.history_time_s),
         )
         try:
-            await _stream(socket, start, joined, bench)
+            await until_one_ends(_send(socket, start, joined, bench), _hear(socket), name="telemetry socket")
         finally:
             bench.hub.leave(joined.reader)
 
@@ -99,21 +99,6 @@ def _number(query: Mapping[str, str], name: str, default: float) -> float:
         return float(text)
     except ValueError as error:
         raise UsageError(f"{name} is a number, not {text[:40]!r}") from error
-
-
-async def _stream(socket: WebSocket, start: TelemetryStart, joined: Joined, bench: Bench) -> None:
-    sending = asyncio.create_task(_send(socket, start, joined, bench), name="telemetry socket")
-    hearing = asyncio.create_task(_hear(socket), name="telemetry socket hears")
-    tasks = (sending, hearing)
-    try:
-        await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-    finally:
-        for task in tasks:
-            task.cancel()
-        ends = await asyncio.gather(*tasks, return_exceptions=True)
-    for end in ends:
-        if isinstance(end, Exception) and not isinstance(end, WebSocketDisconnect):
-            raise end
 
 
 async def _hear(socket: WebSocket) -> None:

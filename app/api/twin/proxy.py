@@ -29,6 +29,7 @@ from ...errors import BenchError, WrongState
 from ...twin.process import Address
 from ...twin.service import Twin
 from ..http.problems import error_answer
+from ..http.sockets import until_one_ends
 
 VIEW = "/twin/view"
 """Where the picture is; with a slash behind it its page, whose socket has the same address without."""
@@ -179,16 +180,7 @@ class TwinProxy:
                     return
                 await viser.send(data)
 
-        tasks = {asyncio.create_task(way(), name=f"twin view {way.__name__}") for way in (down, up)}
-        try:
-            await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-        finally:
-            for task in tasks:
-                task.cancel()
-            ends = await asyncio.gather(*tasks, return_exceptions=True)
-        for end in ends:
-            if isinstance(end, Exception) and not isinstance(end, WebSocketDisconnect):
-                raise end
+        await until_one_ends(down(), up(), name="twin view")
         await _close(browser, 1001, "the 3D view has ended")
 
 

@@ -21,7 +21,7 @@ def to_position(mechanics: Mechanics, value: float, unit: str) -> int:
 
 
 def velocity_unit_in(unit: str, mechanics: Mechanics, pps: float) -> float:
-    """How much of `unit` a chip unit of velocity is, which is `pps`. Raises UsageError for a unit that the axis lacks."""
+    """How much of `unit` a chip unit of velocity is, that of `pps`. Raises UsageError for one that the axis lacks."""
     if unit == CHIP:
         return 1.0
     spelled = SPELLINGS.get(unit, unit)

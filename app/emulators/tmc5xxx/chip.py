@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import random
 from dataclasses import asdict
 
 from ...clock import Clock
-from ...links.datagram40 import ADDRESS_MAX, FRAME_BYTES, WRITE_BIT
-from ..core.base import ChipFaults, FarEnd
+from ..core.chip40 import FarEnd40
 from ..core.ground_truth import GroundTruth
 from ..drive.bench import ChipFaultsState, ground_truth
 from . import world
@@ -18,7 +16,7 @@ from .state import Tmc5xxxState
 from .uart import UartEnd
 
 
-class EmulatedTmc5xxx(FarEnd):
+class EmulatedTmc5xxx(FarEnd40[Chip, Tmc5xxxState]):
     """Bytes in, bytes out, at its own clock's time; safe to use from several threads.
 
     `exchange` and `transfer` are its SPI, `uart` is its single wire; `read` and `write` are what both reach, for an
@@ -28,50 +26,14 @@ class EmulatedTmc5xxx(FarEnd):
     def __init__(self, model: Tmc5xxxModel, clock: Clock, options: Tmc5xxxOptions | None = None) -> None:
         """A chip that has just been switched on and lives by `clock`."""
         self.options = options = (options or Tmc5xxxOptions()).for_clock(CHIPS[model].clock_hz)
-        super().__init__(clock, options.time_scale)
+        super().__init__(clock, options.time_scale, Chip(model, options), options.clock_hz, options.seed)
         self._model: Tmc5xxxModel = model
-        self._chip = Chip(model, options)
         self._uart = UartEnd(self._chip)
-        self._noise = random.Random(options.seed)
-        self._data = 0
-        self._faults = ChipFaults()
 
     @property
     def model(self) -> Tmc5xxxModel:
         """The name in the catalog."""
         return self._model
-
-    # --- SPI -------------------------------------------------------------------------------------
-
-    def exchange(self, frame: bytes, at_s: float | None = None) -> bytes:
-        """Answer one 5-byte datagram at chip time `at_s` [s], by default now; never before the latest time used.
-
-        Raises ValueError for a frame of another length, ConnectionError while unplugged and TimeoutError
-        while silent. A silent chip still obeys: only its answer is lost.
-        """
-        if len(frame) != FRAME_BYTES:
-            raise ValueError(f"a datagram has {FRAME_BYTES} bytes, not {len(frame)}")
-        return self.transfer(frame, at_s)
-
-    def transfer(self, sent: bytes, at_s: float | None = None) -> bytes:
-        """What comes out while `sent` goes in, between CSN low and CSN high: any whole number of bytes.
-
-        Fewer than 40 bits only fetch the beginning of the reply; of more the last 40 are the command, and those
-        before them leave after 40 clocks, to the next chip of a chain. Raises what `exchange` does, but for lengths.
-        """
-        self._faults.require_plugged(self._model)
-        with self._lock:
-            chip = self._chip
-            self._run_until(at_s)
-            received = (bytes((chip.spi_status,)) + self._data.to_bytes(4, "big") + sent)[: len(sent)]
-            if len(sent) >= FRAME_BYTES:
-                first, data = sent[-FRAME_BYTES], int.from_bytes(sent[1 - FRAME_BYTES :], "big")
-                if first & WRITE_BIT:
-                    chip.write(first & ADDRESS_MAX, data)
-                    self._data = data
-                else:
-                    self._data = chip.read(first)
-            return self._faults.pass_on(self._model, received, self._noise)
 
     # --- UART ------------------------------------------------------------------------------------
 
@@ -111,12 +73,6 @@ class EmulatedTmc5xxx(FarEnd):
 
     # --- the world around ------------------------------------------------------------------------
 
-    def state(self, at_s: float | None = None) -> Tmc5xxxState:
-        """Everything that GET .../emulator answers, at chip time `at_s` [s], by default now."""
-        with self._lock:
-            self._run_until(at_s)
-            return self._describe()
-
     def patch(self, change: Tmc5xxxPatch, at_s: float | None = None) -> Tmc5xxxState:
         """Change the world around the chip at chip time `at_s` [s], by default now.
 
@@ -142,13 +98,6 @@ class EmulatedTmc5xxx(FarEnd):
             self._run_until(at_s)
             drive = self._chip.axes[axis].drive
             return ground_truth(drive.truth, drive.world)
-
-    def _run(self, until_s: float) -> None:
-        self._chip.advance(self._clocks(until_s, self.options.clock_hz))
-
-    @property
-    def _quiet(self) -> bool:
-        return self._chip.quiet
 
     def _describe(self) -> Tmc5xxxState:
         return world.describe(

@@ -1,0 +1,107 @@
+"""A chip with 40-bit datagrams as the far end of a wire: seconds, bytes and faults around it."""
+
+from __future__ import annotations
+
+import random
+from abc import abstractmethod
+from typing import Generic, Protocol, TypeVar
+
+from pydantic import BaseModel
+
+from ...clock import Clock
+from ...links.datagram40 import ADDRESS_MAX, FRAME_BYTES, WRITE_BIT
+from .base import ChipFaults, FarEnd
+
+
+class Chip40(Protocol):
+    """Registers behind 40-bit datagrams, which live by clocks."""
+
+    @property
+    def spi_status(self) -> int:
+        """The eight status bits of a reply."""
+        ...
+
+    @property
+    def quiet(self) -> bool:
+        """Nothing happens until somebody writes."""
+        ...
+
+    def advance(self, clock: int) -> None:
+        """Catch up to `clock` clocks; never back."""
+        ...
+
+    def read(self, address: int) -> int:
+        """The word at `address`, with all consequences."""
+        ...
+
+    def write(self, address: int, word: int) -> None:
+        """Write `word`."""
+        ...
+
+
+ChipT = TypeVar("ChipT", bound=Chip40)
+StateT = TypeVar("StateT", bound=BaseModel)
+
+
+class FarEnd40(FarEnd, Generic[ChipT, StateT]):
+    """Bytes in, bytes out, at its own clock's time; safe to use from several threads."""
+
+    def __init__(self, clock: Clock, time_scale: float, chip: ChipT, clock_hz: float, seed: int) -> None:
+        super().__init__(clock, time_scale)
+        self._chip = chip
+        self._clock_hz = clock_hz
+        self._noise = random.Random(seed)
+        self._data = 0
+        self._faults = ChipFaults()
+
+    def exchange(self, frame: bytes, at_s: float | None = None) -> bytes:
+        """Answer one 5-byte datagram at chip time `at_s` [s], by default now; never before the latest time used.
+
+        Raises ValueError for a frame of another length, ConnectionError while unplugged and TimeoutError
+        while silent. A silent chip still obeys: only its answer is lost.
+        """
+        if len(frame) != FRAME_BYTES:
+            raise ValueError(f"a datagram has {FRAME_BYTES} bytes, not {len(frame)}")
+        return self.transfer(frame, at_s)
+
+    def transfer(self, sent: bytes, at_s: float | None = None) -> bytes:
+        """What comes out while `sent` goes in, between chip select low and high: any whole number of bytes.
+
+        Fewer than 40 bits only fetch the beginning of the reply; of more the last 40 are the command, and those
+        before them leave after 40 clocks, to the next chip of a chain (DS-TMC4361 5.2). Raises what `exchange` does,
+        but for lengths.
+        """
+        self._faults.require_plugged(self.model)
+        with self._lock:
+            chip = self._chip
+            self._run_until(at_s)
+            self._selected()
+            received = (bytes((chip.spi_status,)) + self._data.to_bytes(4, "big") + sent)[: len(sent)]
+            if len(sent) >= FRAME_BYTES:
+                first, data = sent[-FRAME_BYTES], int.from_bytes(sent[1 - FRAME_BYTES :], "big")
+                if first & WRITE_BIT:
+                    chip.write(first & ADDRESS_MAX, data)
+                    self._data = data
+                else:
+                    self._data = chip.read(first)
+            return self._faults.pass_on(self.model, received, self._noise)
+
+    def _selected(self) -> None:
+        """A datagram begins."""
+
+    def state(self, at_s: float | None = None) -> StateT:
+        """Everything that GET .../emulator answers, at chip time `at_s` [s], by default now."""
+        with self._lock:
+            self._run_until(at_s)
+            return self._describe()
+
+    @abstractmethod
+    def _describe(self) -> StateT:
+        """The same of this moment. The lock is held."""
+
+    def _run(self, until_s: float) -> None:
+        self._chip.advance(self._clocks(until_s, self._clock_hz))
+
+    @property
+    def _quiet(self) -> bool:
+        return self._chip.quiet
