@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..calc.signals.step_response import Score
-from .procedure import Procedure
+from .procedure import Procedure, State
 
-State = Literal["idle", "running", "done", "failed", "aborted"]
 Regulation = Literal["off", "closed_loop", "pid_around_zero", "pid_around_velocity"]
 REGULATIONS: tuple[Regulation, ...] = ("off", "closed_loop", "pid_around_zero", "pid_around_velocity")
 """By the value of ENC_IN_CONF.regulation_modus."""

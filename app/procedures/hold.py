@@ -9,7 +9,7 @@ from ..clock import Clock
 from ..devices.core.device import Device
 from ..devices.core.results import Rotating
 from ..errors import OutOfRange
-from .procedure import Procedure
+from .procedure import Ended, Procedure
 
 HOLD_S = (0.1, 10.0)
 """Shortest and longest time that a rotation goes on without being kept up [s]."""
@@ -43,7 +43,7 @@ class Hold(Procedure):
         self.message = "nobody kept it up"
         await self.device.stop(self.axis)
 
-    def _over(self, how: str) -> None:
+    def _over(self, how: Ended) -> None:
         self.message = self.message or how
 
     async def _give_back(self) -> None:

@@ -7,6 +7,7 @@ import contextlib
 import logging
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from typing import Literal
 
 from ..clock import Clock
 from ..devices.core.device import Device
@@ -16,6 +17,8 @@ from ..errors import BenchError
 
 log = logging.getLogger("stepscope.tuning")
 
+Ended = Literal["done", "failed", "aborted"]
+State = Literal["idle", "running"] | Ended
 POLL_S = 0.01
 """How often a procedure looks at its axis [s]; what has to be exact, the chip latches."""
 
@@ -34,6 +37,7 @@ class Procedure(ABC):
         self.axis = device.axis(axis).index
         self.clock = clock
         self.message = ""
+        self._how: State = "running"
         self._task: asyncio.Task[None] | None = None
         self._unlisten: Callable[[], None] | None = None
         self._taken_over = ""
@@ -112,9 +116,9 @@ class Procedure(ABC):
     async def _run(self) -> None:
         """The procedure itself. Raises Failed or BenchError."""
 
-    @abstractmethod
-    def _over(self, how: str) -> None:
-        """It ended: "done", "failed" or "aborted"."""
+    def _over(self, how: Ended) -> None:
+        """It ended."""
+        self._how = how
 
     @abstractmethod
     async def _give_back(self) -> None:

@@ -19,7 +19,7 @@ from .hold import Hold, check_hold
 from .procedure import Procedure
 from .search import ReferenceSearchState, Search, SearchWanted, Switch
 from .shuttle import Shuttle, ShuttleState
-from .step_response import Disturbance, Response, Shape, StepResponse
+from .step_response import USUAL_WINDOW, Disturbance, Response, Shape, StepResponse, Window
 
 P = TypeVar("P", bound=Procedure)
 
@@ -77,19 +77,13 @@ class Procedures:
 
     def search_state(self, device: Device, axis: int) -> ReferenceSearchState:
         """The present search, or the latest. Raises UnknownThing for the axis."""
-        latest = self._latest_search(device, axis)
+        latest = self._find(device, axis, Search)
         return searches.IDLE if latest is None else latest.state
 
     async def abort_search(self, device: Device, axis: int) -> ReferenceSearchState:
         """End it and stop the motor; the state afterwards."""
-        latest = self._latest_search(device, axis)
-        if latest is not None:
-            await latest.abort("aborted on request")
+        await self._abort(device, axis, Search)
         return self.search_state(device, axis)
-
-    def _latest_search(self, device: Device, axis: int) -> Search | None:
-        found = self._latest.get(device, {}).get((device.axis(axis).index, Search.kind))
-        return found if isinstance(found, Search) else None
 
     # --- shuttle --------------------------------------------------------------------------------
 
@@ -108,9 +102,7 @@ class Procedures:
 
     async def stop_shuttle(self, device: Device, axis: int) -> ShuttleState:
         """End it and stop the motor; the state afterwards."""
-        latest = self._find(device, axis, Shuttle)
-        if latest is not None:
-            await latest.abort("stopped on request")
+        await self._abort(device, axis, Shuttle, "stopped on request")
         return self.shuttle_state(device, axis)
 
     # --- held rotation --------------------------------------------------------------------------
@@ -153,9 +145,7 @@ class Procedures:
 
     async def abort_calibration(self, device: Device, axis: int) -> CalibrationState:
         """End it, regulation off, and stop the motor; the state afterwards."""
-        latest = self._find(device, axis, Calibration)
-        if latest is not None:
-            await latest.abort("aborted on request")
+        await self._abort(device, axis, Calibration)
         return self.calibration_state(device, axis)
 
     def start_step_response(
@@ -163,27 +153,12 @@ class Procedures:
         device: Device,
         axis: int,
         distance: int,
-        *,
         shape: Shape = "ramp",
-        seconds: float = 1.0,
-        before_s: float = 0.05,
-        rate_hz: float = 1000.0,
-        band: float = 50.0,
+        window: Window = USUAL_WINDOW,
     ) -> ResponseState:
         """Raises WrongState where there is no encoder channel or another procedure runs, OutOfRange."""
         _require_encoder(device, axis)
-        step = StepResponse(
-            device,
-            axis,
-            self._clock,
-            distance,
-            shape,
-            seconds=seconds,
-            before_s=before_s,
-            rate_hz=rate_hz,
-            band=band,
-        )
-        return self._start(step).state
+        return self._start(StepResponse(device, axis, self._clock, distance, shape, window)).state
 
     def step_response_state(self, device: Device, axis: int) -> ResponseState:
         """The present step response, or the latest. Raises UnknownThing for the axis."""
@@ -198,27 +173,12 @@ class Procedures:
         device: Device,
         axis: int,
         load: Load | None,
-        *,
         load_s: float | None = None,
-        seconds: float = 1.0,
-        before_s: float = 0.05,
-        rate_hz: float = 1000.0,
-        band: float = 50.0,
+        window: Window = USUAL_WINDOW,
     ) -> ResponseState:
         """Raises WrongState where there is no encoder channel or another procedure runs, OutOfRange."""
         _require_encoder(device, axis)
-        disturbance = Disturbance(
-            device,
-            axis,
-            self._clock,
-            load,
-            load_s=load_s,
-            seconds=seconds,
-            before_s=before_s,
-            rate_hz=rate_hz,
-            band=band,
-        )
-        return self._start(disturbance).state
+        return self._start(Disturbance(device, axis, self._clock, load, load_s, window)).state
 
     def disturbance_state(self, device: Device, axis: int) -> ResponseState:
         """The present disturbance, or the latest. Raises UnknownThing for the axis."""
@@ -233,9 +193,7 @@ class Procedures:
         return NOT_RECORDED if latest is None else latest.state
 
     async def _abort_response(self, device: Device, axis: int, kind: type[Response]) -> ResponseState:
-        latest = self._find(device, axis, kind)
-        if latest is not None:
-            await latest.abort("aborted on request")
+        await self._abort(device, axis, kind)
         return self._response_state(device, axis, kind)
 
     # --- inside ---------------------------------------------------------------------------------
@@ -249,6 +207,11 @@ class Procedures:
         self._latest.setdefault(device, {})[axis, procedure.kind] = procedure
         procedure.start()
         return procedure
+
+    async def _abort(self, device: Device, axis: int, kind: type[P], why: str = "aborted on request") -> None:
+        latest = self._find(device, axis, kind)
+        if latest is not None:
+            await latest.abort(why)
 
     def _find(self, device: Device, axis: int, kind: type[P]) -> P | None:
         found = self._latest.get(device, {}).get((device.axis(axis).index, kind.kind))

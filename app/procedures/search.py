@@ -6,11 +6,13 @@ from abc import abstractmethod
 from dataclasses import dataclass
 from typing import Literal
 
-from .procedure import Procedure
+from ..errors import OutOfRange
+from .procedure import Procedure, State
 
-State = Literal["idle", "running", "done", "failed", "aborted"]
 Switch = Literal["left", "right", "reference"]
 
+PHASES = ("prepare", "leave", "first edge", "second edge", "to the centre")
+"""Of a search for both edges of a switch."""
 SLACK_S = 5.0
 """What a phase may take beyond the time that its way takes at the search speed, device time [s]."""
 
@@ -61,3 +63,11 @@ class Search(Procedure):
     @abstractmethod
     def state(self) -> ReferenceSearchState:
         """How far it is, or how it ended."""
+
+
+def check_figures(velocity_pps: float | None, max_travel: int | None, travel_bits: int) -> None:
+    """Raises OutOfRange for a speed or a way that cannot be."""
+    if velocity_pps is not None and not velocity_pps > 0:
+        raise OutOfRange("velocity", velocity_pps, 0, None, "above 0")
+    if max_travel is not None and not 1 <= max_travel < 1 << travel_bits:
+        raise OutOfRange("max_travel", max_travel, 1, (1 << travel_bits) - 1)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from ..clock import Clock
 from ..devices.core.device import Device
 from ..errors import OutOfRange
-from .procedure import POLL_S, Failed, Procedure
+from .procedure import POLL_S, Ended, Failed, Procedure
 
 DWELL_MAX_S = 60.0
 LOOK_S = 0.25
@@ -71,7 +71,7 @@ class Shuttle(Procedure):
             if not state.moving:
                 raise Failed(f"the motor stands at {state.position}, not {target}: by a switch, or v_max or a_max is 0")
 
-    def _over(self, how: str) -> None:
+    def _over(self, how: Ended) -> None:
         self.message = self.message or how
 
     async def _give_back(self) -> None:

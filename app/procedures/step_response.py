@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -13,7 +14,7 @@ from ..devices.core.capabilities import VelocityJumps
 from ..devices.core.device import Device
 from ..errors import BenchError, OutOfRange, WrongState
 from ..telemetry.sampling import Sampling
-from .closed_loop import FloatArray, Load, Recording, ResponseState, State
+from .closed_loop import FloatArray, Load, Recording, ResponseState
 from .procedure import POLL_S, Failed, Procedure
 
 COLUMNS = (
@@ -29,26 +30,34 @@ COLUMNS = (
 Shape = Literal["ramp", "step"]
 
 
-class Response(Procedure):
-    """Records `before_s` [s] before and `seconds` [s] after something happens to an axis that stands."""
+@dataclass(frozen=True, slots=True)
+class Window:
+    """What is recorded, before and after [s], and how near the encoder has to stay to count as settled [microsteps]."""
 
-    def __init__(
-        self, device: Device, axis: int, clock: Clock, seconds: float, before_s: float, rate_hz: float, band: float
-    ) -> None:
+    seconds: float = 1.0
+    before_s: float = 0.05
+    rate_hz: float = 1000.0
+    band: float = 50.0
+
+
+USUAL_WINDOW = Window()
+
+
+class Response(Procedure):
+    """Records before and after something happens to an axis that stands."""
+
+    def __init__(self, device: Device, axis: int, clock: Clock, window: Window) -> None:
         super().__init__(device, axis, clock)
         for name, value, low, high in (
-            ("seconds", seconds, 0.05, 30.0),
-            ("before_s", before_s, 0.0, 5.0),
-            ("rate_hz", rate_hz, 10.0, 1000.0),
-            ("band", band, 1e-9, 1e6),
+            ("seconds", window.seconds, 0.05, 30.0),
+            ("before_s", window.before_s, 0.0, 5.0),
+            ("rate_hz", window.rate_hz, 10.0, 1000.0),
+            ("band", window.band, 1e-9, 1e6),
         ):
             if not low <= value <= high:
                 raise OutOfRange(name, value, low, high)
-        self._seconds = seconds
-        self._before_s = before_s
-        self._rate_hz = rate_hz
-        self._band = band
-        self._how: State = "running"
+        self._window = window
+        self._whole_s = window.before_s + window.seconds
         self._phase = "record"
         self._progress = 0.0
         self._started_at_s: float | None = None
@@ -66,17 +75,14 @@ class Response(Procedure):
             self._how, self._phase, progress, self.message, self._started_at_s, self._recording, self._score
         )
 
-    def _over(self, how: str) -> None:
-        self._how = "done" if how == "done" else "failed" if how == "failed" else "aborted"
-
     async def _run(self) -> None:
         axis = await self.device.monitor.axis_state(self.axis)
         if axis.moving:
             raise WrongState(f"axis {self.axis} moves", "stop it first")
         there = {channel.quantity for channel in self.device.telemetry.channels() if channel.axis == self.axis}
         names = [f"{quantity}.{self.axis}" for quantity in COLUMNS if quantity in there]
-        self._sampling = Sampling(self.device, names, self._rate_hz, self.clock, self._failed)
-        await self._record(self._before_s, 0.0)
+        self._sampling = Sampling(self.device, names, self._window.rate_hz, self.clock, self._failed)
+        await self._record(self._window.before_s, 0.0)
         self._started_at_s = await self._act()
         await self._follow(self._started_at_s)
         self._end_sampling()
@@ -88,11 +94,10 @@ class Response(Procedure):
         """Let samples come for so much device time."""
         device = self.device
         began_s = device.device_time_s()
-        whole_s = self._before_s + self._seconds
         while (passed_s := device.device_time_s() - began_s) < seconds:
             await self.clock.sleep(POLL_S)
             self._take()
-            self._progress = min(1.0, from_progress + passed_s / whole_s)
+            self._progress = min(1.0, from_progress + passed_s / self._whole_s)
 
     def _take(self) -> None:
         assert self._sampling is not None
@@ -137,7 +142,7 @@ class Response(Procedure):
                 self._target(),
                 self._recording.commanded,
                 self._recording.encoder,
-                self._band,
+                self._window.band,
                 self._distance(),
             )
         except ValueError as error:
@@ -163,7 +168,7 @@ class Response(Procedure):
     async def _follow(self, started_at_s: float) -> None:
         """Record what comes of it."""
         del started_at_s
-        await self._record(self._seconds, self._before_s / (self._before_s + self._seconds))
+        await self._record(self._window.seconds, self._window.before_s / self._whole_s)
 
     async def _give_back(self) -> None:
         self._end_sampling()
@@ -180,14 +185,10 @@ class StepResponse(Response):
         axis: int,
         clock: Clock,
         distance: int,
-        shape: Shape = "ramp",
-        *,
-        seconds: float = 1.0,
-        before_s: float = 0.05,
-        rate_hz: float = 1000.0,
-        band: float = 50.0,
+        shape: Shape,
+        window: Window,
     ) -> None:
-        super().__init__(device, axis, clock, seconds, before_s, rate_hz, band)
+        super().__init__(device, axis, clock, window)
         if distance == 0:
             raise OutOfRange("distance", distance, None, None, "a step of 0 is none")
         moves = device.part(VelocityJumps)
@@ -223,18 +224,14 @@ class Disturbance(Response):
         axis: int,
         clock: Clock,
         load: Load | None,
-        *,
-        load_s: float | None = None,
-        seconds: float = 1.0,
-        before_s: float = 0.05,
-        rate_hz: float = 1000.0,
-        band: float = 50.0,
+        load_s: float | None,
+        window: Window,
     ) -> None:
-        super().__init__(device, axis, clock, seconds, before_s, rate_hz, band)
+        super().__init__(device, axis, clock, window)
         self._load = load
-        self._load_s = seconds / 2 if load_s is None else load_s
-        if not 0 < self._load_s <= seconds:
-            raise OutOfRange("load_s", self._load_s, 0, seconds, "above 0, and no longer than the recording")
+        self._load_s = window.seconds / 2 if load_s is None else load_s
+        if not 0 < self._load_s <= window.seconds:
+            raise OutOfRange("load_s", self._load_s, 0, window.seconds, "above 0, and no longer than the recording")
         self._loaded = False
         self._released_s: float | None = None
 
@@ -246,12 +243,12 @@ class Disturbance(Response):
         return self.device.device_time_s()
 
     async def _follow(self, started_at_s: float) -> None:
-        whole_s = self._before_s + self._seconds
-        await self._record(self._load_s, self._before_s / whole_s)
+        before_s, whole_s = self._window.before_s, self._whole_s
+        await self._record(self._load_s, before_s / whole_s)
         self._release()
         self._phase = "after the load"
-        left_s = self._seconds - (self.device.device_time_s() - started_at_s)
-        await self._record(left_s, (self._before_s + self._load_s) / whole_s)
+        left_s = self._window.seconds - (self.device.device_time_s() - started_at_s)
+        await self._record(left_s, (before_s + self._load_s) / whole_s)
 
     def _release(self) -> None:
         if self._load is not None and self._loaded:

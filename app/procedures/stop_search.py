@@ -15,9 +15,8 @@ from ..devices.core.device import Device
 from ..devices.core.results import AxisState
 from ..errors import CannotMove, OutOfRange
 from .procedure import POLL_S, Failed
-from .search import SLACK_S, ReferenceSearchState, Search, State, Switch
+from .search import PHASES, SLACK_S, ReferenceSearchState, Search, Switch, check_figures
 
-PHASES = ("prepare", "leave", "first edge", "second edge", "to the centre")
 MAX_TRAVEL = 1 << 23
 """Default way after which a phase is given up [microsteps]: 163 turns at 256 microsteps."""
 
@@ -65,16 +64,12 @@ class StopSearch(Search):
         max_travel: int | None = None,
     ) -> None:
         super().__init__(device, axis, clock)
-        if velocity_pps is not None and not velocity_pps > 0:
-            raise OutOfRange("velocity", velocity_pps, 0, None, "above 0")
-        if max_travel is not None and not 1 <= max_travel < 1 << 31:
-            raise OutOfRange("max_travel", max_travel, 1, (1 << 31) - 1)
+        check_figures(velocity_pps, max_travel, 31)
         self.switch = switch
         self._latching_chip = chip
         self._velocity_pps = velocity_pps
         self._max_travel = max_travel or MAX_TRAVEL
         self._speed_pps = 1.0
-        self._how: State = "running"
         self._phase = PHASES[0]
         self._edges: list[int] = []
         self._centre: int | None = None
@@ -88,9 +83,6 @@ class StopSearch(Search):
         return ReferenceSearchState(
             self._how, self._phase, progress, list(self._edges), self._centre, self._offset, self.message
         )
-
-    def _over(self, how: str) -> None:
-        self._how = "done" if how == "done" else "failed" if how == "failed" else "aborted"
 
     async def _run(self) -> None:
         await self._prepare()

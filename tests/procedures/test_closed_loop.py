@@ -16,6 +16,7 @@ from app.emulators.tmc4361.options import Tmc4361Patch
 from app.errors import OutOfRange, WrongState
 from app.procedures.closed_loop import CalibrationState, ResponseState
 from app.procedures.procedures import Procedures
+from app.procedures.step_response import Shape, Window
 from tests.devices.tmc4361.bench import START, Bench, bench
 
 FULL_STEP = 256
@@ -38,14 +39,14 @@ class Tuned:
         await self.finish(lambda: self.procedures.calibration_state(self.b.device, 0))
         return self.procedures.calibration_state(self.b.device, 0)
 
-    async def step(self, distance: int, **options: object) -> ResponseState:
-        self.procedures.start_step_response(self.b.device, 0, distance, **options)  # type: ignore[arg-type]
+    async def step(self, distance: int, shape: Shape = "ramp", seconds: float = 1.0) -> ResponseState:
+        self.procedures.start_step_response(self.b.device, 0, distance, shape, Window(seconds))
         await self.finish(lambda: self.procedures.step_response_state(self.b.device, 0))
         return self.procedures.step_response_state(self.b.device, 0)
 
     async def disturb(self, torque_nm: float) -> ResponseState:
         device = self.b.device
-        self.procedures.start_disturbance(device, 0, load_of(device, 0, torque_nm), seconds=1.0)
+        self.procedures.start_disturbance(device, 0, load_of(device, 0, torque_nm))
         await self.finish(lambda: self.procedures.disturbance_state(device, 0))
         return self.procedures.disturbance_state(device, 0)
 
@@ -238,7 +239,7 @@ async def test_closed_loop_brings_back_what_an_open_loop_loses() -> None:
 
 async def test_an_aborted_disturbance_takes_its_load_away() -> None:
     async with tuned() as t:
-        t.procedures.start_disturbance(t.b.device, 0, load_of(t.b.device, 0, 0.1), seconds=5.0)
+        t.procedures.start_disturbance(t.b.device, 0, load_of(t.b.device, 0, 0.1), window=Window(5.0))
         await t.b.clock.advance(0.5)
         assert t.b.wire.state().load_torque_nm == pytest.approx(0.1)
         stops = len(t.b.port.written(0x20))
@@ -259,7 +260,7 @@ async def test_an_axis_that_moves_is_not_recorded() -> None:
 
 async def test_a_link_that_fails_ends_a_recording() -> None:
     async with tuned() as t:
-        t.procedures.start_step_response(t.b.device, 0, 5_000, seconds=3.0)
+        t.procedures.start_step_response(t.b.device, 0, 5_000, window=Window(3.0))
         await t.b.clock.advance(0.5)
         t.b.fault(unplugged=True)
         await t.b.clock.advance(0.3)

@@ -53,17 +53,9 @@ async def start_step_response(
     bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis, body: StepResponseStart
 ) -> ResponseState:
     """Go by a distance and record how the encoder follows. Answers when it has started."""
-    state = bench.procedures.start_step_response(
-        device,
-        axis.index,
-        body.distance,
-        shape=body.shape,
-        seconds=body.seconds,
-        before_s=body.before_s,
-        rate_hz=body.rate_hz,
-        band=body.band,
+    return response_out(
+        bench.procedures.start_step_response(device, axis.index, body.distance, body.shape, body.window)
     )
-    return response_out(state)
 
 
 @router.delete("/step-response", responses=LOOK)
@@ -84,17 +76,8 @@ async def start_disturbance(
     bench: CurrentBench, device: CurrentDevice, axis: CurrentAxis, body: DisturbanceStart
 ) -> ResponseState:
     """Load the axis for a while and record how it holds its place. Answers when it has started."""
-    state = bench.procedures.start_disturbance(
-        device,
-        axis.index,
-        None if body.load_torque_nm is None else load_of(device, axis.index, body.load_torque_nm),
-        load_s=body.load_s,
-        seconds=body.seconds,
-        before_s=body.before_s,
-        rate_hz=body.rate_hz,
-        band=body.band,
-    )
-    return response_out(state)
+    load = None if body.load_torque_nm is None else load_of(device, axis.index, body.load_torque_nm)
+    return response_out(bench.procedures.start_disturbance(device, axis.index, load, body.load_s, body.window))
 
 
 @router.delete("/disturbance", responses=LOOK)

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from ...procedures.step_response import Window
 from ..schemas import Answer, Body, Flag
 
 ProcedureState = Literal["idle", "running", "done", "failed", "aborted"]
@@ -63,6 +64,11 @@ class _ResponseStart(Body):
     )
     rate_hz: Rate = Field(default=1000.0, description="samples a second; less where the link carries no more")
     band: Band = Field(default=50.0, description="how near the encoder has to stay to count as settled [microsteps]")
+
+    @property
+    def window(self) -> Window:
+        """What is recorded."""
+        return Window(self.seconds, self.before_s, self.rate_hz, self.band)
 
 
 class StepResponseStart(_ResponseStart):

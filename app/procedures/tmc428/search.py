@@ -17,10 +17,8 @@ from ...clock import Clock
 from ...devices.core.device import Device
 from ...errors import OutOfRange, WrongState
 from ..procedure import Failed
-from ..search import SLACK_S, ReferenceSearchState, Search, State, Switch
+from ..search import PHASES, SLACK_S, ReferenceSearchState, Search, Switch, check_figures
 from .edges import EdgeFinder
-
-PHASES = ("prepare", "leave", "first edge", "second edge", "to the centre")
 
 MAX_TRAVEL = 1 << 22
 """Default way after which a phase is given up [microsteps]."""
@@ -46,14 +44,10 @@ class ReferenceSearch(Search):
         max_travel: int | None = None,
     ) -> None:
         super().__init__(device, axis, clock)
-        if velocity_pps is not None and not velocity_pps > 0:
-            raise OutOfRange("velocity", velocity_pps, 0, None, "above 0")
-        if max_travel is not None and not 1 <= max_travel < 1 << 23:
-            raise OutOfRange("max_travel", max_travel, 1, (1 << 23) - 1)
+        check_figures(velocity_pps, max_travel, 23)
         self.switch = switch
         self._finder = EdgeFinder(device, self.axis, clock, switch, max_travel or MAX_TRAVEL)
         self._velocity_pps = velocity_pps
-        self._how: State = "running"
         self._phase = PHASES[0]
         self._edges: list[int] = []
         self._centre: int | None = None
@@ -66,9 +60,6 @@ class ReferenceSearch(Search):
         return ReferenceSearchState(
             self._how, self._phase, progress, list(self._edges), self._centre, self._offset, self.message
         )
-
-    def _over(self, how: str) -> None:
-        self._how = "done" if how == "done" else "failed" if how == "failed" else "aborted"
 
     async def _run(self) -> None:
         await self._prepare()

@@ -17,7 +17,7 @@ from ...devices.core.results import RegisterReading
 from ...devices.tmc4361.moves import Moves
 from ...devices.tmc4361.position import Position
 from ...errors import OutOfRange, WrongState
-from ..closed_loop import REGULATIONS, Calibration, CalibrationState, EncoderFound, Regulation, State
+from ..closed_loop import REGULATIONS, Calibration, CalibrationState, EncoderFound, Regulation
 from ..procedure import POLL_S, Failed
 
 PHASES = ("prepare", "regulation off", "look at the encoder", "to a full step", "take the offset", "switch on")
@@ -64,7 +64,6 @@ class ClosedLoopCalibration(Calibration):
         self._velocity_pps = velocity_pps
         self._settle_s = settle_s
         self._switch_on = switch_on
-        self._how: State = "running"
         self._phase = PHASES[0]
         self._encoder: EncoderFound | None = None
         self._offset: int | None = None
@@ -88,9 +87,6 @@ class ClosedLoopCalibration(Calibration):
             self.message,
             self._encoder,
         )
-
-    def _over(self, how: str) -> None:
-        self._how = "done" if how == "done" else "failed" if how == "failed" else "aborted"
 
     async def _run(self) -> None:
         await self._prepare()

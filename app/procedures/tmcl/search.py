@@ -12,7 +12,7 @@ from ...devices.tmcl.searches import Searches, SearchState
 from ...errors import BadReply, OutOfRange
 from ...registers.tmcl.commands import HOME_INVERTED, SWAPPED, reference_modes
 from ..procedure import Failed
-from ..search import ReferenceSearchState, Search, State
+from ..search import ReferenceSearchState, Search
 
 PHASES = ("prepare", "search", "find the edges", "finish")
 LOOKS_S = 0.05
@@ -57,7 +57,6 @@ class ModuleSearch(Search):
         self._speeds = {"ap194": search_speed_pps, "ap195": switch_speed_pps}
         self._max_travel = max_travel or MAX_TRAVEL
         self._switch_speed_pps = 0.0
-        self._how: State = "running"
         self._phase = PHASES[0]
         self._detail = ""
         self._distance: int | None = None
@@ -79,9 +78,6 @@ class ModuleSearch(Search):
             self._distance,
             self._last_position,
         )
-
-    def _over(self, how: str) -> None:
-        self._how = "done" if how == "done" else "failed" if how == "failed" else "aborted"
 
     async def _run(self) -> None:
         await self._prepare()
