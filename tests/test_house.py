@@ -31,9 +31,9 @@ NAME = re.compile(r"tmc[_-]?\d{3,4}|tmc5xxx|pd42|tmcm|\b1241\b|(?<!ramp\.)sixpoi
 
 STILL_NAME_ONE = {
     "app": (2, "the demo and the command line say which chips stand on the bench"),
-    "app/api": (15, "schemas of links and calculators, and views, are written by hand, one a family"),
-    "app/calc": (9, "units, formats and calculators lie by subject, several families in one folder"),
-    "app/emulators": (4, "boards carry chips of two families; the drive is one of the chips"),
+    "app/api": (12, "schemas of links and calculators, and views, are written by hand, one a family"),
+    "app/calc": (6, "units, formats and calculators lie by subject, several families in one folder"),
+    "app/emulators": (3, "boards carry chips of two families"),
     "app/profiles": (1, "descriptions of a document's tables say which chip has them"),
     "app/registers": (1, "the evaluation board's tables"),
     "web/src": (0, "pages ask the catalog"),

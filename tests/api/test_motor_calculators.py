@@ -8,9 +8,9 @@ from typing import Any
 import httpx
 import pytest
 
-from app.calc.current.chopper import Winding
-from app.calc.current.chopper_hints import hints
-from app.calc.current.coil import CurrentStage
+from app.calc.tmc5xxx.chopper import Winding
+from app.calc.tmc5xxx.chopper_hints import hints
+from app.calc.tmc5xxx.coil import CurrentStage
 from app.registers.tmc5xxx.table import TABLES
 
 MOTOR = {"resistance_ohm": 2.3, "inductance_h": 4.4e-3, "current_a": 1.06, "supply_v": 24}

@@ -8,11 +8,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.current.chopper import BLANK_CLOCKS, PWM_DIVIDERS, Winding
-from app.calc.current.chopper_hints import blank_setting, hints, split
-from app.calc.current.chopper_notes import SHEETS, Wishes
-from app.calc.current.stealth import pwm_setting
 from app.calc.motor_torque import StepperMotor
+from app.calc.tmc5xxx.chopper import BLANK_CLOCKS, PWM_DIVIDERS, Winding
+from app.calc.tmc5xxx.chopper_hints import blank_setting, hints, split
+from app.calc.tmc5xxx.chopper_notes import SHEETS, Wishes
+from app.calc.tmc5xxx.stealth import pwm_setting
 from app.registers.tmc5xxx import driver as tmc5xxx_driver
 
 MOTOR = Winding(2.3, 4.4e-3, 1.06, 24, 16e6, holding_torque_nm=0.45, rated_current_a=1.5)

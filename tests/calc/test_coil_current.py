@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from app.calc.current.coil import CurrentStage, error, nearest_hold, warnings
 from app.calc.tmc5xxx.chips import CHIPS
+from app.calc.tmc5xxx.coil import CurrentStage, error, nearest_hold, warnings
 
 MODELS = [model for model, chip in CHIPS.items() if not chip.sensing.range_va]
 """With sense resistors, or able to take some."""

@@ -15,8 +15,8 @@ from .ramp_parameters import check_names, number_of, whole_of
 from .ramp_torque import torque_of
 from .schemas import Phase, Ramp, RampResult
 from .sixpoint import ramp_findings, ramp_registers, sixpoint_wish
-from .sramp import s_ramp
 from .sramp_schemas import RampFinding, RampRegister, RampTorque
+from .tmc4361.sramp import s_ramp
 
 WHOLE = ("v_min", "v_max", "a_max", "ramp_div", "pulse_div", "pmul", "pdiv", "v_target", "v_actual")
 NEEDED = ("v_max", "a_max", "ramp_div", "pulse_div")

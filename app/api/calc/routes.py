@@ -10,11 +10,9 @@ from ..policy import Policy, policy_of_all
 from ..tables import mslut as mslut_tables
 from ..tables.mslut_schemas import MslutDesign, MslutResult
 from ..tables.schemas import ChainDesign
-from . import calculators, input_filters
-from . import motor as motor_calculators
+from . import calculators
 from . import ramps as ramp_calculators
 from . import units as unit_calculators
-from .filter_schemas import InputFilter, InputFilterResult, InputFilters
 from .schemas import (
     AnyMicrostepDesign,
     ChainRequest,
@@ -29,6 +27,9 @@ from .schemas import (
     UnitsResult,
 )
 from .sixpoint_schemas import Chopper, ChopperResult, CoilCurrent, CoilCurrentResult
+from .tmc5xxx import motor as motor_calculators
+from .tmc4361 import input_filters
+from .tmc4361.filter_schemas import InputFilter, InputFilterResult, InputFilters
 
 router = APIRouter(prefix="/calc", tags=["calculators"], responses=problems(UsageError))
 

@@ -1,1 +1,1 @@
-"""What the calculators know of each chip of this family."""
+"""Calculators of this family: what they know of each chip, coil current by scales and sense resistors, choppers."""

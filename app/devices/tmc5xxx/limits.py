@@ -1,6 +1,6 @@
 """TMC5xxx: what their registers mean. Speeds and accelerations count in units of the clock (DS-TMC5160 12.1), currents
 in
-scales of what the sense resistor makes of them (`calc.current.coil`).
+scales of what the sense resistor makes of them (`calc.tmc5xxx.coil`).
 
 Most of these registers cannot be read: where one was set before this connection, a limit of its quantity lets no motion
 begin until it is written. V1 and the thresholds of the driver are no speeds that an axis gets to by them, and not
@@ -12,8 +12,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Sequence
 
-from ...calc.current.coil import SCALER_FULL, SCALER_LEAST, SCALES, CurrentStage
 from ...calc.tmc5xxx.chips import CHIPS
+from ...calc.tmc5xxx.coil import SCALER_FULL, SCALER_LEAST, SCALES, CurrentStage
 from ...calc.units.tmc5xxx import ACCELERATION_MAX, VELOCITY_MAX, acceleration_unit_pps2, velocity_unit_pps
 from ..core.axis_limits import AxisLimits
 from ..core.limit_rules.chip_rules import ChipRules

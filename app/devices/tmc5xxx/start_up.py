@@ -11,8 +11,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
-from ...calc.current.coil import SCALER_FULL, CurrentStage, nearest_hold
 from ...calc.tmc5xxx.chips import CHIPS
+from ...calc.tmc5xxx.coil import SCALER_FULL, CurrentStage, nearest_hold
 from ...calc.units.tmc5xxx import acceleration_units, velocity_units
 from ...errors import OutOfRange, UsageError
 from ..core.config import AxisSettings

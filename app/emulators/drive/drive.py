@@ -104,7 +104,7 @@ class Drive:
         if row is None:
             if register in READ_ONLY:
                 raise PermissionError(f"{register} can only be read")
-            raise KeyError(f"a TMC5160 drive has no register {register!r}")
+            raise KeyError(f"a drive has no register {register!r}")
         value = signed(value, row.bits) if row.signed else value & ((1 << row.bits) - 1)
         self._registers[register] = value
         self._take_over(register, value)
@@ -161,7 +161,7 @@ class Drive:
         try:
             return self._registers[register]
         except KeyError:
-            raise KeyError(f"a TMC5160 drive has no register {register!r}") from None
+            raise KeyError(f"a drive has no register {register!r}") from None
 
     def _clear(self, register: str, ones: int) -> None:
         if register == "GSTAT":

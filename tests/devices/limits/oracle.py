@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from app.calc.current.coil import CurrentStage
+from app.calc.tmc5xxx.coil import CurrentStage
 from app.calc.units.tmc5xxx import acceleration_unit_pps2, velocity_unit_pps
 from app.calc.units.tmc428 import acceleration_hz_s, pulse_rate_hz
 from app.devices.core.axis_limits import AxisLimits

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from ..tmc5xxx.chips import CHIPS, Sheet
+from .chips import CHIPS, Sheet
 
 __all__ = ["OWN", "SHEETS", "Figure", "Hints", "Setting", "Sheet", "Wishes", "picked"]
 

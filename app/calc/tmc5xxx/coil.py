@@ -20,7 +20,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
 
-from ..tmc5xxx.chips import CHIPS, Chip, Sensing
+from .chips import CHIPS, Chip, Sensing
 
 SCALES = 32
 SCALER_FULL = 256

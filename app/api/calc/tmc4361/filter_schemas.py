@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from ..schemas import Answer, Body
+from ...schemas import Answer, Body
 
 Setting = Annotated[int, Field(strict=True, ge=0, le=7)]
 Level = Annotated[int, Field(strict=True, ge=0, le=1)]

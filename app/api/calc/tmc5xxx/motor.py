@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 
-from ...calc.current.chopper import Winding
-from ...calc.current.chopper_hints import hints
-from ...calc.current.chopper_notes import Wishes
-from ...calc.current.coil import CurrentStage, Setting, error, nearest_hold, warnings
-from ...calc.tmc5xxx.chips import CHIPS
-from ...calc.units import tmc5xxx_times as times
-from ...errors import UsageError
-from ..devices.views import calculating
-from .sixpoint_schemas import (
+from ....calc.tmc5xxx.chips import CHIPS
+from ....calc.tmc5xxx.chopper import Winding
+from ....calc.tmc5xxx.chopper_hints import hints
+from ....calc.tmc5xxx.chopper_notes import Wishes
+from ....calc.tmc5xxx.coil import CurrentStage, Setting, error, nearest_hold, warnings
+from ....calc.units import tmc5xxx_times as times
+from ....errors import UsageError
+from ...devices.views import calculating
+from ..sixpoint_schemas import (
     Chopper,
     ChopperFigure,
     ChopperResult,

@@ -6,22 +6,22 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
-from ...calc.motor_torque import FastMove, StepperMotor, fastest_move, fastest_trapezoid
-from ...calc.ramps.sramp import RampWarning, SRamp, SRampPlan, position_plan, velocity_plan
-from ...calc.ramps.sramp_trapezoid import (
+from ....calc.motor_torque import FastMove, StepperMotor, fastest_move, fastest_trapezoid
+from ....calc.ramps.sramp import RampWarning, SRamp, SRampPlan, position_plan, velocity_plan
+from ....calc.ramps.sramp_trapezoid import (
     Trapezoid,
     hold_position_plan,
     hold_velocity_plan,
     trapezoid_position_plan,
     trapezoid_velocity_plan,
 )
-from ...calc.ramps.trapezoid import trapezoid_ramp
-from ...calc.units.tmc4361 import CLOCK_HZ_DEFAULT, Units
-from ...errors import UsageError
-from .ramp_parameters import number_of
-from .ramp_torque import torque_of
-from .schemas import Phase, Ramp, RampResult
-from .sramp_schemas import RampFinding, RampLimit, RampRegister, RampRival, RampTorque
+from ....calc.ramps.trapezoid import trapezoid_ramp
+from ....calc.units.tmc4361 import CLOCK_HZ_DEFAULT, Units
+from ....errors import UsageError
+from ..ramp_parameters import number_of
+from ..ramp_torque import torque_of
+from ..schemas import Phase, Ramp, RampResult
+from ..sramp_schemas import RampFinding, RampLimit, RampRegister, RampRival, RampTorque
 
 VALUES = tuple(field.name for field in fields(SRamp) if field.name != "use_astart_and_vstart")
 """The parameters that are registers, by their names in lower case; VBREAK besides, of trapezoids."""

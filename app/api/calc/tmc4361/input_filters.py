@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from ...calc.signals.input_filter import EXAMPLES, Bounds, bounds, filtered, groups, levels_of
-from ...registers.model import Field, Register
-from ...registers.tmc4361.table import TMC4361
-from ..devices.views import calculating
+from ....calc.signals.input_filter import EXAMPLES, Bounds, bounds, filtered, groups, levels_of
+from ....registers.model import Field, Register
+from ....registers.tmc4361.table import TMC4361
+from ...devices.views import calculating
 from .filter_schemas import FilterBounds, FilterExample, FilterGroup, InputFilter, InputFilterResult, InputFilters
 
 REGISTER = "INPUT_FILT_CONF"

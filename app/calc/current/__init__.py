@@ -1,1 +1,0 @@
-"""Coil current: sense resistors, scales, choppers."""
