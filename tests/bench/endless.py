@@ -16,7 +16,6 @@ from fractions import Fraction
 from typing import Any, cast
 
 from app.calc.positions.extended import Counter
-from app.calc.positions.rotary import TurnOffset
 from app.clock import VirtualClock, WallClock
 from app.devices.core.config import DeviceConfig
 from app.devices.core.device import Device
@@ -35,6 +34,7 @@ from app.positions.axis import WatchedAxis
 from app.positions.observer import Followed
 from app.registers.catalog import MODELS
 from tests.bench.table import Row
+from tests.calc.turn_offset import TurnOffset
 
 AXES = 32
 CPU_LIMIT = 0.01

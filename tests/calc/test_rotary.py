@@ -9,7 +9,8 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from app.calc.positions.extended import Counter
-from app.calc.positions.rotary import MissedWrap, Rotary, TurnOffset, Way
+from app.calc.positions.rotary import Rotary, Way
+from tests.calc.turn_offset import MissedWrap, TurnOffset
 
 turns = st.builds(Fraction, st.integers(1, 1 << 30), st.integers(1, 1000))
 positions = st.integers(-(1 << 60), 1 << 60)

@@ -7,9 +7,10 @@ from fractions import Fraction
 import pytest
 
 from app.calc.positions.extended import Counter
-from app.calc.positions.rotary import TurnOffset, Way
+from app.calc.positions.rotary import Way
 from app.devices.core.results import RegisterWritten
 from app.errors import UsageError, WrongState
+from tests.calc.turn_offset import TurnOffset
 from tests.positions.bench import FAMILIES, Bench, bench
 
 TURN = Fraction(358_400, 3)
