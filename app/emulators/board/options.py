@@ -4,23 +4,19 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import Field
 
-from ..line.faults import Late, Rate, Switch
+from ..drive.bench import Closed, Flag
+from ..line.faults import Late, LineFaultsChange, Rate, Switch
 from ..tmc5xxx.options import Tmc5xxxPatch
 from ..tmc5xxx.state import Tmc5xxxState
 from ..tmc4361.options import Tmc4361Patch
 from ..tmc4361.state import Tmc4361State
 
 MODEL = "landungsbruecke"
-Flag = Annotated[bool, Field(strict=True)]
 
 
-class _Closed(BaseModel):
-    model_config = ConfigDict(extra="forbid")
-
-
-class BoardFaults(_Closed):
+class BoardFaults(Closed):
     """Between the board and its line. Faults of the SPI are the chip's."""
 
     silence: Switch = Field(default=False, description="the board obeys and says nothing")
@@ -30,17 +26,11 @@ class BoardFaults(_Closed):
     unplugged: Switch = Field(default=False, description="the USB cable is out")
 
 
-class BoardFaultsChange(_Closed):
+class BoardFaultsChange(LineFaultsChange):
     """A change of some of the faults."""
 
-    silence: Switch | None = None
-    late_reply_s: Late | None = None
-    bit_error_rate: Rate | None = None
-    half_frame_rate: Rate | None = None
-    unplugged: Switch | None = None
 
-
-class BoardPatch(_Closed):
+class BoardPatch(Closed):
     """A change to a running board; what is left out stays. A power cycle comes first."""
 
     faults: BoardFaultsChange = Field(default_factory=BoardFaultsChange)
@@ -50,7 +40,7 @@ class BoardPatch(_Closed):
     )
 
 
-class BoardState(_Closed):
+class BoardState(Closed):
     """An emulated board and the chip in its slot."""
 
     model: Literal["landungsbruecke"] = "landungsbruecke"
