@@ -55,13 +55,11 @@ def capture(
     as_json: AsJson = False,
 ) -> None:
     """Read a device's whole configuration, as a document: one register a line, or with --json every key in full."""
-    from ..profiles.document import parse, text_of
-
     with connected(url, token) as bench:
         document = dict(bench.profile(device))
         if name is not None:
             document["name"] = name
-        _put_out(json.dumps(document, indent=1) + "\n" if as_json else text_of(parse(document)), out)
+        _put_out(document, out, as_json=as_json)
 
 
 @profile.command(no_args_is_help=True)
@@ -95,11 +93,8 @@ def import_(
 @profile.command(no_args_is_help=True)
 def export(number: Number, out: Out = None, url: Url = None, token: Token = None, as_json: AsJson = False) -> None:
     """Write a kept profile to a file, one register a line, or with --json every key in full."""
-    from ..profiles.document import parse, text_of
-
     with connected(url, token) as bench:
-        document = bench.saved_profile(number)
-        _put_out(json.dumps(document, indent=1) + "\n" if as_json else text_of(parse(document)), out)
+        _put_out(bench.saved_profile(number), out, as_json=as_json)
 
 
 @profile.command(name="list")
@@ -251,7 +246,10 @@ def _read(file: Path) -> Mapping[str, Any]:
     return data
 
 
-def _put_out(text: str, out: Path | None) -> None:
+def _put_out(document: Mapping[str, Any], out: Path | None, *, as_json: bool) -> None:
+    from ..profiles.document import parse, text_of
+
+    text = json.dumps(document, indent=1) + "\n" if as_json else text_of(parse(document))
     if out is None:
         sys.stdout.write(text)
     else:
