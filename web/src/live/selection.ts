@@ -24,3 +24,17 @@ export function useSelection(): Selection {
   const axis = device && stored.device === device.id && stored.axis < device.axes.length ? stored.axis : 0;
   return { device, axis, select: (id, index) => setStored({ device: id, axis: index }) };
 }
+
+/** The selected axis, and its device, which counts as disconnected while the server does not answer. */
+export function useSelectedAxis() {
+  const devices = useDevices();
+  const { device, axis } = useSelection();
+  const known: Device | undefined = device && devices.isError ? { ...device, state: "disconnected" } : device;
+  return {
+    /** nobody knows yet which devices there are */
+    waiting: devices.data === undefined && !devices.isError,
+    device: known,
+    entry: known?.axes.find(({ index }) => index === axis),
+    key: `${device?.id}/${axis}`,
+  };
+}

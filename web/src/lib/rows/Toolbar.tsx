@@ -1,33 +1,43 @@
 import { Button, CloseButton, Kbd, TextInput } from "@mantine/core";
+import { useHotkeys } from "@mantine/hooks";
 import { IconPlayerPause, IconPlayerPlay, IconSearch } from "@tabler/icons-react";
-import type { PropsWithChildren, RefObject } from "react";
+import { type PropsWithChildren, useRef, useState } from "react";
 import css from "./rows.module.css";
+import type { Live } from "./useRegisters";
+
+/** What a page of rows looks for, what of it is folded, and whether its values go on. */
+export function useRowsView() {
+  const [paused, setPaused] = useState(false);
+  const [query, setQuery] = useState(() => new URLSearchParams(window.location.search).get("find") ?? "");
+  const [folded, setFolded] = useState<Readonly<Record<string, boolean>>>({});
+  const fold = (key: string, fold: boolean) => setFolded((now) => ({ ...now, [key]: fold }));
+  /** whether a group is folded; `first` until somebody has folded or opened it. A search opens all. */
+  const isFolded = (key: string, first: boolean) => (query === "" ? (folded[key] ?? first) : false);
+  return { paused, setPaused, query, setQuery, fold, isFolded };
+}
 
 interface Props {
   /** what is searched, in the plural */
   what: string;
   placeholder: string;
-  searchRef: RefObject<HTMLInputElement>;
-  query: string;
-  onQuery: (query: string) => void;
-  shown: number;
-  paused: boolean;
-  onPaused: (paused: boolean) => void;
-  connected: boolean;
-  /** at least one reading has come */
-  known: boolean;
-  ageMs: number;
+  view: ReturnType<typeof useRowsView>;
+  live: Live;
+  groups: readonly { rows: readonly unknown[] }[];
 }
 
 /** Search, whatever else the page puts there, and how fresh the values are. */
-export function Toolbar(props: PropsWithChildren<Props>) {
-  const { what, placeholder, searchRef, query, onQuery, shown, children } = props;
-  const { paused, onPaused, connected, known, ageMs } = props;
+export function Toolbar({ what, placeholder, view, live, groups, children }: PropsWithChildren<Props>) {
+  const search = useRef<HTMLInputElement>(null);
+  useHotkeys([["/", () => search.current?.focus()]]);
+  const { query, setQuery: onQuery, paused, setPaused: onPaused } = view;
+  const { connected, ageMs } = live;
+  const known = live.readings.data !== undefined;
+  const shown = groups.reduce((sum, group) => sum + group.rows.length, 0);
   const state = !connected ? "not connected" : paused ? "paused" : ageMs > 0 ? "no news" : known ? "live" : "reading";
   return (
     <search className={`${css.toolbar} row gap-8`}>
       <TextInput
-        ref={searchRef}
+        ref={search}
         size="xs"
         className={css.search}
         aria-label={`Search ${what}`}

@@ -1,8 +1,6 @@
-import { Button, Text } from "@mantine/core";
 import { IconTerminal2 } from "@tabler/icons-react";
-import { Link } from "wouter";
 import { can, type Device, useCatalogModel, useDevices } from "../../api/queries";
-import { EmptyState } from "../../lib/EmptyState";
+import { NoDevice } from "../../lib/NoDevice";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { DeviceNotice } from "../../lib/rows/DeviceNotice";
 import common from "../../lib/rows/rows.module.css";
@@ -24,16 +22,7 @@ export default function ConsolePage() {
     return (
       <div className=" stack gap-8 text-13">
         <h1 className={`${common.title} flex baseline gap-8 m-0 text-16`}>Console</h1>
-        {devices.isSuccess && (
-          <EmptyState title="No device to talk to" icon={<IconTerminal2 size={22} />}>
-            <Text size="sm" className="m-0 dim">
-              Connect one, or add an emulated one: that needs no hardware.
-            </Text>
-            <Button component={Link} href="/connections" size="sm">
-              Add a device
-            </Button>
-          </EmptyState>
-        )}
+        {devices.isSuccess && <NoDevice title="No device to talk to" icon={<IconTerminal2 size={22} />} />}
       </div>
     );
   return (

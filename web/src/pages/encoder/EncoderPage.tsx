@@ -1,17 +1,15 @@
-import { Button, Loader, Stack, Text } from "@mantine/core";
 import { IconRotateClockwise2 } from "@tabler/icons-react";
 import { useQueryClient } from "@tanstack/react-query";
-import { Link } from "wouter";
 import { api, unwrap } from "../../api/client";
-import { can, type Device, useDevices } from "../../api/queries";
-import { EmptyState } from "../../lib/EmptyState";
+import { can, type Device } from "../../api/queries";
+import { NoDevice, Waiting } from "../../lib/NoDevice";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { ChipField } from "../../lib/rows/ChipField";
 import { DeviceNotice } from "../../lib/rows/DeviceNotice";
 import { StagedDrawer } from "../../lib/rows/StagedDrawer";
 import { useChipRows } from "../../lib/rows/useChipRows";
 import { Page, Section } from "../../lib/Section";
-import { useSelection } from "../../live/selection";
+import { useSelectedAxis } from "../../live/selection";
 import { useParameters } from "../module/useParameters";
 import { ConstSection } from "./ConstSection";
 import { EncoderView } from "./EncoderView";
@@ -20,26 +18,20 @@ import { Counter, Limits } from "./Limits";
 import { encoderSettings, LIMIT_NAMES } from "./settings";
 import { ENCODERS, encodersOf, type Which } from "./useEncoder";
 
+const NOTHING = { icon: <IconRotateClockwise2 size={22} />, wanted: "a device with an encoder" };
+
 /** What the encoder says of the shaft, against what the motor was told. */
 export default function EncoderPage() {
-  const devices = useDevices();
-  const { device, axis } = useSelection();
-  if (devices.data === undefined && !devices.isError)
-    return (
-      <Page name="Encoder">
-        <Stack align="center" py="xl">
-          <Loader aria-label="Looking for devices" />
-        </Stack>
-      </Page>
-    );
-  const entry = device?.axes.find((candidate) => candidate.index === axis);
-  if (!device || !entry) return <Nothing title="No device" />;
-  const encoders = encodersOf(device, axis);
+  const { waiting, device, entry, key } = useSelectedAxis();
+  if (waiting) return <Waiting page="Encoder" />;
+  if (!device || !entry) return <NoDevice {...NOTHING} />;
+  const encoders = encodersOf(device, entry.index);
   if (encoders.length === 0)
     return (
       <Page name="Encoder">
         <DeviceNotice device={device} />
-        <Nothing
+        <NoDevice
+          {...NOTHING}
           title={
             device.state === "connected" && device.channels.length > 0
               ? `A ${device.title} has no encoder`
@@ -48,22 +40,8 @@ export default function EncoderPage() {
         />
       </Page>
     );
-  const known: Device = devices.isError ? { ...device, state: "disconnected" } : device;
   const Encoder = can(device, "parameters") ? ModuleEncoder : ChipEncoder;
-  return <Encoder key={`${device.id}/${axis}`} device={known} axis={entry} encoders={encoders} />;
-}
-
-function Nothing({ title }: { title: string }) {
-  return (
-    <EmptyState title={title} icon={<IconRotateClockwise2 size={22} />}>
-      <Text size="sm" c="dimmed">
-        Connect a device with an encoder, or add an emulated one: that needs no hardware.
-      </Text>
-      <Button component={Link} href="/connections" size="sm">
-        Connections
-      </Button>
-    </EmptyState>
-  );
+  return <Encoder key={key} device={device} axis={entry} encoders={encoders} />;
 }
 
 interface Props {

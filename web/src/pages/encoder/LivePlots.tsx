@@ -1,23 +1,20 @@
-import { ActionIcon, Group, SegmentedControl, Select, Switch } from "@mantine/core";
-import { IconPlayerPause, IconPlayerPlay } from "@tabler/icons-react";
+import { SegmentedControl, Switch } from "@mantine/core";
 import { useState } from "react";
 import { colorOf } from "../../lib/palette";
 import type { Settings } from "../../lib/rows/settings";
-import { Section } from "../../lib/Section";
 import { useScheme } from "../../lib/useScheme";
 import type { LinkState, TelemetrySource } from "../../live/TelemetrySource";
 import { Plot } from "../../plots/Plot";
-import type { Level, Mark, PlotSeries } from "../../plots/types";
-import { LinkReadout } from "../bench/scope/LinkReadout";
+import type { Level, PlotSeries } from "../../plots/types";
+import { RollingSection } from "../module/RollingSection";
 import { useRolling } from "../module/useRolling";
-import { type MotionEnd, REASONS } from "../module/useStops";
+import { type MotionEnd, stopMarks } from "../module/useStops";
 import classes from "./encoder.module.css";
 import { LIMIT } from "./settings";
 import { ENCODERS, encoderName, type Which } from "./useEncoder";
 
 const SPANS_S = [2, 5, 10, 20, 60] as const;
 const FAULT = { light: "#d02828", dark: "#ff6b6b" };
-const PLAIN = { light: "#6b7480", dark: "#7a828c" };
 
 interface Props {
   source: TelemetrySource;
@@ -35,9 +32,8 @@ interface Props {
 export function LivePlots(props: Props) {
   const { source, link, name, axis, shown, settings, stops, choices, onShown } = props;
   const scheme = useScheme();
-  const [spanS, setSpanS] = useState(10);
   const [toLimit, setToLimit] = useState(false);
-  const rolling = useRolling(source, spanS);
+  const rolling = useRolling(source, 10);
 
   const positionTraces = [
     { channel: `position.${axis}`, divisor: 1 },
@@ -70,16 +66,8 @@ export function LivePlots(props: Props) {
     })),
   );
   const widest = Math.max(0, ...limits.map(({ limit }) => limit));
-  const marks = (): Mark[] =>
-    stops
-      .filter((stop) => stop.reason !== "target_reached")
-      .map((stop) => ({
-        id: `stop${stop.time_s}`,
-        x: stop.time_s,
-        color: (REASONS[stop.reason].fault ? FAULT : PLAIN)[scheme],
-        label: REASONS[stop.reason].short,
-        fixed: true,
-      }));
+  const unwanted = stops.filter(({ reason }) => reason !== "target_reached");
+  const marks = () => stopMarks(unwanted, scheme);
   const common = {
     group: "encoder",
     marks,
@@ -88,11 +76,15 @@ export function LivePlots(props: Props) {
   } as const;
 
   return (
-    <Section
+    <RollingSection
       title="Live"
       className={classes.live}
+      rolling={rolling}
+      link={link}
+      name={name}
+      spansS={SPANS_S}
       actions={
-        <Group gap={6}>
+        <>
           {choices.length > 1 && (
             <SegmentedControl
               size="xs"
@@ -114,27 +106,9 @@ export function LivePlots(props: Props) {
             disabled={widest === 0}
             onChange={(event) => setToLimit(event.currentTarget.checked)}
           />
-          <Select
-            size="xs"
-            w={76}
-            aria-label="Time span"
-            data={SPANS_S.map((span) => ({ value: String(span), label: `${span} s` }))}
-            value={String(spanS)}
-            allowDeselect={false}
-            onChange={(value) => value && setSpanS(Number(value))}
-          />
-          <ActionIcon
-            variant={rolling.paused ? "filled" : "default"}
-            size={30}
-            aria-label={rolling.paused ? "Run" : "Pause"}
-            onClick={() => (rolling.paused ? rolling.run() : rolling.pause())}
-          >
-            {rolling.paused ? <IconPlayerPlay size={16} /> : <IconPlayerPause size={16} />}
-          </ActionIcon>
-        </Group>
+        </>
       }
     >
-      <LinkReadout name={name} several={false} link={link} />
       <div className={classes.strip}>
         <Plot
           {...common}
@@ -158,6 +132,6 @@ export function LivePlots(props: Props) {
           onLevel={(id, y) => settings.stage(LIMIT[id.slice(0, -1) as Which], Math.max(1, Math.round(Math.abs(y))))}
         />
       </div>
-    </Section>
+    </RollingSection>
   );
 }

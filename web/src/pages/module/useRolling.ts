@@ -18,7 +18,8 @@ interface Slot {
  * Plots that follow the newest samples of one source, all in one window of time, drawn in every frame outside of
  * React's rendering. Zooming and panning by hand holds the picture; "show all" goes on.
  */
-export function useRolling(source: TelemetrySource, spanS: number) {
+export function useRolling(source: TelemetrySource, firstSpanS: number) {
+  const [spanS, setSpanS] = useState(firstSpanS);
   const [view] = useState(() => new ScopeView(spanS, "roll"));
   const [paused, setPaused] = useState(false);
   const slots = useRef(new Map<string, Slot>());
@@ -54,6 +55,8 @@ export function useRolling(source: TelemetrySource, spanS: number) {
 
   return {
     view,
+    spanS,
+    setSpanS,
     paused,
     run,
     pause,

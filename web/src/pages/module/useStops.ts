@@ -3,6 +3,7 @@ import { useEffect } from "react";
 import { api, type Schemas, unwrap } from "../../api/client";
 import type { AxisAddress } from "../../api/motion";
 import type { TelemetrySource } from "../../live/TelemetrySource";
+import type { Mark } from "../../plots/types";
 
 export type MotionEnd = Schemas["MotionEnd"];
 export type StopReason = MotionEnd["reason"];
@@ -26,6 +27,20 @@ export const REASONS: Record<StopReason, Words> = {
   lost_link: { text: "Link lost", short: "link", fault: true },
   unknown: { text: "Cause unknown", short: "?", fault: false },
 };
+
+const FAULT = { light: "#d02828", dark: "#ff6b6b" };
+const PLAIN = { light: "#6b7480", dark: "#7a828c" };
+
+/** Stops as marks in a plot over time. */
+export function stopMarks(stops: readonly MotionEnd[], scheme: "light" | "dark"): Mark[] {
+  return stops.map(({ time_s, reason }) => ({
+    id: `stop${time_s}`,
+    x: time_s,
+    color: (REASONS[reason].fault ? FAULT : PLAIN)[scheme],
+    label: REASONS[reason].short,
+    fixed: true,
+  }));
+}
 
 /** What ended the motions of an axis, newest first: asked for now and then, and at once when the socket tells of one. */
 export function useStops(at: AxisAddress, source: TelemetrySource, enabled: boolean) {

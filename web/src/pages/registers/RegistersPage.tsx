@@ -1,10 +1,10 @@
-import { Button, Switch, Text } from "@mantine/core";
-import { useHotkeys, useLocalStorage } from "@mantine/hooks";
+import { Switch, Text } from "@mantine/core";
+import { useLocalStorage } from "@mantine/hooks";
 import { IconTableColumn } from "@tabler/icons-react";
-import { type RefObject, useMemo, useRef, useState } from "react";
-import { Link } from "wouter";
+import { useMemo } from "react";
 import { useDevices } from "../../api/queries";
 import { EmptyState } from "../../lib/EmptyState";
+import { NoDevice } from "../../lib/NoDevice";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useRowState } from "../../lib/rows/actions";
 import type { RegisterRow } from "../../lib/rows/bits";
@@ -13,7 +13,7 @@ import { RowsPage } from "../../lib/rows/RowsPage";
 import { besideText, foldedByDefault, groupRows } from "../../lib/rows/search";
 import { type Key, keyOf } from "../../lib/rows/staging";
 import { useStaged } from "../../lib/rows/store";
-import { Toolbar } from "../../lib/rows/Toolbar";
+import { Toolbar, useRowsView } from "../../lib/rows/Toolbar";
 import { useRegisters } from "../../lib/rows/useRegisters";
 import { usePhone } from "../../lib/usePhone";
 import { useSelection } from "../../live/selection";
@@ -27,11 +27,8 @@ export default function RegistersPage() {
   const { device, axis } = useSelection();
   const phone = usePhone();
   const [allAxes, setAllAxes] = useLocalStorage({ key: "stepscope.registers.all-axes", defaultValue: false });
-  const [paused, setPaused] = useState(false);
-  const [query, setQuery] = useState(() => new URLSearchParams(window.location.search).get("find") ?? "");
-  const [folded, setFolded] = useState<Record<string, boolean>>({});
-  const search = useRef<HTMLInputElement>(null);
-  useHotkeys([["/", () => search.current?.focus()]]);
+  const view = useRowsView();
+  const { paused, query } = view;
 
   const id = device?.id ?? "";
   const many = (device?.axes.length ?? 0) > 1;
@@ -50,16 +47,7 @@ export default function RegistersPage() {
   if (devices.isError && !device)
     return <ProblemAlert error={devices.error} doing="Looking for devices" retry={() => void devices.refetch()} />;
   if (devices.isSuccess && !device)
-    return (
-      <EmptyState title="No device to show registers of" icon={<IconTableColumn size={22} />}>
-        <Text size="sm" className="dim">
-          Connect a chip, or add an emulated one: that needs no hardware.
-        </Text>
-        <Button component={Link} href="/connections" size="sm">
-          Add a device
-        </Button>
-      </EmptyState>
-    );
+    return <NoDevice title="No device to show registers of" wanted="a chip" icon={<IconTableColumn size={22} />} />;
 
   const selected = (selectedKey === null ? undefined : rowOf.get(selectedKey)) ?? null;
   const selectedRaw = selectedKey === null ? null : (live.byKey.get(selectedKey)?.raw ?? null);
@@ -78,15 +66,9 @@ export default function RegistersPage() {
         <Toolbar
           what="registers"
           placeholder="Name, address, field or words of the help"
-          searchRef={search as RefObject<HTMLInputElement>}
-          query={query}
-          onQuery={setQuery}
-          shown={groups.reduce((sum, group) => sum + group.rows.length, 0)}
-          paused={paused}
-          onPaused={setPaused}
-          connected={live.connected}
-          known={live.readings.data !== undefined}
-          ageMs={live.ageMs}
+          view={view}
+          live={live}
+          groups={groups}
         >
           {many && (
             <Switch
@@ -106,8 +88,8 @@ export default function RegistersPage() {
           groups={groups}
           rows={rows ?? []}
           query={query}
-          isFolded={(group) => (query !== "" ? false : (folded[group.key] ?? foldedByDefault(group)))}
-          onFold={(key, fold) => setFolded((now) => ({ ...now, [key]: fold }))}
+          isFolded={(group) => view.isFolded(group.key, foldedByDefault(group))}
+          onFold={view.fold}
           readings={live.byKey}
           edits={staged.edits}
           open={open}
@@ -119,7 +101,7 @@ export default function RegistersPage() {
           showAxis={everyAxis}
           old={live.old || !live.connected}
           actions={actions}
-          onClearSearch={() => setQuery("")}
+          onClearSearch={() => view.setQuery("")}
         />
       }
       help={

@@ -1,14 +1,12 @@
-import { Button, Loader, Stack, Text } from "@mantine/core";
 import { IconGauge } from "@tabler/icons-react";
-import { Link } from "wouter";
-import { can, type Device, useDevices } from "../../api/queries";
-import { EmptyState } from "../../lib/EmptyState";
+import { can, type Device } from "../../api/queries";
+import { NoDevice, Waiting } from "../../lib/NoDevice";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { DeviceNotice } from "../../lib/rows/DeviceNotice";
 import { StagedDrawer } from "../../lib/rows/StagedDrawer";
 import { useChipRows } from "../../lib/rows/useChipRows";
 import { Page } from "../../lib/Section";
-import { useSelection } from "../../live/selection";
+import { useSelectedAxis } from "../../live/selection";
 import { useParameters } from "../module/useParameters";
 import { ChipThresholds } from "./ChipThresholds";
 import { chipCurrent, chipSettings, passedFrom, placeOf } from "./chip";
@@ -17,43 +15,22 @@ import { AP, NAMES } from "./names";
 import { Thresholds } from "./Thresholds";
 import { moduleCurrent } from "./thresholds";
 
+const NOTHING = { icon: <IconGauge size={22} />, wanted: "a device that measures the load of its motor" };
+
 /** How hard the motor works: load value, current, and where their thresholds lie. */
 export default function StallGuardPage() {
-  const devices = useDevices();
-  const { device, axis } = useSelection();
-  if (devices.data === undefined && !devices.isError)
-    return (
-      <Page name="StallGuard">
-        <Stack align="center" py="xl">
-          <Loader aria-label="Looking for devices" />
-        </Stack>
-      </Page>
-    );
-  const entry = device?.axes.find((candidate) => candidate.index === axis);
-  if (!device || !entry) return <Nothing title="No device" />;
-  if (!device.channels.some((channel) => channel.name === `load_value.${axis}`))
+  const { waiting, device, entry, key } = useSelectedAxis();
+  if (waiting) return <Waiting page="StallGuard" />;
+  if (!device || !entry) return <NoDevice {...NOTHING} />;
+  if (!device.channels.some((channel) => channel.name === `load_value.${entry.index}`))
     return (
       <Page name="StallGuard">
         <DeviceNotice device={device} />
-        <Nothing title={`No load values of ${device.name} yet`} />
+        <NoDevice {...NOTHING} title={`No load values of ${device.name} yet`} />
       </Page>
     );
-  const known: Device = devices.isError ? { ...device, state: "disconnected" } : device;
   const Load = can(device, "parameters") ? ModuleLoad : ChipLoad;
-  return <Load key={`${device.id}/${axis}`} device={known} axis={entry} />;
-}
-
-function Nothing({ title }: { title: string }) {
-  return (
-    <EmptyState title={title} icon={<IconGauge size={22} />}>
-      <Text size="sm" c="dimmed">
-        Connect a device that measures the load of its motor, or add an emulated one: that needs no hardware.
-      </Text>
-      <Button component={Link} href="/connections" size="sm">
-        Connections
-      </Button>
-    </EmptyState>
-  );
+  return <Load key={key} device={device} axis={entry} />;
 }
 
 interface Props {

@@ -1,17 +1,13 @@
-import { ActionIcon, Select } from "@mantine/core";
-import { IconPlayerPause, IconPlayerPlay } from "@tabler/icons-react";
-import { useState } from "react";
 import { fixed } from "../../lib/format";
 import { colorOf } from "../../lib/palette";
 import type { Settings } from "../../lib/rows/settings";
-import { Section } from "../../lib/Section";
 import { useScheme } from "../../lib/useScheme";
 import type { LinkState, TelemetrySource } from "../../live/TelemetrySource";
 import { Plot } from "../../plots/Plot";
-import type { Level, Mark } from "../../plots/types";
-import { LinkReadout } from "../bench/scope/LinkReadout";
+import type { Level } from "../../plots/types";
+import { RollingSection } from "../module/RollingSection";
 import { useRolling } from "../module/useRolling";
-import { type MotionEnd, REASONS } from "../module/useStops";
+import { type MotionEnd, REASONS, stopMarks } from "../module/useStops";
 import { type CurrentScale, topOf } from "./load";
 import { AP } from "./names";
 import classes from "./stallguard.module.css";
@@ -19,8 +15,6 @@ import { LOAD_MAX, lowerLoad, upperLoad } from "./thresholds";
 
 const SPANS_S = [5, 10, 20, 60, 120] as const;
 const COOL = { light: "#0072b2", dark: "#2d86c4" };
-const FAULT = { light: "#d02828", dark: "#ff6b6b" };
-const PLAIN = { light: "#6b7480", dark: "#7a828c" };
 
 interface Props {
   source: TelemetrySource;
@@ -37,51 +31,18 @@ interface Props {
 /** Load value, current and speed over time. */
 export function TimePlots({ source, link, name, axis, settings, current, measured, stops }: Props) {
   const scheme = useScheme();
-  const [spanS, setSpanS] = useState(20);
-  const rolling = useRolling(source, spanS);
+  const rolling = useRolling(source, 20);
   const cool = { hysteresisStart: settings.planned(AP.coolStart), hysteresis: settings.planned(AP.coolWidth) };
   const levels = [
     { id: "lower", y: lowerLoad(cool) },
     { id: "upper", y: upperLoad(cool) },
   ].flatMap(({ id, y }): Level[] => (y === null ? [] : [{ id, y, color: COOL[scheme], fixed: true }]));
-  const marks = (): Mark[] =>
-    stops
-      .filter((stop) => REASONS[stop.reason].fault)
-      .map((stop) => ({
-        id: `stop${stop.time_s}`,
-        x: stop.time_s,
-        color: (REASONS[stop.reason].fault ? FAULT : PLAIN)[scheme],
-        label: REASONS[stop.reason].short,
-        fixed: true,
-      }));
+  const faults = stops.filter(({ reason }) => REASONS[reason].fault);
+  const marks = () => stopMarks(faults, scheme);
   const common = { group: "stallguard", marks, onWindow: rolling.changeWindow, height: "100%", legend: true } as const;
   const { step, run, symbol } = current;
   return (
-    <Section
-      title="Over time"
-      actions={
-        <>
-          <Select
-            size="xs"
-            w={80}
-            aria-label="Time span"
-            data={SPANS_S.map((span) => ({ value: String(span), label: `${span} s` }))}
-            value={String(spanS)}
-            allowDeselect={false}
-            onChange={(value) => value && setSpanS(Number(value))}
-          />
-          <ActionIcon
-            variant={rolling.paused ? "filled" : "default"}
-            size={30}
-            aria-label={rolling.paused ? "Run" : "Pause"}
-            onClick={() => (rolling.paused ? rolling.run() : rolling.pause())}
-          >
-            {rolling.paused ? <IconPlayerPlay size={16} /> : <IconPlayerPause size={16} />}
-          </ActionIcon>
-        </>
-      }
-    >
-      <LinkReadout name={name} several={false} link={link} />
+    <RollingSection title="Over time" rolling={rolling} link={link} name={name} spansS={SPANS_S}>
       <div className={classes.strip}>
         <Plot
           {...common}
@@ -139,6 +100,6 @@ export function TimePlots({ source, link, name, axis, settings, current, measure
           ])}
         />
       </div>
-    </Section>
+    </RollingSection>
   );
 }

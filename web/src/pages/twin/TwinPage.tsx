@@ -1,15 +1,15 @@
 import { Alert, Button, Group, Loader, Stack, Text } from "@mantine/core";
 import { IconCube, IconPlayerStop } from "@tabler/icons-react";
 import { useEffect, useRef } from "react";
-import { Link } from "wouter";
-import { type Device, useDevices } from "../../api/queries";
+import type { Device } from "../../api/queries";
 import { EmptyState } from "../../lib/EmptyState";
 import { fixed } from "../../lib/format";
+import { NoDevice, Waiting } from "../../lib/NoDevice";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { DeviceNotice } from "../../lib/rows/DeviceNotice";
 import { Page, Section } from "../../lib/Section";
 import { useScheme } from "../../lib/useScheme";
-import { useSelection } from "../../live/selection";
+import { useSelectedAxis } from "../../live/selection";
 import { NoWebGl } from "./NoWebGl";
 import { stroboscope } from "./numbers";
 import { TwinFrame } from "./TwinFrame";
@@ -22,32 +22,10 @@ const OFF = "stepscope.twin.off";
 
 /** The selected axis as a motor in 3D. */
 export default function TwinPage() {
-  const devices = useDevices();
-  const { device, axis } = useSelection();
-  if (devices.data === undefined && !devices.isError) return <Waiting label="Looking for devices" />;
-  const entry = device?.axes.find((candidate) => candidate.index === axis);
-  if (!device || !entry)
-    return (
-      <EmptyState title="No device" icon={<IconCube size={22} />}>
-        <Text size="sm" c="dimmed">
-          Connect a device, or add an emulated one: that needs no hardware.
-        </Text>
-        <Button component={Link} href="/connections" size="sm">
-          Connections
-        </Button>
-      </EmptyState>
-    );
-  return <AxisTwin device={devices.isError ? { ...device, state: "disconnected" } : device} axis={entry} />;
-}
-
-function Waiting({ label }: { label: string }) {
-  return (
-    <Page name="3D">
-      <Stack align="center" py="xl">
-        <Loader aria-label={label} />
-      </Stack>
-    </Page>
-  );
+  const { waiting, device, entry } = useSelectedAxis();
+  if (waiting) return <Waiting page="3D" />;
+  if (!device || !entry) return <NoDevice icon={<IconCube size={22} />} />;
+  return <AxisTwin device={device} axis={entry} />;
 }
 
 function AxisTwin({ device, axis }: { device: Device; axis: Device["axes"][number] }) {
@@ -73,7 +51,7 @@ function AxisTwin({ device, axis }: { device: Device; axis: Device["axes"][numbe
     show({ device: device.id, axis: axis.index, scheme });
   }, [wants, wanted, show, device.id, axis.index, scheme]);
 
-  if (!known && twin.error === null) return <Waiting label="Looking for the 3D view" />;
+  if (!known && twin.error === null) return <Waiting page="3D" label="Looking for the 3D view" />;
   const label = `3D view of ${device.name}, axis ${axis.name}`;
   const on = state?.state === "on" && !others;
   return (

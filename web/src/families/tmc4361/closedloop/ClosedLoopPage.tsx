@@ -1,9 +1,8 @@
-import { Button, Loader, Stack, Text } from "@mantine/core";
+import { Text } from "@mantine/core";
 import { IconTargetArrow } from "@tabler/icons-react";
-import { Link } from "wouter";
-import { type Device, useDevices } from "../../../api/queries";
-import { EmptyState } from "../../../lib/EmptyState";
+import type { Device } from "../../../api/queries";
 import { fixed } from "../../../lib/format";
+import { NoDevice, Waiting } from "../../../lib/NoDevice";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { colorOf, type Quantity } from "../../../lib/palette";
 import { DeviceNotice } from "../../../lib/rows/DeviceNotice";
@@ -11,7 +10,7 @@ import { StagedDrawer } from "../../../lib/rows/StagedDrawer";
 import { type ChipRows, useChipRows } from "../../../lib/rows/useChipRows";
 import { Page, Section } from "../../../lib/Section";
 import { useScheme } from "../../../lib/useScheme";
-import { useSelection } from "../../../live/selection";
+import { useSelectedAxis } from "../../../live/selection";
 import { useTelemetry } from "../../../live/useTelemetry";
 import { LiveNumber } from "../../../pages/module/LiveNumber";
 import { degrees } from "./angle";
@@ -38,42 +37,21 @@ const QUANTITIES: readonly Quantity[] = [
 const RATE_HZ = 250;
 const KEEP_S = 60;
 
+const NOTHING = { icon: <IconTargetArrow size={22} />, wanted: "a TMC4361" };
+
 /** The loop over encoder and motor: what it does, what it is set to, and how well it does with that. */
 export default function ClosedLoopPage() {
-  const devices = useDevices();
-  const { device, axis } = useSelection();
-  if (devices.data === undefined && !devices.isError)
+  const { waiting, device, entry, key } = useSelectedAxis();
+  if (waiting) return <Waiting page="Closed loop" />;
+  if (!device || !entry) return <NoDevice {...NOTHING} />;
+  if (channelsOf(device, entry.index).length === 0)
     return (
       <Page name="Closed loop">
-        <Stack align="center" py="xl">
-          <Loader aria-label="Looking for devices" />
-        </Stack>
+        <DeviceNotice device={device} />
+        <NoDevice {...NOTHING} title={`Nothing is known of ${device.name} yet`} />
       </Page>
     );
-  const entry = device?.axes.find((candidate) => candidate.index === axis);
-  if (!device || !entry) return <Nothing title="No device" />;
-  const known: Device = devices.isError ? { ...device, state: "disconnected" } : device;
-  if (channelsOf(device, axis).length === 0)
-    return (
-      <Page name="Closed loop">
-        <DeviceNotice device={known} />
-        <Nothing title={`Nothing is known of ${device.name} yet`} />
-      </Page>
-    );
-  return <ClosedLoop key={`${device.id}/${axis}`} device={known} axis={entry} />;
-}
-
-function Nothing({ title }: { title: string }) {
-  return (
-    <EmptyState title={title} icon={<IconTargetArrow size={22} />}>
-      <Text size="sm" c="dimmed">
-        Connect a TMC4361, or add an emulated one: that needs no hardware.
-      </Text>
-      <Button component={Link} href="/connections" size="sm">
-        Connections
-      </Button>
-    </EmptyState>
-  );
+  return <ClosedLoop key={key} device={device} axis={entry} />;
 }
 
 function channelsOf(device: Device, axis: number): string[] {

@@ -1,11 +1,7 @@
-import { ActionIcon, Select } from "@mantine/core";
-import { IconPlayerPause, IconPlayerPlay } from "@tabler/icons-react";
-import { useState } from "react";
 import { colorOf } from "../../../lib/palette";
-import { Section } from "../../../lib/Section";
 import { useScheme } from "../../../lib/useScheme";
 import type { LinkState, TelemetrySource } from "../../../live/TelemetrySource";
-import { LinkReadout } from "../../../pages/bench/scope/LinkReadout";
+import { RollingSection } from "../../../pages/module/RollingSection";
 import { useRolling } from "../../../pages/module/useRolling";
 import { Plot } from "../../../plots/Plot";
 import type { Level } from "../../../plots/types";
@@ -28,8 +24,7 @@ interface Props {
 /** Commanded, actual and encoder over time, how far they are apart, the load angle, and both speeds. */
 export function LoopPlots({ source, link, name, axis, tolerance, failAt, betaDeg }: Props) {
   const scheme = useScheme();
-  const [spanS, setSpanS] = useState(5);
-  const rolling = useRolling(source, spanS);
+  const rolling = useRolling(source, 5);
   const both = (id: string, y: number | null, label: string): Level[] =>
     y === null || y === 0
       ? []
@@ -37,31 +32,7 @@ export function LoopPlots({ source, link, name, axis, tolerance, failAt, betaDeg
   const common = { group: "closed-loop", onWindow: rolling.changeWindow, height: "100%", legend: true } as const;
   const trace = (quantity: string) => ({ channel: `${quantity}.${axis}`, divisor: 1 });
   return (
-    <Section
-      title="Live"
-      actions={
-        <>
-          <Select
-            size="xs"
-            w={84}
-            aria-label="Time span"
-            data={SPANS_S.map((span) => ({ value: String(span), label: `${span} s` }))}
-            value={String(spanS)}
-            allowDeselect={false}
-            onChange={(value) => value && setSpanS(Number(value))}
-          />
-          <ActionIcon
-            variant={rolling.paused ? "filled" : "default"}
-            size={30}
-            aria-label={rolling.paused ? "Run" : "Pause"}
-            onClick={() => (rolling.paused ? rolling.run() : rolling.pause())}
-          >
-            {rolling.paused ? <IconPlayerPlay size={16} /> : <IconPlayerPause size={16} />}
-          </ActionIcon>
-        </>
-      }
-    >
-      <LinkReadout name={name} several={false} link={link} />
+    <RollingSection title="Live" rolling={rolling} link={link} name={name} spansS={SPANS_S}>
       <div className={classes.strip} data-tall>
         <Plot
           {...common}
@@ -117,6 +88,6 @@ export function LoopPlots({ source, link, name, axis, tolerance, failAt, betaDeg
           handle={rolling.plot("speed", [trace("encoder_velocity"), trace("velocity")])}
         />
       </div>
-    </Section>
+    </RollingSection>
   );
 }

@@ -1,9 +1,10 @@
-import { Button, Loader, SegmentedControl, Stack, Text } from "@mantine/core";
+import { Button, Loader, SegmentedControl, Text } from "@mantine/core";
 import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { api, unwrap } from "../../../api/client";
 import { can, type Device, useDevices } from "../../../api/queries";
 import { compact, frequency } from "../../../lib/format";
+import { Waiting } from "../../../lib/NoDevice";
 import { NumberField } from "../../../lib/NumberField";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { DeviceNotice } from "../../../lib/rows/DeviceNotice";
@@ -36,13 +37,7 @@ export default function FiltersPage() {
       </Page>
     );
   if (filters.isPending || (devices.data === undefined && !devices.isError))
-    return (
-      <Page name="Input filters">
-        <Stack align="center" py="xl">
-          <Loader aria-label="Loading the filters" />
-        </Stack>
-      </Page>
-    );
+    return <Waiting page="Input filters" label="Loading the filters" />;
   const own = can(device, "input_filters") ? device : undefined;
   const known: Device | undefined = own && devices.isError ? { ...own, state: "disconnected" } : own;
   return <FilterDesigner key={`${own?.id ?? "-"}/${axis}`} device={known} axis={axis} filters={filters.data} />;

@@ -1,6 +1,7 @@
-import { Loader, Select, Stack, Text } from "@mantine/core";
+import { Select, Text } from "@mantine/core";
 import { useLocalStorage } from "@mantine/hooks";
-import { can, type Device, useDevices } from "../../../api/queries";
+import { can, type Device } from "../../../api/queries";
+import { Waiting } from "../../../lib/NoDevice";
 import { NumberField } from "../../../lib/NumberField";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { DeviceNotice } from "../../../lib/rows/DeviceNotice";
@@ -8,7 +9,7 @@ import { StagedDrawer } from "../../../lib/rows/StagedDrawer";
 import { useChipRows } from "../../../lib/rows/useChipRows";
 import { Page, Section } from "../../../lib/Section";
 import { useCalc } from "../../../lib/useCalc";
-import { useSelection } from "../../../live/selection";
+import { useSelectedAxis } from "../../../live/selection";
 import { useTelemetry } from "../../../live/useTelemetry";
 import { Chopper } from "./Chopper";
 import { askCurrent, CurrentSection } from "./CurrentSection";
@@ -28,22 +29,11 @@ const RATE_HZ = 20;
 
 /** What the coils get, at which speed the driver does what, and how its chopper is best set. */
 export default function CurrentsPage() {
-  const devices = useDevices();
-  const { device, axis } = useSelection();
-  if (devices.data === undefined && !devices.isError)
-    return (
-      <Page name="Currents">
-        <Stack align="center" py="xl">
-          <Loader aria-label="Looking for devices" />
-        </Stack>
-      </Page>
-    );
-  const own = can(device, "chopper") ? device : undefined;
-  const entry = own?.axes.find((candidate) => candidate.index === axis);
-  const model = modelOf(own?.model);
-  if (own === undefined || entry === undefined || model === null) return <OnPaper />;
-  const known: Device = devices.isError ? { ...own, state: "disconnected" } : own;
-  return <OfChip key={`${own.id}/${axis}`} device={known} axis={entry} model={model} />;
+  const { waiting, device, entry, key } = useSelectedAxis();
+  if (waiting) return <Waiting page="Currents" />;
+  const model = can(device, "chopper") ? modelOf(device?.model) : null;
+  if (device === undefined || entry === undefined || model === null) return <OnPaper />;
+  return <OfChip key={key} device={device} axis={entry} model={model} />;
 }
 
 function OfChip({ device, axis, model }: { device: Device; axis: Device["axes"][number]; model: Model }) {

@@ -1,10 +1,9 @@
-import { Button, Text } from "@mantine/core";
-import { useHotkeys } from "@mantine/hooks";
+import { Text } from "@mantine/core";
 import { IconAdjustments } from "@tabler/icons-react";
-import { type RefObject, useMemo, useRef, useState } from "react";
-import { Link } from "wouter";
+import { useMemo, useRef } from "react";
 import { useCatalogModel, useDevices } from "../../../api/queries";
 import { EmptyState } from "../../../lib/EmptyState";
+import { NoDevice } from "../../../lib/NoDevice";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { useRowState } from "../../../lib/rows/actions";
 import type { RegisterRow } from "../../../lib/rows/bits";
@@ -12,7 +11,7 @@ import { RowsPage } from "../../../lib/rows/RowsPage";
 import common from "../../../lib/rows/rows.module.css";
 import { type Key, keyOf } from "../../../lib/rows/staging";
 import { useStaged } from "../../../lib/rows/store";
-import { Toolbar } from "../../../lib/rows/Toolbar";
+import { Toolbar, useRowsView } from "../../../lib/rows/Toolbar";
 import { useRegisters } from "../../../lib/rows/useRegisters";
 import { scaleOf } from "../../../lib/units";
 import { usePhone } from "../../../lib/usePhone";
@@ -31,11 +30,8 @@ export default function ParametersPage() {
   const devices = useDevices();
   const { device, axis } = useSelection();
   const phone = usePhone();
-  const [paused, setPaused] = useState(false);
-  const [query, setQuery] = useState(() => new URLSearchParams(window.location.search).get("find") ?? "");
-  const [folded, setFolded] = useState<Record<string, boolean>>({});
-  const search = useRef<HTMLInputElement>(null);
-  useHotkeys([["/", () => search.current?.focus()]]);
+  const view = useRowsView();
+  const { paused, query } = view;
 
   const id = device?.id ?? "";
   const catalog = useCatalogModel(device?.model);
@@ -43,7 +39,7 @@ export default function ParametersPage() {
   const rowOf = useMemo(() => new Map<Key, RegisterRow>((rows ?? []).map((row) => [keyOf(row), row])), [rows]);
   const groups = useMemo(() => subjectsOf(rows ?? [], query), [rows, query]);
   const staged = useStaged(id);
-  const isFolded = (key: string) => (query === "" ? (folded[key] ?? foldedAtFirst(key)) : false);
+  const isFolded = (key: string) => view.isFolded(key, foldedAtFirst(key));
   // A slow wire is asked only for what is looked at, for what edits wait in, and for what tells units.
   const asking = new Set(["units", "motor", "current"]);
   for (const group of groups) if (!isFolded(group.key)) asking.add(group.key);
@@ -82,20 +78,13 @@ export default function ParametersPage() {
     return (
       <>
         <h1 className={`${common.title} flex baseline gap-8 m-0 text-16`}>Parameters</h1>
-        <EmptyState title="No module to show parameters of" icon={<IconAdjustments size={22} />}>
-          <Text size="sm" className="dim">
-            Connect a module, or add an emulated one: that needs no hardware.
-          </Text>
-          <Button component={Link} href="/connections" size="sm">
-            Add a device
-          </Button>
-        </EmptyState>
+        <NoDevice title="No module to show parameters of" wanted="a module" icon={<IconAdjustments size={22} />} />
       </>
     );
 
   const selected = (selectedKey === null ? undefined : rowOf.get(selectedKey)) ?? null;
   const jump = (key: string) => {
-    setFolded((now) => ({ ...now, [key]: false }));
+    view.fold(key, false);
     // after the rows are there
     requestAnimationFrame(() =>
       document.querySelector(`[data-subject="${CSS.escape(key)}"]`)?.scrollIntoView({ block: "start" }),
@@ -115,15 +104,9 @@ export default function ParametersPage() {
         <Toolbar
           what="parameters"
           placeholder="Name, number like AP 4, or words of the help"
-          searchRef={search as RefObject<HTMLInputElement>}
-          query={query}
-          onQuery={setQuery}
-          shown={groups.reduce((sum, group) => sum + group.rows.length, 0)}
-          paused={paused}
-          onPaused={setPaused}
-          connected={live.connected}
-          known={live.readings.data !== undefined}
-          ageMs={live.ageMs}
+          view={view}
+          live={live}
+          groups={groups}
         />
       }
       above={
@@ -142,7 +125,7 @@ export default function ParametersPage() {
           groups={groups}
           query={query}
           isFolded={(group) => isFolded(group.key)}
-          onFold={(key, fold) => setFolded((now) => ({ ...now, [key]: fold }))}
+          onFold={view.fold}
           readings={live.byKey}
           edits={staged.edits}
           open={open}
@@ -156,7 +139,7 @@ export default function ParametersPage() {
           answers={asked.answers}
           asking={asked.busy}
           actions={lineActions}
-          onClearSearch={() => setQuery("")}
+          onClearSearch={() => view.setQuery("")}
         />
       }
       help={

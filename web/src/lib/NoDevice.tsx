@@ -1,0 +1,37 @@
+import { Button, Loader, Stack, Text } from "@mantine/core";
+import type { ReactNode } from "react";
+import { Link } from "wouter";
+import { EmptyState } from "./EmptyState";
+import { Page } from "./Section";
+
+interface Props {
+  icon: ReactNode;
+  title?: string;
+  /** what a device for the page is: "a device with an encoder" */
+  wanted?: string;
+}
+
+/** Nothing to show, and where devices are added. */
+export function NoDevice({ icon, title = "No device", wanted = "a device" }: Props) {
+  return (
+    <EmptyState title={title} icon={icon}>
+      <Text size="sm" className="dim">
+        Connect {wanted}, or add an emulated one: that needs no hardware.
+      </Text>
+      <Button component={Link} href="/connections" size="sm">
+        Add a device
+      </Button>
+    </EmptyState>
+  );
+}
+
+/** A page of which nothing is known yet. */
+export function Waiting({ page, label = "Looking for devices" }: { page: string; label?: string }) {
+  return (
+    <Page name={page}>
+      <Stack align="center" py="xl">
+        <Loader aria-label={label} />
+      </Stack>
+    </Page>
+  );
+}
