@@ -15,7 +15,7 @@ import pytest
 from playwright.sync_api import BrowserContext, Page, WebSocket, expect
 
 from tests.e2e.chips import a_chip, select
-from tests.e2e.conftest import PHONE, Errors
+from tests.e2e.conftest import DESKTOP, PHONE, Errors
 
 AXES = ("bench/0", "bench/1", "bench/2", "slider/0")
 
@@ -73,6 +73,16 @@ def test_the_demo_bench_is_there(bench: Page) -> None:
         expect(bench.get_by_test_id(f"axis-{which.replace('/', '-')}")).to_be_visible()
     expect(bench.get_by_test_id("scope").locator("canvas").first).to_be_visible()
     expect(bench.get_by_test_id("mode")).to_have_text(re.compile("ramp", re.IGNORECASE))
+
+
+def test_what_the_figures_of_a_link_are_is_told_without_a_mouse(bench: Page, check_axe: Callable[[Page], None]) -> None:
+    readout = bench.get_by_test_id("link-readout").first
+    readout.get_by_role("button", name="What these figures are").press("Enter")
+    for size in (DESKTOP, PHONE):
+        bench.set_viewport_size(size)
+        expect(readout).to_contain_text("latency: From the sample to its way out to this page")
+        check_axe(bench)
+        assert bench.evaluate("document.scrollingElement.scrollWidth - document.documentElement.clientWidth") <= 0
 
 
 def test_another_family_is_one_click_away(bench: Page, api: httpx.Client, errors: Errors) -> None:

@@ -1,4 +1,5 @@
 import { Text } from "@mantine/core";
+import { type ReactNode, useState } from "react";
 import { fixed } from "../../../lib/format";
 import type { LinkState } from "../../../live/TelemetrySource";
 import classes from "./scope.module.css";
@@ -18,10 +19,59 @@ interface Props {
   link: LinkState;
 }
 
-/** How the samples come: the rate asked for and the one achieved, what was lost, how evenly, how late. */
-export function LinkReadout({ name, several, link }: Props) {
-  const bad = link.phase !== "live" && link.phase !== "connecting";
+interface Figure {
+  name: string;
+  shown: ReactNode;
+  means: string;
+  warn?: boolean;
+}
+
+function figuresOf(link: LinkState): Figure[] {
   const slow = link.achievedRateHz !== null && link.rateHz !== null && link.achievedRateHz < 0.97 * link.rateHz;
+  const found: (Figure | false)[] = [
+    {
+      name: "Hz",
+      shown: [<b key="value">{fixed(link.achievedRateHz, 1)}</b>, " Hz"],
+      means: `Achieved, of ${fixed(link.rateHz, 0)} Hz granted and ${fixed(link.requestedRateHz, 0)} Hz asked for`,
+      warn: slow,
+    },
+    {
+      name: "drops",
+      shown: ["drops ", <b key="value">{fixed(link.dropped)}</b>],
+      means: "Samples that the server had to leave out because this page was too slow",
+      warn: link.dropped > 0,
+    },
+    {
+      name: "jitter",
+      shown: ["jitter ", <b key="value">{fixed(link.jitterMs, 2)}</b>, " ms"],
+      means: `How unevenly the samples were taken; their times are the ${link.chipTimed ? "device's own" : "server's"}`,
+    },
+    link.callsPerS !== null &&
+      link.callsPerSPossible !== null && {
+        name: "wire",
+        shown: ["wire ", <b key="value">{fixed(link.callsPerS)}</b>, ` of ${fixed(link.callsPerSPossible)}/s`],
+        means: "Questions on the wire, of those that it carries a second",
+      },
+    link.rowSpreadMs !== null &&
+      link.rowSpreadMs > 0 && {
+        name: "spread",
+        shown: ["spread ", <b key="value">{fixed(link.rowSpreadMs, 1)}</b>, " ms"],
+        means: "From the first to the last question of a row: so far apart are its columns",
+      },
+    {
+      name: "latency",
+      shown: ["latency ", <b key="value">{fixed(link.latencyMs, 1)}</b>, " ms"],
+      means: "From the sample to its way out to this page",
+    },
+  ];
+  return found.filter((figure) => figure !== false);
+}
+
+/** How the samples come, and on request what each figure is: the rate asked for and the one achieved, what was lost, how evenly, how late. */
+export function LinkReadout({ name, several, link }: Props) {
+  const [explained, setExplained] = useState(false);
+  const bad = link.phase !== "live" && link.phase !== "connecting";
+  const figures = figuresOf(link);
   return (
     <section
       className={`${classes.link} lines-12 baseline shrink text-12`}
@@ -41,50 +91,35 @@ export function LinkReadout({ name, several, link }: Props) {
           {link.reason}
         </Text>
       )}
-      <span
-        className={`${classes.figure} dim nowrap`}
-        data-warn={slow}
-        title={`Achieved, of ${fixed(link.rateHz, 0)} Hz granted and ${fixed(link.requestedRateHz, 0)} Hz asked for`}
-      >
-        <b>{fixed(link.achievedRateHz, 1)}</b> Hz
-      </span>
-      <span
-        className={`${classes.figure} dim nowrap`}
-        data-warn={link.dropped > 0}
-        title="Samples that the server had to leave out because this page was too slow"
-      >
-        drops <b>{fixed(link.dropped)}</b>
-      </span>
-      <span
-        className={`${classes.figure} dim nowrap`}
-        title={
-          link.chipTimed
-            ? "How unevenly the samples were taken; their times are the device's own"
-            : "How unevenly the samples were taken; their times are the server's"
-        }
-      >
-        jitter <b>{fixed(link.jitterMs, 2)}</b> ms
-      </span>
-      {link.callsPerS !== null && link.callsPerSPossible !== null && (
+      {figures.map(({ name: figure, shown, warn }) => (
         <span
+          key={figure}
           className={`${classes.figure} dim nowrap`}
-          data-testid="wire-budget"
-          title="Questions on the wire, of those that it carries a second"
+          data-warn={warn}
+          data-testid={figure === "wire" ? "wire-budget" : undefined}
         >
-          wire <b>{fixed(link.callsPerS)}</b> of {fixed(link.callsPerSPossible)}/s
+          {shown}
         </span>
+      ))}
+      <button
+        type="button"
+        className="plain"
+        style={{ minWidth: 24, cursor: "pointer" }}
+        aria-expanded={explained}
+        aria-label="What these figures are"
+        onClick={() => setExplained(!explained)}
+      >
+        ?
+      </button>
+      {explained && (
+        <ul className="list m-0 hint" style={{ flexBasis: "100%" }}>
+          {figures.map(({ name: figure, means }) => (
+            <li key={figure}>
+              <b>{figure}</b>: {means}
+            </li>
+          ))}
+        </ul>
       )}
-      {link.rowSpreadMs !== null && link.rowSpreadMs > 0 && (
-        <span
-          className={`${classes.figure} dim nowrap`}
-          title="From the first to the last question of a row: so far apart are its columns"
-        >
-          spread <b>{fixed(link.rowSpreadMs, 1)}</b> ms
-        </span>
-      )}
-      <span className={`${classes.figure} dim nowrap`} title="From the sample to its way out to this page">
-        latency <b>{fixed(link.latencyMs, 1)}</b> ms
-      </span>
     </section>
   );
 }
