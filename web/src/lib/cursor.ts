@@ -1,5 +1,3 @@
-import { useSyncExternalStore } from "react";
-
 /** Where the cursor of a recording's plot stands: what other views (the 3D twin) scrub to. */
 export interface RecordingCursor {
   recording: string;
@@ -26,8 +24,3 @@ export const recordingCursor = {
     return () => listeners.delete(listener);
   },
 };
-
-/** For components that render the cursor. */
-export function useRecordingCursor(): RecordingCursor | null {
-  return useSyncExternalStore(recordingCursor.subscribe, recordingCursor.get);
-}

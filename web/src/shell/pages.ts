@@ -58,10 +58,6 @@ export function pagesFor(abilities: Abilities | null): PageEntry[] {
   return PAGES.filter((entry) => (abilities === null ? entry.alone : isFor(entry, abilities)));
 }
 
-export function pageAt(path: string): PageEntry | undefined {
-  return PAGES.find((entry) => entry.path === path);
-}
-
 /** Whether somebody is on the page of that path: on it, or on one below it. */
 export function isAt(path: string, location: string): boolean {
   return location === path || (path !== "/" && location.startsWith(`${path}/`));

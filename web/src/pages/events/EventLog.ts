@@ -81,11 +81,6 @@ export function lanesOf(entries: readonly EventEntry[], bits: readonly string[])
     .sort((a, b) => place(a.name) - place(b.name) || a.name.localeCompare(b.name));
 }
 
-export interface Hit {
-  lane: number;
-  index: number;
-}
-
 /** The mark nearest to a time in one lane, within `reach` [s]; the later one of two equally near. */
 export function nearest(lane: Lane | undefined, time: number, reach: number): number | null {
   if (lane === undefined) return null;

@@ -9,7 +9,6 @@ export type Mark = Schemas["MarkOut"];
 export type Figures = Schemas["FiguresOut"];
 export type Comparison = Schemas["Comparison"];
 export type Replay = Schemas["Replay"];
-export type SpectrumAnswer = Schemas["Spectrum"];
 export type Start = Schemas["RecordingStart"];
 
 export function isRunning({ state }: { state: Recording["state"] }): boolean {

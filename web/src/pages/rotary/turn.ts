@@ -1,7 +1,6 @@
 import { abs, floorDiv, fromNumber, plus, type Ratio, ratio, rounded, times, toNumber } from "./exact";
 
 export type Way = "shortest" | "positive" | "negative";
-export const WAYS: readonly Way[] = ["shortest", "positive", "negative"];
 
 /** What a turn of the driven shaft is: exact microsteps, and the position that is angle 0. */
 export interface Turn {
