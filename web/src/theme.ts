@@ -41,4 +41,5 @@ export const theme = createTheme({
   },
   spacing: { xs: "0.375rem", sm: "0.5rem", md: "0.75rem", lg: "1rem", xl: "1.5rem" },
   cursorType: "pointer",
+  components: { Table: { classNames: { th: "hint regular" } } },
 });

@@ -2,7 +2,7 @@ import { Button, Loader, Stack, Text } from "@mantine/core";
 import type { ReactNode } from "react";
 import { Link } from "wouter";
 import { EmptyState } from "./EmptyState";
-import { Page } from "./Section";
+import { Page } from "./Page";
 
 interface Props {
   icon: ReactNode;

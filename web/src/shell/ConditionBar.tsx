@@ -37,7 +37,7 @@ function Bar({ device, axis }: { device: Device; axis: Device["axes"][number] })
           onClick={toggle}
         >
           <ConditionMark kind={condition.kind} size={16} />
-          <span className={classes.barCause}>{condition.cause}</span>
+          <span className={`${classes.barCause} clip text-12`}>{condition.cause}</span>
         </UnstyledButton>
       )}
     />

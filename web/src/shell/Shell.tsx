@@ -47,7 +47,7 @@ export function Shell({ children }: PropsWithChildren) {
       <LeaseQuestion />
       <LeaseNews />
       <header className={`${classes.header} row between gap-8`}>
-        <Link href="/" className={`${classes.brand} row gap-8`} aria-label="stepscope, to the bench">
+        <Link href="/" className={`ink undecorated row gap-8`} aria-label="stepscope, to the bench">
           <img src="/favicon.svg" width={24} height={24} alt="" />
           <Text fw={700} visibleFrom="sm" component="span">
             stepscope
@@ -71,7 +71,7 @@ export function Shell({ children }: PropsWithChildren) {
           <Link
             key={path}
             href={path}
-            className={`${classes.link} row gap-8 text-14`}
+            className={`${classes.link} lit row gap-8 text-14`}
             aria-current={isAt(path, location) ? "page" : undefined}
           >
             <Icon size={18} stroke={1.6} aria-hidden />

@@ -1,7 +1,6 @@
 import { Divider } from "@mantine/core";
 import type { Schemas } from "../../api/client";
 import { fixed } from "../../lib/format";
-import classes from "../../pages/bench/bench.module.css";
 import { EmulatorTime, Faults, Power, SwitchRow } from "../../pages/bench/EmulatorParts";
 import type { ControlsProps } from "../family";
 
@@ -53,10 +52,10 @@ interface AxisProps {
 
 function AxisSwitches({ name, axis, send }: AxisProps) {
   return (
-    <fieldset className={`${classes.fieldset} stack gap-4 m-0 p-0`}>
-      <legend>
+    <fieldset className="bare stack gap-4">
+      <legend className="row between w-full p-0 text-13 bold">
         {name}
-        <span className="num">{fixed(axis.position_fullsteps, 1)} full steps</span>
+        <span className="num hint regular">{fixed(axis.position_fullsteps, 1)} full steps</span>
       </legend>
       {SWITCHES.map(([key, label]) => (
         <SwitchRow

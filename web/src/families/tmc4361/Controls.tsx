@@ -1,7 +1,6 @@
 import { Divider, Text } from "@mantine/core";
 import type { Schemas } from "../../api/client";
 import { fixed } from "../../lib/format";
-import classes from "../../pages/bench/bench.module.css";
 import { EmulatorTime, Faults, Power, SwitchRow } from "../../pages/bench/EmulatorParts";
 import { BridgesAt, EncoderOnShaft, MotorStage, Shaft, Supply } from "../../pages/bench/MotorParts";
 import type { ControlsProps } from "../family";
@@ -52,7 +51,7 @@ export function Controls({ ...emulator }: ControlsProps) {
         onPlaces={(stage) => send({ stage })}
       />
       <Divider label="Pins" labelPosition="left" />
-      <div className={`${classes.fieldset} stack gap-4 m-0 p-0`}>
+      <div className="stack gap-4">
         {PINS.map(([name, label]) => (
           <SwitchRow
             key={name}

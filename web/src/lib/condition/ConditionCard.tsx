@@ -40,7 +40,7 @@ export function ConditionCard({ device, axis, nowS }: Props) {
             <b>Really:</b> {truth.summary}
           </p>
         )}
-        <div className={`${classes.foot} row between gap-6`}>
+        <div className={`push-down row between gap-6`}>
           {condition.remedy ? (
             <RemedyButton remedy={condition.remedy} remedies={remedies} main />
           ) : (

@@ -4,7 +4,6 @@ import type { Standing } from "../../live/conditions";
 import { fixed } from "../format";
 import { ProblemAlert } from "../ProblemAlert";
 import { ConditionMark } from "./ConditionMark";
-import classes from "./condition.module.css";
 import { referencedWords, sentence, sinceWords } from "./kinds";
 import { RemedyButton } from "./RemedyButton";
 import { useRemedies } from "./remedy";
@@ -34,12 +33,12 @@ export function ConditionDetail({ standing, read }: Props) {
         </Text>
       )}
       {newest.evidence.length > 0 && (
-        <table className={classes.evidence} aria-label="Evidence">
+        <table className="figures" aria-label="Evidence">
           <tbody>
             {newest.evidence.map(({ what, value, seen_s }) => (
               <tr key={what}>
                 <th scope="row">{what}</th>
-                <td className={classes.value}>{value}</td>
+                <td className="mono anywhere">{value}</td>
                 <td className="num">{seen_s === null ? "" : `at ${fixed(seen_s, 2)} s`}</td>
               </tr>
             ))}

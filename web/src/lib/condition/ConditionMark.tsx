@@ -18,7 +18,7 @@ export function ConditionMark({ kind, size = 14 }: Props) {
       data-testid="condition"
     >
       <Icon size={size} stroke={2} aria-hidden />
-      <span className={classes.word}>{word}</span>
+      <span className="clip">{word}</span>
     </span>
   );
 }

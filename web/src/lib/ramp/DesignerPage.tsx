@@ -1,11 +1,10 @@
 import { type ReactNode, useMemo } from "react";
+import { Page } from "../Page";
 import { ProblemAlert } from "../ProblemAlert";
-import { Page } from "../Section";
 import type { Answer } from "./answer";
 import { LiveMotion } from "./LiveMotion";
 import { MotorSection } from "./MotorSection";
 import { channelsOf } from "./overlay";
-import classes from "./ramp.module.css";
 import { factor } from "./scales";
 import { TimeBars, type TimedRival } from "./TimeBars";
 import type { AnyDesigner } from "./useDesigner";
@@ -52,12 +51,12 @@ export function DesignerPage(props: Props) {
           onSeen={live.setSeen}
         />
       )}
-      <div className={classes.page}>
+      <div className="columns design until-75">
         <div className="column">
           {props.registers}
           {props.send}
         </div>
-        <div className={`${classes.right} column`}>
+        <div className="column ahead">
           {props.plots}
           <TimeBars
             seconds={good?.duration_s ?? null}

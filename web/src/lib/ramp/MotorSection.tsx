@@ -2,8 +2,8 @@ import { Switch } from "@mantine/core";
 import { memo, useMemo } from "react";
 import { Plot } from "../../plots/Plot";
 import type { Overlay } from "../../plots/types";
+import { Card } from "../Card";
 import { NumberField } from "../NumberField";
-import { Section } from "../Section";
 import { useScheme } from "../useScheme";
 import type { Answer } from "./answer";
 import { FIELDS, type Motor, type MotorKey, marginText } from "./motor";
@@ -25,7 +25,7 @@ export const MotorSection = memo(function MotorSection(props: Props) {
   const { motor, onMotor, answer, perVelocity, velocityUnit } = props;
   const torque = motor.shown ? answer?.torque : null;
   return (
-    <Section
+    <Card
       title="Motor"
       note={
         torque ? (
@@ -46,8 +46,8 @@ export const MotorSection = memo(function MotorSection(props: Props) {
       }
     >
       {motor.shown ? (
-        <div className={`${classes.motor} grid start gap-12`}>
-          <div className={classes.motorFields}>
+        <div className={`${classes.motor} columns gap-12`}>
+          <div className="halves gap-8">
             {FIELDS.map(({ key, label, unit, title, zero }) => (
               <NumberField
                 key={key}
@@ -69,7 +69,7 @@ export const MotorSection = memo(function MotorSection(props: Props) {
       ) : (
         <p className="hint m-0">With the motor's data the ramp is compared with the torque there is at each speed.</p>
       )}
-    </Section>
+    </Card>
   );
 });
 
@@ -116,12 +116,12 @@ function SpeedTorque(props: {
         scales={{ y: { include: [0], unit: "Nm" } }}
         legend
       />
-      <p className={`${classes.key} under-plot lines-12 hint m-0 mt-4`}>
+      <p className="under-plot lines-12 hint m-0 mt-4">
         <span>
-          <i data-line="rising" aria-hidden /> speeding up
+          <i className="key-line key-dotted hue-orange" aria-hidden /> speeding up
         </span>
         <span>
-          <i data-line="falling" aria-hidden /> braking
+          <i className="key-line key-dotted hue-blue" aria-hidden /> braking
         </span>
       </p>
     </div>

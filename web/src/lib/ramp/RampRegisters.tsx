@@ -1,8 +1,8 @@
 import { Button, Group, Menu, SegmentedControl } from "@mantine/core";
 import { IconChevronDown, IconDownload } from "@tabler/icons-react";
 import { Fragment, type ReactNode } from "react";
+import { Card } from "../Card";
 import { compact } from "../format";
-import { Section } from "../Section";
 import classes from "./ramp.module.css";
 
 export interface Preset<Design> {
@@ -47,7 +47,7 @@ export function RampRegisters<Parameter extends string, Lock extends string, Sha
     parameters: parameters.filter((parameter) => used?.includes(parameter) ?? true),
   }));
   return (
-    <Section
+    <Card
       title="Registers"
       note={<span>clock {compact(props.clockHz / 1e6)} MHz</span>}
       actions={
@@ -107,7 +107,7 @@ export function RampRegisters<Parameter extends string, Lock extends string, Sha
           ({ title, parameters }) =>
             parameters.length > 0 && (
               <Fragment key={title}>
-                <h3 className={`${classes.group} hint m-0 mt-4 bold`}>{title}</h3>
+                <h3 className="hint m-0 mt-4 bold">{title}</h3>
                 {parameters.map((parameter) => (
                   <Fragment key={parameter}>{props.row(parameter)}</Fragment>
                 ))}
@@ -116,6 +116,6 @@ export function RampRegisters<Parameter extends string, Lock extends string, Sha
         )}
       </div>
       {props.children}
-    </Section>
+    </Card>
   );
 }

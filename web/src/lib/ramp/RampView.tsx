@@ -1,18 +1,17 @@
-import { Select } from "@mantine/core";
+import { Center, Select } from "@mantine/core";
 import { type ReactNode, type RefObject, useMemo, useRef } from "react";
 import type { PlotData } from "../../plots/series";
 import type { Mark, Overlay, PlotHandle, PlotScale, PlotSeries } from "../../plots/types";
+import { Card } from "../Card";
 import { withUnit } from "../format";
 import { NumberField } from "../NumberField";
 import { ProblemAlert } from "../ProblemAlert";
-import { Section } from "../Section";
 import type { AxisScale } from "../units";
 import { useScheme } from "../useScheme";
 import type { Answer, Kind } from "./answer";
 import type { Reach } from "./HandleLayer";
 import type { Handle } from "./handles";
 import { type Hues, hueOf, phaseBands, type Stretch } from "./phases";
-import classes from "./ramp.module.css";
 import { factor, time, type Units, unitChoices } from "./scales";
 import { Track } from "./Track";
 import type { Following } from "./useFollow";
@@ -111,7 +110,7 @@ export function RampView<P extends string>(props: Props<P>) {
   const named = tracks.some((track) => track.kind === "velocity") ? "velocity" : tracks[0]?.kind;
 
   return (
-    <Section
+    <Card
       title="Ramp"
       note={result ? <span className={`num ${error !== null ? "stale" : ""}`}>{props.note}</span> : ""}
       actions={
@@ -196,9 +195,13 @@ export function RampView<P extends string>(props: Props<P>) {
             ))}
         </div>
       ) : (
-        error === null && <div className={`${classes.plotNote} center dim text-13`}>calculating the ramp</div>
+        error === null && (
+          <Center mih={560} className="dim text-13">
+            calculating the ramp
+          </Center>
+        )
       )}
-    </Section>
+    </Card>
   );
 }
 
@@ -215,17 +218,30 @@ function useWindow(ends: number, held: boolean): number {
 function PhaseList({ phases, hues }: { phases: readonly Stretch[]; hues: Hues }) {
   const scheme = useScheme();
   return (
-    <ol className={`${classes.phases} lines-12 hint m-0 mt-4`} aria-label="Phases">
+    <ol className="list under-plot lines-12 hint mt-4" aria-label="Phases">
       {phases.map((phase, index) => (
         // biome-ignore lint/suspicious/noArrayIndexKey: phases may come twice on the way through a reversal
-        <li key={`${phase.name} ${index}`} data-empty={phase.empty || undefined}>
-          <span className={classes.swatch} style={{ background: hueOf(phase.name, hues, scheme) }} aria-hidden />
-          {phase.name} <span className="num">{phase.empty ? "0" : time(phase.endS - phase.startS)}</span>
+        <li key={`${phase.name} ${index}`} className="inline gap-4">
+          <span
+            className={`swatch swatch-square ${phase.empty ? "faint" : ""}`}
+            style={{ background: hueOf(phase.name, hues, scheme) }}
+            aria-hidden
+          />
+          {phase.name}{" "}
+          <span className={`num ${phase.empty ? "" : "ink"}`}>
+            {phase.empty ? "0" : time(phase.endS - phase.startS)}
+          </span>
         </li>
       ))}
     </ol>
   );
 }
+
+const LINE_LOOKS: Record<string, string> = {
+  earlier: "hue-violet faint",
+  measured: "key-dotted hue-text",
+  predicted: "key-dashed hue-orange",
+};
 
 /** What the lines besides the ramp are. */
 function Key({ keys, seen }: { keys: Props<string>["keys"]; seen: boolean }) {
@@ -236,10 +252,10 @@ function Key({ keys, seen }: { keys: Props<string>["keys"]; seen: boolean }) {
       ]
     : [];
   return (
-    <p className={`${classes.key} under-plot lines-12 hint m-0 mt-4`}>
+    <p className="under-plot lines-12 hint m-0 mt-4">
       {[...keys, ...live].map(({ line, text }) => (
         <span key={line}>
-          <i data-line={line} aria-hidden /> {text}
+          <i className={`key-line ${LINE_LOOKS[line] ?? "key-dashed hue-grey"}`} aria-hidden /> {text}
         </span>
       ))}
       <span>drag the handles, or focus one and use the arrow keys</span>

@@ -5,12 +5,11 @@ import { type ReactNode, useState } from "react";
 import { api, type Schemas, unwrap } from "../../api/client";
 import { motion } from "../../api/motion";
 import type { Device } from "../../api/queries";
+import { Card } from "../Card";
 import { fixed } from "../format";
 import { ProblemAlert } from "../ProblemAlert";
-import { Section } from "../Section";
 import { useWork } from "../useWork";
 import { changedOf, type Difference, writesFor } from "./differences";
-import classes from "./ramp.module.css";
 
 type Batch = Schemas["RegisterBatchResult"];
 
@@ -111,7 +110,7 @@ export function SendPanel(props: Props) {
           : null;
 
   return (
-    <Section
+    <Card
       title="To the chip"
       note={
         why === null
@@ -162,7 +161,7 @@ export function SendPanel(props: Props) {
       {why !== null && <p className="hint m-0">{why}</p>}
       {why === null && props.cautions?.(changed)}
       {differences && device && (
-        <table className={`${classes.diff} figures`}>
+        <table className="figures">
           <thead>
             <tr>
               <th scope="col">register</th>
@@ -173,10 +172,14 @@ export function SendPanel(props: Props) {
           </thead>
           <tbody>
             {differences.map((row) => (
-              <tr key={row.label} data-changed={row.from !== row.to || undefined}>
-                <th scope="row">{row.label}</th>
+              <tr key={row.label}>
+                <th scope="row" className="mono">
+                  {row.label}
+                </th>
                 <td className="num">{shown(row, row.from)}</td>
-                <td className="num">{shown(row, row.to)}</td>
+                <td className="num" data-best={row.from !== row.to}>
+                  {shown(row, row.to)}
+                </td>
                 <td>
                   <Outcome row={row} result={result} shown={shown} />
                 </td>
@@ -185,7 +188,7 @@ export function SendPanel(props: Props) {
           </tbody>
         </table>
       )}
-      {differences && device && props.foot !== undefined && <p className={classes.foot}>{props.foot}</p>}
+      {differences && device && props.foot !== undefined && <p className="hint my-8">{props.foot}</p>}
       <div aria-live="polite">
         {result?.answer.failed && <ProblemAlert error={result.answer.failed} doing="Sending the design" />}
         {send.isError && <ProblemAlert error={send.error} doing="Sending the design" onClose={send.reset} />}
@@ -202,7 +205,7 @@ export function SendPanel(props: Props) {
         )}
         {runs && <p className="hint m-0">Moves there and back until it is ended or the axis is stopped.</p>}
       </div>
-    </Section>
+    </Card>
   );
 }
 

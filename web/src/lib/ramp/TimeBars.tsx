@@ -1,6 +1,6 @@
 import { memo, type ReactNode } from "react";
+import { Card } from "../Card";
 import { fixed } from "../format";
-import { Section } from "../Section";
 import classes from "./ramp.module.css";
 import { share } from "./rivals";
 import { time } from "./scales";
@@ -26,7 +26,7 @@ interface Props {
 export const TimeBars = memo(function TimeBars({ seconds, rivals, why, actions }: Props) {
   const most = Math.max(seconds ?? 0, ...rivals.map((rival) => rival.seconds));
   return (
-    <Section title="Time" {...(actions === undefined ? {} : { actions })}>
+    <Card title="Time" {...(actions === undefined ? {} : { actions })}>
       {why !== null || seconds === null || rivals.length === 0 ? (
         <p className="hint m-0">{why ?? "A move from rest is compared with other ways to make it."}</p>
       ) : (
@@ -44,7 +44,7 @@ export const TimeBars = memo(function TimeBars({ seconds, rivals, why, actions }
           ))}
         </ol>
       )}
-    </Section>
+    </Card>
   );
 });
 
@@ -60,9 +60,9 @@ interface BarProps {
 function Bar({ name, title, seconds, most, saved, own = false }: BarProps) {
   return (
     <li title={title}>
-      <span className={classes.barName}>{name}</span>
-      <span className={classes.barTrack} aria-hidden>
-        <span className={classes.bar} data-own={own || undefined} style={{ width: `${(seconds / most) * 100}%` }} />
+      <span>{name}</span>
+      <span className={`${classes.barTrack} meter ${own ? "" : "hue-grey"}`} aria-hidden>
+        <span style={{ width: `${(seconds / most) * 100}%` }} />
       </span>
       <span className="num">{time(seconds)}</span>
       <span className={`${classes.barNote} dim nowrap`}>{saved === undefined ? "" : savedText(saved, seconds)}</span>

@@ -43,8 +43,8 @@ export function ValueRow(props: Props) {
     </span>
   );
   return (
-    <div className={classes.row} data-ignored={ignored || undefined} data-chip={chip !== undefined || undefined}>
-      <span className={`${classes.rowName} text-12 mono`} title={meaning}>
+    <div className={classes.row} data-chip={chip !== undefined || undefined}>
+      <span className={`text-12 mono ${ignored ? "dim" : ""}`} title={meaning}>
         {name}
       </span>
       <NumberField

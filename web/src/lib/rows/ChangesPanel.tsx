@@ -32,7 +32,7 @@ export function ChangesPanel(props: Props) {
   const count = countChanges(staged.edits);
   const many = (row: { axis: number | null }) => (row.axis === null || axisNames.length < 2 ? "" : axisNames[row.axis]);
   return (
-    <div className={css.changes}>
+    <div>
       {error !== null && <ProblemAlert error={error} doing={`Writing ${what.many}`} />}
       {count === 0 && staged.applied.length === 0 && (
         <EmptyState title="Nothing staged" icon={<IconListCheck size={22} />}>
@@ -73,7 +73,9 @@ export function ChangesPanel(props: Props) {
       )}
       {staged.applied.length > 0 && (
         <>
-          <h2 className={css.smallTitle}>Written {staged.appliedAt !== null && `at ${timeOf(staged.appliedAt)}`}</h2>
+          <h2 className="hint m-0 mt-12 mb-8">
+            Written {staged.appliedAt !== null && `at ${timeOf(staged.appliedAt)}`}
+          </h2>
           <ul className="list">
             {staged.applied.map((done) => {
               const row = rows.get(keyOf(done.edit));
@@ -97,7 +99,7 @@ interface DiffProps {
 function DiffEntry({ edit, row, axis, chip, onDiscard }: DiffProps) {
   const moved = !row.volatile && edit.base !== null && chip !== null && edit.base !== chip && edit.fate === null;
   return (
-    <li className={`${css.diffEntry} box mb-4`} data-fate={edit.fate?.kind}>
+    <li className={`${css.diffEntry} pad-s box mb-4`} data-fate={edit.fate?.kind}>
       <Title row={row} axis={axis}>
         <Discard label={`Discard the edits of ${row.name}`} onClick={() => onDiscard()} />
       </Title>
@@ -129,7 +131,7 @@ function DiffValues({ row, change }: { row: RegisterRow; change: Change }) {
   return (
     <span className="num push right breaks">
       <span className="dim">{change.from === null ? "?" : text(change.from)}</span>
-      <span className={css.arrow}>→</span>
+      <span className="mx-4 accent">→</span>
       <b className="rigid accent bold">{text(change.to)}</b>
     </span>
   );
@@ -161,7 +163,7 @@ function FateText({ edit, row }: { edit: Edit; row: RegisterRow }) {
 function AppliedEntry({ applied, row, axis }: { applied: Applied; row: RegisterRow; axis: string }) {
   const { edit, written } = applied;
   return (
-    <li className={`${css.diffEntry} box mb-4`} data-fate="done">
+    <li className={`${css.diffEntry} pad-s box mb-4`} data-fate="done">
       <Title row={row} axis={axis}>
         <span className="inline gap-2 accent text-12">
           {written.verified === true && <IconCheck size={13} aria-hidden />}

@@ -2,6 +2,7 @@ import { Tabs } from "@mantine/core";
 import { type ReactNode, useState } from "react";
 import { problemOf } from "../../api/client";
 import type { Device } from "../../api/queries";
+import { Card } from "../Card";
 import { ProblemAlert } from "../ProblemAlert";
 import type { RegisterRow } from "./bits";
 import { ChangesPanel } from "./ChangesPanel";
@@ -56,9 +57,9 @@ export function RowsPage(props: Props) {
 
   return (
     <div className={`${css.page} stack gap-8 text-13`}>
-      <h1 className={`${css.title} flex baseline gap-8 m-0 text-16`}>
+      <h1 className="flex baseline gap-8 m-0 text-16">
         {name}
-        {device && <span>{`${device.name} · ${device.title}`}</span>}
+        {device && <span className="text-13 regular dim">{`${device.name} · ${device.title}`}</span>}
       </h1>
       {toolbar}
       {device && <DeviceNotice device={device} />}
@@ -83,16 +84,15 @@ export function RowsPage(props: Props) {
         keepMounted={false}
         classNames={{ root: `${css.body} grid grow gap-8`, panel: css.panel }}
       >
-        {!phone && <div className={`${css.tablePane} card scroll relative`}>{list}</div>}
-        <aside className={`${css.side} card stack`} aria-label={`${capital(one)} and changes`}>
+        {!phone && (
+          <Card as="div" className={`${css.tablePane} scroll relative`}>
+            {list}
+          </Card>
+        )}
+        <Card as="aside" className={`${css.side} stack`} aria-label={`${capital(one)} and changes`}>
           <Tabs.List grow>
             <Tabs.Tab value="row">{phone ? name : capital(one)}</Tabs.Tab>
-            <Tabs.Tab
-              value="changes"
-              rightSection={
-                count > 0 && <span className={`${css.tabBadge} inline-block text-12 bold tight centered`}>{count}</span>
-              }
-            >
+            <Tabs.Tab value="changes" rightSection={count > 0 && <span className="count">{count}</span>}>
               Changes
             </Tabs.Tab>
             {more.map((extra) => (
@@ -123,7 +123,7 @@ export function RowsPage(props: Props) {
               {extra.panel}
             </Tabs.Panel>
           ))}
-        </aside>
+        </Card>
       </Tabs>
       <StagedBar
         count={count}

@@ -24,7 +24,7 @@ export function StagedBar({ count, staged, busy, canApply, onReview, onDiscard, 
       <span className="mid lines-8 grow" role="status">
         {waits ? (
           <>
-            <span className={`${css.badge} inline-block text-12 bold tight centered`}>{count}</span>
+            <span className="count">{count}</span>
             {count === 1 ? "edit staged" : "edits staged"}
             {!canApply && ", waiting for the connection"}
           </>
@@ -58,9 +58,5 @@ function Outcome({ staged }: { staged: Staged }) {
     untried > 0 && `${untried} not tried`,
   ].filter(Boolean);
   if (said.length === 0) return null;
-  return (
-    <span className={`${css.outcome} hint`} data-failed={failed > 0}>
-      last apply: {said.join(", ")}
-    </span>
-  );
+  return <span className={failed > 0 ? "fault text-12" : "hint"}>last apply: {said.join(", ")}</span>;
 }

@@ -17,7 +17,7 @@ export function StagedDrawer({ chip, device }: { chip: ChipRows; device: Device 
       onError: () => setOpen(true),
     });
   return (
-    <div className={`${css.tokens} ${css.sticky}`}>
+    <div className={`${css.sticky} text-13`}>
       <StagedBar
         count={count}
         staged={staged}
@@ -36,7 +36,7 @@ export function StagedDrawer({ chip, device }: { chip: ChipRows; device: Device 
         title={`Changes for ${device.name}`}
         closeButtonProps={{ "aria-label": "Close the changes" }}
       >
-        <div className={css.tokens}>
+        <div className="text-13">
           <ChangesPanel
             what={{ one: "register", many: "registers" }}
             staged={staged}

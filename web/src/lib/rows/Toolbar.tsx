@@ -61,12 +61,12 @@ export function Toolbar({ what, placeholder, view, live, groups, children }: Pro
         }}
       />
       {children}
-      <span className={`${css.shown} num`} role="status">
+      <span className="num hint" role="status">
         {query === "" ? "" : `${shown} found`}
       </span>
       <span className="grow" />
-      <span className={`${css.liveState} inline hint gap-6`} data-state={state}>
-        <i className={css.dot} aria-hidden />
+      <span className={`${css.liveState} inline hint gap-6`}>
+        <span className={`dot ${state === "live" ? "dot-on" : ""}`} aria-hidden />
         <span className="num">{ageMs > 0 && known ? `${state}, ${Math.round(ageMs / 1000)} s old` : state}</span>
       </span>
       <Button

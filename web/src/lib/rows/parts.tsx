@@ -13,7 +13,7 @@ import type { Reading } from "./useRegisters";
 export function RegisterName({ name, strong = false }: { name: string; strong?: boolean }) {
   const words = name.split("_");
   return (
-    <span className={`${css.name} text-12 mono tight`} data-strong={strong}>
+    <span className={`text-12 mono tight ${strong ? "bold" : ""}`}>
       {words.map((word, index) => (
         // biome-ignore lint/suspicious/noArrayIndexKey: the words of one name never change places
         <Fragment key={index}>
@@ -32,8 +32,7 @@ export function RegisterName({ name, strong = false }: { name: string; strong?: 
 export function AccessMark({ access }: { access: string }) {
   return (
     <span
-      className={`${css.access} px-4 inline box gap-2 text-12 mono tight nowrap`}
-      data-access={access}
+      className={`tag inline gap-2 mono nowrap ${access === "R" ? "tag-dashed dim" : access === "W" ? "bold" : ""}`}
       title={accessText(access)}
     >
       {access === "R" && <IconLock size={10} aria-hidden />}
@@ -46,10 +45,10 @@ export function AccessMark({ access }: { access: string }) {
 export function NameTags({ row }: { row: Pick<RegisterRow, "when" | "behaviour"> }) {
   return (
     <>
-      {row.when && <span className={`${css.tag} hint inline-block ml-4 regular tight`}>if {row.when}</span>}
+      {row.when && <span className={`${css.tag} tag tag-dashed dim inline-block ml-4 regular`}>if {row.when}</span>}
       {row.behaviour && (
         <span
-          className={`${css.tag} hint inline-block ml-4 regular tight`}
+          className={`${css.tag} tag tag-dashed dim inline-block ml-4 regular`}
           title={`The emulator keeps it without acting on it: ${row.behaviour}`}
         >
           stored only
@@ -61,10 +60,10 @@ export function NameTags({ row }: { row: Pick<RegisterRow, "when" | "behaviour">
 
 /** The raw word, or why there is none. One that cannot be read looks so: it is what was written. */
 export function RawText({ row, reading }: { row: RegisterRow; reading: Reading | undefined }) {
-  if (row.access === "W" && !reading) return <span className={css.noRaw}>write only</span>;
+  if (row.access === "W" && !reading) return <span className={`${css.noRaw} hint`}>write only</span>;
   if (row.read_clears)
     return (
-      <span className={css.noRaw} title="Reading clears it, so it is not polled">
+      <span className={`${css.noRaw} hint`} title="Reading clears it, so it is not polled">
         not polled
       </span>
     );
@@ -105,7 +104,7 @@ export function PhysicalText({ row, raw, edit, scales, also }: PhysicalProps) {
     <span className={`${css.physicals} hint flex`}>
       {staged !== null && (
         <span className="num rigid accent bold">
-          <span className={css.arrow}>→</span>
+          <span className="mx-4 accent">→</span>
           {enumName(row, staged) ?? fixed(staged)}
         </span>
       )}
@@ -145,7 +144,7 @@ export function PackedText({ row, raw, edit }: { row: RegisterRow; raw: number |
           ) : (
             <>
               {change.field?.name} {change.from === null ? "?" : nameOf(change.field, change.from)}
-              <span className={css.arrow}>→</span>
+              <span className="mx-4 accent">→</span>
               <b>{nameOf(change.field, change.to)}</b>
             </>
           )}

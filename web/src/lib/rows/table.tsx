@@ -3,7 +3,6 @@ import { IconChevronRight } from "@tabler/icons-react";
 import type { KeyboardEvent } from "react";
 import type { RowActions } from "./actions";
 import { type RegisterRow, writable } from "./bits";
-import css from "./rows.module.css";
 import type { Group } from "./search";
 import { type Key, keyOf } from "./staging";
 
@@ -19,15 +18,15 @@ export function GroupHead({ group, title, folded, staged, onFold }: HeadProps) {
   return (
     <button
       type="button"
-      className={`${css.groupHead} row gap-6 text-12 bold left w-full`}
+      className="plain row gap-6 pad-s raised rule-bottom text-12 bold w-full"
       data-row={`group ${group.key}`}
       aria-expanded={!folded}
       onClick={() => onFold(group.key, !folded)}
     >
-      <IconChevronRight size={13} className={css.chevron} data-open={!folded} aria-hidden />
+      <IconChevronRight size={13} className="chevron" data-open={!folded} aria-hidden />
       {title.charAt(0).toUpperCase() + title.slice(1)}
       <span className="dim regular">{group.rows.length}</span>
-      {staged > 0 && <span className={`${css.badge} inline-block text-12 bold tight centered`}>{staged}</span>}
+      {staged > 0 && <span className="count">{staged}</span>}
     </button>
   );
 }

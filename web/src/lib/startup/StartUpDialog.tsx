@@ -1,4 +1,4 @@
-import { Button, Group, Loader, Modal, Stack, Text } from "@mantine/core";
+import { Box, Button, Group, Loader, Modal, Stack, Text } from "@mantine/core";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useSyncExternalStore } from "react";
 import { api, unwrap } from "../../api/client";
@@ -7,7 +7,6 @@ import { ProblemAlert } from "../ProblemAlert";
 import { RegisterName } from "../rows/parts";
 import { useWork } from "../useWork";
 import { linesOf, type Report } from "./changes";
-import css from "./startup.module.css";
 import { onWantedStartUp, type StartUpWanted, wantedStartUp, wantStartUp } from "./wanted";
 
 async function ask(device: string, axes: StartUpWanted["axes"], dryRun: boolean): Promise<Report> {
@@ -121,9 +120,8 @@ interface ChangesProps {
 
 function Changes({ lines, axisNames, applied }: ChangesProps) {
   return (
-    // biome-ignore lint/a11y/noNoninteractiveTabindex: what can be scrolled must be reached by keyboard
-    <section className={`${css.box} box scroll`} tabIndex={0} aria-label="Changes">
-      <table className={`${css.table} text-12 tight w-full`}>
+    <Box component="section" mah="46vh" className="box scroll" tabIndex={0} aria-label="Changes">
+      <table className="table text-12 tight anywhere">
         <thead>
           <tr>
             <th scope="col">Register</th>
@@ -142,11 +140,11 @@ function Changes({ lines, axisNames, applied }: ChangesProps) {
                 )}
               </td>
               <td>
-                <span className="num">{line.before}</span>
+                <span className="num breaks">{line.before}</span>
                 {line.beforePhysical !== "" && <span className="block dim">{line.beforePhysical}</span>}
               </td>
               <td>
-                <span className="num">{line.after}</span>
+                <span className="num breaks">{line.after}</span>
                 {line.afterPhysical !== "" && <span className="block dim">{line.afterPhysical}</span>}
               </td>
               {applied && <td>{line.readBack}</td>}
@@ -154,6 +152,6 @@ function Changes({ lines, axisNames, applied }: ChangesProps) {
           ))}
         </tbody>
       </table>
-    </section>
+    </Box>
   );
 }

@@ -1,6 +1,6 @@
+import { Box } from "@mantine/core";
 import { compact, fixed } from "../format";
 import type { LinkInfo } from "./useLinkInfo";
-import css from "./wire.module.css";
 
 /** Calls a second: what the wire could carry, and how much of it is used. Without a limit only what is used. */
 export function WireBar({ link, old = false }: { link: LinkInfo; old?: boolean }) {
@@ -8,12 +8,12 @@ export function WireBar({ link, old = false }: { link: LinkInfo; old?: boolean }
   const share = link.share ?? (possible ? link.calls_per_s / possible : null);
   const percent = share === null ? 0 : Math.min(100, 100 * share);
   return (
-    <span className={`${css.wire} inline wrap gap-8`} data-old={old}>
+    <span className={`fades inline wrap gap-8`} data-old={old}>
       {possible !== null && (
         // the numbers beside it say the same
-        <span className={`${css.track} inline-block rigid hidden`} aria-hidden>
-          <span className={css.used} style={{ width: `${percent}%` }} />
-        </span>
+        <Box component="span" w={120} className="meter rigid" aria-hidden>
+          <span style={{ width: `${percent}%` }} />
+        </Box>
       )}
       <span className="nowrap">
         <b className="num">{fixed(link.calls_per_s)}</b>

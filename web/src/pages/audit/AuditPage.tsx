@@ -3,10 +3,11 @@ import { useDebouncedValue, useIntersection } from "@mantine/hooks";
 import { IconHistory } from "@tabler/icons-react";
 import { Fragment, useCallback, useEffect, useMemo, useState } from "react";
 import { useDevices } from "../../api/queries";
+import { Card } from "../../lib/Card";
 import { EmptyState } from "../../lib/EmptyState";
 import { fixed } from "../../lib/format";
+import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { Page, Section } from "../../lib/Section";
 import { dayText } from "../../lib/time";
 import { useSelection } from "../../live/selection";
 import { AuditRow } from "./AuditRow";
@@ -32,7 +33,7 @@ export default function AuditPage() {
   const audit = useAudit(query);
   return (
     <Page name="Audit log">
-      <Section title="Audit log" note={<State audit={audit} />}>
+      <Card title="Audit log" note={<State audit={audit} />}>
         <FilterBar filters={filters} query={query} onChange={setFilters} />
         {audit.error !== null && <ProblemAlert error={audit.error} doing="Reading the audit log" retry={audit.again} />}
         {audit.entries === undefined ? (
@@ -46,7 +47,7 @@ export default function AuditPage() {
         ) : (
           <Entries audit={audit} />
         )}
-      </Section>
+      </Card>
     </Page>
   );
 }
@@ -54,7 +55,7 @@ export default function AuditPage() {
 function State({ audit }: { audit: Audit }) {
   if (audit.entries === undefined) return null;
   return (
-    <span role="status" className={classes.state} data-stale={audit.stale}>
+    <span role="status" className={audit.stale ? "bold" : ""} data-stale={audit.stale}>
       {audit.stale ? "no news: the server does not answer" : "live"}
     </span>
   );
@@ -108,7 +109,11 @@ function Entries({ audit }: { audit: Audit }) {
           {waiting} new
         </Button>
       )}
-      <table className={`${classes.table} text-12 tight w-full`} data-testid="audit" data-stale={audit.stale}>
+      <table
+        className={`${classes.table} fades text-12 tight w-full anywhere`}
+        data-testid="audit"
+        data-stale={audit.stale}
+      >
         <thead>
           <tr>
             {COLUMNS.map((name) => (
@@ -131,7 +136,7 @@ function Entries({ audit }: { audit: Audit }) {
           ))}
         </tbody>
       </table>
-      <div ref={ref} className={classes.end}>
+      <div ref={ref} className="center pt-8 dim">
         {audit.more ? (
           <Button size="xs" variant="default" loading={audit.loadingMore} onClick={audit.older}>
             Older

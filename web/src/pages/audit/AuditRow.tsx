@@ -52,11 +52,11 @@ export const AuditRow = memo(function AuditRow({ entry, device, onSelect }: Prop
         {kind === "done" ? (
           <span className={`${classes.dim} dim`}>done</span>
         ) : (
-          <b>
+          <b className="inline gap-4 nowrap">
             {kind === "refused" ? <IconBan size={13} aria-hidden /> : <IconHelpCircle size={13} aria-hidden />} {kind}
           </b>
         )}
-        {why !== "" && <span className={classes.why}>{why}</span>}
+        {why !== "" && <span className={`${classes.why} dim`}>{why}</span>}
       </td>
     </tr>
   );

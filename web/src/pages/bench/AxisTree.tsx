@@ -2,6 +2,7 @@ import { Group, Text, UnstyledButton } from "@mantine/core";
 import { useEffect, useRef } from "react";
 import { Link } from "wouter";
 import type { Device } from "../../api/queries";
+import { Card } from "../../lib/Card";
 import { ConditionMark } from "../../lib/condition/ConditionMark";
 import { fixed } from "../../lib/format";
 import { StateDot } from "../../lib/StateDot";
@@ -29,11 +30,11 @@ const MANY_AXES = 6;
 export function AxisTree({ devices, selected, unit, onSelect }: TreeProps) {
   const many = devices.reduce((count, device) => count + device.axes.length, 0) >= MANY_AXES;
   return (
-    <nav aria-label="Devices and axes" className={`${classes.tree} card`} data-many={many}>
+    <Card as="nav" aria-label="Devices and axes" className={classes.tree} data-many={many}>
       {devices.map((device) => (
         <DeviceGroup key={device.id} device={device} selected={selected} unit={unit} onSelect={onSelect} />
       ))}
-    </nav>
+    </Card>
   );
 }
 
@@ -99,7 +100,7 @@ function AxisRow({ device, axis, emulator, unit, active, onSelect }: RowProps) {
   return (
     <UnstyledButton
       ref={row}
-      className={`${classes.axis} grid baseline relative w-full`}
+      className={`${classes.axis} lit grid baseline relative w-full`}
       data-active={active}
       aria-pressed={active}
       onClick={onSelect}

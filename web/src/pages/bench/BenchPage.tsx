@@ -5,6 +5,7 @@ import { useQueryClient } from "@tanstack/react-query";
 import { useEffect, useMemo } from "react";
 import { Link } from "wouter";
 import { can, type Device, useDevices } from "../../api/queries";
+import { Card } from "../../lib/Card";
 import { EmptyState } from "../../lib/EmptyState";
 import { later } from "../../lib/later";
 import { useSelection } from "../../live/selection";
@@ -48,12 +49,12 @@ function Skeleton() {
   return (
     <div className={classes.bench} role="status" aria-label="Looking for devices">
       <div className={`${classes.side} stack shrink gap-8`}>
-        <div className={`${classes.card} card stack gap-8`} data-skeleton />
-        <div className={`${classes.tree} card`} data-skeleton />
+        <Card as="div" className={`${classes.card} stack gap-8`} data-skeleton />
+        <Card as="div" className={classes.tree} data-skeleton />
       </div>
       <div className={`${classes.stageAndScope} stack shrink gap-8`}>
-        <div className={`${classes.stageBox} card flex start rigid`} data-skeleton />
-        <div className={`${classes.scopeSkeleton} card grow`} />
+        <Card as="div" className={`${classes.stageBox} flex start rigid`} data-skeleton />
+        <Card as="div" className={`${classes.scopeSkeleton} grow`} />
       </div>
     </div>
   );
@@ -156,13 +157,14 @@ function Stage({ device, axis, open, onToggle }: StageProps) {
     [queries, searched, device.id],
   );
   return (
-    <div className={`${classes.stageBox} card flex start rigid`}>
+    <Card as="div" className={`${classes.stageBox} flex start rigid`}>
       <StageDrawing device={device} axis={axis} live={live} emulator={emulator.data} search={search.data} />
       {device.emulated && (
         <Button
           size="compact-xs"
           variant="subtle"
-          className={classes.stageButton}
+          flex="none"
+          m={4}
           leftSection={<IconAdjustmentsAlt size={14} aria-hidden />}
           aria-expanded={open}
           onClick={onToggle}
@@ -171,6 +173,6 @@ function Stage({ device, axis, open, onToggle }: StageProps) {
           Emulator
         </Button>
       )}
-    </div>
+    </Card>
   );
 }

@@ -5,6 +5,7 @@ import { useQueries, useQueryClient } from "@tanstack/react-query";
 import { Link } from "wouter";
 import { api, unwrap } from "../../api/client";
 import type { Device } from "../../api/queries";
+import { Card } from "../../lib/Card";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { useSelection } from "../../live/selection";
 import classes from "./bench.module.css";
@@ -47,7 +48,7 @@ export function DemoBanner({ devices }: { devices: readonly Device[] }) {
     return startDemo(demo);
   };
   return (
-    <section className={`${classes.demo} mid pad-s lines-12 card`} aria-label="Demo" data-running={running}>
+    <Card className={`${classes.demo} mid pad-s lines-12`} aria-label="Demo" data-running={running}>
       <Button
         size="xs"
         variant={running ? "default" : "filled"}
@@ -100,6 +101,6 @@ export function DemoBanner({ devices }: { devices: readonly Device[] }) {
       {action.failure && (
         <ProblemAlert error={action.failure.error} doing={action.failure.doing} onClose={action.dismiss} />
       )}
-    </section>
+    </Card>
   );
 }

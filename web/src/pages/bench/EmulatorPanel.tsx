@@ -1,6 +1,7 @@
-import { CloseButton, Group, Stack, Title } from "@mantine/core";
+import { CloseButton, Stack } from "@mantine/core";
 import type { Device } from "../../api/queries";
 import { familyOf } from "../../families/families";
+import { Card } from "../../lib/Card";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import classes from "./bench.module.css";
 import { useChangeEmulator, useEmulator } from "./useEmulator";
@@ -21,19 +22,19 @@ export function EmulatorPanel({ device, axis, onAxis, onClose }: Props) {
   const Controls = familyOf(device)?.Controls;
   const problem = change.error ?? emulator.error;
   return (
-    <aside className={`${classes.emulator} card`} aria-label={`Emulator of ${device.name}`} data-testid="emulator">
-      <Group justify="space-between" wrap="nowrap" mb={4}>
-        <Title order={2} className="clip text-14">
-          Emulator of {device.name}
-        </Title>
-        <CloseButton size="sm" aria-label="Close the emulator panel" onClick={onClose} />
-      </Group>
+    <Card
+      as="aside"
+      title={`Emulator of ${device.name}`}
+      actions={<CloseButton size="sm" aria-label="Close the emulator panel" onClick={onClose} />}
+      className={classes.emulator}
+      data-testid="emulator"
+    >
       <Stack gap="sm">
         {problem && <ProblemAlert error={problem} doing="Changing the emulator" onClose={change.reset} />}
         {state && Controls && (
           <Controls device={device} state={state} axis={axis} onAxis={onAxis} send={change.mutate} />
         )}
       </Stack>
-    </aside>
+    </Card>
   );
 }

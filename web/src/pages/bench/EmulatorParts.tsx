@@ -4,7 +4,6 @@ import type { ReactNode } from "react";
 import { fixed } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { useHeld } from "../../lib/useHeld";
-import classes from "./bench.module.css";
 
 const SCALES = [0, 0.1, 0.25, 0.5, 1, 2, 5, 10] as const;
 
@@ -124,7 +123,7 @@ interface PlacesProps {
 /** Where the switches of a stage stand, and its carriage. */
 export function StagePlacesFields({ stage, home, send }: PlacesProps) {
   return (
-    <div className={classes.pairGrid}>
+    <div className="halves gap-6">
       {PLACES.filter(([name]) => home || !name.startsWith("home")).map(([name, label]) => (
         <NumberField
           key={name}
@@ -168,7 +167,7 @@ export function Faults<Name extends string>({ faults, names, send, children }: F
           onChange={(event) => send({ [name]: event.currentTarget.checked } as FaultChange<Name>)}
         />
       ))}
-      <div className={classes.pairGrid}>
+      <div className="halves gap-6">
         <NumberField
           label="Bit error rate"
           title="the share of bits of replies that are turned over"

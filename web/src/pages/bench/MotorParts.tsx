@@ -2,7 +2,6 @@ import { Button, Divider, Group, Switch } from "@mantine/core";
 import type { ReactNode } from "react";
 import { fixed } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
-import classes from "./bench.module.css";
 import { LoadSlider, type Places, StagePlacesFields, SwitchRow } from "./EmulatorParts";
 import { RotorDial, type Truth } from "./RotorDial";
 
@@ -39,7 +38,7 @@ export function Shaft({ world, send, children }: ShaftProps) {
       <RotorDial truth={world.truth} />
       <Divider label="Shaft" labelPosition="left" />
       <LoadSlider value={world.load_torque_nm} most={most} send={(load_torque_nm) => send({ load_torque_nm })} />
-      <div className={classes.pairGrid}>
+      <div className="halves gap-6">
         <NumberField
           label="Friction"
           unit="N·m"
@@ -167,7 +166,7 @@ export function MotorStage<Name extends string>({
   return (
     <>
       <Divider label="Switches and stage" labelPosition="left" />
-      <div className={`${classes.fieldset} stack gap-4 m-0 p-0`}>
+      <div className="stack gap-4">
         {names.map(([name, label]) => (
           <SwitchRow
             key={name}

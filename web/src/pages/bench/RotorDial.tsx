@@ -26,6 +26,8 @@ export function RotorDial({ truth }: { truth: Truth }) {
   return (
     <div className={`${classes.dial} grid gap-8 mid`} data-testid="rotor-dial" data-slip={slips}>
       <svg
+        width={128}
+        height={128}
         viewBox="-4 -4 136 136"
         role="img"
         aria-label={`The rotor is ${fixed(behind, 1)} electrical degrees behind its field`}
@@ -52,7 +54,7 @@ export function RotorDial({ truth }: { truth: Truth }) {
         </g>
         <circle cx={64} cy={64} r={4} fill="var(--well)" stroke="var(--line)" />
       </svg>
-      <dl className={`${classes.truth} grid m-0 text-12 tight`}>
+      <dl className="facts pairs m-0 text-12 tight">
         <dt>load angle</dt>
         <dd className="num">{fixed(behind, 1)}°</dd>
         <dt>lost</dt>

@@ -46,12 +46,7 @@ export function SearchOverlay({ search, seen, counted, place, left, width, rail 
           </g>
         )}
       </g>
-      <text
-        x={left}
-        y={base + 14}
-        className={`${classes.searchText} text-12 fill-text`}
-        data-failed={search.state === "failed"}
-      >
+      <text x={left} y={base + 14} className={`text-12 ${search.state === "failed" ? "fill-fault" : "fill-text"}`}>
         {running ? runningText(search, seen) : done ? doneText(search) : search.message || search.state}
       </text>
       {running && (

@@ -148,8 +148,8 @@ export function StageDrawing({ device, axis, live, emulator, search }: Props) {
         </g>
         <rect x={width - 14} y={rail - 14} width={10} height={32} rx={2} fill="var(--steel-3)" />
         {ticks.map((value) => (
-          <g key={value} className={classes.tick}>
-            <path d={`M${tickX(value)} ${rail + 18} v5`} />
+          <g key={value}>
+            <path className="stroke-dim" d={`M${tickX(value)} ${rail + 18} v5`} />
             <text x={tickX(value)} y={rail + 34} textAnchor="middle" className="text-12 fill-dim">
               {fixed(value)}
             </text>
@@ -185,7 +185,7 @@ export function StageDrawing({ device, axis, live, emulator, search }: Props) {
           />
         )}
       </svg>
-      <Text size="xs" c="dimmed" className={classes.stageUnit} style={{ top: rail + 20 }} aria-hidden>
+      <Text size="xs" c="dimmed" pos="absolute" right={2} top={rail + 20} aria-hidden>
         {perMm === null ? "turns" : "mm"}
       </Text>
     </figure>

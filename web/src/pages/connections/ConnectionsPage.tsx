@@ -51,7 +51,7 @@ export default function ConnectionsPage() {
           Add a device
         </Button>
       </div>
-      <div className={`${css.columns} grid start gap-12`}>
+      <div className={`${css.columns} columns until-62 gap-12`}>
         <div className="stack gap-8">
           {devices.isError && (
             <ProblemAlert error={devices.error} doing="Looking for devices" retry={() => void devices.refetch()} />

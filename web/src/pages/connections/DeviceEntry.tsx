@@ -2,6 +2,7 @@ import { Badge, Button, Group, Popover, Text } from "@mantine/core";
 import { useState } from "react";
 import { Link } from "wouter";
 import { can, type Device } from "../../api/queries";
+import { Card } from "../../lib/Card";
 import { compact, fixed, frequency } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { StateDot } from "../../lib/StateDot";
@@ -26,8 +27,8 @@ export function DeviceEntry({ device, selected, edited, onUse, onEdit, onRemoved
   const link = useLinkSwitch(device.id);
   const up = device.state === "connected" || device.state === "connecting";
   return (
-    <section
-      className={`${css.device} pad card stack gap-8`}
+    <Card
+      className={`${css.device} pad stack gap-8`}
       data-state={device.state}
       data-edited={edited}
       aria-label={device.name}
@@ -48,7 +49,7 @@ export function DeviceEntry({ device, selected, edited, onUse, onEdit, onRemoved
         )}
         <span className={`${css.state} dim`}>{stateText(device)}</span>
         <span className={`${css.grow} grow`} />
-        <Group gap={6} wrap="nowrap" className={css.actions}>
+        <Group gap={6} wrap="nowrap">
           <Button
             size="compact-xs"
             variant={up ? "default" : "filled"}
@@ -71,7 +72,7 @@ export function DeviceEntry({ device, selected, edited, onUse, onEdit, onRemoved
           <Remove device={device} onRemoved={onRemoved} />
         </Group>
       </div>
-      <dl className={`${css.facts} lines-24 m-0`}>
+      <dl className="facts lines-24 m-0">
         <div>
           <dt>Link</dt>
           <dd>{linkText(device.link)}</dd>
@@ -126,31 +127,31 @@ export function DeviceEntry({ device, selected, edited, onUse, onEdit, onRemoved
         </Text>
       ))}
       {link.isError && <ProblemAlert error={link.error} onClose={() => link.reset()} />}
-      <Text size="xs" className={`${css.links} flex gap-12`}>
+      <Text size="xs" className="flex gap-12">
         {selected ? (
           <span className="dim">the pages show this device</span>
         ) : (
-          <button type="button" className={css.linkButton} onClick={onUse}>
+          <button type="button" className="plain underlined accent" onClick={onUse}>
             Show it on every page
           </button>
         )}
-        <Link href="/" onClick={onUse}>
+        <Link href="/" className="underlined accent" onClick={onUse}>
           Bench
         </Link>
         {can(device, "parameters") ? (
-          <Link href="/parameters" onClick={onUse}>
+          <Link href="/parameters" className="underlined accent" onClick={onUse}>
             Parameters
           </Link>
         ) : (
-          <Link href="/registers" onClick={onUse}>
+          <Link href="/registers" className="underlined accent" onClick={onUse}>
             Registers
           </Link>
         )}
-        <Link href="/console" onClick={onUse}>
+        <Link href="/console" className="underlined accent" onClick={onUse}>
           Console
         </Link>
       </Text>
-    </section>
+    </Card>
   );
 }
 

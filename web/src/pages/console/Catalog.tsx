@@ -15,19 +15,19 @@ export function Catalog({ commands, onTake }: Props) {
     <div>
       <button
         type="button"
-        className={`${css.fold} p-0 accent text-12`}
+        className="plain underlined accent text-12"
         aria-expanded={open}
         onClick={() => setOpen(!open)}
       >
         {open ? "Hide the commands" : `All ${commands.length} commands`}
       </button>
       {open && (
-        <ul className={`${css.catalog} tall list box mt-4 scroll`}>
+        <ul className="tall list box mt-4 scroll">
           {commands.map((command) => (
-            <li key={command.opcode}>
+            <li key={command.opcode} className="rule-top">
               <button
                 type="button"
-                className={`${css.catalogEntry} grid text-12 left w-full`}
+                className={`${css.catalogEntry} plain lit columns pad-s text-12 w-full`}
                 data-direct={command.direct}
                 disabled={!command.direct}
                 onClick={() => onTake(commandName(command) + (operandsOf(command).length > 0 ? " " : ""))}

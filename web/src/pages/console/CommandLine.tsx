@@ -97,7 +97,7 @@ export function CommandLine({ commands, rows, lines, text, onText, connected, bu
               <button
                 type="button"
                 tabIndex={-1}
-                className={`${css.offer} flex baseline gap-8 text-12 left w-full`}
+                className={`${css.offer} plain lit flex baseline gap-8 pad-s text-12 w-full ${index === 0 ? "raised" : ""}`}
                 // the line keeps the focus
                 onMouseDown={(event) => event.preventDefault()}
                 onClick={() => take(offer)}
@@ -105,7 +105,7 @@ export function CommandLine({ commands, rows, lines, text, onText, connected, bu
                 <span className="num">{offer.label}</span>
                 <span className="grow dim">{offer.detail}</span>
                 {offer.moves && <Moves />}
-                {index === 0 && <kbd className="px-4 box text-12 mono">Tab</kbd>}
+                {index === 0 && <kbd className="tag mono">Tab</kbd>}
               </button>
             </li>
           ))}
@@ -116,7 +116,7 @@ export function CommandLine({ commands, rows, lines, text, onText, connected, bu
 }
 
 export function Moves() {
-  return <span className={`${css.moves} caution text-12 tight nowrap`}>moves the motor</span>;
+  return <span className="tag caution nowrap">moves the motor</span>;
 }
 
 interface HintProps {
@@ -131,7 +131,8 @@ function Hint({ text, parsed, connected }: HintProps) {
   if (text.trim() === "")
     return (
       <span>
-        A mnemonic and its operands, with commas between them. <kbd>Tab</kbd> completes, <kbd>↑</kbd> brings back.
+        A mnemonic and its operands, with commas between them. <kbd className="tag mono">Tab</kbd> completes,{" "}
+        <kbd className="tag mono">↑</kbd> brings back.
       </span>
     );
   if (command === null) return at === null ? <span>No such command yet.</span> : <span>No command has that name.</span>;

@@ -1,10 +1,9 @@
 import { IconTerminal2 } from "@tabler/icons-react";
 import { can, type Device, useCatalogModel, useDevices } from "../../api/queries";
+import { Card } from "../../lib/Card";
 import { NoDevice } from "../../lib/NoDevice";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { DeviceNotice } from "../../lib/rows/DeviceNotice";
-import common from "../../lib/rows/rows.module.css";
-import { Section } from "../../lib/Section";
 import { useSelection } from "../../live/selection";
 import { ExchangeConsole } from "../registers/ExchangeConsole";
 import css from "./console.module.css";
@@ -20,18 +19,18 @@ export default function ConsolePage() {
     return <ProblemAlert error={devices.error} doing="Looking for devices" retry={() => void devices.refetch()} />;
   if (!device)
     return (
-      <div className=" stack gap-8 text-13">
-        <h1 className={`${common.title} flex baseline gap-8 m-0 text-16`}>Console</h1>
+      <div className="stack gap-8 text-13">
+        <h1 className="flex baseline gap-8 m-0 text-16">Console</h1>
         {devices.isSuccess && <NoDevice title="No device to talk to" icon={<IconTerminal2 size={22} />} />}
       </div>
     );
   return (
-    <div className=" stack gap-8 text-13">
-      <h1 className={`${common.title} flex baseline gap-8 m-0 text-16`}>
-        Console<span>{`${device.name} · ${device.title}`}</span>
+    <div className="stack gap-8 text-13">
+      <h1 className="flex baseline gap-8 m-0 text-16">
+        Console<span className="text-13 regular dim">{`${device.name} · ${device.title}`}</span>
       </h1>
       <DeviceNotice device={device} />
-      <div className={`${css.columns} grid start gap-8`}>
+      <div className={`${css.columns} columns until-75`}>
         <div className="grid shrink gap-8">
           {can(device, "parameters") ? (
             <DirectMode key={device.id} device={device} />
@@ -52,7 +51,7 @@ export default function ConsolePage() {
 function Datagrams({ device }: { device: Device }) {
   const catalog = useCatalogModel(device.model);
   return (
-    <Section title="Raw datagrams" note="one out, one back">
+    <Card title="Raw datagrams" note="one out, one back">
       <ExchangeConsole
         device={device}
         connected={device.state === "connected"}
@@ -60,6 +59,6 @@ function Datagrams({ device }: { device: Device }) {
         selected={null}
         raw={null}
       />
-    </Section>
+    </Card>
   );
 }

@@ -4,9 +4,9 @@ import { useMutation, useQueryClient } from "@tanstack/react-query";
 import { useMemo, useState } from "react";
 import { api, problemOf, unwrap } from "../../api/client";
 import { type Device, useCatalogModel } from "../../api/queries";
+import { Card } from "../../lib/Card";
 import { isHeldBack } from "../../lib/heldBack";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { Section } from "../../lib/Section";
 import { Catalog } from "./Catalog";
 import { CommandLine } from "./CommandLine";
 import { Entries } from "./Entries";
@@ -38,7 +38,7 @@ export function DirectMode({ device }: { device: Device }) {
   const commands = catalog.data?.commands ?? [];
 
   return (
-    <Section title="Direct mode" note="one command, one answer">
+    <Card title="Direct mode" note="one command, one answer">
       {!warned && (
         <Alert
           variant="light"
@@ -70,6 +70,6 @@ export function DirectMode({ device }: { device: Device }) {
       <div className="mt-8">
         <Entries device={device.id} entries={entries} onAgain={setText} />
       </div>
-    </Section>
+    </Card>
   );
 }

@@ -27,8 +27,8 @@ export function Entries({ device, entries, onAgain }: Props) {
     );
   return (
     <>
-      <div className={`${css.entriesHead} row between`}>
-        <h3>Sent</h3>
+      <div className="row between">
+        <h3 className="hint m-0 bold">Sent</h3>
         <ActionIcon
           size={22}
           variant="subtle"
@@ -41,11 +41,11 @@ export function Entries({ device, entries, onAgain }: Props) {
       </div>
       <ol className="list mt-4" aria-label="Commands sent, newest first">
         {entries.map((entry) => (
-          <li key={entry.id} className={css.entry} data-refused={refused(entry)}>
+          <li key={entry.id} className={`${css.entry} pad-s rule-top`} data-refused={refused(entry)}>
             <div className="lines-12 baseline">
               <button
                 type="button"
-                className={`${css.line} p-0 text-13 bold mono left`}
+                className={`plain lit text-13 bold mono`}
                 title="Use it again"
                 onClick={() => onAgain(entry.line)}
               >
@@ -67,7 +67,7 @@ export function Entries({ device, entries, onAgain }: Props) {
 
 function Example({ line, onAgain }: { line: string; onAgain: (line: string) => void }) {
   return (
-    <button type="button" className={`${css.example} p-0 accent text-12 mono`} onClick={() => onAgain(line)}>
+    <button type="button" className="plain underlined accent text-12 mono" onClick={() => onAgain(line)}>
       {line}
     </button>
   );
@@ -90,7 +90,7 @@ function Result({ entry }: { entry: Entry }) {
   if (answer === null) return null;
   if (answer.reply === null) return <span className="m-0 dim">the module does not answer to this</span>;
   return (
-    <span className={css.result}>
+    <span className="inline wrap gap-8">
       {refused(entry) ? (
         <span className="m-0 fault">
           {answer.status} {answer.status_text}

@@ -2,7 +2,6 @@ import { ActionIcon } from "@mantine/core";
 import { IconX } from "@tabler/icons-react";
 import { duration } from "../../lib/format";
 import { Bytes } from "./Bytes";
-import css from "./console.module.css";
 import { bytesOf, replyFields, requestFields } from "./frames";
 import { clock, type Frame } from "./log";
 
@@ -11,8 +10,8 @@ export function FrameDetail({ frame, onClose }: { frame: Frame; onClose: () => v
   const request = bytesOf(frame.tx);
   return (
     <section className="p-8 raised stack box gap-4 mt-8" aria-label="The chosen frame">
-      <div className={`${css.detailHead} lines-12 baseline`}>
-        <b>{frame.text}</b>
+      <div className="lines-12 baseline">
+        <b className="text-12 mono">{frame.text}</b>
         <span className="m-0 dim">
           <span className="num">{clock(frame.time_unix_s)}</span>, {frame.priority}, took{" "}
           <span className="num">{duration(frame.took_ms / 1000)}</span>

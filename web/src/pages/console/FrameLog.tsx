@@ -4,10 +4,10 @@ import { notifications } from "@mantine/notifications";
 import { IconListDetails, IconPlayerPause, IconPlayerPlay, IconSearch } from "@tabler/icons-react";
 import { useEffect, useMemo, useRef, useState } from "react";
 import type { Device } from "../../api/queries";
+import { Card } from "../../lib/Card";
 import { EmptyState } from "../../lib/EmptyState";
 import { duration, fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { Section } from "../../lib/Section";
 import css from "./console.module.css";
 import { FrameDetail } from "./FrameDetail";
 import { asCsv, asText, clock, type Filter, type Frame, isBad, passes, type Show } from "./log";
@@ -15,6 +15,9 @@ import { useFrameLog } from "./useFrameLog";
 
 const ROW_PX = 22;
 const AROUND = 12;
+
+/** Samples are many, a stop is one. */
+const PRIORITY_LOOKS: Record<string, string> = { sample: "dim", stop: "bold" };
 
 /** What went over the wire, live: every transaction, decoded. */
 export function FrameLog({ device }: { device: Device }) {
@@ -48,7 +51,7 @@ export function FrameLog({ device }: { device: Device }) {
   }
 
   return (
-    <Section
+    <Card
       title="Frames"
       note={
         <span className="num">
@@ -90,7 +93,6 @@ export function FrameLog({ device }: { device: Device }) {
           </Button>
         </>
       }
-      className={css.log}
     >
       {log.error !== null && device.state === "connected" && (
         <ProblemAlert error={log.error} doing="Reading the frame log" />
@@ -140,7 +142,7 @@ export function FrameLog({ device }: { device: Device }) {
         <List frames={shown} handle={list} selected={selected} onSelect={setSelected} />
       )}
       {chosen && <FrameDetail frame={chosen} onClose={() => setSelected(null)} />}
-    </Section>
+    </Card>
   );
 }
 
@@ -231,15 +233,15 @@ function List({ frames, handle, selected, onSelect }: ListProps) {
               id={`frame-${frame.seq}`}
               role="option"
               aria-selected={frame.seq === selected}
-              className={`${css.logRow} grid gap-8 nowrap`}
-              data-bad={isBad(frame)}
-              data-priority={frame.priority}
+              className={`${css.logRow} lit grid gap-8 nowrap`}
               style={{ top: (first + index) * ROW_PX }}
               onClick={() => onSelect(frame.seq === selected ? null : frame.seq)}
             >
               <span className="dim">{clock(frame.time_unix_s)}</span>
-              <span className={css.logPriority}>{frame.priority}</span>
-              <span className={css.logText}>{frame.error === null ? frame.text : `${frame.text}: ${frame.error}`}</span>
+              <span className={`${css.logPriority} ${PRIORITY_LOOKS[frame.priority] ?? ""}`}>{frame.priority}</span>
+              <span className={isBad(frame) ? "fault" : ""}>
+                {frame.error === null ? frame.text : `${frame.text}: ${frame.error}`}
+              </span>
               <span className={`${css.logBytes} dim`}>
                 {frame.tx} → {frame.rx ?? "nothing"}
               </span>

@@ -1,8 +1,8 @@
 import { Skeleton } from "@mantine/core";
 import type { Device } from "../../api/queries";
+import { Card } from "../../lib/Card";
 import { fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { Section } from "../../lib/Section";
 import { type LinkInfo, useLinkInfo } from "../../lib/wire/useLinkInfo";
 import { WireBar } from "../../lib/wire/WireBar";
 import css from "./console.module.css";
@@ -12,16 +12,16 @@ import { clock } from "./log";
 export function WirePanel({ device }: { device: Device }) {
   const link = useLinkInfo(device);
   return (
-    <Section title="Wire" note={link.data ? wireText(link.data) : undefined}>
+    <Card title="Wire" note={link.data ? wireText(link.data) : undefined}>
       {link.isError && <ProblemAlert error={link.error} doing="Looking at the wire" />}
       {link.isPending && device.state === "connected" && <Skeleton height={40} radius="sm" aria-hidden />}
       {device.state === "disconnected" && <p className="m-0 dim">Not connected: nothing goes over it.</p>}
       {link.data && (
         <div className="stack gap-6">
-          <div className={css.wireBar}>
+          <div>
             <WireBar link={link.data} old={device.state !== "connected"} />
           </div>
-          <dl className={`${css.counts} lines-16 m-0 text-12`}>
+          <dl className="facts lines-16 m-0 text-12">
             {countsOf(link.data).map(([word, count]) => (
               <div key={word}>
                 <dt>{word}</dt>
@@ -35,7 +35,7 @@ export function WirePanel({ device }: { device: Device }) {
           <Incidents link={link.data} />
         </div>
       )}
-    </Section>
+    </Card>
   );
 }
 
@@ -59,9 +59,9 @@ function Incidents({ link }: { link: LinkInfo }) {
   return (
     <ul className={`${css.incidents} list text-12 scroll`} aria-label="Incidents, newest first">
       {link.incidents.slice(0, 50).map((incident) => (
-        <li key={`${incident.time_unix_s} ${incident.kind}`}>
+        <li key={`${incident.time_unix_s} ${incident.kind}`} className="lines-8 rule-top">
           <span className="num">{clock(incident.time_unix_s)}</span>
-          <b>{incident.kind.replaceAll("_", " ")}</b>
+          <b className="caution bold">{incident.kind.replaceAll("_", " ")}</b>
           <span>{incident.text}</span>
         </li>
       ))}

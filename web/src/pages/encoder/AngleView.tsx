@@ -1,7 +1,7 @@
 import { Button, Group, SegmentedControl, Text } from "@mantine/core";
 import { useRef, useState } from "react";
+import { Card } from "../../lib/Card";
 import { fixed } from "../../lib/format";
-import { Section } from "../../lib/Section";
 import { LiveText } from "../../live/LiveText";
 import { Plot } from "../../plots/Plot";
 import type { PlotHandle, PlotSeries } from "../../plots/types";
@@ -36,7 +36,7 @@ export function AngleView({ curves, direction, onDirection, shaft, moving, onCle
     return `${fixed(map.histogram(direction).count)} samples, ${fixed(map.turns, 1)} turns, ${share} % of the turn seen`;
   };
   return (
-    <Section
+    <Card
       title="Deviation against shaft angle"
       className="stack"
       actions={
@@ -93,7 +93,7 @@ export function AngleView({ curves, direction, onDirection, shaft, moving, onCle
               : "Mean and spread of each full step; outside is ahead"}
         </Text>
       </Group>
-    </Section>
+    </Card>
   );
 }
 

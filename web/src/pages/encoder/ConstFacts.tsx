@@ -1,6 +1,5 @@
 import { fixed, hex } from "../../lib/format";
 import { type EncConst, encConstValue, type Form, fractionText } from "./encConst";
-import classes from "./encoder.module.css";
 
 interface Props {
   /** the word in the chip, with its sign where it has one; null while unknown */
@@ -17,15 +16,15 @@ interface Props {
 /** What a count of an encoder is worth: as the chip holds it, exactly, and as each of the two words. */
 export function ConstFacts({ inChip, heldDecimal, decimal, counts, microstepsPerTurn, found }: Props) {
   return (
-    <dl className={`${classes.facts} grid m-0 mt-8 text-12 grid m-0 mt-8 text-12`} data-testid="enc-const">
+    <dl className="facts pairs m-0 mt-8 text-12" data-testid="enc-const">
       <dt title="ENC_CONST">in the chip</dt>
-      <dd className="num" data-testid="enc-const-chip">
+      <dd className="num breaks" data-testid="enc-const-chip">
         {inChip === null ? "–" : `${hex(inChip, 32)} = ${Number(encConstValue(inChip, heldDecimal).toPrecision(9))}`}
       </dd>
       {found && (
         <>
           <dt title={`for ${fixed(counts)} counts a turn`}>exactly</dt>
-          <dd className="num" data-testid="enc-const-exact">
+          <dd className="num breaks" data-testid="enc-const-exact">
             {fixed(microstepsPerTurn)}/{fixed(counts)} = {fractionText(found.exact)}
           </dd>
           <FormRow name="binary" form={found.binary} chosen={!decimal} better={found.better === "binary"} />
@@ -40,12 +39,12 @@ function FormRow({ name, form, chosen, better }: { name: string; form: Form; cho
   const drift = form.driftPerTurn;
   return (
     <>
-      <dt data-chosen={chosen}>
+      <dt className={chosen ? "ink bold" : ""}>
         {name}
         {chosen && ", in use"}
         {better && !chosen && ", drifts less"}
       </dt>
-      <dd className="num" data-testid={`enc-const-${name}`}>
+      <dd className="num breaks" data-testid={`enc-const-${name}`}>
         {hex(form.raw, 32)}, {drift === 0 ? "no drift" : `${fixed(drift, 4)} µsteps a turn`}
       </dd>
     </>

@@ -1,14 +1,13 @@
 import { Button, Switch, Text } from "@mantine/core";
 import { useState } from "react";
+import { Card } from "../../lib/Card";
 import { fixed } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { ChipField } from "../../lib/rows/ChipField";
 import type { ChipRows } from "../../lib/rows/useChipRows";
-import { Section } from "../../lib/Section";
 import { LiveText } from "../../live/LiveText";
 import { ConstFacts } from "./ConstFacts";
 import { countsOf, encConst, negativeWord } from "./encConst";
-import classes from "./encoder.module.css";
 
 const DEFAULT_COUNTS = 4000;
 const FORMS = ["binary", "decimal"] as const;
@@ -47,9 +46,9 @@ export function ConstSection({ chip, second, microstepsPerTurn, counted, disable
       ? "as last written"
       : "";
   return (
-    <Section title="Resolution" note={held === null ? "not known" : origin}>
+    <Card title="Resolution" note={held === null ? "not known" : origin}>
       <LiveText
-        className={`${classes.uncounted} block mb-4 caution text-12`}
+        className="block caution text-12"
         read={() => (disabled || counted() ? "" : "The encoder is not told of until its resolution is set here.")}
       />
       {second && (
@@ -114,6 +113,6 @@ export function ConstSection({ chip, second, microstepsPerTurn, counted, disable
           ))}
         </div>
       )}
-    </Section>
+    </Card>
   );
 }

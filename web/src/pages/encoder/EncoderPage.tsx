@@ -2,13 +2,14 @@ import { IconRotateClockwise2 } from "@tabler/icons-react";
 import { useQueryClient } from "@tanstack/react-query";
 import { api, unwrap } from "../../api/client";
 import { can, type Device } from "../../api/queries";
+import { Card } from "../../lib/Card";
 import { NoDevice, Waiting } from "../../lib/NoDevice";
+import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { ChipField } from "../../lib/rows/ChipField";
 import { DeviceNotice } from "../../lib/rows/DeviceNotice";
 import { StagedDrawer } from "../../lib/rows/StagedDrawer";
 import { useChipRows } from "../../lib/rows/useChipRows";
-import { Page, Section } from "../../lib/Section";
 import { useSelectedAxis } from "../../live/selection";
 import { useParameters } from "../module/useParameters";
 import { ConstSection } from "./ConstSection";
@@ -120,9 +121,9 @@ function ChipEncoder({ device, axis, encoders }: Props) {
           />
           <IndexSection chip={chip} disabled={!chip.known} />
           {chip.spot("ENC_DEVIATION") !== null && (
-            <Section title="Deviation warning" note="0 is off">
+            <Card title="Deviation warning" note="0 is off">
               <ChipField chip={chip} register="ENC_DEVIATION" disabled={!chip.known} step={10} />
-            </Section>
+            </Card>
           )}
           <Counter {...counter} alias="X_ENC" write={write} />
         </>

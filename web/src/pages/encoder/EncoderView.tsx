@@ -1,10 +1,11 @@
 import { type ReactNode, useState } from "react";
 import type { Device } from "../../api/queries";
+import { Card } from "../../lib/Card";
 import { fixed } from "../../lib/format";
+import { Page } from "../../lib/Page";
 import { colorOf } from "../../lib/palette";
 import { DeviceNotice } from "../../lib/rows/DeviceNotice";
 import type { Settings } from "../../lib/rows/settings";
-import { Page, Section } from "../../lib/Section";
 import { useScheme } from "../../lib/useScheme";
 import { useTelemetry } from "../../live/useTelemetry";
 import { LiveNumber } from "../module/LiveNumber";
@@ -78,11 +79,7 @@ export function EncoderView({ device, axis, encoders, settings, side, notice, fo
     <Page name="Encoder">
       <DeviceNotice device={device} />
       {notice}
-      <section
-        className={`${classes.readouts} pad lines-16 card`}
-        aria-label="Now"
-        data-stale={!connected || link.phase !== "live"}
-      >
+      <Card className="pad lines-16 fades" aria-label="Now" data-stale={!connected || link.phase !== "live"}>
         <LiveNumber
           label="Actual"
           unit="µsteps"
@@ -133,9 +130,9 @@ export function EncoderView({ device, axis, encoders, settings, side, notice, fo
           read={() => fixed((last("velocity") / microstepsPerTurn) * 60, 1)}
           color={colorOf("velocity", scheme)}
         />
-      </section>
-      <div className={`${classes.page} grid start gap-8`}>
-        <div className={`${classes.side} grid shrink gap-8`}>
+      </Card>
+      <div className="live columns side-left until-62">
+        <div className="column controls">
           <SlowTurn
             run={run}
             microstepsPerTurn={microstepsPerTurn}
@@ -150,11 +147,11 @@ export function EncoderView({ device, axis, encoders, settings, side, notice, fo
             counted: () => !connected || !Number.isNaN(last(ENCODERS[shown[0] ?? "internal"].position)),
             counter: { actual: () => last("position"), moving, onSet: clear, disabled: !connected },
           })}
-          <Section title="What stopped the motor">
+          <Card title="What stopped the motor">
             <StopsList stops={stops} />
-          </Section>
+          </Card>
         </div>
-        <div className={`${classes.views} grid shrink gap-8`}>
+        <div className="column">
           <LivePlots
             source={source}
             link={link}
@@ -166,7 +163,7 @@ export function EncoderView({ device, axis, encoders, settings, side, notice, fo
             choices={encoders}
             onShown={setShown}
           />
-          <div className={classes.lower}>
+          <div className={`${classes.lower} columns until-75`}>
             <AngleView
               curves={curves}
               direction={direction}
@@ -175,7 +172,7 @@ export function EncoderView({ device, axis, encoders, settings, side, notice, fo
               moving={run.running}
               onClear={clear}
             />
-            <div className={`${classes.numbers} grid shrink gap-8`}>
+            <div className="column">
               <Harmonics curves={curves} direction={direction} />
               <HistogramView curves={curves} direction={direction} />
             </div>

@@ -1,9 +1,8 @@
 import { Table, Text } from "@mantine/core";
 import { Fragment, useState } from "react";
+import { Card } from "../../lib/Card";
 import { fixed } from "../../lib/format";
-import { Section } from "../../lib/Section";
 import type { AngleMap, Direction } from "./angleMap";
-import classes from "./encoder.module.css";
 import { fitTurn, type TurnFit } from "./harmonics";
 import type { Curve } from "./Polar";
 import { useMapChanges } from "./useEncoder";
@@ -47,12 +46,12 @@ export function Harmonics({ curves, direction }: { curves: readonly Curve[]; dir
   const alone = curves.length === 1;
   const complete = fitted?.fits.some((fit) => fit.turn !== null) ?? false;
   return (
-    <Section
+    <Card
       title="Harmonics"
       note={complete ? "amplitude; phase from position 0" : "after one whole turn, with samples in every 45°"}
     >
       <div className="scroll-x">
-        <Table className={`${classes.table} text-12`} withRowBorders={false} verticalSpacing={1} horizontalSpacing={6}>
+        <Table className="text-12 nowrap" withRowBorders={false} verticalSpacing={1} horizontalSpacing={6}>
           <Table.Thead>
             <Table.Tr>
               <Table.Th>a turn</Table.Th>
@@ -140,6 +139,6 @@ export function Harmonics({ curves, direction }: { curves: readonly Curve[]; dir
       <Text size="xs" c="dimmed">
         Smaller than a step of the encoder is found, too: it comes from many samples.
       </Text>
-    </Section>
+    </Card>
   );
 }

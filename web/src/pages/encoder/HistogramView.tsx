@@ -1,6 +1,6 @@
 import { useRef } from "react";
+import { Card } from "../../lib/Card";
 import { fixed } from "../../lib/format";
-import { Section } from "../../lib/Section";
 import { LiveText } from "../../live/LiveText";
 import { Plot } from "../../plots/Plot";
 import type { PlotHandle, PlotSeries } from "../../plots/types";
@@ -48,7 +48,7 @@ export function HistogramView({ curves, direction }: { curves: readonly Curve[];
     ({ color, label }): PlotSeries => ({ label, color, stepped: true, fill: `${color}40`, fillTo: 0 }),
   );
   return (
-    <Section title="Distribution" note="samples in motion">
+    <Card title="Distribution" note="samples in motion">
       <div className="mb-4">
         {curves.map(({ color, label }, index) => {
           const figure = (read: (histogram: Histogram) => number) => () => {
@@ -57,7 +57,7 @@ export function HistogramView({ curves, direction }: { curves: readonly Curve[];
           };
           return (
             <div key={label} className="mid lines-12 hint">
-              {curves.length > 1 && <span className={classes.figureName} style={{ background: color }} title={label} />}
+              {curves.length > 1 && <span className="swatch" style={{ background: color }} title={label} />}
               <Figure name="mean" read={figure((histogram) => histogram.mean)} />
               <Figure name="rms" read={figure((histogram) => histogram.rms)} />
               <Figure name="peak" read={figure((histogram) => histogram.peak)} />
@@ -76,7 +76,7 @@ export function HistogramView({ curves, direction }: { curves: readonly Curve[];
           plot.current = handle;
         }}
       />
-    </Section>
+    </Card>
   );
 }
 

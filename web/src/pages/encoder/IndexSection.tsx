@@ -1,9 +1,8 @@
-import { Select, Text } from "@mantine/core";
+import { Group, Select, Text } from "@mantine/core";
+import { Card } from "../../lib/Card";
 import { fixed } from "../../lib/format";
 import { ChipField } from "../../lib/rows/ChipField";
 import type { ChipRows } from "../../lib/rows/useChipRows";
-import { Section } from "../../lib/Section";
-import classes from "./encoder.module.css";
 import { INDEX_USES, indexUse } from "./settings";
 
 const EDGES = ["pos_edge", "neg_edge"] as const;
@@ -15,7 +14,7 @@ export function IndexSection({ chip, disabled }: { chip: ChipRows; disabled: boo
   const use = indexUse(bit);
   const latched = (register: string) => fixed(chip.held(register));
   return (
-    <Section title="Index channel" note="N">
+    <Card title="Index channel" note="N">
       <Select
         size="xs"
         label="An event makes the chip"
@@ -34,20 +33,20 @@ export function IndexSection({ chip, disabled }: { chip: ChipRows; disabled: boo
       <Text size="xs" c="dimmed" my={4}>
         {use?.text ?? (bit("clr_cont") === null ? "" : "other bits of ENCMODE than these: see the registers page")}
       </Text>
-      <h3 className={`${classes.group} hint bold`}>An event is</h3>
-      <div className={classes.checks}>
+      <h3 className="hint bold m-0 mt-8">An event is</h3>
+      <div className="halves gap-6 mt-4">
         {EDGES.map((field) => (
           <ChipField key={field} chip={chip} register="ENCMODE" field={field} disabled={disabled} />
         ))}
         <ChipField chip={chip} register="ENCMODE" field="ignore_AB" label="at any A, B" disabled={disabled} />
         <ChipField chip={chip} register="ENCMODE" field="latch_now" disabled={disabled} />
       </div>
-      <div className={`${classes.levels} grid gap-6 mt-8`}>
+      <Group grow gap={6} mt={8} wrap="nowrap">
         {LEVELS.map((field) => (
           <ChipField key={field} chip={chip} register="ENCMODE" field={field} disabled={disabled} />
         ))}
-      </div>
-      <dl className={`${classes.latches} grid m-0 mt-8 text-12`}>
+      </Group>
+      <dl className="facts pairs m-0 mt-8 text-12">
         <dt>ENC_LATCH</dt>
         <dd className="num" data-testid="enc-latch">
           {latched("ENC_LATCH")} µsteps
@@ -59,6 +58,6 @@ export function IndexSection({ chip, disabled }: { chip: ChipRows; disabled: boo
           </>
         )}
       </dl>
-    </Section>
+    </Card>
   );
 }

@@ -1,10 +1,10 @@
 import { Button, Group, Text } from "@mantine/core";
 import { useState } from "react";
 import { ApiError } from "../../api/client";
+import { Card } from "../../lib/Card";
 import { compact } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { Section } from "../../lib/Section";
 import { useAction } from "../bench/motion/useAction";
 import { StagedBar } from "../module/StagedBar";
 import type { Parameters } from "../module/useParameters";
@@ -24,7 +24,7 @@ interface Props {
 /** From which deviation on the module stops the motor. */
 export function Limits({ parameters, shown, microstepsPerTurn, disabled }: Props) {
   return (
-    <Section title="Deviation limit" note="0 is off">
+    <Card title="Deviation limit" note="0 is off">
       {shown.map((which) => {
         const planned = parameters.planned(LIMIT[which]);
         const staged = parameters.staged.has(LIMIT[which]);
@@ -68,7 +68,7 @@ export function Limits({ parameters, shown, microstepsPerTurn, disabled }: Props
         />
       )}
       <StagedBar parameters={parameters} disabled={disabled} />
-    </Section>
+    </Card>
   );
 }
 
@@ -107,7 +107,7 @@ export function Counter({ alias, write, actual, moving, onSet, disabled }: Count
       })
       .then((done) => done && onSet());
   return (
-    <Section title="Set encoder" note={alias}>
+    <Card title="Set encoder" note={alias}>
       <div className="my-8 row between gap-8">
         <NumberField
           aria-label="Encoder position to set"
@@ -142,6 +142,6 @@ export function Counter({ alias, write, actual, moving, onSet, disabled }: Count
       {action.failure && (
         <ProblemAlert error={action.failure.error} doing={action.failure.doing} onClose={action.dismiss} />
       )}
-    </Section>
+    </Card>
   );
 }

@@ -9,7 +9,6 @@ import type { Level, PlotSeries } from "../../plots/types";
 import { RollingSection } from "../module/RollingSection";
 import { useRolling } from "../module/useRolling";
 import { type MotionEnd, stopMarks } from "../module/useStops";
-import classes from "./encoder.module.css";
 import { LIMIT } from "./settings";
 import { ENCODERS, encoderName, type Which } from "./useEncoder";
 
@@ -78,7 +77,6 @@ export function LivePlots(props: Props) {
   return (
     <RollingSection
       title="Live"
-      className={classes.live}
       rolling={rolling}
       link={link}
       name={name}
@@ -109,7 +107,7 @@ export function LivePlots(props: Props) {
         </>
       }
     >
-      <div className={classes.strip}>
+      <div className="strip">
         <Plot
           {...common}
           label="Position of motor and encoder over time"
@@ -119,7 +117,7 @@ export function LivePlots(props: Props) {
           handle={rolling.plot("position", positionTraces)}
         />
       </div>
-      <div className={classes.strip}>
+      <div className="strip strip-tall">
         <Plot
           {...common}
           label="Deviation over time"

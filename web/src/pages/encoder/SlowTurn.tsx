@@ -1,9 +1,9 @@
 import { Button, Switch } from "@mantine/core";
 import { IconPlayerStop, IconRotateClockwise2 } from "@tabler/icons-react";
 import { useState } from "react";
+import { Card } from "../../lib/Card";
 import { duration } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
-import { Section } from "../../lib/Section";
 import { durationOf, withRamps } from "../module/HeldRun";
 import { RunNote } from "../module/RunNote";
 import type { useHeldRun } from "../module/useHeldRun";
@@ -27,7 +27,7 @@ export function SlowTurn({ run, microstepsPerTurn, fullStepsPerTurn, acceleratio
   const [back, setBack] = useState(true);
   const legs = withRamps(turnLegs({ rpm, turns, back }, microstepsPerTurn, rateHz, fullStepsPerTurn), accelerationPps2);
   return (
-    <Section title="Slow turn" note={`takes ${duration(Math.round(durationOf(legs)))}`}>
+    <Card title="Slow turn" note={`takes ${duration(Math.round(durationOf(legs)))}`}>
       <div className="halves gap-8">
         <NumberField
           label="Speed"
@@ -83,6 +83,6 @@ export function SlowTurn({ run, microstepsPerTurn, fullStepsPerTurn, acceleratio
         state={run.state}
         idle="Turns the shaft that far, forward first. Check that nothing is in its way. Escape stops everything."
       />
-    </Section>
+    </Card>
   );
 }

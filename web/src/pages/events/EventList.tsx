@@ -38,7 +38,7 @@ export function EventList({ entries, bits, originS }: Props) {
             return (
               <li
                 key={entry.seq}
-                className={`${classes.entry} grid text-12 tight`}
+                className={`${classes.entry} grid rule-top text-12 tight`}
                 data-fault={entry.names.some(isFault)}
               >
                 <span className="num nowrap">
@@ -47,10 +47,10 @@ export function EventList({ entries, bits, originS }: Props) {
                     {unixS !== null && clock(unixS)}
                   </Text>
                 </span>
-                <span className={`${classes.what} lines-12`}>
+                <span className="lines-12">
                   {entry.names.map((name) => (
                     <span key={name}>
-                      <b data-fault={isFault(name)}>{name}</b>{" "}
+                      <b className={isFault(name) ? "fault" : ""}>{name}</b>{" "}
                       <span className="dim">{bits.find((bit) => bit.name === name)?.help}</span>
                     </span>
                   ))}

@@ -88,7 +88,7 @@ interface NothingProps {
 function Nothing({ pending, connected, registers }: NothingProps) {
   if (pending) return <Loader size="xs" aria-label="Asking for events" />;
   return (
-    <Text size="xs" c="dimmed" className={classes.nothing}>
+    <Text size="xs" c="dimmed" pb={6}>
       {connected
         ? `No event yet. Move the motor, or push a switch: what ${registers.join(" and ")} ${
             registers.length === 1 ? "tells" : "tell"
@@ -248,12 +248,11 @@ function Lanes({ lanes, bits, window, name }: LanesProps) {
           <li
             key={each.name}
             title={bits.find((bit) => bit.name === each.name)?.help ?? each.name}
-            className={`${classes.name} row between gap-6 text-12`}
+            className="row between gap-6 text-12"
             style={{ height: LANE_PX }}
-            data-fault={isFault(each.name)}
             data-event={each.name}
           >
-            <span className={`${classes.nameText} clip shrink`}>{each.name}</span>
+            <span className={`clip shrink ${isFault(each.name) ? "fault" : ""}`}>{each.name}</span>
             <span className="num dim">{fixed(each.times.length)}</span>
           </li>
         ))}

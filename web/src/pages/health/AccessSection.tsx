@@ -14,9 +14,9 @@ import {
 import { IconKey } from "@tabler/icons-react";
 import { type FormEvent, useState } from "react";
 import { type Access, logOut, useAccess } from "../../api/access";
+import { Card } from "../../lib/Card";
 import { EmptyState } from "../../lib/EmptyState";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { Section } from "../../lib/Section";
 import { dateTimeOf } from "../../lib/time";
 import classes from "./health.module.css";
 import { type Role, useTokenChanges, useTokens } from "./useHealth";
@@ -32,7 +32,7 @@ export function AccessSection() {
   const access = useAccess();
   if (access === null) return null;
   return (
-    <Section
+    <Card
       title="Access"
       note={whoWords(access)}
       actions={
@@ -48,7 +48,7 @@ export function AccessSection() {
       ) : (
         <Text size="sm">Tokens are made and revoked by those who administer this server.</Text>
       )}
-    </Section>
+    </Card>
   );
 }
 
@@ -85,7 +85,7 @@ function Tokens({ open }: { open: boolean }) {
           onClose={() => add.reset()}
         >
           <Group gap="sm">
-            <Code className={classes.token} data-testid="new-token">
+            <Code fz={14} className="anywhere" data-testid="new-token">
               {add.data.token}
             </Code>
             <CopyButton value={add.data.token}>

@@ -1,11 +1,11 @@
 import { Alert, Group, List, Loader } from "@mantine/core";
 import { IconDatabaseExclamation } from "@tabler/icons-react";
+import { Card } from "../../lib/Card";
+import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { Page, Section } from "../../lib/Section";
 import { AccessSection } from "./AccessSection";
 import { DevicesTable } from "./DevicesTable";
 import { uptime } from "./figures";
-import classes from "./health.module.css";
 import { Tiles } from "./Tiles";
 import { type Health, useHealth } from "./useHealth";
 
@@ -25,16 +25,16 @@ export default function HealthPage() {
       ) : (
         <>
           <Notes storage={data.storage} />
-          <Section title="Server" note={isError ? "old: the server does not answer" : serverWords(data)}>
-            <div className={isError ? classes.stale : undefined} data-testid="health" data-stale={isError}>
+          <Card title="Server" note={isError ? "old: the server does not answer" : serverWords(data)}>
+            <div className="fades" data-testid="health" data-stale={isError}>
               <Tiles health={data} />
             </div>
-          </Section>
-          <Section title="Devices" note={devicesWords(data)}>
-            <div className={isError ? classes.stale : undefined}>
+          </Card>
+          <Card title="Devices" note={devicesWords(data)}>
+            <div className="fades" data-stale={isError}>
               <DevicesTable devices={data.devices} />
             </div>
-          </Section>
+          </Card>
         </>
       )}
       <AccessSection />

@@ -41,7 +41,7 @@ export function Tiles({ health }: { health: Health }) {
 
 function Tile({ name, value, more, children }: { name: string; value: string; more: string; children?: ReactNode }) {
   return (
-    <div className={`${classes.tile} grid shrink gap-4`}>
+    <div className={`column gap-4`}>
       <h3 className="hint m-0 bold">{name}</h3>
       <div className="text-16 bold tight">{value}</div>
       {children}

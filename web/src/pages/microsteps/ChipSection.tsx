@@ -3,10 +3,10 @@ import { IconDownload, IconUpload } from "@tabler/icons-react";
 import type { UseMutationResult } from "@tanstack/react-query";
 import type { ReactNode } from "react";
 import type { Capability, Device } from "../../api/queries";
+import { Card } from "../../lib/Card";
 import { fixed } from "../../lib/format";
 import { useWhoCan } from "../../lib/models";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { Section } from "../../lib/Section";
 import classes from "./Microsteps.module.css";
 import { MotorRow } from "./MotorRow";
 import type { Motor } from "./useMotor";
@@ -40,7 +40,7 @@ export function ChipSection<T>({ device, motor, what, needs, note, onRead, wante
         ? null
         : `${device.name} is not connected: the design stays, connect it under Connections to send it.`;
   return (
-    <Section
+    <Card
       title="Chip"
       note={why ?? note}
       actions={
@@ -81,7 +81,7 @@ export function ChipSection<T>({ device, motor, what, needs, note, onRead, wante
           }}
         />
       )}
-    </Section>
+    </Card>
   );
 }
 

@@ -129,7 +129,7 @@ export function CurveEditor({ values, before, tool, onChange, onSettle }: Props)
             ref={(node) => {
               points.current[index] = node;
             }}
-            className={classes.point}
+            className="point"
             role="slider"
             tabIndex={index === active ? 0 : -1}
             aria-label={`Entry ${index}`}
@@ -141,7 +141,7 @@ export function CurveEditor({ values, before, tool, onChange, onSettle }: Props)
             onFocus={() => setActive(index)}
             onBlur={onSettle}
           >
-            <circle className={classes.halo} cx={x(index)} cy={y(value)} r={7} />
+            <circle className="halo" cx={x(index)} cy={y(value)} r={7} />
             <circle className="fill-accent" cx={x(index)} cy={y(value)} r={index === active ? 4 : 2.6} />
           </g>
         ))}

@@ -1,5 +1,3 @@
-import classes from "./FiguresTable.module.css";
-
 /** One figure of a wave. */
 export interface FigureRow<Figures> {
   name: string;
@@ -23,7 +21,7 @@ interface Props<Figures> {
 /** The figures of the design beside those of the wave in the chip, or of the power-on wave. */
 export function FiguresTable<Figures>({ rows, before, beforeName, after, words, judged }: Props<Figures>) {
   return (
-    <table className={`${classes.figures} figures`}>
+    <table className="figures">
       <thead>
         <tr>
           <th scope="col">figure</th>

@@ -44,7 +44,7 @@ export function Line(props: {
 }) {
   const { label, title, value, min, max, step, onChange, onSettle } = props;
   return (
-    <div className={`${classes.line} grid gap-8 mid`}>
+    <div className="control-line">
       <span className="text-12" title={title}>
         {label}
       </span>
@@ -70,8 +70,9 @@ export function FormulaPanel({ formula, active, onChange, onSettle }: Props) {
   const change = (part: Partial<Formula>, tag: string | null) => onChange({ ...formula, ...part }, tag);
   const outside = Math.abs(formula.sigma) > 0.5;
   return (
-    <div className={`${classes.formula} pt-8 grid gap-8 mt-8 rule-top`} data-active={active || undefined}>
-      <div className={`${classes.sigma} grid start gap-8`}>
+    // drawn by hand: the formula is what it was last
+    <div className={`pt-8 grid gap-8 mt-8 rule-top ${active ? "" : "inactive"}`}>
+      <div className="control-line start">
         <span className="text-12" title="shape: −1 rhomb, 0 circle, +1 box">
           σ
         </span>
@@ -93,16 +94,16 @@ export function FormulaPanel({ formula, active, onChange, onSettle }: Props) {
             onChange={(sigma) => change({ sigma }, "sigma")}
             onChangeEnd={onSettle}
           />
-          <div className={`${classes.shapes} hint flex between mt-4 relative`}>
-            <span>
+          <div className="hint flex between mt-4 relative">
+            <span className="inline gap-2">
               <Shape kind="rhomb" /> −1
             </span>
-            <span className={classes.half}>−0.5</span>
-            <span>
+            <span>−0.5</span>
+            <span className="inline gap-2">
               <Shape kind="circle" /> 0
             </span>
-            <span className={classes.half}>+0.5</span>
-            <span>
+            <span>+0.5</span>
+            <span className="inline gap-2">
               +1 <Shape kind="box" />
             </span>
           </div>

@@ -1,5 +1,5 @@
+import { Card } from "../../lib/Card";
 import { fixed } from "../../lib/format";
-import { Section } from "../../lib/Section";
 import { type Bar, Bars } from "./Bars";
 
 interface Props {
@@ -29,7 +29,7 @@ export function Harmonics({ numbers, design, before, stale, height }: Props) {
     null,
   );
   return (
-    <Section title="Harmonics" note="of the first, logarithmic">
+    <Card title="Harmonics" note="of the first, logarithmic">
       <div className={stale ? "stale" : ""}>
         <Bars
           label="Harmonics of the phase current"
@@ -41,7 +41,7 @@ export function Harmonics({ numbers, design, before, stale, height }: Props) {
           every={1}
         />
       </div>
-    </Section>
+    </Card>
   );
 }
 

@@ -4,7 +4,7 @@ import { IconWaveSine } from "@tabler/icons-react";
 import { can, type Device, useDevices } from "../../api/queries";
 import { EmptyState } from "../../lib/EmptyState";
 import { useWhoCan } from "../../lib/models";
-import { Page } from "../../lib/Section";
+import { Page } from "../../lib/Page";
 import { useSelection } from "../../live/selection";
 import { MslutEditor } from "./mslut/MslutEditor";
 import { QuarterEditor } from "./QuarterEditor";

@@ -13,7 +13,7 @@ export function MotorRow({ motor }: { motor: Motor }) {
   const { condition } = useStanding(at.device, at.axis);
   return (
     <div className={`${classes.live} row wrap gap-8`}>
-      <dl data-old={live.isError || !connected || undefined}>
+      <dl className={`stacked flex gap-12 m-0 text-13 grow ${live.isError || !connected ? "dim" : ""}`}>
         <div>
           <dt>position</dt>
           <dd className="num">{state ? `${fixed(state.position)} µsteps` : "–"}</dd>

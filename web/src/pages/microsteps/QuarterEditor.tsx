@@ -2,9 +2,10 @@ import { SegmentedControl, Select } from "@mantine/core";
 import { type ReactNode, useMemo, useState } from "react";
 import type { Schemas } from "../../api/client";
 import type { Device } from "../../api/queries";
+import { Card } from "../../lib/Card";
 import { fixed } from "../../lib/format";
+import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { Page, Section } from "../../lib/Section";
 import { type Bar, Bars } from "./Bars";
 import { ChipPanel } from "./ChipPanel";
 import { CurveEditor, type Tool } from "./CurveEditor";
@@ -100,13 +101,14 @@ export function QuarterEditor({
           retry={() => void chip.refetch()}
         />
       )}
-      <div className={classes.page}>
+      <div className="columns design until-75">
         <div className="column">
-          <Section
+          <Card
             title="Quarter wave"
             note={
-              <span className={`${classes.legend} inline gap-4`}>
-                <i data-kind="design" /> design <i data-kind="before" /> chip <i data-kind="ideal" /> sine
+              <span className="inline gap-4">
+                <i className="key-line" /> design <i className="key-line hue-grey ml-4" /> chip{" "}
+                <i className="key-line key-dashed hue-grey ml-4" /> sine
               </span>
             }
             actions={
@@ -145,7 +147,7 @@ export function QuarterEditor({
               }}
               onSettle={rest}
             />
-          </Section>
+          </Card>
           <ChipPanel
             device={device}
             axis={axis}
@@ -154,7 +156,7 @@ export function QuarterEditor({
             stale={draft.kind === "formula" && design.stale}
             onRead={() => held && change({ kind: "values", values: [...held], origin: "chip" }, null)}
           />
-          <Section
+          <Card
             title="In and out"
             actions={
               <Transfer
@@ -166,10 +168,10 @@ export function QuarterEditor({
             <p className={`num hint m-0 breaks ${draft.kind === "formula" ? stale : ""}`}>
               {values?.map((value) => String(value).padStart(2, "\u2007")).join(" ") ?? " "}
             </p>
-          </Section>
+          </Card>
         </div>
         <div className="column">
-          <Section
+          <Card
             title="Phase currents"
             note="one electrical period, four full steps"
             actions={
@@ -195,7 +197,7 @@ export function QuarterEditor({
             {design.error !== null && (
               <ProblemAlert error={design.error} doing="Designing the table" retry={design.retry} />
             )}
-            <div className={`${classes.pair} grid gap-12 mid`}>
+            <div className="beside-figure columns gap-12 mid">
               <div className={stale} aria-busy={design.stale}>
                 {result ? (
                   <Waves rows={result.sequence} before={old?.sequence ?? null} />
@@ -219,9 +221,9 @@ export function QuarterEditor({
                 {warning}
               </p>
             ))}
-          </Section>
-          <div className={`${classes.two} halves gap-8`}>
-            <Section title="Angle error" note="electrical, each microstep">
+          </Card>
+          <div className="columns">
+            <Card title="Angle error" note="electrical, each microstep">
               <div className={stale}>
                 <Bars
                   label="Angle error of each microstep"
@@ -232,7 +234,7 @@ export function QuarterEditor({
                   every={Math.max(1, errorBars.length / 8)}
                 />
               </div>
-            </Section>
+            </Card>
             <Harmonics
               numbers={(result?.metrics.harmonics ?? []).slice(1).map((_, index) => index + 2)}
               design={result?.metrics.harmonics}
@@ -241,11 +243,11 @@ export function QuarterEditor({
               height={150}
             />
           </div>
-          <Section title="Before and after" note={`at ${2 ** usrs} microsteps per full step`}>
+          <Card title="Before and after" note={`at ${2 ** usrs} microsteps per full step`}>
             <div className={stale}>
               {result ? <Metrics before={old?.metrics ?? null} after={result.metrics} /> : null}
             </div>
-          </Section>
+          </Card>
         </div>
       </div>
     </Page>

@@ -20,7 +20,7 @@ export function XyFigure({ rows, before, worst }: Props) {
   const next = worst === null ? undefined : rows[(worst + 1) % Math.max(1, rows.length)];
   return (
     <svg
-      className={classes.xy}
+      className="square"
       viewBox={`${-REACH} ${-REACH} ${2 * REACH} ${2 * REACH}`}
       role="img"
       aria-label="Current vector over a period, phase B across and phase A up, beside the ideal circle"

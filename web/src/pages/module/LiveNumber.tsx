@@ -20,7 +20,7 @@ export function LiveNumber({ label, unit, read, color, testId }: Props) {
         {label}
       </Text>
       <div className="flex baseline gap-4">
-        <LiveText className={`${classes.numberValue} text-20 mono right nowrap`} read={read} data-testid={testId} />
+        <LiveText className={`${classes.numberValue} figure-20 right nowrap`} read={read} data-testid={testId} />
         <span className="hint nowrap">{unit}</span>
       </div>
     </div>

@@ -1,7 +1,7 @@
 import { ActionIcon, Select } from "@mantine/core";
 import { IconPlayerPause, IconPlayerPlay } from "@tabler/icons-react";
 import type { PropsWithChildren, ReactNode } from "react";
-import { Section } from "../../lib/Section";
+import { Card } from "../../lib/Card";
 import type { LinkState } from "../../live/TelemetrySource";
 import { LinkReadout } from "../bench/scope/LinkReadout";
 import type { Rolling } from "./useRolling";
@@ -22,7 +22,7 @@ interface Props {
 export function RollingSection(props: PropsWithChildren<Props>) {
   const { title, className, rolling, link, name, spansS, actions, children } = props;
   return (
-    <Section
+    <Card
       title={title}
       className={className}
       actions={
@@ -50,6 +50,6 @@ export function RollingSection(props: PropsWithChildren<Props>) {
     >
       <LinkReadout name={name} several={false} link={link} />
       {children}
-    </Section>
+    </Card>
   );
 }

@@ -25,8 +25,8 @@ export function StopsList({ stops }: { stops: UseQueryResult<MotionEnd[]> }) {
       {stops.data.slice(0, SHOWN).map((stop) => {
         const words = REASONS[stop.reason];
         return (
-          <li key={`${stop.time_s}/${stop.reason}`} className={`${classes.stop} grid baseline text-12 tight`}>
-            <span className={classes.stopSign} data-fault={words.fault} aria-hidden />
+          <li key={`${stop.time_s}/${stop.reason}`} className={`${classes.stop} grid baseline rule-top text-12 tight`}>
+            <span className={`dot ${words.fault ? "dot-fault" : ""}`} aria-hidden />
             <span>
               <span className="bold">{words.text}</span>{" "}
               <Text span size="xs" c="dimmed" className="num">

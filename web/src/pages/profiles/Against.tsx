@@ -3,8 +3,8 @@ import { IconRefresh } from "@tabler/icons-react";
 import { useState } from "react";
 import type { Schemas } from "../../api/client";
 import { type Device, useDevices } from "../../api/queries";
+import { Card } from "../../lib/Card";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { Section } from "../../lib/Section";
 import { useSelection } from "../../live/selection";
 import { Apply } from "./Apply";
 import { DiffTable } from "./DiffTable";
@@ -29,7 +29,7 @@ export function Against({ profile }: { profile: Detail }) {
     { group: "Profiles", items: siblings.map(({ id, name }) => ({ value: `profile/${id}`, label: name })) },
   ].filter(({ items }) => items.length > 0);
   return (
-    <Section title="Compare and apply">
+    <Card title="Compare and apply">
       {devices.isError && <ProblemAlert error={devices.error} doing="Looking for devices" />}
       {data.length === 0 ? (
         <Text size="sm" className="dim">
@@ -51,7 +51,7 @@ export function Against({ profile }: { profile: Detail }) {
       )}
       {device && <WithDevice key={device.id} profile={profile} device={device} />}
       {other !== null && <WithProfile profile={profile} other={other} />}
-    </Section>
+    </Card>
   );
 }
 

@@ -187,6 +187,8 @@ const ICONS: Readonly<Record<Fate, ReactNode>> = {
   "not begun": <IconMinus size={13} aria-hidden />,
 };
 
+const FATE_LOOKS: Record<string, string> = { "read back": "good", left: "fault", failed: "fault" };
+
 /** Each write and how it fared. */
 function Steps({ lines }: { lines: readonly StepLine[] }) {
   return (
@@ -195,7 +197,7 @@ function Steps({ lines }: { lines: readonly StepLine[] }) {
       {lines.map((line, index) => (
         // biome-ignore lint/suspicious/noArrayIndexKey: the same register may be written twice
         <li key={index}>
-          <span className={`${css.fate} inline gap-4`} data-fate={line.fate}>
+          <span className={`inline gap-4 ${FATE_LOOKS[line.fate] ?? ""}`}>
             {ICONS[line.fate]}
             {line.fate}
           </span>

@@ -1,11 +1,10 @@
-import { Switch, Text } from "@mantine/core";
+import { Box, Switch, Text } from "@mantine/core";
 import { Fragment, useMemo, useState } from "react";
 import { useCatalogModel } from "../../api/queries";
 import { fixed } from "../../lib/format";
 import { RegisterName } from "../../lib/rows/parts";
 import { chipUnit } from "../../lib/rows/physical";
 import { byName, entriesOf, grouped, type Row, rowsOf, sameRows } from "./diff";
-import css from "./profiles.module.css";
 import type { Diff, Profile } from "./useProfiles";
 
 interface Props {
@@ -56,9 +55,8 @@ export function DiffTable({ diff, profile, axisNames }: Props) {
         </Text>
       ))}
       {groups.length > 0 && (
-        // biome-ignore lint/a11y/noNoninteractiveTabindex: what can be scrolled must be reached by keyboard
-        <section className={`${css.tableBox} box scroll`} tabIndex={0} aria-label="Differences">
-          <table className={`${css.table} text-12 tight w-full`}>
+        <Box component="section" mah="60vh" className="box scroll" tabIndex={0} aria-label="Differences">
+          <table className="table text-12 tight">
             <thead>
               <tr>
                 <th scope="col">Register</th>
@@ -70,7 +68,7 @@ export function DiffTable({ diff, profile, axisNames }: Props) {
             <tbody>
               {groups.map(([part, rows]) => (
                 <Fragment key={part}>
-                  <tr className={css.part}>
+                  <tr data-part>
                     <th scope="colgroup" colSpan={4}>
                       {part}
                     </th>
@@ -87,7 +85,7 @@ export function DiffTable({ diff, profile, axisNames }: Props) {
               ))}
             </tbody>
           </table>
-        </section>
+        </Box>
       )}
     </div>
   );
@@ -95,7 +93,7 @@ export function DiffTable({ diff, profile, axisNames }: Props) {
 
 function Line({ row, again, axisName }: { row: Row; again: boolean; axisName: string }) {
   return (
-    <tr data-differs={row.differs}>
+    <tr data-differs={row.differs} className={row.differs ? "" : "dim"}>
       <td>
         {again ? (
           <span className="unseen">{row.name}</span>
@@ -129,11 +127,11 @@ interface ValueProps {
 function Value({ value, unit, meaning, strong = false }: ValueProps) {
   return (
     <>
-      <span className="num" data-strong={strong}>
+      <span className={`num ${strong ? "bold" : ""}`}>
         {typeof value === "number" ? (Number.isInteger(value) ? fixed(value) : String(value)) : (value ?? "?")}
       </span>
       {value !== null && chipUnit(unit) !== "" && <span className="dim"> {chipUnit(unit)}</span>}
-      {meaning !== "" && <span className={`${css.meaning} hint inline-block ml-8`}>{meaning}</span>}
+      {meaning !== "" && <span className="hint inline-block ml-8">{meaning}</span>}
     </>
   );
 }

@@ -2,9 +2,9 @@ import { Button, Group, Popover, Skeleton, Text, Textarea, TextInput } from "@ma
 import { IconDownload, IconTrash } from "@tabler/icons-react";
 import { useState } from "react";
 import type { Schemas } from "../../api/client";
+import { Card } from "../../lib/Card";
 import { fixed, frequency } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { Section } from "../../lib/Section";
 import { Against } from "./Against";
 import { fileName, saveText } from "./files";
 import css from "./profiles.module.css";
@@ -24,9 +24,9 @@ export function ProfileView({ id, onGone }: { id: number; onGone: () => void }) 
     );
   if (profile.isError)
     return (
-      <Section title="Profile">
+      <Card title="Profile">
         <ProblemAlert error={profile.error} doing="Opening the profile" retry={() => void profile.refetch()} />
-      </Section>
+      </Card>
     );
   return (
     <div className="grid shrink gap-8">
@@ -60,7 +60,7 @@ function Head({ profile, onGone }: { profile: Schemas["ProfileDetail"]; onGone: 
   };
   const { document } = profile;
   return (
-    <Section
+    <Card
       title={profile.name}
       note={profile.title}
       actions={
@@ -77,7 +77,7 @@ function Head({ profile, onGone }: { profile: Schemas["ProfileDetail"]; onGone: 
         </>
       }
     >
-      <dl className={`${css.facts} lines-24 text-13`}>
+      <dl className="facts lines-24 m-0 mb-8 text-13">
         <div>
           <dt>Says</dt>
           <dd>
@@ -109,7 +109,7 @@ function Head({ profile, onGone }: { profile: Schemas["ProfileDetail"]; onGone: 
           {document.unknown.length > 6 ? ", ..." : ""}.
         </Text>
       )}
-      <div className={`${css.names} grid start gap-8`}>
+      <div className={`${css.names} columns`}>
         <TextInput
           size="xs"
           label="Name"
@@ -134,7 +134,7 @@ function Head({ profile, onGone }: { profile: Schemas["ProfileDetail"]; onGone: 
       </div>
       {rename.isError && <ProblemAlert error={rename.error} doing="Keeping the words" onClose={() => rename.reset()} />}
       {failure !== null && <ProblemAlert error={failure} doing="Exporting" onClose={() => setFailure(null)} />}
-    </Section>
+    </Card>
   );
 }
 

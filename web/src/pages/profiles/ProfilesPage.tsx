@@ -1,10 +1,10 @@
 import { Text } from "@mantine/core";
 import { IconFileDescription } from "@tabler/icons-react";
 import { useSearchParams } from "wouter";
+import { Card } from "../../lib/Card";
 import { EmptyState } from "../../lib/EmptyState";
-import { Page, Section } from "../../lib/Section";
+import { Page } from "../../lib/Page";
 import { ProfileView } from "./ProfileView";
-import css from "./profiles.module.css";
 import { SavedProfiles } from "./SavedProfiles";
 
 /** Whole configurations: kept, compared, applied, handed on. */
@@ -15,17 +15,17 @@ export default function ProfilesPage() {
   const select = (id: number | null) => setParameters(id === null ? {} : { profile: String(id) });
   return (
     <Page name="Profiles">
-      <div className={`${css.columns} grid start gap-8`}>
+      <div className="columns side-left until-62">
         <SavedProfiles selected={selected} onSelect={select} />
         {selected === null ? (
-          <Section title="Profile">
+          <Card title="Profile">
             <EmptyState title="Choose a profile" icon={<IconFileDescription size={22} />}>
               <Text size="sm" className="dim" maw={430}>
                 It is then compared with the device, can be applied to it as a whole, and becomes a script that was
                 tried on an emulator.
               </Text>
             </EmptyState>
-          </Section>
+          </Card>
         ) : (
           <ProfileView key={selected} id={selected} onGone={() => select(null)} />
         )}

@@ -1,13 +1,13 @@
-import { Button, FileButton, Skeleton, Text, TextInput } from "@mantine/core";
+import { Button, FileButton, Group, Skeleton, Text, TextInput } from "@mantine/core";
 import { useDebouncedValue, useHotkeys } from "@mantine/hooks";
 import { IconCamera, IconFileImport, IconFileStack } from "@tabler/icons-react";
 import { useRef, useState } from "react";
 import { Link } from "wouter";
 import type { Problem, Schemas } from "../../api/client";
+import { Card } from "../../lib/Card";
 import { EmptyState } from "../../lib/EmptyState";
 import { fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { Section } from "../../lib/Section";
 import { dateTimeOf } from "../../lib/time";
 import { useSelection } from "../../live/selection";
 import css from "./profiles.module.css";
@@ -53,10 +53,11 @@ export function SavedProfiles({ selected, onSelect }: Props) {
   const none = profiles.isSuccess && found.length === 0;
 
   return (
-    <Section title="Saved profiles" note={profiles.isSuccess && found.length > 0 ? fixed(found.length) : undefined}>
-      <div className={`${css.tools} flex gap-6 mb-8`}>
+    <Card title="Saved profiles" note={profiles.isSuccess && found.length > 0 ? fixed(found.length) : undefined}>
+      <Group gap={6} mb={8} wrap="nowrap">
         <Button
           size="xs"
+          flex={1}
           leftSection={<IconCamera size={15} aria-hidden />}
           disabled={!connected}
           loading={save.isPending && save.variables?.device !== undefined}
@@ -74,7 +75,7 @@ export function SavedProfiles({ selected, onSelect }: Props) {
             </Button>
           )}
         </FileButton>
-      </div>
+      </Group>
       {!connected && (
         <Text className="hint" mb={6}>
           {device ? (
@@ -130,7 +131,7 @@ export function SavedProfiles({ selected, onSelect }: Props) {
           ))}
         </ul>
       )}
-    </Section>
+    </Card>
   );
 }
 
@@ -138,7 +139,7 @@ function Entry({ profile, current, onSelect }: { profile: Saved; current: boolea
   return (
     <button
       type="button"
-      className={`${css.entry} box grid gap-2 text-13 left w-full`}
+      className={`${css.entry} plain lit box pad-s grid gap-2 text-13 w-full`}
       aria-current={current}
       onClick={onSelect}
     >

@@ -4,9 +4,9 @@ import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { api, type Schemas, unwrap } from "../../api/client";
 import { useModel } from "../../api/queries";
+import { Card } from "../../lib/Card";
 import { compact, fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { Section } from "../../lib/Section";
 import { saveText } from "./files";
 import { type Language, tokensOf } from "./highlight";
 import css from "./profiles.module.css";
@@ -22,7 +22,7 @@ export function ScriptPanel({ profile }: { profile: Saved }) {
   );
   const [language, setLanguage] = useState<Language | null>(null);
   return (
-    <Section title="Script" note="tried on an emulator before you get it">
+    <Card title="Script" note="tried on an emulator before you get it">
       <Tabs value={language} onChange={(value) => setLanguage(value as Language | null)} keepMounted={false}>
         <Tabs.List aria-label="Language">
           {languages.map((each) => (
@@ -43,7 +43,7 @@ export function ScriptPanel({ profile }: { profile: Saved }) {
           </Tabs.Panel>
         ))}
       </Tabs>
-    </Section>
+    </Card>
   );
 }
 
@@ -62,7 +62,7 @@ function OneScript({ profile, language }: { profile: Saved; language: Language }
   });
   if (script.isPending)
     return (
-      <div className={`${css.trying} row gap-8`} role="status">
+      <div className="row gap-8" role="status">
         <Loader size="xs" aria-hidden />
         <Text size="sm">
           The {NAMES[language]} script is being tried on an emulator of a {profile.model.toUpperCase()}; that takes some
@@ -124,6 +124,8 @@ const HOW: Readonly<Record<Schemas["ScriptCheck"]["how"], string>> = {
   read: "What it writes was read back out of it and sent: this machine lacks what it would run in.",
 };
 
+const TOKEN_LOOKS = { remark: "dim", word: "bold", text: "good", number: "accent" };
+
 function Program({ text, language }: { text: string; language: Language }) {
   let place = 0;
   return (
@@ -133,7 +135,7 @@ function Program({ text, language }: { text: string; language: Language }) {
       tabIndex={0}
       aria-label={`${NAMES[language]} script`}
     >
-      <pre>
+      <pre className="m-0 mono">
         <code>
           {tokensOf(text, language).map((token) => {
             const key = place;
@@ -141,7 +143,7 @@ function Program({ text, language }: { text: string; language: Language }) {
             return token.kind === "plain" ? (
               token.text
             ) : (
-              <span key={key} data-kind={token.kind}>
+              <span key={key} className={TOKEN_LOOKS[token.kind]}>
                 {token.text}
               </span>
             );

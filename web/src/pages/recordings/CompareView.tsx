@@ -5,10 +5,11 @@ import { keepPreviousData, useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { Link, useSearch } from "wouter";
 import { api, unwrap } from "../../api/client";
+import { Card } from "../../lib/Card";
 import { EmptyState } from "../../lib/EmptyState";
 import { compact, fixed } from "../../lib/format";
+import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { Page, Section } from "../../lib/Section";
 import { useScheme } from "../../lib/useScheme";
 import { Plot } from "../../plots/Plot";
 import type { PlotData } from "../../plots/series";
@@ -67,7 +68,7 @@ export function CompareView() {
     );
   return (
     <Page name="Comparison of recordings">
-      <Section
+      <Card
         title="Comparison"
         note={data && <Sides comparison={data} />}
         actions={
@@ -109,7 +110,7 @@ export function CompareView() {
           </Group>
         )}
         {data?.notes.map((note) => (
-          <p key={note} className={`${classes.caution} caution text-12`}>
+          <p key={note} className="my-4 caution text-12">
             {note}
           </p>
         ))}
@@ -122,11 +123,11 @@ export function CompareView() {
             onWindow={setWindow}
           />
         )}
-      </Section>
+      </Card>
       {data && (
         <div className="grid shrink gap-8">
           <Differences comparison={data} />
-          <Section title="Figures side by side" {...(settled ? { note: "of the part around what is shown" } : {})}>
+          <Card title="Figures side by side" {...(settled ? { note: "of the part around what is shown" } : {})}>
             <FiguresTable
               channels={channelsOf(data)}
               sides={data.recordings.map((side) => ({
@@ -136,7 +137,7 @@ export function CompareView() {
               }))}
               stale={query.isPlaceholderData}
             />
-          </Section>
+          </Card>
           <SpectrumSection recordings={data.recordings} channels={channelsOf(data)} window={window} />
         </div>
       )}
@@ -148,7 +149,7 @@ function Sides({ comparison }: { comparison: Comparison }) {
   const scheme = useScheme();
   const looks = comparison.recordings.map((_, index) => sideLook(index, scheme));
   return (
-    <span className={classes.sides}>
+    <span className="lines-12">
       {comparison.recordings.map((side, index) => (
         <span key={side.id} className="inline gap-6">
           <svg width={26} height={6} aria-hidden>
@@ -242,19 +243,19 @@ function Differences({ comparison }: { comparison: Comparison }) {
   );
   if (rows.length === 0) return null;
   return (
-    <Section
+    <Card
       title="Differences"
       note={`to ${names.get(comparison.recordings[0]?.id ?? "")}, at its times, along straight lines between samples`}
     >
       {/* biome-ignore lint/a11y/noNoninteractiveTabindex: on a phone it scrolls sideways, with the keys too */}
       <section className="scroll-x" tabIndex={0} aria-label="Differences by channel">
-        <table className={classes.table} data-testid="differences">
+        <table className="table text-13" data-testid="differences">
           <thead>
             <tr>
               <th>Channel</th>
               <th>Recording</th>
               {["Peak", "at", "Mean", "RMS", "Samples"].map((label) => (
-                <th key={label} className={classes.right}>
+                <th key={label} className="right">
                   {label}
                 </th>
               ))}
@@ -267,18 +268,16 @@ function Differences({ comparison }: { comparison: Comparison }) {
                   {channel && labelOf(channel, several)} <span className="dim">{unitText(channel?.unit ?? "")}</span>
                 </th>
                 <td className="dim">{names.get(recording)}</td>
-                <td className={`num ${classes.right}`}>{compact(figures.peak, 5)}</td>
-                <td className={`num ${classes.right}`}>
-                  {figures.peak_at_s === null ? "–" : `${fixed(figures.peak_at_s, 3)} s`}
-                </td>
-                <td className={`num ${classes.right}`}>{compact(figures.mean, 5)}</td>
-                <td className={`num ${classes.right}`}>{compact(figures.rms, 5)}</td>
-                <td className={`num ${classes.right}`}>{fixed(figures.samples)}</td>
+                <td className="num right">{compact(figures.peak, 5)}</td>
+                <td className="num right">{figures.peak_at_s === null ? "–" : `${fixed(figures.peak_at_s, 3)} s`}</td>
+                <td className="num right">{compact(figures.mean, 5)}</td>
+                <td className="num right">{compact(figures.rms, 5)}</td>
+                <td className="num right">{fixed(figures.samples)}</td>
               </tr>
             ))}
           </tbody>
         </table>
       </section>
-    </Section>
+    </Card>
   );
 }

@@ -1,9 +1,8 @@
 import { Text, TextInput } from "@mantine/core";
 import { useMemo, useState } from "react";
+import { Card } from "../../lib/Card";
 import { fixed } from "../../lib/format";
-import { Section } from "../../lib/Section";
 import type { RecordingDetail } from "./api";
-import classes from "./recordings.module.css";
 
 interface Register {
   name: string;
@@ -25,7 +24,7 @@ export function Configuration({ detail }: { detail: RecordingDetail }) {
   const words = text.trim().toLocaleLowerCase();
   const found = registers.filter(({ name }) => name.toLocaleLowerCase().includes(words));
   return (
-    <Section
+    <Card
       title="Configuration at the start"
       note={registers.length > 0 ? `${registers.length} registers` : undefined}
       actions={
@@ -47,8 +46,8 @@ export function Configuration({ detail }: { detail: RecordingDetail }) {
         </Text>
       ) : (
         // biome-ignore lint/a11y/noNoninteractiveTabindex: it scrolls, with the keys too
-        <section className={classes.registers} tabIndex={0} aria-label="Registers at the start">
-          <table className={classes.table}>
+        <section className="tall scroll" tabIndex={0} aria-label="Registers at the start">
+          <table className="table text-13">
             <tbody>
               {found.map(({ name, axis, value }) => (
                 <tr key={`${name}/${axis}`}>
@@ -56,13 +55,13 @@ export function Configuration({ detail }: { detail: RecordingDetail }) {
                     {name}
                     <span className="dim">{axis === null || axis === undefined ? "" : `.${axis}`}</span>
                   </th>
-                  <td className={`num ${classes.right}`}>{value === null ? "" : fixed(value)}</td>
+                  <td className="num right">{value === null ? "" : fixed(value)}</td>
                 </tr>
               ))}
             </tbody>
           </table>
         </section>
       )}
-    </Section>
+    </Card>
   );
 }

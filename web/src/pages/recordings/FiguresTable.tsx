@@ -2,7 +2,6 @@ import { compact, duration, fixed } from "../../lib/format";
 import { useScheme } from "../../lib/useScheme";
 import type { Figures } from "./api";
 import { type Channel, colorOfQuantity, labelOf, severalAxes, unitText } from "./channels";
-import classes from "./recordings.module.css";
 
 interface Side {
   id: string;
@@ -44,13 +43,13 @@ export function FiguresTable({ channels, sides, stale = false }: Props) {
   return (
     // biome-ignore lint/a11y/noNoninteractiveTabindex: on a phone it scrolls sideways, with the keys too
     <section className="scroll-x" tabIndex={0} aria-label="Figures by channel">
-      <table className={`${classes.table} ${stale ? "stale" : ""}`} data-testid="figures">
+      <table className={`table text-13 ${stale ? "stale" : ""}`} data-testid="figures">
         <thead>
           <tr>
             <th>Channel</th>
             {sides.length > 1 && <th>Recording</th>}
             {COLUMNS.map(({ label, title }) => (
-              <th key={label} className={classes.right} title={title || undefined}>
+              <th key={label} className="right" title={title || undefined}>
                 {label}
               </th>
             ))}
@@ -65,7 +64,7 @@ export function FiguresTable({ channels, sides, stale = false }: Props) {
                 {index === 0 && (
                   <th scope="row" rowSpan={having.length}>
                     <span
-                      className={classes.swatch}
+                      className="swatch swatch-before"
                       style={{ background: colorOfQuantity(channel.quantity, scheme) }}
                       aria-hidden
                     />
@@ -74,7 +73,7 @@ export function FiguresTable({ channels, sides, stale = false }: Props) {
                 )}
                 {sides.length > 1 && <td className="dim">{side.name}</td>}
                 {COLUMNS.map(({ label, of }) => (
-                  <td key={label} className={`num ${classes.right}`}>
+                  <td key={label} className="num right">
                     {of(side.figures[name] as Figures)}
                   </td>
                 ))}

@@ -3,10 +3,11 @@ import { useDebouncedValue, useDisclosure } from "@mantine/hooks";
 import { IconArrowsDiff, IconPlayerRecord, IconPlayerStop, IconSearch } from "@tabler/icons-react";
 import { useMemo, useState } from "react";
 import { Link, useLocation } from "wouter";
+import { Card } from "../../lib/Card";
 import { EmptyState } from "../../lib/EmptyState";
 import { sizeText } from "../../lib/format";
+import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { Page, Section } from "../../lib/Section";
 import { isRunning, PAGE, PAGE_MAX, type Recording, titleOf, useChanges, useRecordings } from "./api";
 import { RowMenu } from "./RowMenu";
 import classes from "./recordings.module.css";
@@ -54,7 +55,7 @@ export function ListView() {
   return (
     <Page name="Recordings">
       {problem && <ProblemAlert {...problem} onClose={() => setProblem(null)} />}
-      <Section
+      <Card
         title="Recordings"
         note={list.data && <DiskUse {...list.data} />}
         actions={
@@ -111,7 +112,7 @@ export function ListView() {
             )}
           </EmptyState>
         ) : (
-          <table className={classes.table} data-testid="recordings">
+          <table className="table text-13" data-testid="recordings">
             <thead>
               <tr>
                 <th className={classes.tick}>
@@ -120,11 +121,11 @@ export function ListView() {
                 {COLUMNS.map(({ key, label, wide, right }) => (
                   <th
                     key={key}
-                    className={`${wide ? classes.wide : ""} ${right ? classes.right : ""}`}
+                    className={`${wide ? classes.wide : ""} ${right ? "right" : ""}`}
                     aria-sort={sort.key === key ? (sort.down ? "descending" : "ascending") : "none"}
                   >
                     <UnstyledButton
-                      className={classes.sort ?? ""}
+                      className="plain nowrap"
                       onClick={() => setSort({ key, down: sort.key === key ? !sort.down : key !== "name" })}
                     >
                       {label}
@@ -175,7 +176,7 @@ export function ListView() {
             )}
           </Group>
         )}
-      </Section>
+      </Card>
       <Drawer opened={starting} onClose={close} position="right" title="New recording" size="sm">
         <StartForm
           onStarted={(id) => {
@@ -200,7 +201,7 @@ function Row({ recording, picked, onPick, onStop, attempt }: RowProps) {
   const title = titleOf(recording);
   const readable = recording.device !== null;
   return (
-    <tr data-running={isRunning(recording)} data-testid={recording.id}>
+    <tr className={isRunning(recording) ? classes.running : ""} data-testid={recording.id}>
       <td className={classes.tick}>
         <Checkbox
           size="xs"
@@ -228,9 +229,9 @@ function Row({ recording, picked, onPick, onStop, attempt }: RowProps) {
       <td className={classes.wide} title={recording.channels.map(({ name }) => name).join(", ")}>
         {recording.channels.length} <span className="dim">at {recording.rate_hz ?? "–"} Hz</span>
       </td>
-      <td className={`num ${classes.right}`}>{sizeText(recording.size_bytes)}</td>
+      <td className="num right">{sizeText(recording.size_bytes)}</td>
       <td className={classes.wide}>{stateText(recording)}</td>
-      <td className={classes.actions}>
+      <td className="right nowrap">
         {isRunning(recording) && (
           <Button
             size="compact-xs"
@@ -260,7 +261,7 @@ function DiskUse({
   const share = (100 * (size_bytes ?? 0)) / Math.max(1, disk_bytes);
   const low = room_bytes < Math.max(1e9, 0.02 * disk_bytes);
   return (
-    <span className={`${classes.disk} inline wrap gap-6`} data-low={low}>
+    <span className={`inline wrap gap-6 ${low ? "caution" : ""}`}>
       <span className="num">{size_bytes === null ? "–" : sizeText(size_bytes)}</span> kept,{" "}
       <span className="num">{sizeText(room_bytes)}</span> room
       <Progress value={share} size={5} w={64} aria-label="Share of the disk" />

@@ -1,7 +1,7 @@
 import { Checkbox, Text, UnstyledButton } from "@mantine/core";
 import { useState } from "react";
+import { Card } from "../../lib/Card";
 import { fixed } from "../../lib/format";
-import { Section } from "../../lib/Section";
 import { useScheme } from "../../lib/useScheme";
 import type { RecordingDetail } from "./api";
 import { colorOfMark } from "./flags";
@@ -19,7 +19,7 @@ export function MarkList({ detail, onGo }: { detail: RecordingDetail; onGo: (win
   const marks = detail.marks.filter(({ kind }) => !without.has(kind));
   const half = Math.max(0.05, detail.duration_s / 40);
   return (
-    <Section
+    <Card
       title="Marks"
       note={`${detail.marks.length}`}
       actions={Object.entries(WORDS)
@@ -44,15 +44,22 @@ export function MarkList({ detail, onGo }: { detail: RecordingDetail; onGo: (win
           Moves, stops, commands, register writes and your own notes stand here.
         </Text>
       ) : (
-        <ol className={`${classes.marks} tall list scroll`} data-testid="marks">
+        <ol className={`tall list scroll`} data-testid="marks">
           {marks.slice(0, SHOWN).map((mark, index) => {
             const at = mark.time_s - zero;
             return (
               // biome-ignore lint/suspicious/noArrayIndexKey: marks only come behind each other
               <li key={index}>
-                <UnstyledButton className={classes.mark ?? ""} onClick={() => onGo([at - half, at + half])}>
+                <UnstyledButton
+                  className={`${classes.mark} lit grid baseline gap-8 text-13 anywhere w-full`}
+                  onClick={() => onGo([at - half, at + half])}
+                >
                   <span className="num">{fixed(at, 3)} s</span>
-                  <span className={classes.flag} style={{ background: colorOfMark(mark, scheme) }} aria-hidden />
+                  <span
+                    className="swatch swatch-square"
+                    style={{ background: colorOfMark(mark, scheme) }}
+                    aria-hidden
+                  />
                   <span>
                     {mark.text}
                     <span className="dim">
@@ -72,6 +79,6 @@ export function MarkList({ detail, onGo }: { detail: RecordingDetail; onGo: (win
           and {marks.length - SHOWN} more
         </Text>
       )}
-    </Section>
+    </Card>
   );
 }

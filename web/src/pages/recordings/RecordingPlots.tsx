@@ -1,4 +1,4 @@
-import { Loader } from "@mantine/core";
+import { Center, Loader } from "@mantine/core";
 import { useCallback, useEffect, useMemo, useRef, useState } from "react";
 import { recordingCursor } from "../../lib/cursor";
 import { fixed } from "../../lib/format";
@@ -12,7 +12,6 @@ import { fetchPiece, isRunning, type RecordingDetail } from "./api";
 import { type Lane, lanesOf, unitText } from "./channels";
 import { flagsOf } from "./flags";
 import { Overview, type OverviewHandle } from "./Overview";
-import classes from "./recordings.module.css";
 import { type Piece, type Window, ZoomData } from "./ZoomData";
 
 const OVERVIEW_POINTS = 3000;
@@ -141,20 +140,20 @@ export function RecordingPlots({ detail, window, onWindow, hidden, onReady }: Pr
     return <ProblemAlert error={problem} doing="Reading the recording" retry={() => void data.load(OVERVIEW_POINTS)} />;
   if (loaded === null)
     return (
-      <div className={`${classes.loading} center dim text-13`}>
+      <Center mih={260}>
         <Loader aria-label="Reading the recording" />
-      </div>
+      </Center>
     );
   if (loaded.x.length === 0)
     return (
-      <div className={`${classes.loading} center dim text-13`} role="status">
+      <Center mih={260} className="dim text-13" role="status">
         {isRunning(detail) ? "No sample yet: it waits for its trigger." : "This recording has no samples."}
-      </div>
+      </Center>
     );
   return (
     <div className="grid shrink gap-4" data-testid="recording-plots" data-loaded={loaded.x.length}>
       <LiveText
-        className={`num ${classes.range}`}
+        className="num hint push"
         data-testid="range"
         read={() => {
           const [from, to] = at.current ?? limit;

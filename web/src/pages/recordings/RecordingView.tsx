@@ -1,12 +1,13 @@
-import { Button, Group, Loader, Progress, SegmentedControl, Text, TextInput, UnstyledButton } from "@mantine/core";
+import { Box, Button, Group, Loader, Progress, SegmentedControl, Text, TextInput, UnstyledButton } from "@mantine/core";
 import { useDebouncedValue } from "@mantine/hooks";
 import { IconArrowsDiff, IconFlag, IconPlayerStop, IconRepeat } from "@tabler/icons-react";
 import { useCallback, useState } from "react";
 import { Link, useLocation } from "wouter";
+import { Card } from "../../lib/Card";
 import { duration, fixed, sizeText } from "../../lib/format";
 import { later } from "../../lib/later";
+import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { Page, Section } from "../../lib/Section";
 import { useScheme } from "../../lib/useScheme";
 import { isRunning, type RecordingDetail, titleOf, useChanges, useFigures, useRecording } from "./api";
 import { Configuration } from "./Configuration";
@@ -61,7 +62,7 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
   return (
     <Page name={`Recording ${title}`}>
       {problem && <ProblemAlert {...problem} onClose={() => setProblem(null)} />}
-      <Section
+      <Card
         title={title}
         note={
           <span className="tabular">
@@ -79,13 +80,13 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
           </>
         }
       >
-        <fieldset className={`${classes.channels} row wrap shrink gap-6 mb-4 p-0`} aria-label="Channels shown">
+        <fieldset className={`bare row wrap gap-6 mb-4`} aria-label="Channels shown">
           {detail.channels.map((channel) => {
             const label = labelOf(channel, several);
             return (
               <UnstyledButton
                 key={channel.name}
-                className={classes.channel ?? ""}
+                className={`${classes.struck} tag inline gap-4`}
                 aria-pressed={!hidden.has(label)}
                 onClick={() => {
                   const next = new Set(hidden);
@@ -94,7 +95,7 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
                 }}
               >
                 <span
-                  className={classes.swatch}
+                  className="swatch"
                   style={{ background: colorOfQuantity(channel.quantity, scheme) }}
                   aria-hidden
                 />
@@ -117,9 +118,9 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
           hidden={hidden}
           onReady={() => setReady(true)}
         />
-      </Section>
+      </Card>
       <RecordingTwin recording={detail.id} />
-      <div className={`${classes.below} grid start gap-8`}>
+      <div className={`${classes.below} columns until-62`}>
         <div className="grid shrink gap-8">
           <FiguresSection detail={detail} window={window} ready={ready} />
           <SpectrumSection recordings={[detail]} channels={detail.channels} window={window} running={running} />
@@ -127,11 +128,11 @@ function Loaded({ detail }: { detail: RecordingDetail }) {
         <div className="grid shrink gap-8">
           <MarkList detail={detail} onGo={setWindow} />
           {detail.note && (
-            <Section title="Note">
+            <Card title="Note">
               <Text size="sm" className={classes.note}>
                 {detail.note}
               </Text>
-            </Section>
+            </Card>
           )}
           <Configuration detail={detail} />
         </div>
@@ -150,8 +151,9 @@ function RunningActions({ detail, attempt }: ActionProps) {
   const [text, setText] = useState("");
   return (
     <>
-      <form
-        className={classes.marking}
+      <Box
+        component="form"
+        w={190}
         onSubmit={(event) => {
           event.preventDefault();
           const words = text.trim();
@@ -169,7 +171,7 @@ function RunningActions({ detail, attempt }: ActionProps) {
           value={text}
           onChange={(event) => setText(event.currentTarget.value)}
         />
-      </form>
+      </Box>
       <Button
         size="xs"
         leftSection={<IconPlayerStop size={15} aria-hidden />}
@@ -205,9 +207,7 @@ function ReplayAction({ detail }: { detail: RecordingDetail }) {
       : null;
   return (
     <>
-      {replay?.state === "failed" && (
-        <span className={`${classes.caution} caution text-12`}>Not replayed: {replay.message}</span>
-      )}
+      {replay?.state === "failed" && <span className="caution text-12">Not replayed: {replay.message}</span>}
       {compared && (
         <Button
           size="xs"
@@ -230,11 +230,11 @@ function ReplayAction({ detail }: { detail: RecordingDetail }) {
         </Button>
       )}
       {replay?.state === "done" && replay.left_out.length > 0 && (
-        <details className={classes.leftOut}>
+        <details className="text-12">
           <summary>
             {replay.left_out.length} {replay.left_out.length === 1 ? "thing was" : "things were"} not replayed
           </summary>
-          <ul>
+          <ul className="my-4 indent">
             {replay.left_out.map((line) => (
               <li key={line}>{line}</li>
             ))}
@@ -250,7 +250,7 @@ function FiguresSection({ detail, window, ready }: { detail: RecordingDetail; wi
   const [settled] = useDebouncedValue(of === "shown" ? window : null, 250);
   const figures = useFigures(detail.id, settled, detail.rows ?? 0, ready);
   return (
-    <Section
+    <Card
       title="Figures"
       note={
         figures.data && (
@@ -280,6 +280,6 @@ function FiguresSection({ detail, window, ready }: { detail: RecordingDetail; wi
           stale={figures.isPlaceholderData}
         />
       )}
-    </Section>
+    </Card>
   );
 }

@@ -2,9 +2,9 @@ import { Button, Checkbox, Group, Loader, Select, Text } from "@mantine/core";
 import { useQueries } from "@tanstack/react-query";
 import { useMemo, useState } from "react";
 import { api, type Schemas, unwrap } from "../../api/client";
+import { Card } from "../../lib/Card";
 import { compact, frequency } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { Section } from "../../lib/Section";
 import { useScheme } from "../../lib/useScheme";
 import { Plot } from "../../plots/Plot";
 import type { Overlay, PlotSeries } from "../../plots/types";
@@ -93,7 +93,7 @@ export function SpectrumSection({ recordings, channels, window, running = false 
   const series: PlotSeries[] = [{ label: density ? "power density" : "amplitude", color, unit }];
   if (channel === undefined) return null;
   return (
-    <Section
+    <Card
       title="Spectrum"
       note={on && first && `${first.samples} samples, lines every ${frequency(first.line_hz)}`}
       actions={
@@ -180,7 +180,7 @@ export function SpectrumSection({ recordings, channels, window, running = false 
           What a channel swings at, in the part that the plots show.
         </Text>
       )}
-    </Section>
+    </Card>
   );
 }
 

@@ -75,10 +75,10 @@ export function BitStrip({ row, raw, staged, onPick }: Props) {
                       data-on={now === 1}
                       data-staged={staged !== null && old !== now}
                     >
-                      <i className={`${css.bitNumber} hint block mono`}>{bit}</i>
-                      <b className={`${css.bitValue} block text-13 regular mono tight`}>
+                      <span className={`${css.bitNumber} hint block mono`}>{bit}</span>
+                      <span className={`${css.bitValue} block text-13 mono tight`}>
                         {meaningful ? (now ?? "?") : "·"}
-                      </b>
+                      </span>
                     </span>
                   );
                 })}

@@ -16,7 +16,6 @@ import {
   type Wire,
   wireOf,
 } from "./frames";
-import css from "./registers.module.css";
 
 interface Entry {
   id: number;
@@ -129,7 +128,7 @@ export function ExchangeConsole({ device: { id: device, about, link }, connected
         <Text
           id="datagram-meaning"
           size="xs"
-          className={text.trim() !== "" && !frame.ok ? `shrink fault tight ${css.refused}` : css.meaning}
+          className={`room mt-4 ${text.trim() !== "" && !frame.ok ? "fault tight" : "dim"}`}
         >
           {request
             ? requestText(request, wire)
@@ -166,12 +165,12 @@ export function ExchangeConsole({ device: { id: device, about, link }, connected
           {connected ? "" : " The device is not connected."}
         </Text>
       ) : (
-        <ol className={`${css.history} list mt-8 text-12`} aria-label="Datagrams sent, newest first">
+        <ol className="list mt-8 text-12" aria-label="Datagrams sent, newest first">
           {entries.map((entry) => (
-            <li key={entry.id}>
+            <li key={entry.id} className="rule-top py-4">
               <button
                 type="button"
-                className={`${css.sent} plain lines-8 w-full`}
+                className="plain lit lines-8 w-full"
                 onClick={() => setText(entry.sent)}
                 title="Use it again"
               >
@@ -188,7 +187,7 @@ export function ExchangeConsole({ device: { id: device, about, link }, connected
                   <span className="num">← {entry.reply}</span>
                   {entry.lines.map(([name, line]) => (
                     <span key={name}>
-                      <i className={css.replyName}>{name}</i> {line}
+                      <span className="dim">{name}</span> {line}
                     </span>
                   ))}
                 </div>

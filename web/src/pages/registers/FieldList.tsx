@@ -27,7 +27,7 @@ export function FieldList(props: Props) {
   const conditions = [...new Set(ordered.map((field) => field.when ?? ""))].sort((a, b) => a.localeCompare(b));
   return conditions.map((condition) => (
     <div key={condition}>
-      {condition !== "" && <h3 className={`${css.condition} hint bold`}>If {condition}</h3>}
+      {condition !== "" && <h3 className="hint bold m-0 mt-8">If {condition}</h3>}
       <ul className="list">
         {ordered
           .filter((field) => (field.when ?? "") === condition)
@@ -37,12 +37,17 @@ export function FieldList(props: Props) {
             const scales = scalesOf(field);
             const shown = staged ?? chip;
             return (
-              <li key={field.name} className={css.field} data-staged={staged !== undefined} data-field={field.name}>
-                <span className={`num ${css.fieldBits} hint right`}>
+              <li
+                key={field.name}
+                className={`${css.field} staged`}
+                data-staged={staged !== undefined}
+                data-field={field.name}
+              >
+                <span className="num hint right">
                   {field.width === 1 ? field.lsb : `${field.lsb + field.width - 1}:${field.lsb}`}
                 </span>
-                <span className={`${css.fieldName} text-12 mono anywhere`}>{field.name}</span>
-                <span className={`${css.fieldControl} row gap-8`}>
+                <span className="text-12 mono anywhere">{field.name}</span>
+                <span className="row wrap gap-8">
                   <FieldControl
                     row={row}
                     field={field}
@@ -53,7 +58,7 @@ export function FieldList(props: Props) {
                     unstage={() => unstage(field.name)}
                   />
                 </span>
-                <span className={`${css.fieldMeaning} row hint wrap gap-8`}>
+                <span className="row hint wrap gap-8">
                   {shown !== null && (physicalText(shown, scales) || derived(field, shown, clockHz))}
                   {staged !== undefined && (
                     <span className="inline gap-4 accent">
@@ -71,7 +76,7 @@ export function FieldList(props: Props) {
                     </span>
                   )}
                 </span>
-                <span className={`${css.fieldHelp} hint tight`}>
+                <span className="hint tight">
                   {field.help}
                   {field.behaviour && ` (the emulator keeps it without acting on it: ${field.behaviour})`}
                 </span>

@@ -7,7 +7,6 @@ import { hex } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { type RegisterRow, summary } from "../../lib/rows/bits";
 import { timeOf } from "../../lib/time";
-import css from "./registers.module.css";
 
 /** Of a register that a read clears: one look, for somebody who has asked for it and was told what it costs. */
 export function ReadOnce({ device, row }: { device: Device | undefined; row: RegisterRow }) {
@@ -19,7 +18,7 @@ export function ReadOnce({ device, row }: { device: Device | undefined; row: Reg
     },
   });
   return (
-    <div className={`${css.readOnce} grid gap-4 mt-4`}>
+    <div className={`stack start gap-4 mt-4`}>
       <Button
         size="compact-xs"
         variant="default"

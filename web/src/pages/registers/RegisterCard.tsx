@@ -21,10 +21,10 @@ export const RegisterCard = memo(function RegisterCard(props: RowProps) {
   const value = raw === null ? null : row.signed ? toSigned(raw, row.width) : raw;
   const shown = edit?.value ?? value;
   return (
-    <li className={common.card} data-row={key} data-staged={edit !== null} data-fate={edit?.fate?.kind}>
+    <li className={`${common.card} box`} data-row={key} data-staged={edit !== null} data-fate={edit?.fate?.kind}>
       <button
         type="button"
-        className={common.cardHead}
+        className="plain stack gap-4 pad w-full"
         aria-expanded={expanded}
         aria-label={`${row.name}${axisName ? ` of ${axisName}` : ""}`}
         onClick={() => {
@@ -32,13 +32,15 @@ export const RegisterCard = memo(function RegisterCard(props: RowProps) {
           actions.toggle(key);
         }}
       >
-        <span className={common.cardTop}>
-          <RegisterName name={row.name} />
+        <span className="row gap-8 shrink">
+          <span className="grow">
+            <RegisterName name={row.name} />
+          </span>
           <NameTags row={row} />
           <span className="num dim">{hex(row.address, 8)}</span>
           <AccessMark access={row.access} />
         </span>
-        <span className={common.cardValue}>
+        <span className="row between gap-8 shrink">
           {packed ? <PackedText row={row} raw={raw} edit={edit} /> : <ValueText row={row} raw={raw} />}
           <RawText row={row} reading={reading} />
         </span>
@@ -53,7 +55,7 @@ export const RegisterCard = memo(function RegisterCard(props: RowProps) {
         )}
       </button>
       {expanded && (
-        <div className={common.cardBody}>
+        <div className="stack start gap-8 pad">
           {!packed && writable(row.access) && (
             <Group gap="xs">
               {editing ? (

@@ -26,14 +26,14 @@ export function RegisterHelp({ row, raw, beside, actions, heading = false }: Pro
   return (
     <div>
       {heading && (
-        <h2 className={common.helpTitle}>
+        <h2 className="m-0 mb-8 text-14">
           <RegisterName name={row.name} strong />
         </h2>
       )}
       <Text size="sm" mb={6}>
         {sentence(row.help)}
       </Text>
-      <dl className={`${common.facts} grid m-0 text-12`}>
+      <dl className={`${common.facts} facts grid m-0 text-12`}>
         <dt>Address</dt>
         <dd>
           <span className="num">{hex(row.address, 8)}</span>, {row.axis === null ? "whole chip" : `axis ${row.axis}`},{" "}

@@ -52,7 +52,7 @@ export const RegisterLine = memo(function RegisterLine(props: RowProps) {
         data-staged={edit !== null}
         data-fate={edit?.fate?.kind}
         data-access={row.access}
-        className={common.row}
+        className={`${common.row} lit`}
         tabIndex={selected ? 0 : -1}
         onFocus={() => actions.select(key)}
         onClick={() => actions.select(key)}
@@ -68,7 +68,7 @@ export const RegisterLine = memo(function RegisterLine(props: RowProps) {
             aria-expanded={expanded}
             onClick={() => actions.toggle(key)}
           >
-            <IconChevronRight size={14} className={common.chevron} data-open={expanded} />
+            <IconChevronRight size={14} className="chevron" data-open={expanded} />
           </ActionIcon>
         </td>
         <th scope="row" className={common.nameCell}>
@@ -157,7 +157,7 @@ type BitsProps = Pick<RowProps, "row" | "edit" | "scale" | "clockHz" | "actions"
 export function RegisterBits({ row, raw, edit, scale, clockHz, actions }: BitsProps) {
   const key = keyOf(row);
   return (
-    <div className={`${common.detail} stack gap-8`} data-detail={key}>
+    <div className="stack gap-8 w-full" data-detail={key}>
       <BitStrip
         row={row}
         raw={raw}

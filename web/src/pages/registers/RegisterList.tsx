@@ -98,7 +98,7 @@ export function RegisterList(props: Props) {
               onFold={onFold}
             />
             {!isFolded(group) && (
-              <ul className={common.cards}>
+              <ul className="list mb-8">
                 {group.rows.map((row) => (
                   <RegisterCard key={keyOf(row)} {...entry(row)} />
                 ))}
@@ -141,8 +141,8 @@ export function RegisterList(props: Props) {
       </thead>
       {groups.map((group) => (
         <tbody key={group.key}>
-          <tr className={common.groupRow}>
-            <th colSpan={8} scope="rowgroup">
+          <tr>
+            <th colSpan={8} scope="rowgroup" className="p-0">
               <GroupHead
                 group={group}
                 title={titleOf(group)}

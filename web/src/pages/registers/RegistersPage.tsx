@@ -142,5 +142,5 @@ export default function RegistersPage() {
 }
 
 function Shortcut({ keys }: { keys: string }) {
-  return <kbd className="px-4 box text-12 mono">{keys}</kbd>;
+  return <kbd className="tag mono">{keys}</kbd>;
 }

@@ -1,11 +1,10 @@
-import { Button, SegmentedControl, Switch } from "@mantine/core";
+import { Button, Group, SegmentedControl, Switch } from "@mantine/core";
 import { IconArrowBackUp, IconPlayerPlayFilled, IconPlayerTrackNext, IconPlayerTrackPrev } from "@tabler/icons-react";
 import { useState } from "react";
 import { exactText } from "../../lib/format";
 import { LiveText } from "../../live/LiveText";
 import { ExactField } from "./ExactField";
 import { grouped, type Ratio, toNumber } from "./exact";
-import classes from "./rotary.module.css";
 import type { Way } from "./turn";
 
 interface Props {
@@ -42,7 +41,7 @@ export function GoTo(props: Props) {
   const { going, disabled } = props;
   const [wrong, setWrong] = useState({ angle: false, turns: false });
   return (
-    <div className={classes.goto}>
+    <div className="grid gap-8">
       <ExactField
         label="Angle"
         unit="°"
@@ -54,7 +53,7 @@ export function GoTo(props: Props) {
         onWrong={(refused) => setWrong((old) => ({ ...old, angle: refused }))}
         data-testid="target-angle"
       />
-      <div className={classes.quick}>
+      <Group grow gap={4} wrap="nowrap">
         {QUICK.map((quick) => (
           <Button
             key={quick}
@@ -66,7 +65,7 @@ export function GoTo(props: Props) {
             {quick}°
           </Button>
         ))}
-      </div>
+      </Group>
       <SegmentedControl
         size="xs"
         fullWidth
@@ -76,7 +75,7 @@ export function GoTo(props: Props) {
         disabled={disabled}
         onChange={(value) => onWay(value as Way)}
       />
-      <dl className={`${classes.preview} my-4 grid gap-2 text-12`} data-testid="preview">
+      <dl className="facts my-4 grid gap-2 text-12 right" data-testid="preview">
         <div>
           <dt>will turn</dt>
           <dd>
@@ -86,13 +85,13 @@ export function GoTo(props: Props) {
         <div>
           <dt>way</dt>
           <dd>
-            <LiveText read={() => preview().steps} data-testid="preview-steps" /> <span>µsteps</span>
+            <LiveText read={() => preview().steps} data-testid="preview-steps" /> <span className="hint">µsteps</span>
           </dd>
         </div>
         <div>
           <dt>to</dt>
           <dd>
-            <LiveText read={() => preview().target} data-testid="preview-target" /> <span>µsteps</span>
+            <LiveText read={() => preview().target} data-testid="preview-target" /> <span className="hint">µsteps</span>
           </dd>
         </div>
       </dl>
@@ -127,7 +126,7 @@ export function GoTo(props: Props) {
         disabled={disabled}
         onChange={(event) => onAtOnce(event.currentTarget.checked)}
       />
-      <div className={`${classes.turnsRow} grid end gap-6 rule-top`}>
+      <div className="flex end gap-6 pt-8 rule-top">
         <ExactField
           label="Whole turns"
           value={grouped(turns)}

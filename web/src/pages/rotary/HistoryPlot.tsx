@@ -1,8 +1,8 @@
 import { Group, SegmentedControl, Select, Text } from "@mantine/core";
 import { useEffect, useRef, useState } from "react";
 import type { AxisAddress } from "../../api/motion";
+import { Card } from "../../lib/Card";
 import { colorOf } from "../../lib/palette";
-import { Section } from "../../lib/Section";
 import { useScheme } from "../../lib/useScheme";
 import { everyTick } from "../../live/LiveText";
 import type { TelemetrySource } from "../../live/TelemetrySource";
@@ -11,7 +11,6 @@ import { lowerBound } from "../../plots/series";
 import type { PlotHandle, PlotSeries } from "../../plots/types";
 import { grouped } from "./exact";
 import { type Extended, liveActual, liveEncoder } from "./extended";
-import classes from "./rotary.module.css";
 import { type Drawn, liveColumns, lookColumns } from "./traces";
 import { useHistory } from "./useExtended";
 
@@ -105,9 +104,8 @@ export function HistoryPlot({ at, source, seen, connected }: Props) {
     ...(hasEncoder ? [{ label: "encoder", color: colorOf("encoder_position", scheme), unit }] : []),
   ];
   return (
-    <Section
+    <Card
       title="History"
-      className={classes.history}
       note={note}
       actions={
         <Group gap={6}>
@@ -135,23 +133,21 @@ export function HistoryPlot({ at, source, seen, connected }: Props) {
       }
     >
       {seen?.turn ? (
-        <div className={classes.historyPlot}>
-          <Plot
-            label={`${what === "angle" ? "Angle" : "Turns"} over time`}
-            series={series}
-            legend
-            x={{ label: "before now", unit: span.unit }}
-            scales={{ y: what === "angle" ? ANGLE : TURNS }}
-            height="100%"
-            handle={handle}
-          />
-        </div>
+        <Plot
+          label={`${what === "angle" ? "Angle" : "Turns"} over time`}
+          series={series}
+          legend
+          x={{ label: "before now", unit: span.unit }}
+          scales={{ y: what === "angle" ? ANGLE : TURNS }}
+          height={186}
+          handle={handle}
+        />
       ) : (
         <Text className="hint" role="status">
           Once a turn is set, its angle is kept here while the server runs.
         </Text>
       )}
-    </Section>
+    </Card>
   );
 }
 

@@ -1,12 +1,11 @@
 import { Button, SegmentedControl, Select } from "@mantine/core";
 import { IconPlayerPlayFilled } from "@tabler/icons-react";
 import { useState } from "react";
+import { Card } from "../../lib/Card";
 import { compact } from "../../lib/format";
-import { Section } from "../../lib/Section";
 import { ExactField } from "./ExactField";
 import { abs, grouped, LEAST, MOST, type Ratio, ratio, rounded, times } from "./exact";
 import { longTime, pieceCount } from "./pieces";
-import classes from "./rotary.module.css";
 import { degreesOf, type Turn } from "./turn";
 
 interface Props {
@@ -46,8 +45,8 @@ export function LongMove({ actual, turn, pieceLength, pps, disabled, going, onGo
   const way = target === null || actual === null ? null : target - actual;
 
   return (
-    <Section title="Long move" note="any of 2^64 positions">
-      <div className={`${classes.formRow} grid start gap-6`}>
+    <Card title="Long move" note="any of 2^64 positions">
+      <div className="flex start gap-6">
         <ExactField
           label={relative === "to" ? "Go to" : "Go by"}
           value={text}
@@ -96,20 +95,21 @@ export function LongMove({ actual, turn, pieceLength, pps, disabled, going, onGo
         disabled={disabled}
         onChange={(next) => setRelative(next as "to" | "by")}
       />
-      <dl className={`${classes.preview} my-4 grid gap-2 text-12`} data-testid="long-preview">
+      <dl className="facts my-4 grid gap-2 text-12 right" data-testid="long-preview">
         <div>
           <dt>target</dt>
           <dd>
             <span className="num" data-testid="long-exact">
               {target === null ? "–" : grouped(target)}
             </span>{" "}
-            <span>µsteps</span>
+            <span className="hint">µsteps</span>
           </dd>
         </div>
         <div>
           <dt>way</dt>
           <dd>
-            <span className="num">{way === null || outside ? "–" : grouped(way)}</span> <span>µsteps</span>
+            <span className="num">{way === null || outside ? "–" : grouped(way)}</span>{" "}
+            <span className="hint">µsteps</span>
           </dd>
         </div>
         {turn !== null && (
@@ -142,6 +142,6 @@ export function LongMove({ actual, turn, pieceLength, pps, disabled, going, onGo
       >
         Go
       </Button>
-    </Section>
+    </Card>
   );
 }

@@ -1,7 +1,7 @@
-import { Button, Text, VisuallyHidden } from "@mantine/core";
+import { Button, Progress, Text, VisuallyHidden } from "@mantine/core";
 import { IconPlayerStop } from "@tabler/icons-react";
+import { Card } from "../../lib/Card";
 import { compact } from "../../lib/format";
-import { Section } from "../../lib/Section";
 import { grouped } from "./exact";
 import { longTime, type PiecesView, type Segment } from "./pieces";
 import classes from "./rotary.module.css";
@@ -38,7 +38,7 @@ export function PiecesBar({
 }: Props) {
   const pieces = (count: number) => `${compact(count)} ${count === 1 ? "piece" : "pieces"}`;
   return (
-    <Section
+    <Card
       title="Move in pieces"
       note={view && view.total > 0 ? `each up to ${grouped(length)} µsteps` : `a piece is ${grouped(length)} µsteps`}
       actions={
@@ -64,30 +64,23 @@ export function PiecesBar({
         </Text>
       ) : (
         <>
-          <div
-            className={classes.progress}
-            role="progressbar"
-            aria-label="The whole move"
-            aria-valuemin={0}
-            aria-valuemax={100}
-            aria-valuenow={Math.round(view.progress * 1000) / 10}
-          >
-            <span className={classes.progressDone} style={{ width: `${view.progress * 100}%` }} />
-          </div>
-          <ol className={`${classes.pieces} list flex gap-2`} aria-label="Pieces" data-testid="pieces">
-            {view.before > 0 && <li className={`${classes.beyond} hint nowrap`}>{pieces(view.before)} before</li>}
+          <Progress value={Math.round(view.progress * 1000) / 10} aria-label="The whole move" size={4} mb={6} />
+          <ol className="list row wrap gap-2" aria-label="Pieces" data-testid="pieces">
+            {view.before > 0 && <li className="hint nowrap px-4">{pieces(view.before)} before</li>}
             {view.segments.map((segment) => (
               <li key={segment.index} className={`${classes.piece} shrink relative hidden`} data-state={segment.state}>
                 <span className={classes.pieceFill} style={{ width: `${segment.share * 100}%` }} />
-                <span className={`${classes.pieceName} center text-12 mono relative`}>
+                <span
+                  className={`${classes.pieceName} center text-12 mono relative ${segment.state === "underway" ? "bold" : ""}`}
+                >
                   {segment.index + 1}
                   <VisuallyHidden> {STATES[segment.state]}</VisuallyHidden>
                 </span>
               </li>
             ))}
-            {view.after > 0 && <li className={`${classes.beyond} hint nowrap`}>{pieces(view.after)} more</li>}
+            {view.after > 0 && <li className="hint nowrap px-4">{pieces(view.after)} more</li>}
           </ol>
-          <dl className={`${classes.facts} lines-16 m-0 mt-8 text-12`}>
+          <dl className="facts lines-16 m-0 mt-8 text-12">
             <div>
               <dt>done</dt>
               <dd className="num" data-testid="pieces-done">
@@ -123,6 +116,6 @@ export function PiecesBar({
           </dl>
         </>
       )}
-    </Section>
+    </Card>
   );
 }

@@ -4,11 +4,12 @@ import { useMutation } from "@tanstack/react-query";
 import { useEffect, useRef, useState } from "react";
 import { motion } from "../../api/motion";
 import type { Device } from "../../api/queries";
+import { Card } from "../../lib/Card";
 import { fixed } from "../../lib/format";
+import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { colorOf } from "../../lib/palette";
 import { DeviceNotice } from "../../lib/rows/DeviceNotice";
-import { Page, Section } from "../../lib/Section";
 import { scaleOf } from "../../lib/units";
 import { useScheme } from "../../lib/useScheme";
 import { LiveText } from "../../live/LiveText";
@@ -191,8 +192,8 @@ export function RotaryAxis({ device, axis, extended, seen, connected }: Props) {
           {warning}
         </Text>
       ))}
-      <section
-        className={`${classes.readouts} pad lines-24 card start`}
+      <Card
+        className={`pad lines-24 start ${!connected || !answer.watching || !answer.trusted ? "dim" : ""}`}
         aria-label="Now"
         data-stale={!connected || !answer.watching || !answer.trusted}
       >
@@ -220,60 +221,57 @@ export function RotaryAxis({ device, axis, extended, seen, connected }: Props) {
           testId="counter"
         />
         <div className={classes.state}>
-          <span data-state={answer.watching ? answer.state : "off"} data-testid="state">
+          <span
+            className={`text-13 bold tight ${answer.watching ? (STATE_LOOKS[answer.state] ?? "") : ""}`}
+            data-testid="state"
+          >
             {STATES[answer.state]}
           </span>
           <Text size="xs" c="dimmed" lineClamp={2}>
             {answer.message}
           </Text>
         </div>
-      </section>
-      <div className={`${classes.page} grid start gap-8`}>
-        <Section
-          title="Dial"
-          className={classes.dialSection}
-          note={turn ? <DialLegend encoder={answer.encoder_position_text !== null} /> : undefined}
-        >
-          {turn === null && (
-            <Text className="hint" role="status">
-              {answer.watching
-                ? "This axis has no turn yet: say under Set up how many microsteps it is."
-                : "Nobody watches this axis yet. Say under Set up what a turn is, then watch it: from then on the server keeps its turns, beyond the counter and over restarts."}
-            </Text>
-          )}
-          <div className={`${classes.dialBox} grid gap-16 mid`}>
-            <Dial
-              now={now}
-              staged={staged === null ? null : toNumber(staged)}
-              way={wayNow}
-              sent={sent}
-              stale={!usable || turn === null}
-              disabled={!usable || turn === null}
-              onStage={(angle) => setStaged(fromNumber(angle))}
-              onDone={(key) => (key || atOnce) && go(latest.current.staged)}
-            />
-            <GoTo
-              angle={staged}
-              onAngle={setStaged}
-              way={way}
-              onWay={setWay}
-              preview={preview}
-              atOnce={atOnce}
-              onAtOnce={setAtOnce}
-              onGo={() => go(latest.current.staged)}
-              onPutBack={() => setStaged(null)}
-              turns={turns}
-              onTurns={setTurns}
-              onGoTurns={(sign) => void change("Turning by whole turns", { turns: Number(turns) * sign })}
-              going={going}
-              disabled={!usable || turn === null}
-            />
-          </div>
-        </Section>
-        <div className={`${classes.side} grid shrink gap-8`}>
-          {answer.watching ? [longMove, setup] : [setup, longMove]}
-        </div>
-        <div className={`${classes.wide} grid shrink gap-8`}>
+      </Card>
+      <div className="columns side-right until-75">
+        <div className="column">
+          <Card title="Dial" note={turn ? <DialLegend encoder={answer.encoder_position_text !== null} /> : undefined}>
+            {turn === null && (
+              <Text className="hint" role="status">
+                {answer.watching
+                  ? "This axis has no turn yet: say under Set up how many microsteps it is."
+                  : "Nobody watches this axis yet. Say under Set up what a turn is, then watch it: from then on the server keeps its turns, beyond the counter and over restarts."}
+              </Text>
+            )}
+            <div className={`${classes.dialBox} columns gap-16 mid`}>
+              <Dial
+                now={now}
+                staged={staged === null ? null : toNumber(staged)}
+                way={wayNow}
+                sent={sent}
+                stale={!usable || turn === null}
+                disabled={!usable || turn === null}
+                onStage={(angle) => setStaged(fromNumber(angle))}
+                onDone={(key) => (key || atOnce) && go(latest.current.staged)}
+              />
+              <GoTo
+                angle={staged}
+                onAngle={setStaged}
+                way={way}
+                onWay={setWay}
+                preview={preview}
+                atOnce={atOnce}
+                onAtOnce={setAtOnce}
+                onGo={() => go(latest.current.staged)}
+                onPutBack={() => setStaged(null)}
+                turns={turns}
+                onTurns={setTurns}
+                onGoTurns={(sign) => void change("Turning by whole turns", { turns: Number(turns) * sign })}
+                going={going}
+                disabled={!usable || turn === null}
+              />
+            </div>
+          </Card>
+
           <PiecesBar
             view={view}
             length={seen.pieceLength}
@@ -288,6 +286,7 @@ export function RotaryAxis({ device, axis, extended, seen, connected }: Props) {
           />
           <HistoryPlot at={at} source={source} seen={seen} connected={connected} />
         </div>
+        <div className="column controls">{answer.watching ? [longMove, setup] : [setup, longMove]}</div>
       </div>
     </Page>
   );
@@ -300,6 +299,8 @@ const STATES: Record<Extended["answer"]["state"], string> = {
   lost: "lost",
 };
 
+const STATE_LOOKS: Partial<Record<Extended["answer"]["state"], string>> = { moving: "accent", lost: "fault" };
+
 /** A position with all of its digits; a click copies them plain. */
 function Exact(props: { label: string; read: () => bigint | null; color: string; testId: string }) {
   const { label, read, color, testId } = props;
@@ -307,12 +308,12 @@ function Exact(props: { label: string; read: () => bigint | null; color: string;
   return (
     <div className={classes.exact}>
       <Text size="xs" c="dimmed" className="row gap-4 tight">
-        <span className={`${classes.swatch} swatch inline-block`} style={{ background: color }} />
+        <span className="swatch inline-block" style={{ background: color }} />
         {label} µsteps
         {clipboard.copied && <span className="good">copied</span>}
       </Text>
       <UnstyledButton
-        className={`${classes.exactValue} figure-20`}
+        className="figure-20 anywhere"
         aria-label={`Copy ${label.toLowerCase()}`}
         title="Copy all digits"
         onClick={() => {
@@ -335,16 +336,11 @@ function Exact(props: { label: string; read: () => bigint | null; color: string;
 function DialLegend({ encoder }: { encoder: boolean }) {
   const scheme = useScheme();
   return (
-    <span className={`${classes.legend} inline wrap gap-4`}>
-      <span className={`${classes.swatch} swatch inline-block`} style={{ background: colorOf("position", scheme) }} />{" "}
-      commanded
+    <span className="inline wrap gap-4">
+      <span className="swatch inline-block" style={{ background: colorOf("position", scheme) }} /> commanded
       {encoder && (
         <>
-          <span
-            className={`${classes.swatch} swatch inline-block`}
-            style={{ background: colorOf("encoder_position", scheme) }}
-          />{" "}
-          encoder
+          <span className="swatch inline-block" style={{ background: colorOf("encoder_position", scheme) }} /> encoder
         </>
       )}
     </span>

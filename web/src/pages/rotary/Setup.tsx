@@ -1,14 +1,13 @@
 import { Button, SegmentedControl, Text } from "@mantine/core";
 import { useState } from "react";
+import { Card } from "../../lib/Card";
 import { duration } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
-import { Section } from "../../lib/Section";
 import { ExactField, whole } from "./ExactField";
 import { grouped, LEAST, MOST, type Ratio, ratio, ratioText, ratioWire, wholeOf } from "./exact";
 import type { Change, Extended } from "./extended";
 import { GearDrawing } from "./GearDrawing";
 import { longTime } from "./pieces";
-import classes from "./rotary.module.css";
 import { geared } from "./turn";
 
 interface Props {
@@ -56,7 +55,7 @@ export function Setup({ seen, perMotorTurn, angle, disabled, busy, onChange, onF
   const zero = wholeOf(answer.rotary?.zero_text);
 
   return (
-    <Section
+    <Card
       title="Set up"
       note={answer.watching ? "watched" : "not watched"}
       actions={
@@ -181,7 +180,7 @@ export function Setup({ seen, perMotorTurn, angle, disabled, busy, onChange, onF
               Zero here
             </Button>
           </div>
-          <div className={`${classes.actualLine} grid start gap-6 mt-8`}>
+          <div className="flex end gap-6 mt-8">
             <ExactField
               label="It stands at"
               unit="µsteps"
@@ -207,7 +206,7 @@ export function Setup({ seen, perMotorTurn, angle, disabled, busy, onChange, onF
           </div>
         </>
       )}
-      <dl className={`${classes.limits} grid m-0 mt-8 text-12 tight rule-top`}>
+      <dl className="facts pairs m-0 mt-8 pt-8 text-12 tight rule-top">
         <dt>counter</dt>
         <dd>{bits === null ? "cannot be followed" : `${bits} bits, then it wraps`}</dd>
         {answer.service_period_s !== null && (
@@ -229,7 +228,7 @@ export function Setup({ seen, perMotorTurn, angle, disabled, busy, onChange, onF
           </>
         )}
       </dl>
-    </Section>
+    </Card>
   );
 }
 

@@ -1,8 +1,7 @@
-import { Button, Text } from "@mantine/core";
+import { Alert, Button, Text } from "@mantine/core";
 import { IconAlertTriangle } from "@tabler/icons-react";
 import { grouped } from "./exact";
 import type { Change, Extended } from "./extended";
-import classes from "./rotary.module.css";
 
 interface Props {
   seen: Extended;
@@ -18,17 +17,18 @@ export function Trust({ seen, disabled, busy, onChange }: Props) {
   // where the way out is a request of the REST side, the button and the field here are that
   const elsewhere = answer.way_out !== "" && !answer.way_out.includes("PUT");
   return (
-    <div role="alert" className={`${classes.trust} grid mid pad`} data-testid="untrusted">
-      <IconAlertTriangle size={20} aria-hidden className="caution" />
-      <div>
-        <Text size="sm" fw={600}>
-          Where the axis stands is not certain
-        </Text>
-        <Text size="sm">{sentence(answer.reason)}</Text>
-        <Text size="sm" c="dimmed">
-          {elsewhere ? sentence(answer.way_out) : "Confirm what is shown, or say under Set up where it stands."}
-        </Text>
-      </div>
+    <Alert
+      color="orange"
+      variant="light"
+      p="xs"
+      icon={<IconAlertTriangle size={20} aria-hidden />}
+      title="Where the axis stands is not certain"
+      data-testid="untrusted"
+    >
+      <Text size="sm">{sentence(answer.reason)}</Text>
+      <Text size="sm" c="dimmed">
+        {elsewhere ? sentence(answer.way_out) : "Confirm what is shown, or say under Set up where it stands."}
+      </Text>
       {actual !== null && (
         <Button
           size="xs"
@@ -41,7 +41,7 @@ export function Trust({ seen, disabled, busy, onChange }: Props) {
           It does stand at {grouped(actual)}
         </Button>
       )}
-    </div>
+    </Alert>
   );
 }
 

@@ -1,13 +1,12 @@
 import { Text } from "@mantine/core";
+import { Card } from "../../lib/Card";
 import { fixed } from "../../lib/format";
 import type { Settings } from "../../lib/rows/settings";
 import type { ChipRows } from "../../lib/rows/useChipRows";
-import { Section } from "../../lib/Section";
 import { placeOf } from "./chip";
 import type { CurrentScale } from "./load";
 import { AP } from "./names";
 import { ChoiceRow, DOWNS, FILTERS, MINIMA, NumberRow, UPS } from "./Rows";
-import classes from "./stallguard.module.css";
 import { lowerLoad, upperLoad } from "./thresholds";
 
 interface Props {
@@ -50,8 +49,8 @@ export function ChipThresholds({ chip, settings, current, disabled }: Props) {
   const clocks = placeOf(chip, AP.coolOn)?.counting === "tstep";
   const soft = chip.planned("SW_MODE", "en_softstop") === 1 && of(AP.stopOnStall) === 1;
   return (
-    <Section title="Thresholds" note="drag them in the plot, or type">
-      <h3 className={`${classes.group} hint bold`}>StallGuard</h3>
+    <Card title="Thresholds" note="drag them in the plot, or type">
+      <h3 className="hint bold m-0 mt-8">StallGuard</h3>
       <NumberRow
         {...row(AP.stallThreshold, "Sensitivity")}
         min={-64}
@@ -65,7 +64,7 @@ export function ChipThresholds({ chip, settings, current, disabled }: Props) {
         note={soft ? "not together with en_softstop" : ""}
       />
       {speed(AP.coolOn, "Works above", clocks ? "0: StallGuard and CoolStep never work" : "0: from standstill on")}
-      <h3 className={`${classes.group} hint bold`}>CoolStep</h3>
+      <h3 className="hint bold m-0 mt-8">CoolStep</h3>
       <NumberRow
         {...row(AP.coolStart, "Lower threshold")}
         min={0}
@@ -82,9 +81,7 @@ export function ChipThresholds({ chip, settings, current, disabled }: Props) {
       <ChoiceRow {...row(AP.coolMinimum, "Least current")} choices={MINIMA} />
       <ChoiceRow {...row(AP.coolUp, "Up by")} choices={UPS} />
       <ChoiceRow {...row(AP.coolDown, "Down by 1")} choices={DOWNS} />
-      <h3 className={`${classes.group} hint bold`}>
-        {has(AP.stealthGradient) ? "StealthChop and current" : "Current"}
-      </h3>
+      <h3 className="hint bold m-0 mt-8">{has(AP.stealthGradient) ? "StealthChop and current" : "Current"}</h3>
       {has(AP.stealthGradient) && <ChoiceRow {...row(AP.stealthGradient, "StealthChop")} choices={["off", "on"]} />}
       {of(AP.stealthGradient) === 1 && speed(AP.stealthBelow, "StealthChop below", "0: at every speed")}
       <NumberRow
@@ -106,6 +103,6 @@ export function ChipThresholds({ chip, settings, current, disabled }: Props) {
           CHOPCONF.toff is 0: the driver is off, and the motor has no current.
         </Text>
       )}
-    </Section>
+    </Card>
   );
 }

@@ -1,10 +1,11 @@
 import { type ReactNode, useMemo, useRef } from "react";
 import type { Device } from "../../api/queries";
+import { Card } from "../../lib/Card";
 import { fixed } from "../../lib/format";
+import { Page } from "../../lib/Page";
 import { colorOf, type Quantity } from "../../lib/palette";
 import { DeviceNotice } from "../../lib/rows/DeviceNotice";
 import type { Settings } from "../../lib/rows/settings";
-import { Page, Section } from "../../lib/Section";
 import { useScheme } from "../../lib/useScheme";
 import { useFrame } from "../../live/useFrame";
 import { useTelemetry } from "../../live/useTelemetry";
@@ -16,7 +17,6 @@ import { type CurrentScale, currentOf } from "./load";
 import { type Line, SpeedPlot } from "./SpeedPlot";
 import { SweepSection } from "./SweepSection";
 import { SpeedMap } from "./speedMap";
-import classes from "./stallguard.module.css";
 import { TimePlots } from "./TimePlots";
 import { type SpeedLimits, type Zone, zoneAt } from "./thresholds";
 
@@ -85,11 +85,7 @@ export function LoadView(props: Props) {
     <Page name="StallGuard">
       <DeviceNotice device={device} />
       {props.notice}
-      <section
-        className={`${classes.readouts} pad lines-16 card`}
-        aria-label="Now"
-        data-stale={!connected || link.phase !== "live"}
-      >
+      <Card className="pad lines-16 fades" aria-label="Now" data-stale={!connected || link.phase !== "live"}>
         <LiveNumber
           label="Load value"
           unit="of 1023"
@@ -127,9 +123,9 @@ export function LoadView(props: Props) {
         )}
         <LiveNumber label="Speed" unit="rpm" read={() => fixed((last("velocity") / microstepsPerTurn) * 60, 1)} />
         <LiveNumber label="Mode by speed" unit="" read={zone} />
-      </section>
-      <div className={`${classes.page} grid start gap-8`}>
-        <div className={`${classes.side} grid shrink gap-8`}>
+      </Card>
+      <div className="live columns side-left until-62">
+        <div className="column controls">
           <SweepSection
             run={run}
             microstepsPerTurn={microstepsPerTurn}
@@ -138,7 +134,7 @@ export function LoadView(props: Props) {
           />
           {props.thresholds}
         </div>
-        <div className={`${classes.views} grid shrink gap-8`}>
+        <div className="column">
           <SpeedPlot
             map={map}
             settings={settings}
@@ -156,9 +152,9 @@ export function LoadView(props: Props) {
             measured={measured}
             stops={stops.data ?? []}
           />
-          <Section title="What stopped the motor">
+          <Card title="What stopped the motor">
             <StopsList stops={stops} />
-          </Section>
+          </Card>
         </div>
       </div>
       {props.foot}

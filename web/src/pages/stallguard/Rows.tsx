@@ -47,7 +47,7 @@ export function NumberRow(props: NumberRowProps) {
         onChange={(value) => settings.stage(name, value)}
         data-testid={name}
       />
-      <span className={`${classes.rowNote} hint tight whole`}>{note}</span>
+      <span className="hint tight whole">{note}</span>
     </div>
   );
 }
@@ -78,7 +78,7 @@ export function ChoiceRow({
         onChange={(next) => next !== null && settings.stage(name, Number(next))}
         data-testid={name}
       />
-      <span className={`${classes.rowNote} hint tight whole`}>{note}</span>
+      <span className="hint tight whole">{note}</span>
     </div>
   );
 }

@@ -1,9 +1,9 @@
 import { Button, Text } from "@mantine/core";
 import { useRef } from "react";
+import { Card } from "../../lib/Card";
 import { fixed } from "../../lib/format";
 import { colorOf } from "../../lib/palette";
 import type { Settings } from "../../lib/rows/settings";
-import { Section } from "../../lib/Section";
 import { useScheme } from "../../lib/useScheme";
 import { LiveText } from "../../live/LiveText";
 import { useFrame } from "../../live/useFrame";
@@ -97,7 +97,7 @@ export function SpeedPlot({ map, settings, current, lines, now }: Props) {
     { label: "current, mean", color: colorOf("actual_current_scale", scheme), scale: "current", unit: current.symbol },
   ];
   return (
-    <Section
+    <Card
       title="Over speed"
       note={<LiveText className="num" read={() => `${fixed(map.load.total)} samples`} data-testid="speed-samples" />}
       actions={
@@ -146,6 +146,6 @@ export function SpeedPlot({ map, settings, current, lines, now }: Props) {
         The load value falls as the shaft is loaded; 0 is a stall. It means something only in SpreadCycle, and above
         some speed.
       </Text>
-    </Section>
+    </Card>
   );
 }

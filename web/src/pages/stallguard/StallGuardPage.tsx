@@ -1,11 +1,11 @@
 import { IconGauge } from "@tabler/icons-react";
 import { can, type Device } from "../../api/queries";
 import { NoDevice, Waiting } from "../../lib/NoDevice";
+import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { DeviceNotice } from "../../lib/rows/DeviceNotice";
 import { StagedDrawer } from "../../lib/rows/StagedDrawer";
 import { useChipRows } from "../../lib/rows/useChipRows";
-import { Page } from "../../lib/Section";
 import { useSelectedAxis } from "../../live/selection";
 import { useParameters } from "../module/useParameters";
 import { ChipThresholds } from "./ChipThresholds";

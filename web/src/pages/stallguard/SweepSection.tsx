@@ -1,13 +1,12 @@
 import { Button, Switch } from "@mantine/core";
 import { useSessionStorage } from "@mantine/hooks";
 import { IconPlayerStop, IconStairs } from "@tabler/icons-react";
+import { Card } from "../../lib/Card";
 import { duration } from "../../lib/format";
 import { NumberField } from "../../lib/NumberField";
-import { Section } from "../../lib/Section";
 import { durationOf, sweep, withRamps } from "../module/HeldRun";
 import { RunNote } from "../module/RunNote";
 import type { useHeldRun } from "../module/useHeldRun";
-import classes from "./stallguard.module.css";
 
 interface Props {
   run: ReturnType<typeof useHeldRun>;
@@ -30,8 +29,8 @@ export function SweepSection({ run, microstepsPerTurn, accelerationPps2, disable
   const pps = (rpm: number) => (rpm / 60) * microstepsPerTurn;
   const legs = withRamps(sweep(pps(from), pps(to), steps, forS, bothWays), accelerationPps2);
   return (
-    <Section title="Speed sweep" note={`takes ${duration(durationOf(legs))}`}>
-      <div className={`${classes.fields} halves mb-8`}>
+    <Card title="Speed sweep" note={`takes ${duration(durationOf(legs))}`}>
+      <div className="halves gap-8 mb-8">
         <NumberField
           label="From"
           unit="rpm"
@@ -109,6 +108,6 @@ export function SweepSection({ run, microstepsPerTurn, accelerationPps2, disable
             : "The shaft turns on and on in one direction: mind the ends of a stage. Escape stops everything."
         }
       />
-    </Section>
+    </Card>
   );
 }

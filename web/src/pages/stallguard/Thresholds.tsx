@@ -1,11 +1,10 @@
 import { Text } from "@mantine/core";
+import { Card } from "../../lib/Card";
 import { compact, fixed } from "../../lib/format";
-import { Section } from "../../lib/Section";
 import { StagedBar } from "../module/StagedBar";
 import type { Parameters } from "../module/useParameters";
 import { AP } from "./names";
 import { ChoiceRow, DOWNS, FILTERS, MINIMA, NumberRow, UPS } from "./Rows";
-import classes from "./stallguard.module.css";
 import { lowerLoad, runCurrentA, upperLoad } from "./thresholds";
 
 const SPEED_MAX = 7_999_774;
@@ -24,8 +23,8 @@ export function Thresholds({ parameters, disabled }: Props) {
   const current = { run: of(AP.runCurrent), scaler: of(AP.scaler) };
   const off = (name: string) => (of(name) === 0 ? "off" : "");
   return (
-    <Section title="Thresholds" note="drag them in the plot, or type">
-      <h3 className={`${classes.group} hint bold`}>StallGuard</h3>
+    <Card title="Thresholds" note="drag them in the plot, or type">
+      <h3 className="hint bold m-0 mt-8">StallGuard</h3>
       <NumberRow
         {...common}
         name={AP.stallThreshold}
@@ -47,7 +46,7 @@ export function Thresholds({ parameters, disabled }: Props) {
         step={1000}
         note={off(AP.stopOnStall) || "stops at load value 0"}
       />
-      <h3 className={`${classes.group} hint bold`}>CoolStep</h3>
+      <h3 className="hint bold m-0 mt-8">CoolStep</h3>
       <NumberRow
         {...common}
         name={AP.coolStart}
@@ -89,7 +88,7 @@ export function Thresholds({ parameters, disabled }: Props) {
       <ChoiceRow {...common} name={AP.coolMinimum} label="Least current" alias="AP 168" choices={MINIMA} />
       <ChoiceRow {...common} name={AP.coolUp} label="Up by" alias="AP 171" choices={UPS} />
       <ChoiceRow {...common} name={AP.coolDown} label="Down by 1" alias="AP 169" choices={DOWNS} />
-      <h3 className={`${classes.group} hint bold`}>StealthChop and current</h3>
+      <h3 className="hint bold m-0 mt-8">StealthChop and current</h3>
       <NumberRow
         {...common}
         name={AP.stealthBelow}
@@ -125,6 +124,6 @@ export function Thresholds({ parameters, disabled }: Props) {
         </Text>
       )}
       <StagedBar parameters={parameters} disabled={disabled} />
-    </Section>
+    </Card>
   );
 }

@@ -10,7 +10,6 @@ import { useRolling } from "../module/useRolling";
 import { type MotionEnd, REASONS, stopMarks } from "../module/useStops";
 import { type CurrentScale, topOf } from "./load";
 import { AP } from "./names";
-import classes from "./stallguard.module.css";
 import { LOAD_MAX, lowerLoad, upperLoad } from "./thresholds";
 
 const SPANS_S = [5, 10, 20, 60, 120] as const;
@@ -43,7 +42,7 @@ export function TimePlots({ source, link, name, axis, settings, current, measure
   const { step, run, symbol } = current;
   return (
     <RollingSection title="Over time" rolling={rolling} link={link} name={name} spansS={SPANS_S}>
-      <div className={classes.strip}>
+      <div className="strip">
         <Plot
           {...common}
           label="Load value over time"
@@ -54,7 +53,7 @@ export function TimePlots({ source, link, name, axis, settings, current, measure
           handle={rolling.plot("load", [{ channel: `load_value.${axis}`, divisor: 1 }])}
         />
       </div>
-      <div className={classes.strip}>
+      <div className="strip">
         <Plot
           {...common}
           label="Current over time"
@@ -84,7 +83,7 @@ export function TimePlots({ source, link, name, axis, settings, current, measure
           ])}
         />
       </div>
-      <div className={`${classes.strip} ${classes.last}`}>
+      <div className="strip strip-tall">
         <Plot
           {...common}
           label="Speed over time"

@@ -3,10 +3,10 @@ import { IconCube } from "@tabler/icons-react";
 import { useQueryClient } from "@tanstack/react-query";
 import { useEffect, useState } from "react";
 import { api, unwrap } from "../../api/client";
+import { Card } from "../../lib/Card";
 import { recordingCursor } from "../../lib/cursor";
 import { fixed } from "../../lib/format";
 import { ProblemAlert } from "../../lib/ProblemAlert";
-import { Section } from "../../lib/Section";
 import { useScheme } from "../../lib/useScheme";
 import { NoWebGl } from "./NoWebGl";
 import { Scrubber } from "./Scrubber";
@@ -20,7 +20,7 @@ import { hasWebGl } from "./webgl";
 export default function RecordingTwin({ recording }: { recording: string }) {
   const [open, setOpen] = useState(false);
   return (
-    <Section
+    <Card
       title="3D"
       note={open ? "at the cursor of the plot" : undefined}
       actions={
@@ -36,7 +36,7 @@ export default function RecordingTwin({ recording }: { recording: string }) {
       }
     >
       {open && <Scrubbed recording={recording} />}
-    </Section>
+    </Card>
   );
 }
 
@@ -80,7 +80,7 @@ function Scrubbed({ recording }: { recording: string }) {
       {!hasWebGl() && <NoWebGl />}
       {!ours && failed === null && <Loader size="sm" aria-label="Starting the 3D view" />}
       {ours && (
-        <div className={`${classes.scrubbed} grid start gap-12`}>
+        <div className={`${classes.scrubbed} columns until-62 gap-12`}>
           {hasWebGl() && <TwinFrame state={state} label="3D view of the recording, at the cursor of its plot" />}
           <div>
             <Text size="sm" className="num">

@@ -8,19 +8,19 @@ import type { TwinState } from "./useTwin";
 export function TwinNumbers({ state }: { state: TwinState }) {
   const scheme = useScheme();
   return (
-    <dl className={`${classes.numbers} grid gap-4 m-0`}>
+    <dl className={`${classes.numbers} stacked grid gap-4 m-0 text-13 tight`}>
       {numbersOf(state).map((row) => (
-        <div key={row.name} data-known={row.known}>
-          <dt>
+        <div key={row.name} className={row.known ? "" : "dim"}>
+          <dt className="row gap-6">
             <span
-              className={`${classes.swatch} swatch`}
+              className="swatch hue-grey"
               style={{ background: row.known && row.quantity ? colorOf(row.quantity, scheme) : undefined }}
               aria-hidden
             />
             {row.name}
           </dt>
-          <dd className="num">{row.value}</dd>
-          <dd className={classes.note}>{row.note}</dd>
+          <dd className="num right">{row.value}</dd>
+          <dd className={`${classes.note} whole hint`}>{row.note}</dd>
         </div>
       ))}
     </dl>

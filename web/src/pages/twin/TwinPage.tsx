@@ -2,12 +2,13 @@ import { Alert, Button, Group, Loader, Stack, Text } from "@mantine/core";
 import { IconCube, IconPlayerStop } from "@tabler/icons-react";
 import { useEffect, useRef } from "react";
 import type { Device } from "../../api/queries";
+import { Card } from "../../lib/Card";
 import { EmptyState } from "../../lib/EmptyState";
 import { fixed } from "../../lib/format";
 import { NoDevice, Waiting } from "../../lib/NoDevice";
+import { Page } from "../../lib/Page";
 import { ProblemAlert } from "../../lib/ProblemAlert";
 import { DeviceNotice } from "../../lib/rows/DeviceNotice";
-import { Page, Section } from "../../lib/Section";
 import { useScheme } from "../../lib/useScheme";
 import { useSelectedAxis } from "../../live/selection";
 import { NoWebGl } from "./NoWebGl";
@@ -65,9 +66,9 @@ function AxisTwin({ device, axis }: { device: Device; axis: Device["axes"][numbe
       )}
       {on && state.problem !== null && <ProblemAlert error={state.problem} doing={label} />}
       {on ? (
-        <div className={`${classes.layout} grid start gap-12`}>
+        <div className={`${classes.layout} columns until-62 gap-12`}>
           {hasWebGl() && <TwinFrame state={state} label={label} />}
-          <Section
+          <Card
             title={state.recording === null ? axis.name : `Recording ${state.recording}`}
             note={<Updates state={state} />}
             actions={
@@ -93,7 +94,7 @@ function AxisTwin({ device, axis }: { device: Device; axis: Device["axes"][numbe
                 scheme: it is always drawn as long as what was travelled.
               </Text>
             </div>
-          </Section>
+          </Card>
         </div>
       ) : twin.busy || state?.state === "starting" ? (
         <Stack align="center" py="xl" gap="xs" role="status">

@@ -29,13 +29,13 @@ const binary = (value: number) => value.toString(2).padStart(6, "0");
 export function BitDetail({ bit, chip, edit, onCustom }: Props) {
   if (!bit)
     return (
-      <div className={`${classes.detail} lines-12 hint between mt-8 rule-top`}>
+      <div className={`${classes.detail} lines-12 mid hint between mt-8 pt-8 rule-top`}>
         Point at a bit, or walk along the chain with the arrow keys.
       </div>
     );
   return (
-    <div className={`${classes.detail} lines-12 hint between mt-8 rule-top`}>
-      <dl className={`${classes.facts} lines-12 m-0`}>
+    <div className={`${classes.detail} lines-12 mid hint between mt-8 pt-8 rule-top`}>
+      <dl className={`${classes.facts} stacked lines-12 m-0 ink`}>
         <div>
           <dt>bit</dt>
           <dd className="num">{bit.position}</dd>
@@ -70,7 +70,7 @@ export function BitDetail({ bit, chip, edit, onCustom }: Props) {
         </div>
         <div className={classes.wide}>
           <dt>in the chip</dt>
-          <dd className={`num ${chip && chip.ram_data !== bit.ram_data ? classes.caution : ""}`}>
+          <dd className={`num ${chip && chip.ram_data !== bit.ram_data ? "caution" : ""}`}>
             {chip === undefined ? "–" : chip === null ? "no bit" : `${chip.signal} ${hex(chip.ram_data)}`}
           </dd>
         </div>

@@ -1,12 +1,13 @@
-import { Button, CopyButton, Select, Switch } from "@mantine/core";
+import { Badge, Button, CopyButton, Select, Switch } from "@mantine/core";
 import { useSessionStorage } from "@mantine/hooks";
 import { IconCopy, IconDownload, IconPlus, IconTrash, IconUpload } from "@tabler/icons-react";
 import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useMemo, useState } from "react";
 import { api, type Schemas, unwrap } from "../../../api/client";
 import { type Device, useDevices } from "../../../api/queries";
+import { Card } from "../../../lib/Card";
+import { Page } from "../../../lib/Page";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
-import { Page, Section } from "../../../lib/Section";
 import { useCalc } from "../../../lib/useCalc";
 import { useWork } from "../../../lib/useWork";
 import { useSelection } from "../../../live/selection";
@@ -139,7 +140,9 @@ function Editor({ device }: { device: Device | undefined }) {
     if (!driver) return null;
     return (
       <>
-        <span className={`${classes.motor} center text-12 bold`}>{motor + 1}</span>
+        <Badge circle variant="default">
+          {motor + 1}
+        </Badge>
         <Select
           aria-label={`Driver ${motor + 1}`}
           size="xs"
@@ -186,7 +189,7 @@ function Editor({ device }: { device: Device | undefined }) {
   return (
     <Page name="Driver chain">
       <div className="grid gap-8">
-        <Section
+        <Card
           title="Chain"
           note={
             <span className={stale ? "stale" : undefined}>
@@ -276,15 +279,17 @@ function Editor({ device }: { device: Device | undefined }) {
             }
             onCustom={bit && owner && owner.driver !== CUSTOM ? () => choose(bit.motor, CUSTOM) : null}
           />
-          <p className={`${classes.key} mid lines-4 hint m-0 mt-4`}>
-            <i data-group="a" /> coil A <i data-group="b" /> coil B <i data-group="constant" /> constant{" "}
-            <i data-group="motion" /> step, direction <i data-group="unused" /> unused code <i data-kind="different" />{" "}
-            differs from the chip
+          <p className="mid lines-12 hint m-0 mt-4">
+            {KEY.map(([text, looks]) => (
+              <span key={text} className="inline gap-4">
+                <i className={looks} /> {text}
+              </span>
+            ))}
           </p>
           <Findings findings={result?.findings ?? []} />
-        </Section>
+        </Card>
 
-        <Section
+        <Card
           title="In the chip"
           note={
             why ??
@@ -296,7 +301,7 @@ function Editor({ device }: { device: Device | undefined }) {
           }
           actions={
             sentMatches !== null && (
-              <span className={sentMatches ? "good text-12" : classes.caution} role="status">
+              <span className={sentMatches ? "good text-12" : "caution text-12"} role="status">
                 {sentMatches ? "sent and read back" : "reads back otherwise"}
               </span>
             )
@@ -316,7 +321,9 @@ function Editor({ device }: { device: Device | undefined }) {
                 bits={held.bits}
                 heading={(motor, bits) => (
                   <>
-                    <span className={`${classes.motor} center text-12 bold`}>{motor + 1}</span>
+                    <Badge circle variant="default">
+                      {motor + 1}
+                    </Badge>
                     <span className="num hint push">
                       {bits.at(-1)?.next_motor ? `${bits.length} bits` : "no NxM: never ends"}
                     </span>
@@ -332,9 +339,9 @@ function Editor({ device }: { device: Device | undefined }) {
           ) : (
             <div className="room" />
           )}
-        </Section>
+        </Card>
 
-        <div className={`${classes.two} halves start gap-8`}>
+        <div className="columns until-62">
           <Frequencies
             design={result}
             stale={stale}
@@ -345,7 +352,7 @@ function Editor({ device }: { device: Device | undefined }) {
             chipClk2Div={connected ? chipClk2Div : null}
             device={connected ? id : null}
           />
-          <Section
+          <Card
             title="Datagrams"
             note={result ? `${result.datagrams.length} writes to the RAM` : ""}
             actions={
@@ -371,19 +378,28 @@ function Editor({ device }: { device: Device | undefined }) {
                 </li>
               ))}
             </ol>
-          </Section>
+          </Card>
         </div>
       </div>
     </Page>
   );
 }
 
+const KEY = [
+  ["coil A", "swatch hue-blue"],
+  ["coil B", "swatch hue-orange"],
+  ["constant", "swatch hue-grey"],
+  ["step, direction", "swatch hue-green"],
+  ["unused code", "swatch hue-violet"],
+  ["differs from the chip", "dot dot-on"],
+] as const;
+
 function Findings({ findings }: { findings: readonly string[] }) {
   if (findings.length === 0) return null;
   return (
     <ul className="list mt-4">
       {findings.map((finding) => (
-        <li key={finding} className={classes.caution}>
+        <li key={finding} className="caution">
           {finding}
         </li>
       ))}

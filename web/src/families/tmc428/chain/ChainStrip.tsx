@@ -25,6 +25,9 @@ export function described(bit: Bit): string {
   return `bit ${bit.position}, ${name}${bit.signal}${end}, RAM ${hex(bit.ram_address)} holds ${hex(bit.ram_data)}`;
 }
 
+/** A hue of ui.css a kind of signal; what is constant has none. */
+const HUES: Record<string, string> = { a: "hue-blue", b: "hue-orange", motion: "hue-green", unused: "hue-violet" };
+
 /** The chain as its bits go out: a box a driver, a cell a bit. Arrow keys walk along. */
 export function ChainStrip(props: Props) {
   const { label, bits, heading, selected, onSelect, onHover, different, onMove, onDelete } = props;
@@ -63,7 +66,7 @@ export function ChainStrip(props: Props) {
         <Fragment key={motorBits[0]?.position}>
           {motor > 0 && <IconArrowRight className={classes.arrow} size={18} aria-hidden />}
           <div className={`${classes.box} box shrink`}>
-            <div className={`${classes.boxHead} lines-4 mb-4`}>{heading(motor, motorBits)}</div>
+            <div className="row wrap gap-4 mb-4">{heading(motor, motorBits)}</div>
             <div className={classes.cells}>
               {motorBits.map((bit, index) => (
                 <button
@@ -73,7 +76,7 @@ export function ChainStrip(props: Props) {
                     if (node) cells.current.set(bit.position, node);
                     else cells.current.delete(bit.position);
                   }}
-                  className={`${classes.cell} grid shrink gap-2 relative`}
+                  className={`${classes.cell} grid shrink gap-2 relative ${HUES[groupOf(bit.code)] ?? ""}`}
                   data-group={groupOf(bit.code)}
                   data-nxm={bit.next_motor || undefined}
                   data-different={different.has(bit.position) || undefined}
@@ -97,7 +100,7 @@ export function ChainStrip(props: Props) {
                     if (from >= 0) onMove?.(motor, from, index);
                   }}
                 >
-                  <span className={classes.place}>{bit.position}</span>
+                  <span className="hint right w-full">{bit.position}</span>
                   <span className="text-12 bold tight">{bit.bit_name || "·"}</span>
                   <span className={`${classes.signal} text-12 mono tight`}>{bit.signal}</span>
                   {bit.next_motor && <span className={`${classes.nxm} text-12 bold tight`}>NxM</span>}

@@ -1,10 +1,10 @@
 import { Button, Slider } from "@mantine/core";
 import { useQueryClient } from "@tanstack/react-query";
 import { api, type Schemas, unwrap } from "../../../api/client";
+import { Card } from "../../../lib/Card";
 import { frequency } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
-import { Section } from "../../../lib/Section";
 import { useWork } from "../../../lib/useWork";
 import classes from "./Chain.module.css";
 
@@ -42,7 +42,7 @@ export function Frequencies(props: Props) {
   ];
   const same = chipClk2Div === clk2Div;
   return (
-    <Section
+    <Card
       title="Frequencies"
       note={chipClk2Div === null ? "" : `the chip has clk2_div ${chipClk2Div}`}
       actions={
@@ -57,7 +57,7 @@ export function Frequencies(props: Props) {
         </Button>
       }
     >
-      <div className={`${classes.divider} grid gap-8 text-12`}>
+      <div className="control-line text-12">
         <span className="num">clk2_div</span>
         <Slider
           size={4}
@@ -78,12 +78,12 @@ export function Frequencies(props: Props) {
           onChange={onClk2Div}
         />
       </div>
-      <p className={clk2Div < 7 ? classes.caution : classes.hint}>
+      <p className={`my-4 ${clk2Div < 7 ? "caution" : "hint"}`}>
         {clk2Div < 7
           ? "Below 7 the clock gets no faster, only asymmetric; the chip acts as with 7."
           : "7 is the fastest, and enough for the TMC236 family."}
       </p>
-      <div className={`${classes.ramps} row wrap gap-8 text-12`}>
+      <div className="my-8 row wrap gap-8 text-12">
         <span>ramp_div of the axes</span>
         {rampDivs.map((value, index) => (
           <NumberField
@@ -99,16 +99,16 @@ export function Frequencies(props: Props) {
           />
         ))}
       </div>
-      <dl className={`${classes.rates} grid gap-8 m-0 mt-8 ${stale ? "stale" : ""}`} aria-busy={stale}>
+      <dl className={`${classes.rates} stacked grid gap-8 m-0 mt-8 ${stale ? "stale" : ""}`} aria-busy={stale}>
         {cells.map(([name, value, note]) => (
           <div key={name}>
             <dt>{name}</dt>
-            <dd className="num">{frequency(value)}</dd>
-            <dd className={classes.hint}>{note}</dd>
+            <dd className="num text-16 bold">{frequency(value)}</dd>
+            <dd className="hint">{note}</dd>
           </div>
         ))}
       </dl>
       {send.isError && <ProblemAlert error={send.error} doing="Setting clk2_div" onClose={send.reset} />}
-    </Section>
+    </Card>
   );
 }

@@ -5,10 +5,10 @@ import { useQuery, useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { api, type Schemas, unwrap } from "../../../api/client";
 import type { Device } from "../../../api/queries";
+import { Card } from "../../../lib/Card";
 import { duration, fixed, withUnit } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
-import { Section } from "../../../lib/Section";
 import { useWork } from "../../../lib/useWork";
 import classes from "./Chain.module.css";
 import { pulseLength, stepRateMax } from "./chain";
@@ -194,8 +194,8 @@ export function StepDir({ device }: { device: Device }) {
   const tooFast = !half && rate > most;
 
   return (
-    <div className={`${classes.stepDir} halves start gap-8`}>
-      <Section
+    <div className="columns until-62">
+      <Card
         title="Step and direction"
         note={
           connected
@@ -216,12 +216,12 @@ export function StepDir({ device }: { device: Device }) {
           </Button>
         }
       >
-        <p className={classes.prose}>
+        <p className="text-13 m-0 mb-8">
           The TMC4210 drives no chain of SPI drivers. It gives one driver a pulse on STEP for each microstep, and the
           way on DIR; coil currents, microsteps and decay are the driver's own matter. So there is no datagram to
           configure here, only how long a pulse is and which level means what.
         </p>
-        <div className={`${classes.divider} grid gap-8 text-12`}>
+        <div className="control-line text-12">
           <span className="num">STPDIV</span>
           <Slider
             size={4}
@@ -242,7 +242,7 @@ export function StepDir({ device }: { device: Device }) {
             onChange={(value) => set("STPDIV_4210", value)}
           />
         </div>
-        <div className={`${classes.switches} lines-16 mt-12 text-12`}>
+        <div className="lines-16 mid my-8 text-12">
           {SWITCHES.map(([field, label]) => (
             <Switch
               key={field}
@@ -254,36 +254,36 @@ export function StepDir({ device }: { device: Device }) {
           ))}
         </div>
         {settings.en_sd === 0 && (
-          <p className={classes.caution}>en_sd is off: no pulse leaves the chip. Switch the interface on to move.</p>
+          <p className="caution my-4">en_sd is off: no pulse leaves the chip. Switch the interface on to move.</p>
         )}
         {readings.isError && (
           <ProblemAlert error={readings.error} doing="Reading the chip" retry={() => void readings.refetch()} />
         )}
         {send.isError && <ProblemAlert error={send.error} doing="Sending the settings" onClose={send.reset} />}
         {send.data?.failed && <ProblemAlert error={send.data.failed} doing="Sending the settings" />}
-      </Section>
-      <Section title="Pulse timing" note={`16 · (1 + STPDIV) clocks at ${fixed(device.clock_hz / 1e6, 1)} MHz`}>
+      </Card>
+      <Card title="Pulse timing" note={`16 · (1 + STPDIV) clocks at ${fixed(device.clock_hz / 1e6, 1)} MHz`}>
         <Timing settings={settings} clockHz={device.clock_hz} rate={rate} />
-        <dl className={`${classes.rates} grid gap-8 m-0 mt-8`}>
+        <dl className={`${classes.rates} stacked grid gap-8 m-0 mt-8`}>
           <div>
             <dt>pulse</dt>
-            <dd className="num">{half ? "none: an edge" : duration(pulse)}</dd>
+            <dd className="num text-16 bold">{half ? "none: an edge" : duration(pulse)}</dd>
           </div>
           <div>
             <dt>steps, at most</dt>
-            <dd className="num">{withUnit(half ? device.clock_hz / 32 : most, "pps")}</dd>
+            <dd className="num text-16 bold">{withUnit(half ? device.clock_hz / 32 : most, "pps")}</dd>
           </div>
           <div>
             <dt>highest velocity set</dt>
-            <dd className="num">{held ? withUnit(rate, "pps") : "–"}</dd>
+            <dd className="num text-16 bold">{held ? withUnit(rate, "pps") : "–"}</dd>
           </div>
         </dl>
-        <p className={tooFast ? classes.caution : classes.hint}>
+        <p className={`my-4 ${tooFast ? "caution" : "hint"}`}>
           {tooFast
             ? "At the highest velocity a pulse and a pause of its length do not fit: choose a smaller STPDIV, or each edge as a step."
             : "A pulse and a pause of its length fit at the highest velocity. The driver's sheet says how long it needs them."}
         </p>
-      </Section>
+      </Card>
     </div>
   );
 }

@@ -163,12 +163,17 @@ export function CandidateChart({ model, candidates, chosen, recommended, onChoos
                 height={over}
               />
               {pitch >= 22 && row.overshoot_steps !== null && row.overshoot_steps > 0 && (
-                <text className={classes.barValue} x={x(index)} y={overTop + LANE - 5 - over} textAnchor="middle">
+                <text
+                  className={`${classes.barValue} tick`}
+                  x={x(index)}
+                  y={overTop + LANE - 5 - over}
+                  textAnchor="middle"
+                >
                   {row.overshoot_steps}
                 </text>
               )}
               {row.overshoot_steps === null && (
-                <text className={classes.barValue} x={x(index)} y={overTop + 6} textAnchor="middle">
+                <text className={`${classes.barValue} tick`} x={x(index)} y={overTop + 6} textAnchor="middle">
                   ∞
                 </text>
               )}

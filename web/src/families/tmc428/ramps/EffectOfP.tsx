@@ -1,8 +1,9 @@
+import { Center } from "@mantine/core";
 import { useEffect, useMemo, useRef } from "react";
 import { problemOf } from "../../../api/client";
+import { Card } from "../../../lib/Card";
 import { compact, duration, fixed } from "../../../lib/format";
 import { colorOf } from "../../../lib/palette";
-import { Section } from "../../../lib/Section";
 import type { AxisScale } from "../../../lib/units";
 import { fromSteps } from "../../../lib/units";
 import type { Calculation } from "../../../lib/useCalc";
@@ -111,8 +112,8 @@ export function EffectOfP({ variants, noPair, distance, scale, unit }: Props) {
   }, [drawn]);
 
   return (
-    <Section title="What p does at the target" note="the last stretch of a move, exact">
-      <ul className={`${classes.variants} grid gap-2 p-0 text-12`}>
+    <Card title="What p does at the target" note="the last stretch of a move, exact">
+      <ul className={`${classes.variants} list grid gap-2 mb-8 text-12`}>
         {variants.map((variant) => {
           const { result, error } = variant.calculation;
           return (
@@ -129,7 +130,7 @@ export function EffectOfP({ variants, noPair, distance, scale, unit }: Props) {
                 />
               </svg>
               <span>{variant.label}</span>
-              <span className="num hint">
+              <span className="num hint breaks">
                 {variant.pair === null
                   ? noPair || variants[0]?.pair
                     ? "no pair represents it"
@@ -145,7 +146,7 @@ export function EffectOfP({ variants, noPair, distance, scale, unit }: Props) {
         })}
       </ul>
       {drawn ? (
-        <div className={`${classes.effect} halves gap-8 ${stale ? "stale" : ""}`} aria-busy={stale}>
+        <div className={`columns ${stale ? "stale" : ""}`} aria-busy={stale}>
           <Plot
             handle={braking}
             label="Velocity while braking"
@@ -172,11 +173,11 @@ export function EffectOfP({ variants, noPair, distance, scale, unit }: Props) {
           />
         </div>
       ) : (
-        <div className={`${classes.plotNote} row gap-6 dim text-13 centered`} style={{ height: 200 }}>
+        <Center h={200} className="dim text-13">
           {variants[0]?.pair === null ? "A pair is needed first." : ""}
-        </div>
+        </Center>
       )}
-    </Section>
+    </Card>
   );
 }
 

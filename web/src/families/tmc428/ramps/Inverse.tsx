@@ -2,10 +2,10 @@ import { Button, Select } from "@mantine/core";
 import { useSessionStorage } from "@mantine/hooks";
 import { IconArrowRight } from "@tabler/icons-react";
 import { api, type Schemas, unwrap } from "../../../api/client";
+import { Card } from "../../../lib/Card";
 import { fixed, withUnit } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
-import { Section } from "../../../lib/Section";
 import { type AxisScale, fromSteps, symbolOf, unitsFor } from "../../../lib/units";
 import { useCalc } from "../../../lib/useCalc";
 import { labelOf, type Model, type Pair, type RampDesign } from "./design";
@@ -129,7 +129,7 @@ export function Inverse({ model, scale, design, mechanics, reduction, onUse }: P
   const shift = suggested === null ? null : microstepShift(design.usrs, suggested.usrs);
 
   return (
-    <Section title="From wanted motion" note="registers that come nearest">
+    <Card title="From wanted motion" note="registers that come nearest">
       <div className="halves gap-8">
         <Field
           label="Speed"
@@ -151,11 +151,11 @@ export function Inverse({ model, scale, design, mechanics, reduction, onUse }: P
       {error !== null && <ProblemAlert error={error} doing="Looking for registers" retry={retry} />}
       {result && suggested && (
         <div className={stale ? "stale" : undefined} aria-busy={stale}>
-          <dl className={`${classes.cells} lines-12`}>
+          <dl className="stacked lines-12 my-8">
             {cells.map(([label, value]) => (
               <div key={label}>
-                <dt>{label}</dt>
-                <dd className="num">{value}</dd>
+                <dt className="mono">{label}</dt>
+                <dd className="num text-13">{value}</dd>
               </div>
             ))}
           </dl>
@@ -200,6 +200,6 @@ export function Inverse({ model, scale, design, mechanics, reduction, onUse }: P
           ))}
         </div>
       )}
-    </Section>
+    </Card>
   );
 }

@@ -1,9 +1,9 @@
-import { Button, Slider } from "@mantine/core";
+import { Button, Center, Slider } from "@mantine/core";
 import type { Schemas } from "../../../api/client";
+import { Card } from "../../../lib/Card";
 import { compact, duration, fixed } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
-import { Section } from "../../../lib/Section";
 import type { Calculation } from "../../../lib/useCalc";
 import { CandidateChart } from "./CandidateChart";
 import { idealP, labelOf, type Model, type Pair, pOf, type RampDesign } from "./design";
@@ -39,7 +39,7 @@ export function PairSection(props: Props) {
   const quality = pair && ideal > 0 ? pOf(pair) / ideal : null;
 
   return (
-    <Section
+    <Card
       title="Braking factor p"
       note={
         <span>
@@ -53,7 +53,7 @@ export function PairSection(props: Props) {
         </Button>
       }
     >
-      <div className={`${classes.reduction} grid gap-8 mb-4`}>
+      <div className="control-line mb-4">
         <span className="text-12 mono">reduction</span>
         <Slider
           size={4}
@@ -114,26 +114,26 @@ export function PairSection(props: Props) {
             onChoose={onPair}
           />
         ) : (
-          <div className={`${classes.noPair} center dim text-13 centered`}>
+          <Center mih={214} className="dim text-13 centered">
             {none
               ? "Without a pair the chip cannot brake to the target. Change a_max, or bring ramp_div and pulse_div closer together."
               : ""}
-          </div>
+          </Center>
         )}
-        <p className={`hint m-0 ${classes.keys} lines-12 hint`} aria-hidden>
-          <span>
+        <p className="lines-12 hint m-0" aria-hidden>
+          <span className="inline gap-4">
             <svg width="10" height="10" aria-hidden="true">
               <circle className="fill-accent" cx="5" cy="5" r="4" />
             </svg>
             no overshoot
           </span>
-          <span>
+          <span className="inline gap-4">
             <svg width="10" height="10" aria-hidden="true">
               <circle className={classes.pairOver} cx="5" cy="5" r="3.5" />
             </svg>
             overshoots
           </span>
-          <span>
+          <span className="inline gap-4">
             <svg width="14" height="14" aria-hidden="true">
               <circle className="fill-accent" cx="7" cy="7" r="3.5" />
               <circle className="fill-none stroke-text stroke-1" cx="7" cy="7" r="6" />
@@ -152,6 +152,6 @@ export function PairSection(props: Props) {
           ))}
         </ul>
       </div>
-    </Section>
+    </Card>
   );
 }

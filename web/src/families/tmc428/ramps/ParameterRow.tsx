@@ -79,7 +79,7 @@ export function ParameterRow(props: Props) {
           onChange={physical.onChange}
         />
       ) : (
-        <span className={`num ${classes.meaning} hint hidden`}>{meaning}</span>
+        <span className={`num hint clip`}>{meaning}</span>
       )}
       {below !== undefined && <div className={`${classes.below} rest lines-12 text-12`}>{below}</div>}
     </div>

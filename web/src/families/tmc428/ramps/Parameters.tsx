@@ -1,11 +1,10 @@
 import { Button, Group, Select } from "@mantine/core";
 import { IconDownload } from "@tabler/icons-react";
+import { Card } from "../../../lib/Card";
 import { compact, withUnit } from "../../../lib/format";
-import { Section } from "../../../lib/Section";
 import { type AxisScale, fromSteps, symbolOf, toSteps, unitsFor } from "../../../lib/units";
 import { labelOf, type Model, type RampDesign } from "./design";
 import { ParameterRow } from "./ParameterRow";
-import classes from "./Ramps.module.css";
 
 interface Props {
   model: Model;
@@ -68,7 +67,7 @@ export function Parameters(props: Props) {
     const wanted = motion === "velocity" ? ["pps", "rpm", "mm_per_s"] : ["pps2", "rad_per_s2", "mm_per_s2"];
     const all = motion === "velocity" ? velocityUnits : accelerationUnits;
     return (
-      <span className={`${classes.others} wrap gap-8 dim`}>
+      <span className="inline wrap gap-8 dim">
         {wanted
           .filter((unit) => all.includes(unit))
           .map((unit) => (
@@ -93,7 +92,7 @@ export function Parameters(props: Props) {
   const limited = limits !== null && (limits.lower > 1 || limits.upper < MAX);
 
   return (
-    <Section
+    <Card
       title="Registers"
       note={<span>clock {compact(scale.clockHz / 1e6)} MHz</span>}
       actions={
@@ -195,6 +194,6 @@ export function Parameters(props: Props) {
           </p>
         )}
       </div>
-    </Section>
+    </Card>
   );
 }

@@ -1,11 +1,11 @@
-import { SegmentedControl } from "@mantine/core";
+import { Center, SegmentedControl } from "@mantine/core";
 import { useMemo, useRef, useState } from "react";
 import type { Schemas } from "../../../api/client";
+import { Card } from "../../../lib/Card";
 import { compact, duration, withUnit } from "../../../lib/format";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { colorOf } from "../../../lib/palette";
 import { QuantityField } from "../../../lib/QuantityField";
-import { Section } from "../../../lib/Section";
 import { type AxisScale, fromSteps } from "../../../lib/units";
 import type { Calculation } from "../../../lib/useCalc";
 import { useScheme } from "../../../lib/useScheme";
@@ -97,7 +97,7 @@ export function RampPlots(props: Props) {
   const shown = impossible === null && result && columns;
 
   return (
-    <Section
+    <Card
       title="Ramp"
       note={
         <span className={stale ? "stale" : undefined}>
@@ -144,10 +144,10 @@ export function RampPlots(props: Props) {
       }
     >
       {impossible !== null ? (
-        <div className={`${classes.plotNote} row gap-6 dim text-13 centered`} style={{ height: 420 }}>
+        <Center h={420} className="stack gap-6 dim text-13 centered">
           <strong className="m-0 caution text-12">No ramp to show</strong>
           <span>{impossible}</span>
-        </div>
+        </Center>
       ) : (
         <div style={{ minHeight: 420 }}>
           {error !== null && <ProblemAlert error={error} doing="Calculating the ramp" retry={retry} />}
@@ -181,10 +181,10 @@ export function RampPlots(props: Props) {
                 height={148}
                 last
               />
-              <ol className={`${classes.phases} lines-12 hint m-0 mt-4`} aria-label="Phases">
+              <ol className="list under-plot lines-12 hint mt-4" aria-label="Phases">
                 {result.phases.map((phase) => (
                   <li key={`${phase.name}${phase.start_s}`}>
-                    {phase.name} <span className="num">{duration(phase.end_s - phase.start_s)}</span>
+                    {phase.name} <span className="num ink">{duration(phase.end_s - phase.start_s)}</span>
                   </li>
                 ))}
               </ol>
@@ -196,11 +196,13 @@ export function RampPlots(props: Props) {
             </div>
           ) : (
             error === null && (
-              <div className={`${classes.plotNote} row gap-6 dim text-13 centered`}>calculating the ramp</div>
+              <Center mih={160} className="dim text-13">
+                calculating the ramp
+              </Center>
             )
           )}
         </div>
       )}
-    </Section>
+    </Card>
   );
 }

@@ -2,9 +2,9 @@ import { useSessionStorage } from "@mantine/hooks";
 import { useEffect, useMemo, useState } from "react";
 import { api, type Schemas, unwrap } from "../../../api/client";
 import { type Device, useDevices } from "../../../api/queries";
+import { Page } from "../../../lib/Page";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { useAxisRegisters } from "../../../lib/ramp/useAxisRegisters";
-import { Page } from "../../../lib/Section";
 import { type AxisScale, scaleOf } from "../../../lib/units";
 import { useCalc } from "../../../lib/useCalc";
 import { useSelection } from "../../../live/selection";
@@ -27,7 +27,6 @@ import { Inverse } from "./Inverse";
 import { PairSection } from "./PairSection";
 import { Parameters } from "./Parameters";
 import { RampPlots } from "./RampPlots";
-import classes from "./Ramps.module.css";
 import { SendSection } from "./SendSection";
 
 interface Sketch {
@@ -178,7 +177,7 @@ function Designer({ device, axis }: Props) {
       {readings.isError && connected && (
         <ProblemAlert error={readings.error} doing={`Reading ${device?.name}`} retry={() => void readings.refetch()} />
       )}
-      <div className={classes.page}>
+      <div className="columns design until-75">
         <div className="column">
           <Parameters
             model={model}

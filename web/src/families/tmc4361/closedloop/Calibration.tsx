@@ -1,15 +1,14 @@
-import { Button, Checkbox, Group, Progress, Text } from "@mantine/core";
+import { Alert, Button, Checkbox, Group, Progress, Text } from "@mantine/core";
 import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import { api, unwrap } from "../../../api/client";
 import type { AxisAddress } from "../../../api/motion";
+import { Card } from "../../../lib/Card";
 import { fixed } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
-import { Section } from "../../../lib/Section";
 import { useWork } from "../../../lib/useWork";
 import { degrees } from "./angle";
-import classes from "./closedloop.module.css";
 import type { Calibrating, CalibrationState } from "./useProcedures";
 
 interface Props {
@@ -32,8 +31,8 @@ export function Calibration({ at, calibration, disabled, why, fullStepsPerRev }:
   const { state, running } = calibration;
   const done = state?.state === "done";
   return (
-    <Section title="Calibration" note="finds CL_OFFSET">
-      <div className={`${classes.pair} halves start`}>
+    <Card title="Calibration" note="finds CL_OFFSET">
+      <div className="halves start gap-8">
         <NumberField
           label="Speed to the full step"
           unit="pps"
@@ -120,7 +119,7 @@ export function Calibration({ at, calibration, disabled, why, fullStepsPerRev }:
       {calibration.error && (
         <ProblemAlert error={calibration.error} doing="Calibrating" onClose={calibration.dismiss} />
       )}
-    </Section>
+    </Card>
   );
 }
 
@@ -152,7 +151,7 @@ function EncoderOffer({ at, found, disabled }: OfferProps) {
     ...(found.writes.ENC_IN_CONF === undefined ? [] : ["the other direction"]),
   ].join(", ");
   return (
-    <div className={`${classes.offer} stack start gap-6 mt-4`} role="alert" data-testid="encoder-offer">
+    <Alert color="orange" variant="light" p="xs" mt={4} data-testid="encoder-offer">
       <Text size="sm">
         Measured: <b>{fixed(found.counts_per_turn)}</b> ± {fixed(found.uncertainty)} counts a turn. Set:{" "}
         {fixed(found.set_counts)}.
@@ -167,6 +166,6 @@ function EncoderOffer({ at, found, disabled }: OfferProps) {
         </Button>
       )}
       {write.error && <ProblemAlert error={write.error} doing="Writing the resolution" onClose={write.reset} />}
-    </div>
+    </Alert>
   );
 }

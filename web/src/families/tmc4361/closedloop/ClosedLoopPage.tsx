@@ -1,14 +1,15 @@
 import { Text } from "@mantine/core";
 import { IconTargetArrow } from "@tabler/icons-react";
 import type { Device } from "../../../api/queries";
+import { Card } from "../../../lib/Card";
 import { fixed } from "../../../lib/format";
 import { NoDevice, Waiting } from "../../../lib/NoDevice";
+import { Page } from "../../../lib/Page";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { colorOf, type Quantity } from "../../../lib/palette";
 import { DeviceNotice } from "../../../lib/rows/DeviceNotice";
 import { StagedDrawer } from "../../../lib/rows/StagedDrawer";
 import { type ChipRows, useChipRows } from "../../../lib/rows/useChipRows";
-import { Page, Section } from "../../../lib/Section";
 import { useScheme } from "../../../lib/useScheme";
 import { useSelectedAxis } from "../../../live/selection";
 import { useTelemetry } from "../../../live/useTelemetry";
@@ -97,11 +98,7 @@ function ClosedLoop({ device, axis }: Props) {
           retry={() => void chip.live.readings.refetch()}
         />
       )}
-      <section
-        className={`${classes.readouts} pad lines-16 card`}
-        aria-label="Now"
-        data-stale={!connected || link.phase !== "live"}
-      >
+      <Card className="pad lines-16 fades" aria-label="Now" data-stale={!connected || link.phase !== "live"}>
         {(
           [
             ["target_position", "Target", "µsteps", 0],
@@ -127,17 +124,17 @@ function ClosedLoop({ device, axis }: Props) {
           read={() => fixed(last("current_scale"))}
           testId="current_scale"
         />
-        <div className={classes.mode}>
+        <div>
           <Text size="xs" c="dimmed">
             Regulation
           </Text>
-          <span className={classes.modeName} data-on={mode !== null && mode > 0} data-testid="mode">
+          <span className={`text-16 bold ${mode !== null && mode > 0 ? "accent" : ""}`} data-testid="mode">
             {mode === null ? "–" : (MODES[mode] ?? mode)}
           </span>
         </div>
-      </section>
-      <div className={`${classes.page} grid start gap-8`}>
-        <div className={`${classes.side} grid shrink gap-8`}>
+      </Card>
+      <div className="columns side-left until-62">
+        <div className="column controls">
           <Regulation
             chip={chip}
             clockHz={clockHz}
@@ -146,8 +143,8 @@ function ClosedLoop({ device, axis }: Props) {
           />
           <EncoderSetup chip={chip} microstepsPerTurn={microsteps * axis.full_steps_per_rev} disabled={!chip.known} />
         </div>
-        <div className={`${classes.views} grid shrink gap-8`}>
-          <div className={`${classes.top} grid shrink gap-8`}>
+        <div className="column">
+          <div className={`${classes.top} columns until-75`}>
             <LoopPlots
               source={source}
               link={link}
@@ -158,8 +155,8 @@ function ClosedLoop({ device, axis }: Props) {
               failAt={failAt === 2 ** 31 - 1 ? null : failAt}
               betaDeg={mode === 1 && beta !== null ? degrees(beta) : null}
             />
-            <div className={`${classes.narrow} grid shrink gap-8`}>
-              <Section title="Load angle" note="electrical">
+            <div className={`${classes.narrow} column`}>
+              <Card title="Load angle" note="electrical">
                 <LoadDial
                   read={() => last("load_angle")}
                   beta={beta}
@@ -167,7 +164,7 @@ function ClosedLoop({ device, axis }: Props) {
                   regulated={mode === 1}
                   emf={chip.held("ENC_IN_CONF", "cl_emf_en") === 1}
                 />
-              </Section>
+              </Card>
               <Calibration
                 at={at}
                 fullStepsPerRev={axis.full_steps_per_rev}

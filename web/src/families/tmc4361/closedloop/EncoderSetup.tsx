@@ -1,12 +1,11 @@
 import { Text } from "@mantine/core";
+import { Card } from "../../../lib/Card";
 import { fixed } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import { ChipField } from "../../../lib/rows/ChipField";
 import type { ChipRows } from "../../../lib/rows/useChipRows";
-import { Section } from "../../../lib/Section";
 import { ConstFacts } from "../../../pages/encoder/ConstFacts";
 import { countsOf, encConst } from "../../../pages/encoder/encConst";
-import classes from "./closedloop.module.css";
 
 const DEFAULT_LINES = 1000;
 
@@ -31,9 +30,9 @@ export function EncoderSetup({ chip, microstepsPerTurn, disabled }: Props) {
   const shown = counts ?? told ?? DEFAULT_LINES * 4;
   const found = manual ? null : encConst(shown, microstepsPerTurn);
   return (
-    <Section title="Encoder" note={inChip === 0 ? "no resolution is set" : undefined}>
+    <Card title="Encoder" note={inChip === 0 ? "no resolution is set" : undefined}>
       <ChipField chip={chip} register="GENERAL_CONF" field="serial_enc_in_mode" label="kind" disabled={disabled} />
-      <div className={`${classes.pair} halves start`}>
+      <div className="halves start gap-8">
         <ChipField
           chip={chip}
           register="ENC_IN_RES"
@@ -97,6 +96,6 @@ export function EncoderSetup({ chip, microstepsPerTurn, disabled }: Props) {
             : `ENC_IN_RES cannot be read back: ${fixed(told)} counts follow from the constant.`}
         </Text>
       )}
-    </Section>
+    </Card>
   );
 }

@@ -93,8 +93,8 @@ export function LoadDial({ read, beta, gamma, regulated, emf }: Props) {
         </g>
         <circle r={4} fill="var(--ground)" stroke="var(--mantine-color-text)" />
       </svg>
-      <figcaption className={`${classes.dialCaption} hint grid tight`}>
-        <span className={classes.dialValue}>
+      <figcaption className="hint center tight">
+        <span className="figure-20 ink">
           <LiveText read={() => fixed(read(), 1)} data-testid="load-angle" />°
         </span>
         <span>

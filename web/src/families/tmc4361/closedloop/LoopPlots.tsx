@@ -5,7 +5,6 @@ import { RollingSection } from "../../../pages/module/RollingSection";
 import { useRolling } from "../../../pages/module/useRolling";
 import { Plot } from "../../../plots/Plot";
 import type { Level } from "../../../plots/types";
-import classes from "./closedloop.module.css";
 
 const SPANS_S = [0.5, 1, 2, 5, 10, 20, 60] as const;
 const PLAIN = { light: "#6b7480", dark: "#7a828c" };
@@ -33,7 +32,7 @@ export function LoopPlots({ source, link, name, axis, tolerance, failAt, betaDeg
   const trace = (quantity: string) => ({ channel: `${quantity}.${axis}`, divisor: 1 });
   return (
     <RollingSection title="Live" rolling={rolling} link={link} name={name} spansS={SPANS_S}>
-      <div className={classes.strip} data-tall>
+      <div className="strip strip-tall">
         <Plot
           {...common}
           label={`Target, commanded position and encoder of ${name} over time`}
@@ -53,7 +52,7 @@ export function LoopPlots({ source, link, name, axis, tolerance, failAt, betaDeg
           handle={rolling.plot("position", [trace("target_position"), trace("encoder_position"), trace("position")])}
         />
       </div>
-      <div className={classes.strip}>
+      <div className="strip">
         <Plot
           {...common}
           label={`Deviation of ${name} over time`}
@@ -64,7 +63,7 @@ export function LoopPlots({ source, link, name, axis, tolerance, failAt, betaDeg
           handle={rolling.plot("deviation", [trace("deviation")])}
         />
       </div>
-      <div className={classes.strip}>
+      <div className="strip">
         <Plot
           {...common}
           label={`Load angle of ${name} over time, electrical degrees`}
@@ -75,7 +74,7 @@ export function LoopPlots({ source, link, name, axis, tolerance, failAt, betaDeg
           handle={rolling.plot("angle", [trace("load_angle")])}
         />
       </div>
-      <div className={classes.strip} data-last>
+      <div className="strip strip-tall">
         <Plot
           {...common}
           label={`Speed of command and encoder of ${name} over time`}

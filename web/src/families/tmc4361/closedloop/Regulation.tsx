@@ -1,11 +1,10 @@
 import { Button, SegmentedControl, Tabs, Text } from "@mantine/core";
 import { useState } from "react";
+import { Card } from "../../../lib/Card";
 import { duration, fixed } from "../../../lib/format";
 import { ChipField } from "../../../lib/rows/ChipField";
 import type { ChipRows } from "../../../lib/rows/useChipRows";
-import { Section } from "../../../lib/Section";
 import { degrees } from "./angle";
-import classes from "./closedloop.module.css";
 
 export const MODES = ["Off", "Closed loop", "PID, base 0", "PID, base VACTUAL"] as const;
 const MEANINGS = [
@@ -57,7 +56,7 @@ export function Regulation({ chip, clockHz, disabled, microstepsPerFullStep }: P
     />
   );
   return (
-    <Section title="Regulation" note={held === null ? "not known" : `now: ${MODES[held] ?? held}`}>
+    <Card title="Regulation" note={held === null ? "not known" : `now: ${MODES[held] ?? held}`}>
       <SegmentedControl
         size="xs"
         fullWidth
@@ -86,7 +85,7 @@ export function Regulation({ chip, clockHz, disabled, microstepsPerFullStep }: P
           <Tabs.Tab value="pid">PID</Tabs.Tab>
         </Tabs.List>
         <Tabs.Panel value="loop" pt={8}>
-          <div className={`${classes.pair} halves start`}>
+          <div className="halves start gap-8">
             {field("CL_ANGLES", "CL_BETA", { physical: angle })}
             {field("CL_DELTA_P", undefined, { physical: (value) => `gain ${Number((value / 65_536).toPrecision(4))}` })}
             {field("CL_TOLERANCE", undefined, { physical: () => "gain 1 inside" })}
@@ -111,7 +110,7 @@ export function Regulation({ chip, clockHz, disabled, microstepsPerFullStep }: P
           </Button>
         </Tabs.Panel>
         <Tabs.Panel value="speed" pt={8}>
-          <div className={`${classes.pair} halves start`}>
+          <div className="halves start gap-8">
             {field("CL_VMAX_CALC_P", undefined, { physical: per256 })}
             {field("CL_VMAX_CALC_I", undefined, { physical: per256 })}
             {field("PID_I_CLIP___PID_D_CLKDIV", "PID_I_CLIP")}
@@ -131,7 +130,7 @@ export function Regulation({ chip, clockHz, disabled, microstepsPerFullStep }: P
           <div className="grid gap-6 my-8">
             {field("CURRENT_CONF", "closed_loop_scale_en", { label: "by deviation" })}
           </div>
-          <div className={`${classes.pair} halves start`}>
+          <div className="halves start gap-8">
             {field("SCALE_VALUES", "cl_imin", { physical: scale })}
             {field("SCALE_VALUES", "cl_imax", { physical: scale })}
             {field("SCALE_VALUES", "cl_start_up", { physical: angle })}
@@ -145,7 +144,7 @@ export function Regulation({ chip, clockHz, disabled, microstepsPerFullStep }: P
           </Text>
         </Tabs.Panel>
         <Tabs.Panel value="pid" pt={8}>
-          <div className={`${classes.pair} halves start`}>
+          <div className="halves start gap-8">
             {field("PID_P", undefined, { physical: per256 })}
             {field("PID_I", undefined, { physical: per256 })}
             {field("PID_D")}
@@ -162,6 +161,6 @@ export function Regulation({ chip, clockHz, disabled, microstepsPerFullStep }: P
           </Text>
         </Tabs.Panel>
       </Tabs>
-    </Section>
+    </Card>
   );
 }

@@ -6,7 +6,6 @@ import { Plot } from "../../../plots/Plot";
 import { roundRange } from "../../../plots/ranges";
 import type { PlotData } from "../../../plots/series";
 import type { Level, Overlay, PlotSeries } from "../../../plots/types";
-import classes from "./closedloop.module.css";
 import { columnOf, farOnes, originOf, type Run, reachOf, type View, wayOf } from "./runs";
 
 /** Curves of before, from the newer to the older: paler, and told apart by their dashes. */
@@ -104,7 +103,7 @@ export function ResponsePlot({ runs, view, band }: Props) {
           fixed: true,
         }));
   return (
-    <div className={`${classes.responsePlot} stack mt-4`} data-testid="response-plot" data-runs={runs.length}>
+    <div className="mt-4" data-testid="response-plot" data-runs={runs.length}>
       {far.numbers.length > 0 && (
         <div className="mid lines-8 caution text-12" data-testid="far-runs">
           {far.numbers.length === 1 ? "Run" : "Runs"} {far.numbers.map((number) => `#${number}`).join(", ")}{" "}
@@ -130,7 +129,7 @@ export function ResponsePlot({ runs, view, band }: Props) {
             ...(far.numbers.length > 0 && !whole ? { range: far.range } : {}),
           },
         }}
-        height="100%"
+        height={260}
         legend
       />
     </div>

@@ -2,11 +2,11 @@ import { ActionIcon, Button, Group, NativeSelect, Progress, SegmentedControl, Te
 import { IconWaveSquare, IconX } from "@tabler/icons-react";
 import { useEffect, useMemo, useState } from "react";
 import type { AxisAddress } from "../../../api/motion";
+import { Card } from "../../../lib/Card";
 import { EmptyState } from "../../../lib/EmptyState";
 import { compact, duration, fixed } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
-import { Section } from "../../../lib/Section";
 import classes from "./closedloop.module.css";
 import { ResponsePlot } from "./ResponsePlot";
 import { bestOf, type Kind, type Run, type Score, useRuns, type View } from "./runs";
@@ -37,7 +37,7 @@ export function Responses({ at, connected, emulated, rateMaxHz, settings }: Prop
   const shown = useMemo(() => runs.filter((run) => run.kind === kind), [runs, kind]);
   const band = shown.at(-1)?.score.band ?? null;
   return (
-    <Section
+    <Card
       title="Response"
       note={shown.length > 1 ? "the newest in colour, those before as ghosts" : undefined}
       actions={
@@ -126,7 +126,7 @@ export function Responses({ at, connected, emulated, rateMaxHz, settings }: Prop
           <Scores runs={shown} kind={kind} onForget={forget} />
         </>
       )}
-    </Section>
+    </Card>
   );
 }
 
@@ -341,7 +341,7 @@ function Scores({ runs, kind, onForget }: { runs: readonly Run[]; kind: Kind; on
   const best = figures.map((figure) => bestOf(runs, figure.of));
   return (
     // biome-ignore lint/a11y/noNoninteractiveTabindex: a table that scrolls has to be reached with the keys
-    <section className={`${classes.scores} scroll-x`} tabIndex={0} aria-label="Scores">
+    <section className="scroll-x nowrap" tabIndex={0} aria-label="Scores">
       <table className="figures" data-testid="scores">
         <thead>
           <tr>

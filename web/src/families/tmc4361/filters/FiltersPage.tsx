@@ -3,14 +3,15 @@ import { useQuery } from "@tanstack/react-query";
 import { useState } from "react";
 import { api, unwrap } from "../../../api/client";
 import { can, type Device, useDevices } from "../../../api/queries";
+import { Card } from "../../../lib/Card";
 import { compact, frequency } from "../../../lib/format";
 import { Waiting } from "../../../lib/NoDevice";
 import { NumberField } from "../../../lib/NumberField";
+import { Page } from "../../../lib/Page";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { DeviceNotice } from "../../../lib/rows/DeviceNotice";
 import { StagedDrawer } from "../../../lib/rows/StagedDrawer";
 import { useChipRows } from "../../../lib/rows/useChipRows";
-import { Page, Section } from "../../../lib/Section";
 import { useCalc } from "../../../lib/useCalc";
 import { useSelection } from "../../../live/selection";
 import classes from "./filters.module.css";
@@ -139,11 +140,8 @@ function FilterDesigner({ device, axis, filters }: Props) {
           retry={() => void chip.live.catalog.refetch()}
         />
       )}
-      <div
-        className={`${classes.page} grid start gap-8`}
-        data-stale={device !== undefined && device.state !== "connected"}
-      >
-        <div className={`${classes.groups} grid shrink gap-8`} role="radiogroup" aria-label="Group of pins">
+      <div className="columns side-left until-62" data-stale={device !== undefined && device.state !== "connected"}>
+        <div className={`${classes.groups} column`} role="radiogroup" aria-label="Group of pins">
           {filters.groups.map((each) => (
             <GroupCard
               key={each.suffix}
@@ -167,8 +165,8 @@ function FilterDesigner({ device, axis, filters }: Props) {
             />
           )}
         </div>
-        <div className={`${classes.right} grid shrink gap-8`}>
-          <Section
+        <div className="column ahead">
+          <Card
             title={`Waveform at ${pin}`}
             note={`${frequency(clockHz)}, a sample every ${period === 1 ? "clock" : `${period} clocks`}`}
             actions={
@@ -236,10 +234,10 @@ function FilterDesigner({ device, axis, filters }: Props) {
                 )}
               </Text>
             )}
-          </Section>
-          <Section title="What this filter does to any edge" note="wherever its samples fall">
+          </Card>
+          <Card title="What this filter does to any edge" note="wherever its samples fall">
             {result ? <BoundsTable bounds={result.bounds} counts={fates(result)} /> : <Loader size="xs" />}
-          </Section>
+          </Card>
         </div>
       </div>
       {device && <StagedDrawer chip={chip} device={device} />}

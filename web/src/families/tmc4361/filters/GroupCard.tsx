@@ -1,4 +1,5 @@
 import { Checkbox, NativeSelect, Radio, Text } from "@mantine/core";
+import { Card } from "../../../lib/Card";
 import { frequency } from "../../../lib/format";
 import classes from "./filters.module.css";
 import { type FilterGroup, timeText } from "./waves";
@@ -34,11 +35,9 @@ export function GroupCard({ group, setting, clockHz, chosen, onChoose, onChange 
   const stopped = (setting.length * 2 ** setting.sampleRate) / clockHz;
   return (
     // Pointers may choose the whole card; the radio in it is for everybody.
-    // biome-ignore lint/a11y/noStaticElementInteractions: a shortcut for the mouse
-    // biome-ignore lint/a11y/useKeyWithClickEvents: a shortcut for the mouse
-    <div
-      className={`${classes.card} card`}
-      data-chosen={chosen}
+    <Card
+      as="div"
+      className={`pad ${chosen ? classes.chosen : ""}`}
       data-staged={setting.staged}
       onClick={onChoose}
       data-testid={`group-${group.suffix}`}
@@ -86,7 +85,7 @@ export function GroupCard({ group, setting, clockHz, chosen, onChoose, onChange 
         checked={setting.stepInput === 1}
         onChange={(event) => onChange({ stepInput: event.currentTarget.checked ? 1 : 0 })}
       />
-      <Text size="xs" mt={4} className={`${classes.cardNote} dim`}>
+      <Text size="xs" mt={4} className={setting.staged ? "accent" : "dim"}>
         {!setting.known
           ? "The chip's setting is not known."
           : setting.length === 0
@@ -94,6 +93,6 @@ export function GroupCard({ group, setting, clockHz, chosen, onChoose, onChange 
             : `Stops pulses up to ${timeText(stopped)}.`}
         {setting.staged && " Not applied."}
       </Text>
-    </div>
+    </Card>
   );
 }

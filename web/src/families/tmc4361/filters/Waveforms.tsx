@@ -98,9 +98,9 @@ export function Waveforms({ pin, input, result, stale, clockHz, onInput }: Props
         data-testid="waveforms"
       >
         {ticksOf(spanS, (width - LEFT - RIGHT) / 80).map((at) => (
-          <g key={at} className={classes.tick}>
-            <path d={`M${x(at * clockHz)} ${AXIS} v5`} />
-            <text x={x(at * clockHz)} y={AXIS + 18} textAnchor="middle">
+          <g key={at}>
+            <path d={`M${x(at * clockHz)} ${AXIS} v5`} className="stroke-grey" />
+            <text className="tick" x={x(at * clockHz)} y={AXIS + 18} textAnchor="middle">
               {timeText(at)}
             </text>
           </g>
@@ -154,11 +154,11 @@ export function Waveforms({ pin, input, result, stale, clockHz, onInput }: Props
             className="fill-none stroke-accent"
           />
         )}
-        <g className={classes.names}>
+        <g className="text-12 bold fill-text">
           <text x={4} y={ROWS.input + 17}>
             {pin}
           </text>
-          <text x={4} y={ROWS.samples + 11} className={classes.minor}>
+          <text x={4} y={ROWS.samples + 11} className="regular fill-dim">
             samples
           </text>
           <text x={4} y={ROWS.output + 17}>

@@ -1,9 +1,9 @@
 import { Badge, Button, Text } from "@mantine/core";
 import type { Schemas } from "../../../api/client";
+import { Card } from "../../../lib/Card";
 import { fixed } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
-import { Section } from "../../../lib/Section";
 import type { Registers } from "./chip";
 import classes from "./currents.module.css";
 import type { ChopperQuestion, Motor } from "./useChopper";
@@ -43,7 +43,7 @@ export function Chopper({ chip, chopper, disabled }: Props) {
     for (const { name, field, value } of settings) chip.put(name, field, value);
   };
   return (
-    <Section
+    <Card
       title="Chopper to begin with"
       note={runRmsA === null ? undefined : `for ${fixed(runRmsA, 2)} A rms`}
       actions={
@@ -75,7 +75,7 @@ export function Chopper({ chip, chopper, disabled }: Props) {
       </div>
       {error !== null && <ProblemAlert error={error} doing="Looking for a chopper" retry={retry} />}
       {result && (
-        <div data-stale={stale} className={`${classes.hints} grid gap-8 mt-8`}>
+        <div data-stale={stale} className="grid gap-8 mt-8 fades">
           <ul className="list" aria-label="Settings">
             {result.settings.map((setting) => (
               <li
@@ -85,10 +85,10 @@ export function Chopper({ chip, chopper, disabled }: Props) {
               >
                 <span className="hint grid">
                   <span className="num">{setting.field}</span>
-                  <span className={`${classes.settingValue} ink text-20 mono`}>{setting.value}</span>
+                  <span className="ink text-20 mono tight">{setting.value}</span>
                 </span>
-                <span className={`${classes.settingText} grid text-12 tight`}>
-                  <b>{setting.meaning}</b>
+                <span className="grid text-12 tight dim">
+                  <b className="ink bold">{setting.meaning}</b>
                   <span>{setting.reason}</span>
                   <cite>{setting.source}</cite>
                 </span>
@@ -104,7 +104,7 @@ export function Chopper({ chip, chopper, disabled }: Props) {
         </div>
       )}
       {runRmsA === null && <Text className="hint">Waits for the run current: IRUN is not known yet.</Text>}
-    </Section>
+    </Card>
   );
 }
 
@@ -113,7 +113,7 @@ function Held(props: { chip: Registers; setting: Setting; disabled: boolean; onU
   const planned = chip.planned(setting.name, setting.field);
   if (planned === setting.value)
     return (
-      <Badge size="sm" variant="light" className={classes.held}>
+      <Badge size="sm" variant="light">
         {chip.isStaged(setting.name, setting.field) ? "staged" : "is set"}
       </Badge>
     );

@@ -1,12 +1,12 @@
 import { Button, SegmentedControl, Text } from "@mantine/core";
 import { useLocalStorage } from "@mantine/hooks";
 import { api, type Schemas, unwrap } from "../../../api/client";
+import { Card } from "../../../lib/Card";
 import { duration, fixed } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { colorOf } from "../../../lib/palette";
 import { ChipField } from "../../../lib/rows/ChipField";
-import { Section } from "../../../lib/Section";
 import { useCalc } from "../../../lib/useCalc";
 import { useScheme } from "../../../lib/useScheme";
 import type { Registers } from "./chip";
@@ -47,9 +47,9 @@ export function CurrentSection({ chip, model, clockHz, sensing, onSensing, disab
   );
   const share = (scale: number) => `${scale + 1}/32 of full scale`;
   return (
-    <Section title="Coil current" note={result ? result.source : undefined}>
+    <Card title="Coil current" note={result ? result.source : undefined}>
       {error !== null && <ProblemAlert error={error} doing="Reckoning the current" retry={retry} />}
-      <div className={`${classes.amps} grid gap-8 my-8`} data-stale={stale} data-testid="amps">
+      <div className="halves gap-8 my-8 fades" data-stale={stale} data-testid="amps">
         <Amps name="run" setting={result?.run ?? null} />
         <Amps name="hold" setting={hold} />
       </div>
@@ -128,7 +128,7 @@ export function CurrentSection({ chip, model, clockHz, sensing, onSensing, disab
         </>
       )}
       {body && <Wanted chip={chip} body={body} result={result} disabled={disabled} />}
-    </Section>
+    </Card>
   );
 }
 
@@ -144,12 +144,14 @@ function Amps({ name, setting }: { name: "run" | "hold"; setting: Schemas["Curre
   return (
     <div className="box pad" data-name={name}>
       <span className="row hint gap-6">
-        <span className={classes.swatch} style={{ background: colorOf("current_scale", scheme) }} />
+        <span className="swatch" style={{ background: colorOf("current_scale", scheme) }} />
         {name} current
       </span>
-      <div className={classes.ampValue} data-testid={`${name}-rms`}>
-        {setting ? fixed(setting.rms_a, 3) : "–"}
-        <small>A rms</small>
+      <div className="tight" data-testid={`${name}-rms`}>
+        <Text span fz={24} className="mono">
+          {setting ? fixed(setting.rms_a, 3) : "–"}
+        </Text>
+        <span className="hint ml-4">A rms</span>
       </div>
       <div className="hint">
         <span className="num">{setting ? fixed(setting.peak_a, 3) : "–"}</span> A peak
@@ -197,7 +199,7 @@ function Wanted({ chip, body, result, disabled }: WantedProps) {
           onChange={(value) => setMeasure(value as "rms" | "peak")}
         />
       </div>
-      <div className={`${classes.wantedFields} grid end gap-8`}>
+      <div className="flex end gap-8">
         <NumberField
           label="Run"
           unit={`A ${measure}`}
@@ -231,7 +233,7 @@ function Wanted({ chip, body, result, disabled }: WantedProps) {
       {found.error !== null && <ProblemAlert error={found.error} doing="Looking for settings" retry={found.retry} />}
       {answer && (
         <>
-          <div className={`${classes.tableBox} scroll-x`}>
+          <div className="scroll-x">
             <table className="figures" data-testid="nearest">
               <thead>
                 <tr>

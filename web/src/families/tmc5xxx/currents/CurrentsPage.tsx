@@ -1,20 +1,20 @@
 import { Select, Text } from "@mantine/core";
 import { useLocalStorage } from "@mantine/hooks";
 import { can, type Device } from "../../../api/queries";
+import { Card } from "../../../lib/Card";
 import { Waiting } from "../../../lib/NoDevice";
 import { NumberField } from "../../../lib/NumberField";
+import { Page } from "../../../lib/Page";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { DeviceNotice } from "../../../lib/rows/DeviceNotice";
 import { StagedDrawer } from "../../../lib/rows/StagedDrawer";
 import { useChipRows } from "../../../lib/rows/useChipRows";
-import { Page, Section } from "../../../lib/Section";
 import { useCalc } from "../../../lib/useCalc";
 import { useSelectedAxis } from "../../../live/selection";
 import { useTelemetry } from "../../../live/useTelemetry";
 import { Chopper } from "./Chopper";
 import { askCurrent, CurrentSection } from "./CurrentSection";
 import { type Registers, usePaperChip } from "./chip";
-import classes from "./currents.module.css";
 import { Follows } from "./Follows";
 import { speedLimits } from "./figures";
 import { MODELS, type Model, modelOf } from "./models";
@@ -77,7 +77,7 @@ function OnPaper() {
   const chip = usePaperChip(model, 0);
   return (
     <Page name="Currents">
-      <Section
+      <Card
         title="On paper"
         note="no TMC5xxx is selected: what is set here is for the eye alone"
         actions={
@@ -106,7 +106,7 @@ function OnPaper() {
         <Text className="hint">
           Add a TMC5160 under Connections, an emulated one needs no hardware, and these settings go to its registers.
         </Text>
-      </Section>
+      </Card>
       <Parts
         key={model}
         chip={chip}
@@ -137,7 +137,7 @@ function Parts({ chip, known, model, scale, now, of }: Parts) {
   const chopper = useChopper(chip, model, scale, run.result?.run.rms_a ?? null);
   const follows = chopper.answer.result;
   return (
-    <div className={`${classes.page} halves start gap-8`}>
+    <div className="columns until-62">
       <div className="whole">
         <Thresholds
           chip={chip}
@@ -147,7 +147,7 @@ function Parts({ chip, known, model, scale, now, of }: Parts) {
           disabled={!known}
         />
       </div>
-      <div className={`${classes.column} grid shrink gap-8`}>
+      <div className="column ahead">
         <CurrentSection
           chip={chip}
           model={model}

@@ -1,13 +1,13 @@
 import type { Schemas } from "../../../api/client";
-import { Section } from "../../../lib/Section";
+import { Card } from "../../../lib/Card";
 import classes from "./currents.module.css";
 import { figureLines } from "./figures";
 
 /** What follows from motor, supply and chopper, with the reason of each as its title. */
 export function Follows({ result, stale }: { result: Schemas["ChopperResult"]; stale: boolean }) {
   return (
-    <Section title="What follows for this motor">
-      <table className={`figures ${classes.follows}`} data-stale={stale}>
+    <Card title="What follows for this motor">
+      <table className="figures fades" data-stale={stale}>
         <tbody>
           {figureLines(result.figures).map(({ name, label, values, reason, source }) => (
             <tr key={name} title={`${reason} (${source})`} data-testid={`figure-${name}`}>
@@ -23,6 +23,6 @@ export function Follows({ result, stale }: { result: Schemas["ChopperResult"]; s
           ))}
         </tbody>
       </table>
-    </Section>
+    </Card>
   );
 }

@@ -4,7 +4,6 @@ import { colorOf } from "../../../lib/palette";
 import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
 import type { Mark } from "../../../plots/types";
-import classes from "./currents.module.css";
 import { type HoldDelay, holdLine, holdTimes } from "./hold";
 
 /** how much of the plot's width a name takes, roughly */
@@ -45,17 +44,15 @@ export function HoldPlot({ delay, irun, ihold, fullScaleA }: Props) {
     ...(times.downS > times.fallsS ? [mark("down", times.downS, "holds", true)] : []),
   ];
   return (
-    <div className={classes.holdPlot}>
-      <Plot
-        label="Coil current around a stop"
-        summary={`Down to the hold current ${duration(times.downS)} after the last step`}
-        series={[{ label: "coil current", unit: "A rms", color, width: 2, fill: `${color}2a` }]}
-        data={[line.x, line.y]}
-        x={{ label: "after the last step", unit: "s" }}
-        scales={{ y: { unit: "A rms", include: [0, fullScaleA] } }}
-        marks={marks}
-        height="100%"
-      />
-    </div>
+    <Plot
+      label="Coil current around a stop"
+      summary={`Down to the hold current ${duration(times.downS)} after the last step`}
+      series={[{ label: "coil current", unit: "A rms", color, width: 2, fill: `${color}2a` }]}
+      data={[line.x, line.y]}
+      x={{ label: "after the last step", unit: "s" }}
+      scales={{ y: { unit: "A rms", include: [0, fullScaleA] } }}
+      marks={marks}
+      height={190}
+    />
   );
 }

@@ -133,7 +133,7 @@ export function SpeedAxis({ axis, scale, modes, thresholds, limits, now, disable
           ),
         )}
       </div>
-      <div className={classes.axisTicks} aria-hidden>
+      <div className={`${classes.axisTicks} hint`} aria-hidden>
         {ticksOf(axis, scale).map(({ pps, rpm }) => (
           <span key={rpm} style={{ left: percent(shareOf(pps, axis)) }} data-decade={/^1/.test(String(rpm))}>
             {compact(rpm)}
@@ -151,8 +151,7 @@ function Lane({ label, zones, axis, scale }: { label: string; zones: Zone[]; axi
       {zones.map((zone) => (
         <li
           key={`${zone.kind} ${zone.from}`}
-          className={`${classes.zone} center ink text-12 nowrap`}
-          data-kind={zone.kind}
+          className={`${classes.zone} center text-12 nowrap ${ZONE_LOOKS[zone.kind]}`}
           style={{
             left: percent(shareOf(zone.from, axis)),
             width: percent(shareOf(zone.to, axis) - shareOf(zone.from, axis)),
@@ -171,5 +170,13 @@ function edgeOf(share: number): "left" | "right" | undefined {
   if (share < 0.05) return "left";
   return share > 0.95 ? "right" : undefined;
 }
+
+const ZONE_LOOKS: Record<Zone["kind"], string> = {
+  stealth: "ink tinted hue-blue",
+  spread: "ink tinted hue-green",
+  high: "ink tinted hue-orange",
+  cool: "ink tinted hue-violet",
+  off: "dim",
+};
 
 const percent = (share: number) => `${(100 * share).toFixed(3)}%`;

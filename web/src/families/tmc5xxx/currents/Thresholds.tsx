@@ -1,8 +1,8 @@
 import { Text } from "@mantine/core";
+import { Card } from "../../../lib/Card";
 import { compact, exactText } from "../../../lib/format";
 import { NumberField } from "../../../lib/NumberField";
 import { ChipField } from "../../../lib/rows/ChipField";
-import { Section } from "../../../lib/Section";
 import { type Registers, THRESHOLDS, thresholdKind } from "./chip";
 import classes from "./currents.module.css";
 import type { SpeedLimit } from "./figures";
@@ -55,7 +55,7 @@ export function Thresholds({ chip, scale, limits, now, disabled }: Props) {
   const move = (register: string, pps: number) => chip.put(register, undefined, registerOf(kind, pps, scale));
 
   return (
-    <Section
+    <Card
       title="Speed thresholds"
       note={kind === "tstep" ? "TSTEP: clocks between two 256ths of a full step" : "velocities of the ramp generator"}
     >
@@ -115,6 +115,6 @@ export function Thresholds({ chip, scale, limits, now, disabled }: Props) {
           {names.cool} begins where {names.high} has ended it already: CoolStep is never on.
         </Text>
       )}
-    </Section>
+    </Card>
   );
 }

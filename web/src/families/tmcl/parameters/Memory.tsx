@@ -3,7 +3,6 @@ import { fixed } from "../../../lib/format";
 import type { RegisterRow } from "../../../lib/rows/bits";
 import { timeOf } from "../../../lib/time";
 import type { EepromAction, Kept } from "./eeprom";
-import css from "./parameters.module.css";
 import { nameText } from "./subjects";
 
 interface Props {
@@ -18,22 +17,14 @@ interface Props {
 export function Memory({ row, kept, busy, connected, onCopy }: Props) {
   if (row.stored === "auto")
     return (
-      <span
-        className={`${css.memory} hint`}
-        data-kind="eeprom"
-        title="Every write goes to the EEPROM, too: it holds after power-off"
-      >
+      <span className="tag dim" title="Every write goes to the EEPROM, too: it holds after power-off">
         RAM + EEPROM
       </span>
     );
-  if (row.stored === "unknown") return <span className={`${css.memory} hint`}>unknown</span>;
+  if (row.stored === "unknown") return <span className="hint">unknown</span>;
   if (row.stored === "")
     return row.access === "R" ? null : (
-      <span
-        className={`${css.memory} hint`}
-        data-kind="ram"
-        title="Lives in RAM: after power-off it is what it was at delivery"
-      >
+      <span className="hint" title="Lives in RAM: after power-off it is what it was at delivery">
         RAM
       </span>
     );

@@ -7,7 +7,6 @@ import { Memory } from "./Memory";
 import { ParameterHelp } from "./ParameterHelp";
 import { Entry, type LineProps, Meaning, Name, Value } from "./ParameterLine";
 import { controlOf, OnDemand } from "./ParameterValue";
-import css from "./parameters.module.css";
 import { nameText } from "./subjects";
 
 /** One parameter on a phone: its value with its control; help and what else can be done when opened. */
@@ -15,22 +14,22 @@ export const ParameterCard = memo(function ParameterCard(props: LineProps & { ex
   const { row, edit, editing, expanded, actions } = props;
   const key = keyOf(row);
   return (
-    <li className={common.card} data-row={key} data-staged={edit !== null} data-fate={edit?.fate?.kind}>
+    <li className={`${common.card} box`} data-row={key} data-staged={edit !== null} data-fate={edit?.fate?.kind}>
       <button
         type="button"
-        className={common.cardHead}
+        className="plain pad w-full"
         aria-expanded={expanded}
         onClick={() => {
           actions.select(key);
           actions.toggle(key);
         }}
       >
-        <span className={common.cardTop}>
+        <span className="row gap-8 shrink">
           <Name row={row} />
           <span className="num dim push">{row.alias}</span>
         </span>
       </button>
-      <div className={`${css.cardValue} lines-12`}>
+      <div className="lines-12 mid pad">
         {row.read_clears ? (
           <OnDemand
             row={row}
@@ -49,7 +48,7 @@ export const ParameterCard = memo(function ParameterCard(props: LineProps & { ex
         )}
       </div>
       {expanded && (
-        <div className={common.cardBody}>
+        <div className="stack start gap-8 pad">
           <span className="row wrap gap-6">
             {controlOf(row) === "entry" && !editing && (
               <Button size="compact-sm" variant="light" onClick={() => actions.edit(key)}>

@@ -24,11 +24,11 @@ export function ParameterHelp({ row, context, heading = false }: Props) {
   };
   return (
     <div>
-      {heading && <h2 className={common.helpTitle}>{nameText(row.name)}</h2>}
+      {heading && <h2 className="m-0 mb-8 text-14">{nameText(row.name)}</h2>}
       <Text size="sm" mb={6}>
         {sentence(row.help)}
       </Text>
-      <dl className={`${common.facts} grid m-0 text-12`}>
+      <dl className={`${common.facts} facts grid m-0 text-12`}>
         <dt>Number</dt>
         <dd>
           <span className="num">{row.alias}</span>, {placeText(row)}, {subjectTitle(row.group)}

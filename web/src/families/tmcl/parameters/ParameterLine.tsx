@@ -48,7 +48,7 @@ export const ParameterLine = memo(function ParameterLine(props: LineProps) {
       data-staged={edit !== null}
       data-fate={edit?.fate?.kind}
       data-access={row.access}
-      className={common.row}
+      className={`${common.row} lit`}
       tabIndex={selected ? 0 : -1}
       onFocus={() => actions.select(key)}
       onClick={() => actions.select(key)}
@@ -157,7 +157,7 @@ export function Meaning({ row, reading, edit, context }: LineProps) {
         <span className="num rigid accent bold">
           {controlOf(row) === "entry" ? (
             <>
-              <span className={common.arrow}>→</span>
+              <span className="mx-4 accent">→</span>
               {fixed(staged)}
             </>
           ) : (

@@ -88,7 +88,7 @@ export function ParameterList(props: Props) {
           <section key={group.key} data-subject={group.key}>
             {head(group)}
             {!isFolded(group) && (
-              <ul className={common.cards}>
+              <ul className="list mb-8">
                 {group.rows.map((row) => (
                   <ParameterCard key={keyOf(row)} {...entry(row)} expanded={open.has(keyOf(row))} />
                 ))}
@@ -127,8 +127,8 @@ export function ParameterList(props: Props) {
       </thead>
       {groups.map((group) => (
         <tbody key={group.key} data-subject={group.key}>
-          <tr className={common.groupRow}>
-            <th colSpan={6} scope="rowgroup">
+          <tr>
+            <th colSpan={6} scope="rowgroup" className="p-0">
               {head(group)}
             </th>
           </tr>

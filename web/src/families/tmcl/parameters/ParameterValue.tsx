@@ -57,6 +57,7 @@ export function ParameterValue({ row, value, raw, edit, unit, stage }: Props) {
       return (
         <NativeSelect
           size="xs"
+          w={172}
           data-control
           aria-label={label}
           classNames={{ input: `${css.select} ${common.live}` }}
@@ -67,7 +68,7 @@ export function ParameterValue({ row, value, raw, edit, unit, stage }: Props) {
       );
     default:
       return (
-        <span className={css.number}>
+        <span className={common.value} data-wide>
           <span className="right">
             {value === null ? (
               <span className="dim">–</span>
@@ -95,11 +96,11 @@ function optionsOf(row: RegisterRow, shown: number | null) {
 function Flags({ row, raw }: { row: RegisterRow; raw: number | null }) {
   if (raw === null) return <span className="dim">–</span>;
   return (
-    <span className={`${css.flags} wrap gap-4 breaks`}>
+    <span className={`inline wrap gap-4 breaks`}>
       {row.fields.map((field) => {
         const set = unpackField(raw, field) !== 0;
         return (
-          <span key={field.name} className={`${css.flag} hint tight`} data-set={set} title={field.help}>
+          <span key={field.name} className={`tag ${set ? "caution bold" : "tag-dashed dim"}`} title={field.help}>
             {field.name.replaceAll("_", " ")}
             <span className="unseen">{set ? " set" : " not set"}</span>
           </span>

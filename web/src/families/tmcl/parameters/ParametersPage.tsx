@@ -8,7 +8,6 @@ import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { useRowState } from "../../../lib/rows/actions";
 import type { RegisterRow } from "../../../lib/rows/bits";
 import { RowsPage } from "../../../lib/rows/RowsPage";
-import common from "../../../lib/rows/rows.module.css";
 import { type Key, keyOf } from "../../../lib/rows/staging";
 import { useStaged } from "../../../lib/rows/store";
 import { Toolbar, useRowsView } from "../../../lib/rows/Toolbar";
@@ -77,7 +76,7 @@ export default function ParametersPage() {
   if (devices.isSuccess && !device)
     return (
       <>
-        <h1 className={`${common.title} flex baseline gap-8 m-0 text-16`}>Parameters</h1>
+        <h1 className="flex baseline gap-8 m-0 text-16">Parameters</h1>
         <NoDevice title="No module to show parameters of" wanted="a module" icon={<IconAdjustments size={22} />} />
       </>
     );
@@ -148,8 +147,8 @@ export default function ParametersPage() {
         ) : (
           <EmptyState title="Choose a parameter" icon={<IconAdjustments size={22} />}>
             <Text size="sm" className="dim" maw={270}>
-              Click a row, or walk the table with the arrow keys. <kbd className="px-4 box text-12 mono">Enter</kbd>{" "}
-              edits, <kbd className="px-4 box text-12 mono">/</kbd> searches.
+              Click a row, or walk the table with the arrow keys. <kbd className="tag mono">Enter</kbd> edits,{" "}
+              <kbd className="tag mono">/</kbd> searches.
             </Text>
           </EmptyState>
         )

@@ -19,12 +19,12 @@ export function Subjects({ groups, edits, onJump }: Props) {
           <button
             key={group.key}
             type="button"
-            className={`${css.subject} inline box gap-4 text-12 nowrap`}
+            className={`plain tag lit inline gap-4 pad-s raised nowrap`}
             onClick={() => onJump(group.key)}
           >
             {group.title}
             {staged > 0 && (
-              <span className={`${css.subjectBadge} text-12 bold tight centered`}>
+              <span className={`count`}>
                 {staged}
                 <span className="unseen"> staged</span>
               </span>

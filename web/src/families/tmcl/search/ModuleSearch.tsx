@@ -1,4 +1,4 @@
-import { Button, Group, Progress, Select, Switch, Text } from "@mantine/core";
+import { Box, Button, Group, Progress, Select, Switch, Text } from "@mantine/core";
 import { useQueryClient } from "@tanstack/react-query";
 import { useState } from "react";
 import type { Schemas } from "../../../api/client";
@@ -97,16 +97,16 @@ export function ModuleSearch({ at, device, live, action, disabled }: Props) {
       />
       {speed("Search", "fast", fast)}
       {speed("Switch", "slow", slow)}
-      <ol className={`${classes.searchSteps} hint m-0 tight`} aria-label="What the search does">
+      <Box component="ol" mih={80} className="indent hint m-0 tight" aria-label="What the search does">
         {stepsOf(choice).map((step, index) => (
           <li key={`${step.to}${step.until}`} value={index + 1}>
-            <span className={`${classes.searchArrow} inline-block ink centered`} aria-hidden>
+            <span className="mono ink" aria-hidden>
               {step.to === "left" ? "←" : step.to === "right" ? "→" : "0"}
-            </span>
+            </span>{" "}
             {step.fast ? "fast" : "slowly"} until {step.until}
           </li>
         ))}
-      </ol>
+      </Box>
       <Progress
         value={100 * (search.data?.progress ?? 0)}
         size={6}
@@ -123,16 +123,16 @@ export function ModuleSearch({ at, device, live, action, disabled }: Props) {
       >
         {outcome(search.data)}
       </Text>
-      <div className={classes.searchResult}>
-        <span>End switches apart, AP 196</span>
-        <span className="num" data-testid="search-distance">
+      <dl className="facts pairs m-0 text-12">
+        <dt>End switches apart, AP 196</dt>
+        <dd className="num" data-testid="search-distance">
           {fixed(search.data?.distance)}
-        </span>
-        <span>Zero lay at, AP 197</span>
-        <span className="num" data-testid="search-last">
+        </dd>
+        <dt>Zero lay at, AP 197</dt>
+        <dd className="num" data-testid="search-last">
           {fixed(search.data?.last_position)}
-        </span>
-      </div>
+        </dd>
+      </dl>
       <Group gap={6} grow wrap="nowrap">
         <Button
           size="xs"

@@ -47,7 +47,7 @@ export function JogSection({ at, scale, unit, topSpeedPps, action, disabled }: P
         onChange={(value) => setChosen(toSteps(value, rate, scale, "velocity"))}
         onWrong={setWrong}
       />
-      <div className={classes.jog}>
+      <Group grow gap={6} wrap="nowrap">
         <Button
           variant={jog.direction === -1 ? "filled" : "default"}
           className={classes.jogButton}
@@ -82,7 +82,7 @@ export function JogSection({ at, scale, unit, topSpeedPps, action, disabled }: P
         >
           <IconArrowRight size={20} aria-hidden />
         </Button>
-      </div>
+      </Group>
       <Group gap={6} grow wrap="nowrap">
         <Button
           size="compact-xs"

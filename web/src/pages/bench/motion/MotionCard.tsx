@@ -1,6 +1,7 @@
 import { Badge, Group, Select, Stack, Tabs, Text, Title } from "@mantine/core";
 import { Link } from "wouter";
 import { can, type Device } from "../../../api/queries";
+import { Card } from "../../../lib/Card";
 import { ConditionCard } from "../../../lib/condition/ConditionCard";
 import { useAxisReading } from "../../../lib/condition/useAxisReading";
 import { fixed } from "../../../lib/format";
@@ -46,11 +47,7 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
   const disabled = !connected;
   const common = { at, scale, unit: shown, action, disabled };
   return (
-    <section
-      className={`${classes.card} card stack gap-8`}
-      aria-label={`Motion of ${axis.name}`}
-      data-testid="motion-card"
-    >
+    <Card className={`${classes.card} stack gap-8`} aria-label={`Motion of ${axis.name}`} data-testid="motion-card">
       <Group justify="space-between" wrap="nowrap">
         <Title order={2} className="clip text-14">
           {device.name} · {axis.name}
@@ -61,7 +58,7 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
       </Group>
       <div className={`${classes.readout} row between gap-8`} data-stale={!connected}>
         <LiveText
-          className={`${classes.bigNumber} grow mono right nowrap`}
+          className={`figure-20 text-28 grow right nowrap`}
           read={() => fixed(fromSteps(live.read("position"), shown, scale, "position"), decimals)}
           data-testid="position"
         />
@@ -117,7 +114,7 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
         <Tabs
           defaultValue="shuttle"
           keepMounted={false}
-          classNames={{ tab: classes.tab ?? "", panel: `pt-8 stack gap-8` }}
+          classNames={{ tab: "pad-s text-12", panel: `pt-8 stack gap-8` }}
         >
           <Tabs.List grow>
             <Tabs.Tab value="shuttle">Shuttle</Tabs.Tab>
@@ -153,6 +150,6 @@ export function MotionCard({ device, axis, unit, onUnit }: Props) {
           </Tabs.Panel>
         </Tabs>
       </div>
-    </section>
+    </Card>
   );
 }

@@ -60,7 +60,7 @@ export function ChannelPanel({ scopeRow, scope, cursors, onToggle, onFold }: Pro
         {listed.map((trace) => (
           <li key={trace.key}>
             <UnstyledButton
-              className={`${classes.channel} row gap-6 text-12 tight w-full`}
+              className={`${classes.channel} lit row gap-6 text-12 tight w-full`}
               aria-pressed={trace.shown}
               title={trace.shown ? `Hide ${trace.label}` : `Show ${trace.label}`}
               onClick={() => onToggle(trace.key)}
@@ -74,7 +74,7 @@ export function ChannelPanel({ scopeRow, scope, cursors, onToggle, onFold }: Pro
               />
             </UnstyledButton>
             {cursors && trace.shown && trace.measured && (
-              <div className={`${classes.delta} hint flex between`}>
+              <div className={`indent hint flex between`}>
                 <span>B − A</span>
                 <LiveText
                   className={`${classes.channelValue} text-12 mono right nowrap`}

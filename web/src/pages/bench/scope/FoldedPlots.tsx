@@ -22,7 +22,7 @@ export function FoldedPlots({ rows, scope, onOpen }: Props) {
         return (
           <UnstyledButton
             key={row.id}
-            className={`${classes.folded} inline box gap-6 text-12`}
+            className={`${classes.folded} lit inline box gap-6 text-12`}
             aria-expanded={false}
             title={`Show the plot: ${row.title}`}
             onClick={() => onOpen(row.id)}

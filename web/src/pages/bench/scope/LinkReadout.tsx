@@ -79,7 +79,7 @@ export function LinkReadout({ name, several, link }: Props) {
       data-testid="link-readout"
     >
       {several && (
-        <Text component="span" size="xs" className={`${classes.linkName} clip`}>
+        <Text component="span" size="xs" w="7ch" className="clip">
           {name}
         </Text>
       )}
@@ -94,8 +94,7 @@ export function LinkReadout({ name, several, link }: Props) {
       {figures.map(({ name: figure, shown, warn }) => (
         <span
           key={figure}
-          className={`${classes.figure} dim nowrap`}
-          data-warn={warn}
+          className={`${classes.figure} nowrap ${warn ? "fault" : "dim"}`}
           data-testid={figure === "wire" ? "wire-budget" : undefined}
         >
           {shown}

@@ -3,6 +3,7 @@ import { useHotkeys, useMediaQuery } from "@mantine/hooks";
 import { IconActivity } from "@tabler/icons-react";
 import { type ReactNode, useLayoutEffect, useRef, useState } from "react";
 import type { Device } from "../../../api/queries";
+import { Card } from "../../../lib/Card";
 import { EmptyState } from "../../../lib/EmptyState";
 import { symbolOf } from "../../../lib/units";
 import { Plot } from "../../../plots/Plot";
@@ -78,8 +79,8 @@ export function ScopeCard({ devices, main, axisName, children }: Props) {
     });
 
   return (
-    <section
-      className={`${classes.scope} card stack grow shrink gap-6`}
+    <Card
+      className={`${classes.scope} stack grow shrink gap-6`}
       aria-label="Scope"
       data-testid="scope"
       data-paused={scope.paused}
@@ -174,7 +175,7 @@ export function ScopeCard({ devices, main, axisName, children }: Props) {
         )}
       </div>
       {children?.(scope)}
-    </section>
+    </Card>
   );
 }
 

@@ -1,4 +1,4 @@
-import { ActionIcon, Button, Group, Popover, SegmentedControl, Select } from "@mantine/core";
+import { ActionIcon, Box, Button, Group, Popover, SegmentedControl, Select } from "@mantine/core";
 import { IconAdjustmentsHorizontal, IconPlayerPause, IconPlayerPlay, IconRulerMeasure } from "@tabler/icons-react";
 import type { Device } from "../../../api/queries";
 import { namesOf } from "../../../lib/choices";
@@ -155,9 +155,9 @@ export function ScopeToolbar({ scope, devices, main, settings, change, cursors, 
         </Popover.Dropdown>
       </Popover>
       {device && (
-        <span className={classes.record}>
+        <Box component="span" miw={30}>
           <RecordButton device={device} axis={main.axis} rateHz={settings.rateHz} />
-        </span>
+        </Box>
       )}
       <LiveText
         className="accent text-12 bold"

@@ -1,12 +1,13 @@
-import { Button, SegmentedControl, Select } from "@mantine/core";
+import { Button, Center, SegmentedControl, Select } from "@mantine/core";
 import { IconArrowsMoveVertical } from "@tabler/icons-react";
 import { type ReactNode, useCallback, useMemo, useState } from "react";
 import type { Schemas } from "../../../api/client";
 import { type Device, useCatalog } from "../../../api/queries";
+import { Card } from "../../../lib/Card";
 import { fixed } from "../../../lib/format";
+import { Page } from "../../../lib/Page";
 import { ProblemAlert } from "../../../lib/ProblemAlert";
 import { colorOf } from "../../../lib/palette";
-import { Page, Section } from "../../../lib/Section";
 import { useScheme } from "../../../lib/useScheme";
 import { Plot } from "../../../plots/Plot";
 import { Harmonics } from "../Harmonics";
@@ -114,25 +115,26 @@ export function MslutEditor({
         />
       )}
       <div className="column">
-        <Section
+        <Card
           title="Wave"
           note={
-            <span className={`${classes.legend} inline wrap gap-4`}>
-              <i data-kind="design" /> {view === "period" ? phases.sine : "design"}
+            <span className="inline wrap gap-4">
+              <i className="key-line" /> {view === "period" ? phases.sine : "design"}
               {view === "period" && (
                 <>
-                  <i data-kind="phase_b" /> {phases.cosine}
+                  <i className="key-line hue-orange ml-4" /> {phases.cosine}
                 </>
               )}
-              <i data-kind="before" /> {beforeName} <i data-kind="ideal" /> sine
+              <i className="key-line hue-grey ml-4" /> {beforeName} <i className="key-line key-dashed hue-grey ml-4" />{" "}
+              sine
               {count.places > 4 && (
                 <>
-                  <i data-kind="seen" /> seen
+                  <i className="key-line key-dotted hue-text ml-4" /> seen
                 </>
               )}
               {result?.nearest && (
                 <>
-                  <i data-kind="nearest" /> nearest
+                  <i className="key-line hue-violet ml-4" /> nearest
                 </>
               )}
             </span>
@@ -181,7 +183,7 @@ export function MslutEditor({
               onSettle={rest}
             />
           ) : (
-            <div className={classes.waiting} />
+            <Center mih={430} />
           )}
           {design.error !== null && (
             <ProblemAlert error={design.error} doing="Designing the wave" retry={design.retry} />
@@ -195,10 +197,10 @@ export function MslutEditor({
             }
           />
           <p className="room m-0 mt-4 caution text-12">{[...new Set(result?.warnings ?? [])].join(". ")}</p>
-        </Section>
-        <div className={classes.columns}>
+        </Card>
+        <div className="columns design until-75">
           <div className="column">
-            <Section title="Formula">
+            <Card title="Formula">
               <WavePanel
                 formula={formula}
                 active={draft.kind === "formula"}
@@ -208,7 +210,7 @@ export function MslutEditor({
                 }}
                 onSettle={rest}
               />
-            </Section>
+            </Card>
             <Chip
               device={device}
               axis={axis}
@@ -222,8 +224,8 @@ export function MslutEditor({
             />
           </div>
           <div className="column">
-            <Section title="Before and after" note="one electrical period; angles electrical, microsteps 1/1024 of it">
-              <div className={`${classes.pair} grid gap-12 mid`}>
+            <Card title="Before and after" note="one electrical period; angles electrical, microsteps 1/1024 of it">
+              <div className="beside-figure columns gap-12 mid">
                 <div className={stale}>
                   {result && (
                     <FigureTable before={old?.metrics ?? null} beforeName={beforeName} after={result.metrics} />
@@ -243,9 +245,9 @@ export function MslutEditor({
                   </p>
                 </div>
               </div>
-            </Section>
-            <div className={`${classes.two} halves gap-8`}>
-              <Section title="Angle error" note="electrical, each microstep of a quarter">
+            </Card>
+            <div className="columns">
+              <Card title="Angle error" note="electrical, each microstep of a quarter">
                 <div className={stale}>
                   <Plot
                     label="Angle error of each microstep of a quarter"
@@ -260,7 +262,7 @@ export function MslutEditor({
                     scales={{ y: { include: [-0.25, 0, 0.25] } }}
                   />
                 </div>
-              </Section>
+              </Card>
               <Harmonics
                 numbers={ODD}
                 design={result?.metrics.harmonics}

@@ -1,10 +1,9 @@
 import { Button, Modal, Stack, Text, Textarea } from "@mantine/core";
 import { IconClipboardText } from "@tabler/icons-react";
 import { useState } from "react";
-import { Section } from "../../../lib/Section";
+import { Card } from "../../../lib/Card";
 import { Copy } from "../Transfer";
-import classes from "./Mslut.module.css";
-import { cArray, hexLines, pairOf, parseWave, type Table } from "./wave";
+import { cArray, hexLines, pairOf, parseWave, type Table, WIDTH_HUES } from "./wave";
 
 interface Props {
   /** null while the wave cannot be encoded */
@@ -30,7 +29,7 @@ export function Registers({ table, held, onPaste }: Props) {
   }
 
   return (
-    <Section
+    <Card
       title="Registers"
       actions={
         <>
@@ -47,7 +46,7 @@ export function Registers({ table, held, onPaste }: Props) {
         </>
       }
     >
-      <table className={`${classes.registers} figures`}>
+      <table className="figures">
         <thead>
           <tr>
             <th scope="col">register</th>
@@ -65,7 +64,7 @@ export function Registers({ table, held, onPaste }: Props) {
                 <th scope="row">{row.name.replaceAll("___", " · ")}</th>
                 <td className="num">0x{row.address.toString(16).toUpperCase()}</td>
                 <td className="num">{design ? design.hex : <span className="dim">cannot be encoded</span>}</td>
-                <td className="num" data-differs={(design && chip && design.value !== chip.value) || undefined}>
+                <td className={`num ${design && chip && design.value !== chip.value ? "caution" : ""}`}>
                   {chip?.hex ?? "–"}
                 </td>
               </tr>
@@ -74,10 +73,10 @@ export function Registers({ table, held, onPaste }: Props) {
         </tbody>
       </table>
       {table && (
-        <p className={`${classes.segments} lines-12 m-0 mt-8 text-12`}>
+        <p className="lines-12 m-0 mt-8 text-12">
           {table.segments.map((segment) => (
-            <span key={segment.first}>
-              <i className={classes.swatch} data-width={segment.width} />
+            <span key={segment.first} className="inline gap-4">
+              <i className={`swatch swatch-square faint ${WIDTH_HUES[segment.width] ?? ""}`} />
               <span className="num">
                 {segment.first}–{segment.last}
               </span>
@@ -108,6 +107,6 @@ export function Registers({ table, held, onPaste }: Props) {
           </Button>
         </Stack>
       </Modal>
-    </Section>
+    </Card>
   );
 }

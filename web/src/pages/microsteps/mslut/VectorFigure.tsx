@@ -1,4 +1,3 @@
-import classes from "./Mslut.module.css";
 import { currentAt, POSITIONS } from "./wave";
 
 interface Wave {
@@ -44,7 +43,7 @@ export function VectorFigure({ design, before, worst, phases }: Props) {
   const angle = worst === null ? null : vector(design, worst)[1];
   return (
     <svg
-      className={classes.xy}
+      className="square"
       viewBox={`${-REACH} ${-REACH} ${2 * REACH} ${2 * REACH}`}
       role="img"
       aria-label={`Current vector over a period, ${phases.cosine} across and ${phases.sine} up; deviations of its length ${MAGNIFIED} times larger`}

@@ -5,7 +5,20 @@ import { fixed } from "../../../lib/format";
 import { useFrame } from "../../../live/useFrame";
 import classes from "./Mslut.module.css";
 import type { Seen } from "./seen";
-import { bent, clamp, currentAt, ENTRIES, entryAt, POSITIONS, pairOf, SINE, stroked, type Table, TOP } from "./wave";
+import {
+  bent,
+  clamp,
+  currentAt,
+  ENTRIES,
+  entryAt,
+  POSITIONS,
+  pairOf,
+  SINE,
+  stroked,
+  type Table,
+  TOP,
+  WIDTH_HUES,
+} from "./wave";
 
 export type Tool = "bend" | "point" | "draw";
 export type View = "quarter" | "period";
@@ -205,8 +218,7 @@ export function WaveEditor(props: Props) {
         {bands.map(({ key, from, to, segment, named }) => (
           <g key={key}>
             <rect
-              className={classes.band}
-              data-width={segment.width}
+              className={`${classes.band} ${WIDTH_HUES[segment.width] ?? ""}`}
               data-offered={nearest !== null || undefined}
               x={Math.max(MARGIN.left, from)}
               width={Math.max(0, Math.min(MARGIN.left + inner, to) - Math.max(MARGIN.left, from))}
@@ -214,11 +226,7 @@ export function WaveEditor(props: Props) {
               height={height - MARGIN.bottom - 4}
             />
             {named && to - from > 26 && (
-              <text
-                className={`${classes.bandName} text-12 fill-text touchless`}
-                x={Math.max(MARGIN.left, from) + 4}
-                y={15}
-              >
+              <text className="text-12 fill-text touchless" x={Math.max(MARGIN.left, from) + 4} y={15}>
                 {to - from > 64 ? `W${segment.width}: ${pairOf(segment.low)}` : `W${segment.width}`}
               </text>
             )}
@@ -296,7 +304,7 @@ export function WaveEditor(props: Props) {
         )}
         <g
           ref={handle}
-          className={classes.point}
+          className="point"
           role="slider"
           tabIndex={0}
           aria-label={`Entry ${active}`}
@@ -307,7 +315,7 @@ export function WaveEditor(props: Props) {
           onKeyDown={onKey}
           onBlur={onSettle}
         >
-          <circle className={classes.halo} cx={x(active)} cy={y(value)} r={8} />
+          <circle className="halo" cx={x(active)} cy={y(value)} r={8} />
           <circle className="fill-accent" cx={x(active)} cy={y(value)} r={3.5} />
         </g>
       </svg>

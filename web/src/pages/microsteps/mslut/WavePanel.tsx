@@ -87,8 +87,9 @@ export function WavePanel({ formula, active, onChange, onSettle }: Props) {
   const usual = formula.grid === "whole_step" ? 247 : 248;
   const grid = GRIDS.find((entry) => entry.value === formula.grid);
   return (
-    <div className={`${classes.formula} grid gap-8`} data-active={active || undefined}>
-      <div className={`${classes.line2} grid gap-8 mid`}>
+    // drawn by hand: the formula is what it was last
+    <div className={`grid gap-8 ${active ? "" : "inactive"}`}>
+      <div className="control-line">
         <Track
           label="σ"
           title="Sigma, the shape: −1 rhomb, 0 circle, +1 box"
@@ -101,7 +102,7 @@ export function WavePanel({ formula, active, onChange, onSettle }: Props) {
           onSettle={onSettle}
         />
       </div>
-      <div className={`${classes.line2} grid gap-8 mid`}>
+      <div className="control-line">
         <Track
           label={
             <>
@@ -143,9 +144,9 @@ export function WavePanel({ formula, active, onChange, onSettle }: Props) {
           onBlur={onSettle}
         />
       </div>
-      <p className={classes.group}>Harmonics of the current, % of the amplitude; phase 0° or 180°</p>
+      <p className="hint m-0 mt-4">Harmonics of the current, % of the amplitude; phase 0° or 180°</p>
       {formula.harmonics.map((part) => (
-        <div key={part.order} className={`${classes.part} grid gap-8 mid`}>
+        <div key={part.order} className={`${classes.part} control-line`}>
           <Track
             label={`${part.order}θ`}
             title={`Harmonic ${part.order}`}
@@ -176,9 +177,9 @@ export function WavePanel({ formula, active, onChange, onSettle }: Props) {
           />
         </div>
       ))}
-      <p className={classes.group}>Corrections of the angle, electrical degrees; phase 0° or 180°</p>
+      <p className="hint m-0 mt-4">Corrections of the angle, electrical degrees; phase 0° or 180°</p>
       {formula.corrections.map((part) => (
-        <div key={part.order} className={`${classes.part} grid gap-8 mid`}>
+        <div key={part.order} className={`${classes.part} control-line`}>
           <Track
             label={`sin ${part.order}θ`}
             title={`Angle correction of order ${part.order}`}
@@ -206,7 +207,7 @@ export function WavePanel({ formula, active, onChange, onSettle }: Props) {
           />
         </div>
       ))}
-      <div className={`${classes.line2} grid gap-8 mid`}>
+      <div className="control-line">
         <Track
           label="amplitude"
           title="Amplitude, the largest value"

@@ -218,6 +218,9 @@ export function wordsOf(registers: readonly Register[]): Schemas["MslutWords"] {
   return { mslut: values.slice(0, 8), mslutsel: values[8] ?? 0, mslutstart: values[9] ?? 0 };
 }
 
+/** A hue of ui.css for each two differences that a segment may hold: the same four everywhere, words beside them. */
+export const WIDTH_HUES = ["hue-pink", "hue-blue", "hue-green", "hue-orange"] as const;
+
 /** "0 +1": the two differences of a segment. */
 export function pairOf(low: number): string {
   const signed = (step: number) => (step > 0 ? `+${step}` : step < 0 ? `−${-step}` : "0");
