@@ -111,6 +111,7 @@ def test_the_frame_log_is_filtered_paused_and_copied(page: Page, api: httpx.Clie
     frame.click()
     expect(page.get_by_label("The chosen frame")).to_contain_text("status")
     page.get_by_role("button", name="Pause").click()
+    expect(page.get_by_role("button", name="Resume")).to_be_visible()
     count = page.get_by_role("option").count()
     api.post(f"/devices/{drive}/tmcl", json={"line": "GGP 66, 0"}).raise_for_status()
     page.get_by_role("button", name="Copy CSV").click()

@@ -172,7 +172,7 @@ export function SendPanel(props: Props) {
           </thead>
           <tbody>
             {differences.map((row) => (
-              <tr key={row.label}>
+              <tr key={row.label} data-changed={row.from !== row.to || undefined}>
                 <th scope="row" className="mono">
                   {row.label}
                 </th>
