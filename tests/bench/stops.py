@@ -82,11 +82,14 @@ def ended(process: subprocess.Popen[bytes]) -> Iterator[None]:
 
 
 @contextmanager
-def server(*arguments: str, prepare: Callable[[Path], object] = str) -> Iterator[tuple[ServerProcess, httpx.Client]]:
+def server(
+    *arguments: str, prepare: Callable[[Path], object] | None = None
+) -> Iterator[tuple[ServerProcess, httpx.Client]]:
     """A server that is given 1,024 descriptors, as by a shell; `prepare` puts into its data directory what is there."""
     soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
     with tempfile.TemporaryDirectory() as folder, ExitStack() as stack:
-        prepare(Path(folder))
+        if prepare is not None:
+            prepare(Path(folder))
         resource.setrlimit(resource.RLIMIT_NOFILE, (min(soft, DESCRIPTORS), hard))
         try:
             process = stack.enter_context(ServerProcess(Path(folder), *arguments))
@@ -114,7 +117,7 @@ def loaded(load: str, count: int, process: ServerProcess) -> Iterator[None]:
 def stops_under(what: str, load: str, count: int, empty: str, quick: bool) -> list[Row]:
     times = 50 if quick else 200
     with (
-        server("--demo", prepare=make_long if load == "downloads" else str) as (process, api),
+        server("--demo", prepare=make_long if load == "downloads" else None) as (process, api),
         loaded(load, count // 10 if quick and load == "readers" else count, process),
     ):
         empty_ms = timed_ms(empty, "stop", times)
