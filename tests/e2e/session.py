@@ -28,8 +28,15 @@ class AsTheHolder(httpx.Auth):
 
 
 def a_client(url: str, timeout_s: float = 10.0) -> httpx.Client:
-    """REST of the server at `url`."""
-    return httpx.Client(base_url=f"{url}/api/v1", timeout=timeout_s, auth=AsTheHolder())
+    """REST of the server at `url`; what `raise_for_status` raises says what the server said."""
+    hooks = {"response": [_say_why]}
+    return httpx.Client(base_url=f"{url}/api/v1", timeout=timeout_s, auth=AsTheHolder(), event_hooks=hooks)
+
+
+def _say_why(response: httpx.Response) -> None:
+    if response.is_error:
+        said = response.read().decode(errors="replace")
+        response.extensions["reason_phrase"] = f"{response.reason_phrase}: {said}".encode("ascii", "backslashreplace")
 
 
 def take_the_bench(api: httpx.Client) -> None:

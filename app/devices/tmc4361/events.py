@@ -19,7 +19,7 @@ from ...registers.tmc4361.bits import EVENT_MASK, event_names, selected_events
 from ..core.capabilities import EventLog, LatchedFlags
 from ..core.register_io import Held, Words, Write
 from ..core.register_link import RegisterLink
-from ..core.results import DeviceState, EventPage
+from ..core.results import ChipEvents, DeviceState, EventPage
 from ..core.timeline import Timeline
 from . import rows
 from .memory import ChipMemory
@@ -139,8 +139,7 @@ class Events(EventLog, LatchedFlags):
         entry = self._timeline.glimpsed(bits, time_s) if bits else None
         if entry is not None:
             self.present |= bits
-            self.resets += RESET in entry.names
-            self._session.tell(entry)
+            self._tell(entry)
 
     def bits_of_status(self, status: int) -> int:
         """Events that a status byte shows; none before SPI_STATUS_SELECTION was seen."""
@@ -153,13 +152,17 @@ class Events(EventLog, LatchedFlags):
         self.present = left
         entry = self._timeline.read(word, left, time_s)
         if entry is not None:
-            if RESET in entry.names:
-                if self._acquainted:
-                    self._memory.forget_at_reset()  # it has been reset while we knew it
-                self.resets += 1
-                self._memory.reset_seen()
-            self._session.tell(entry)
+            self._tell(entry)
         self._acquainted = True
+
+    def _tell(self, entry: ChipEvents) -> None:
+        """Tell of events once, however they were seen first; of a reset the memory hears before anybody else."""
+        if RESET in entry.names:
+            if self._acquainted:
+                self._memory.forget_at_reset()  # it has been reset while we knew it
+            self.resets += 1
+            self._memory.reset_seen()
+        self._session.tell(entry)
 
     def _state_set(self, state: DeviceState, problem: BenchError | None) -> None:
         del problem

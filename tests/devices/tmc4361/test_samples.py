@@ -7,6 +7,7 @@ import pytest
 
 from app.devices.core.sample_plan import FloatArray
 from app.devices.tmc4361.telemetry import QUANTITIES
+from app.emulators.tmc4361.options import Tmc4361Patch
 from app.errors import UnknownThing, UsageError
 from tests.devices.tmc4361.bench import Bench, bench
 
@@ -82,6 +83,21 @@ async def test_events_of_the_status_byte_have_the_time_of_their_row() -> None:
         times, columns = rows.decoded()
         reached = columns[:, 1].astype(np.int64) & 1
         assert times[np.flatnonzero(reached)[0]] == pytest.approx(arrival_s, abs=0.0015)
+
+
+async def test_a_reset_that_a_status_byte_shows_first_forgets_what_was_written() -> None:
+    async with bench() as b:
+        await b.clock.advance(1)
+        await b.device.identity.refresh()
+        rows = Rows(b, ["position.0", "events.0"], 0.001)
+        await b.device.registers.write("PID_P", 0, 99)
+        b.patch(Tmc4361Patch(power_cycle=True))
+        b.port.run_due_samples()
+        await b.clock.advance(0.003)
+        rows.decoded()
+        assert b.event_names().count("RST_EV") == 2  # of power-on, and now
+        await b.state()  # reads EVENTS: no news any more
+        assert b.memory.kept_word(b.device.family.table.get("PID_P", 0)) is None
 
 
 async def test_without_an_encoder_its_channels_are_unknown() -> None:
