@@ -110,6 +110,9 @@ class Procedures:
     async def rotate_held(self, device: Device, axis: int, velocity: float, unit: str, hold_s: float) -> Rotating:
         """Rotate, and stop by itself in `hold_s` [s] unless `keep_rotating` is called. Raises what `rotate` does."""
         check_hold(hold_s)
+        before = self._find(device, axis, Hold)
+        if before is not None and before.running:
+            before.keep(hold_s)  # somebody is there: it must not end, and stop the motor, while this is on its way
         rotating = await device.motion.rotate(axis, velocity, unit)
         for ended in self.running(device, axis):  # by this very rotation; their last words must not stop it
             await ended.wait()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+
 import pytest
 
 from app.errors import OutOfRange, WrongState
@@ -62,6 +64,21 @@ async def test_the_other_way_round_at_once() -> None:
         assert (await b.device.monitor.axis_state(0)).velocity_pps < 0
         await b.clock.advance(1.0)
         assert not (await b.device.monitor.axis_state(0)).moving
+
+
+async def test_a_rotation_that_takes_over_is_not_stopped_by_the_end_of_the_one_before() -> None:
+    async with bench() as b:
+        procedures = Procedures(b.clock)
+        await procedures.rotate_held(b.device, 0, 5000, "pps", 0.5)
+        await b.clock.advance(0.4)
+        async with b.device.session.queue.turn():  # the link is busy beyond the time of the first
+            taking_over = asyncio.create_task(procedures.rotate_held(b.device, 0, -5000, "pps", 0.5))
+            await b.clock.advance(0.2)
+            assert not taking_over.done()
+        await b.clock.advance(0.01)
+        await taking_over
+        await b.clock.advance(0.4)
+        assert (await b.device.monitor.axis_state(0)).velocity_pps == pytest.approx(-5000, rel=0.01)
 
 
 @pytest.mark.parametrize("hold_s", [0.0, 0.05, 11.0])
