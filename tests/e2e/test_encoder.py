@@ -12,7 +12,7 @@ from playwright.sync_api import Page, expect
 
 from tests.e2e import chips
 from tests.e2e.conftest import DESKTOP, PHONE, Errors
-from tests.e2e.motor import TURN, Motor, a_motor, select, wait_for
+from tests.e2e.motor import TURN, Motor, a_motor, select, wait_for, whole_run
 
 
 @pytest.fixture(scope="module")
@@ -43,14 +43,13 @@ def amplitude(page: Page, per_turn: int) -> float:
     return float(text) if re.search(r"\d", text) else float("nan")
 
 
-def test_a_slow_turn_shows_eccentricity_and_detent(encoder: Page, motor: Motor) -> None:
+def test_a_slow_turn_shows_eccentricity_and_detent(encoder: Page, motor: Motor, errors: Errors) -> None:
+    errors.expect("status of 409")  # `whole_run`
     eccentricity_deg = 0.4
     motor.world(encoder={"eccentricity_deg": eccentricity_deg})
     encoder.get_by_label("Speed rpm").fill("15")
     encoder.get_by_label("Speed rpm").press("Enter")
-    encoder.get_by_test_id("slow-turn").click()
-    expect(encoder.get_by_test_id("run-note")).to_have_attribute("data-phase", "running")
-    expect(encoder.get_by_test_id("run-note")).to_have_attribute("data-phase", "done", timeout=30_000)
+    whole_run(encoder, motor, "slow-turn")
     expect(encoder.get_by_test_id("angle-seen")).to_contain_text("100 % of the turn")
     expected = eccentricity_deg / 360 * TURN
     assert amplitude(encoder, 1) == pytest.approx(expected, rel=0.15)

@@ -11,7 +11,7 @@ from playwright.sync_api import Locator, Page, Route, expect
 
 from tests.e2e import chips
 from tests.e2e.conftest import DESKTOP, PHONE, Errors
-from tests.e2e.motor import TURN, Motor, a_motor, select, wait_for
+from tests.e2e.motor import TURN, Motor, a_motor, select, wait_for, whole_run
 
 THRESHOLDS = ("stop_on_stall", "smartenergy_threshold_speed", "smartenergy_hysteresis_start", "smartenergy_hysteresis")
 
@@ -57,28 +57,12 @@ def over(page: Page, plot: str) -> Locator:
 
 
 def test_a_sweep_fills_the_plot_and_ends(load: Page, motor: Motor, errors: Errors) -> None:
-    # A page that a busy machine keeps from its beat for 1.5 s loses the motor, as it should; then it is begun anew.
-    errors.expect("status of 409")
+    errors.expect("status of 409")  # `whole_run`
     load.get_by_test_id("clear-speed").click()
     wait_for(lambda: samples(load) == 0, "cleared: the page brings the samples of the last minutes with it")
     sweep_of(load, speeds=2, each_s=0.5)
-    note = load.get_by_test_id("run-note")
-    for last in (False, False, True):
-        load.get_by_test_id("sweep").click()
-        expect(note).to_have_attribute("data-phase", "running")
-        speeds: list[float] = []
-
-        def over(speeds: list[float] = speeds) -> bool:
-            speeds.append(motor.axis()["velocity_pps"])
-            return note.get_attribute("data-phase") != "running"
-
-        wait_for(over, "it ends by itself", 30.0)
-        if note.get_attribute("data-phase") == "done" or last:
-            break
-        wait_for(lambda: not motor.axis()["moving"], "at rest")
-    expect(note).to_have_attribute("data-phase", "done")
+    speeds = whole_run(load, motor, "sweep")
     assert max(speeds) > 0 > min(speeds), "there and back"
-    wait_for(lambda: not motor.axis()["moving"], "at rest")
     assert samples(load) > 100
     load.get_by_test_id("clear-speed").click()
     wait_for(lambda: samples(load) == 0, "cleared")
