@@ -63,7 +63,7 @@ format: $(STAMPS)/tools  ## let the formatters have their way
 	$(BIN)/ruff format .
 	$(PY) scripts/web.py npm run --silent format
 
-types: $(STAMPS)/app $(STAMPS)/tools  ## the OpenAPI schema and the UI's TypeScript types, from the Python models
+types: $(STAMPS)/app $(STAMPS)/tools  ## all generated files: the OpenAPI schema, the UI's types and forms, the blocking client
 	$(PY) scripts/generate_types.py
 
 conformance: $(STAMPS)/app $(STAMPS)/tools  ## which sections of the data sheets the tests hold

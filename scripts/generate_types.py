@@ -1,5 +1,5 @@
 """Writes web/src/api/openapi.json from the Python models, the UI's TypeScript types and connection forms from it, the
-calls that need no lease, and the catalog that the UI's tests work with.
+calls that need no lease, the catalog that the UI's tests work with, and the blocking client from that for asyncio.
 
 With --check nothing is written: it ends with 1 when a file is stale, and says which command makes it anew.
 """
@@ -13,6 +13,7 @@ import sys
 import tempfile
 from pathlib import Path
 
+from blocking_client import Unmade, blocking_text
 from forms import connection_forms
 
 from web import WEB, WebBuildError, install_packages, npm, require_node
@@ -22,6 +23,7 @@ TYPES = WEB / "src" / "api" / "schema.d.ts"
 FORMS = WEB / "src" / "api" / "forms.json"
 FREE_CALLS = WEB / "src" / "api" / "lease" / "free.json"
 CATALOG = WEB / "test" / "catalog.json"
+CLIENT = WEB.parent / "app" / "client"
 
 
 def schema_text() -> str:
@@ -81,7 +83,8 @@ def main() -> int:
     try:
         wanted = {SCHEMA: schema, TYPES: types_text(schema), FORMS: forms_text(schema)}
         wanted |= {FREE_CALLS: free_calls_text(), CATALOG: catalog_text()}
-    except WebBuildError as error:
+        wanted[CLIENT / "blocking.py"] = blocking_text((CLIENT / "asynchronous.py").read_text())
+    except (WebBuildError, Unmade) as error:
         print(f"types: {error}", file=sys.stderr)
         return 1
     stale = [path for path, text in wanted.items() if not path.is_file() or path.read_text() != text]

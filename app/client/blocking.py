@@ -1,4 +1,4 @@
-"""The client for plain scripts. Each call waits for its answer."""
+"""The client for plain scripts. Each call waits for its answer. Made by `make types` of `asynchronous`."""
 
 from __future__ import annotations
 
