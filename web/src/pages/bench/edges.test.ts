@@ -27,12 +27,25 @@ describe("the edges of a search", () => {
     trail.begin(0);
     trail.look(look(1, 0, 0));
     trail.look(look(2, 10, 1));
-    trail.end(100);
-    expect(trail.edges[0]?.at).toBe(-95);
-    trail.look(look(3, -95, 0)); // the first sample of the new counting is compared with none of the old
-    expect(trail.edges).toHaveLength(1);
+    trail.finish(100);
+    trail.look(look(3, -90, 1));
+    expect(trail.edges).toEqual([{ which: "home", closed: true, at: -95 }]);
+    expect(trail.finishing).toBe(false);
     trail.begin(0);
     expect(trail.edges).toEqual([]);
+  });
+
+  it("count that are in samples which come after the answer that the search is done", () => {
+    const trail = new EdgeTrail();
+    trail.begin(0);
+    trail.look(look(1, 480, 0));
+    trail.finish(500);
+    trail.look(look(1.5, 500, 1));
+    trail.look(look(1.6, 0, 1, 1)); // an edge on the way over which the counter was set anew
+    expect(trail.edges).toEqual([
+      { which: "home", closed: true, at: -10 },
+      { which: "left", closed: true, at: 0 },
+    ]);
   });
 
   it("are not made up where the counter is zeroed before that is told", () => {
@@ -41,9 +54,11 @@ describe("the edges of a search", () => {
     trail.look(look(1, 500, 0));
     trail.look(look(2, 500, 1));
     trail.look(look(3, 0, 1));
-    trail.end(500);
+    trail.finish(500);
+    expect(trail.finishing).toBe(true);
+    trail.look(look(4.1, 0, 1));
     expect(trail.edges).toEqual([{ which: "home", closed: true, at: 0 }]);
-    expect(trail.lookedAtS).toBe(3);
+    expect(trail.finishing).toBe(false);
   });
 
   it("take an unknown switch for no edge", () => {

@@ -26,12 +26,12 @@ export function useSearchEdges(
       trail.begin((live.source?.buffer.lastTime ?? 0) - ANSWERED_LATE_S);
     } else if (ran.current) {
       ran.current = false;
-      for (const look of looksSince(live, microsteps, trail.lookedAtS)) trail.look(look);
-      if (state === "done" && zero !== null) trail.end(zero / microsteps);
+      if (state === "done" && zero !== null) trail.finish(zero / microsteps);
     }
   }, [trail, state, zero, microsteps, live]);
   useFrame(() => {
-    if (state === "running") for (const look of looksSince(live, microsteps, trail.lookedAtS)) trail.look(look);
+    if (state === "running" || trail.finishing)
+      for (const look of looksSince(live, microsteps, trail.lookedAtS)) trail.look(look);
     if (shown.current === trail.revision) return;
     shown.current = trail.revision;
     setEdges(trail.edges.slice());
