@@ -82,13 +82,16 @@ class EmulatorPort:
         return [self._answer(frame, at_s) for frame in frames]
 
     def _answer(self, frame: bytes, at_s: float) -> bytes:
+        clock = self.wire.clock
+        skipped_s = clock.skipped_s
         try:
             reply = self.wire.exchange(frame, at_s)
         except TimeoutError as error:
             raise LinkTimeout(self._name, 0.0, f"frame {frame.hex(' ')}") from error
         except ConnectionError as error:
             raise LinkDown(self._name, str(error) or "unplugged") from error
-        self._last_exchange_s = at_s
+        # What could not be worked out in time was skipped: then the answer is not of the time that was asked for.
+        self._last_exchange_s = at_s if clock.skipped_s == skipped_s else min(at_s, clock.now())
         if self._event_listeners:
             self._tell_events(at_s)
         return reply

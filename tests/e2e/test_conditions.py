@@ -47,13 +47,17 @@ class Told:
             for text in self._socket:
                 message: dict[str, Any] = json.loads(text)
                 for axis in message.get("axes", [message]):
-                    if axis.get("device") == self.device and axis.get("axis") == 0:
+                    if axis.get("device") == self.device and axis.get("axis") == 0 and axis.get("condition"):
                         self.kinds.append((axis["condition"]["kind"], time.time()))
         except ConnectionClosed:
             pass
 
     def first(self, kind: str, after_s: float) -> float | None:
         return next((at_s for told, at_s in self.kinds if told == kind and at_s >= after_s), None)
+
+    @property
+    def listens(self) -> bool:
+        return self._reader.is_alive()
 
     def close(self) -> None:
         self._socket.close()

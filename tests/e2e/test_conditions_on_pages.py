@@ -96,6 +96,21 @@ class Rig(Chip):
             self.go_on()
         return told == "on_target"
 
+    def seen(self, told: Told, since_s: float) -> str:
+        """What a test that waited in vain has to say."""
+        device = self.api.get(f"/devices/{self.device}").json()
+        stops = self.api.get(f"/devices/{self.device}/axes/0/stops").json()
+        return "\n".join(
+            [
+                f"told since: {[kind for kind, at_s in told.kinds if at_s >= since_s]}, listens: {told.listens}",
+                f"before: {[kind for kind, at_s in told.kinds if at_s < since_s][-5:]}",
+                f"now: {device['state']}, {device['axes'][0]['condition']}",
+                f"axis: {self.axis()}",
+                f"stops: {stops[:3]}",
+                f"world: {self.api.get(f'/devices/{self.device}/emulator').json()}",
+            ]
+        )
+
     def told(self) -> str:
         return str(self.api.get(f"/devices/{self.device}").json()["axes"][0]["condition"]["kind"])
 
@@ -175,7 +190,11 @@ def look(page: Page, told: Told, rig: Rig, incident: Incident, where: str) -> No
     page.evaluate("window.told = []; window.shown = []")
     began_s = time.time()
     incident.happen(rig)
-    wait_for(lambda: told.first(incident.kind, began_s) is not None, f"the server judges it {incident.kind}")
+    try:
+        wait_for(lambda: told.first(incident.kind, began_s) is not None, f"the server judges it {incident.kind}")
+    except AssertionError as error:
+        error.add_note(rig.seen(told, began_s))
+        raise
     told_s = told.first(incident.kind, began_s)
     assert told_s is not None
     page.wait_for_function("kind => window.shown.some(([seen, at]) => seen === kind && at)", arg=incident.kind)

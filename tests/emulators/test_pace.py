@@ -144,6 +144,15 @@ def test_a_store_that_was_spent_fills_with_half_of_the_time() -> None:
     assert pace.allowed_s() == pytest.approx(0.01)
 
 
+def test_one_piece_that_took_long_is_not_paid_for_without_end() -> None:
+    clock = VirtualClock(10.0)
+    pace = Pace(clock.now)
+    pace.spend(60.0)
+    assert pace.allowed_s() <= -AT_ONCE_S
+    clock.set(10.0 + 2 * IN_STORE_S + 2 * AT_ONCE_S)
+    assert pace.allowed_s() == pytest.approx(AT_ONCE_S)
+
+
 def test_samples_of_skipped_time_are_missed_and_counted() -> None:
     clock, emulator = bench("tmc5160", STIFF)
     turn(emulator, TURNING["tmc5160"])
@@ -175,3 +184,15 @@ def test_a_listed_module_works_a_night_out_as_one_step() -> None:
     assert emulator.clock.skipped_s == 0.0
     turned = Reply.decode(emulator.exchange(Request(1, 6, 1, 0, 0).encode())).value
     assert turned != 0
+
+
+@pytest.mark.parametrize("model", TURNING)
+async def test_no_answer_is_of_a_time_that_was_skipped(model: str) -> None:
+    """Whoever asks after a night believes it to be of the chip's time then, and not of hours to come."""
+    clock, emulator = bench(model, STIFF if model.startswith("tmc5") else {})
+    port = EmulatorPort(emulator, hurries=True)
+    turn(emulator, TURNING[model])
+    clock.set(NIGHT_S)
+    await port.exchange(TURNING[model][0])
+    assert emulator.clock.skipped_s > 0.9 * NIGHT_S
+    assert port.last_exchange_s == port.device_time_s() == emulator.clock.at(clock.now())

@@ -35,6 +35,10 @@ class Pace:
             return min(AT_ONCE_S, self._left_s)
 
     def spend(self, work_s: float) -> None:
-        """It has worked that long [s]."""
+        """It has worked that long [s].
+
+        One piece that took long for another reason, a compilation or a collection of garbage, lets nobody stand still
+        for twice as long: it costs no more than the whole store.
+        """
         with self._lock:
-            self._left_s -= work_s
+            self._left_s = max(-IN_STORE_S, self._left_s - work_s)
