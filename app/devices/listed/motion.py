@@ -6,7 +6,6 @@ warning says so. TMCL has one stop, which both modes of a stop are.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 
 from ...errors import BenchError, CannotMove, LinkError, OutOfRange, UsageError, WriteRefused
@@ -20,6 +19,7 @@ from ..core.motion_watch import Kind
 from ..core.prediction import Prediction
 from ..core.results import AxisMove, MoveStarted, Rotating, StopMode, StopOutcome
 from ..core.session import Session
+from ..core.stop_each import stop_each
 from ..core.tmcl_calls import Calls
 from ..core.tmcl_link import TmclLink
 from .ongoing import ListedMotions
@@ -149,17 +149,12 @@ class ListedMotion(Motion):
 
     async def stop_axes(self, axes: Sequence[int], mode: StopMode = "ramp") -> list[StopOutcome]:
         """Ahead of everything that waits for this link. One that failed is reported and not sent again by itself."""
-        began = time.perf_counter()
-        outcomes = []
-        for axis in axes:
-            self._session.stops[axis] += 1  # before anything waits: what is under way for this axis gives up
-            self._session.commanded(axis, "stop", mode=mode)
-        for axis in axes:
+
+        async def stop(axis: int) -> BenchError | None:
             async with self._link.calls(priority=Priority.STOP) as calls:
-                problem = await self._stop(calls, axis)
-            took_ms = (time.perf_counter() - began) * 1e3
-            outcomes.append(StopOutcome(self._session.id, axis, problem is None, took_ms, problem))
-        return outcomes
+                return await self._stop(calls, axis)
+
+        return await stop_each(self._session, axes, mode, stop)
 
     async def _stop(self, calls: Calls, axis: int) -> BenchError | None:
         target_speed = self._state.axes[axis].target_speed

@@ -12,7 +12,6 @@ stay cleared.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 
 from ...errors import BenchError, LinkDown, LinkTimeout, WriteRefused
@@ -20,6 +19,7 @@ from ...links.queue import Priority
 from ..core.register_io import Held, Words, Write
 from ..core.register_link import RegisterLink
 from ..core.results import StopMode, StopOutcome
+from ..core.stop_each import stop_each
 from . import prediction, rows
 from .cruise import Cruise
 from .expected_motion import ExpectedMotion
@@ -42,17 +42,13 @@ class Stops:
 
     async def stop_axes(self, axes: Sequence[int], mode: StopMode = "ramp") -> list[StopOutcome]:
         """Stop ahead of everything that waits for this link. Failures are in the outcomes, not raised."""
-        began = time.perf_counter()
-        outcomes = []
-        for axis in axes:
-            self._session.stops[axis] += 1  # before anything waits: what is under way for this axis gives up
-            self._session.commanded(axis, "stop", mode=mode)
+
+        async def stop(axis: int) -> BenchError | None:
+            del axis  # it has one
             async with self._link.turn(Priority.STOP) as turn:
-                problem = await self._stop(self._link.words(turn), mode)
-            outcomes.append(
-                StopOutcome(self._session.id, axis, problem is None, (time.perf_counter() - began) * 1e3, problem)
-            )
-        return outcomes
+                return await self._stop(self._link.words(turn), mode)
+
+        return await stop_each(self._session, axes, mode, stop)
 
     async def _stop(self, words: Words, mode: StopMode) -> BenchError | None:
         problem: BenchError | None = None

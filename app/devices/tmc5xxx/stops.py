@@ -11,7 +11,6 @@ Source: TMC5160A data sheet 1.14, 14.2.4, first of the ways to end a ramp early.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -22,6 +21,7 @@ from ..core.register_link import RegisterLink
 from ..core.results import StopMode, StopOutcome
 from ..core.session import Session
 from ..core.sixpoint_plans import turn_plan
+from ..core.stop_each import stop_each
 from . import rows as r
 from .memory import ChipMemory
 from .motions import Motions
@@ -44,18 +44,11 @@ class Stops:
     motions: Motions
 
     async def stop_axes(self, axes: Sequence[int], mode: StopMode = "ramp") -> list[StopOutcome]:
-        began = time.perf_counter()
-        for axis in axes:
-            self.session.stops[axis] += 1  # before anything waits: what is under way for these axes gives up
-            self.session.commanded(axis, "stop", mode=mode)
-        outcomes = []
-        for axis in axes:
+        async def stop(axis: int) -> BenchError | None:
             async with self.session.queue.turn(Priority.STOP) as turn:
-                problem = await self._stop(self.link.words(turn), axis, mode)
-            outcomes.append(
-                StopOutcome(self.session.id, axis, problem is None, (time.perf_counter() - began) * 1e3, problem)
-            )
-        return outcomes
+                return await self._stop(self.link.words(turn), axis, mode)
+
+        return await stop_each(self.session, axes, mode, stop)
 
     async def _stop(self, words: Words, axis: int, mode: StopMode) -> BenchError | None:
         problem: BenchError | None = None

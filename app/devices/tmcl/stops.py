@@ -10,7 +10,6 @@ answer may have been all that was lost, and whoever stops decides what comes nex
 from __future__ import annotations
 
 import contextlib
-import time
 from collections.abc import Sequence
 
 from ...errors import BenchError, DownloadMode, LinkDown, WriteRefused, WrongState
@@ -20,6 +19,7 @@ from ...links.tmcl import Request
 from ...registers.tmcl.commands import Opcode
 from ..core.results import StopMode, StopOutcome
 from ..core.session import Session
+from ..core.stop_each import stop_each
 from ..core.tmcl_calls import Calls
 from ..core.tmcl_frames import STATUS, STOP
 from ..core.tmcl_link import TmclLink
@@ -48,17 +48,12 @@ class Stops:
         self._borrowed = borrowed
 
     async def stop_axes(self, axes: Sequence[int], mode: StopMode = "ramp") -> list[StopOutcome]:
-        began = time.perf_counter()
-        outcomes = []
-        for axis in axes:
-            self._session.stops[axis] += 1  # before anything waits: what is under way for this axis gives up
-            self._session.commanded(axis, "stop", mode=mode)
+        async def stop(axis: int) -> BenchError | None:
+            del axis  # it has one
             async with self._link.calls(priority=Priority.STOP) as calls:
-                problem = await self._stop(calls, mode)
-            outcomes.append(
-                StopOutcome(self._session.id, axis, problem is None, (time.perf_counter() - began) * 1e3, problem)
-            )
-        return outcomes
+                return await self._stop(calls, mode)
+
+        return await stop_each(self._session, axes, mode, stop)
 
     async def _stop(self, calls: Calls, mode: StopMode) -> BenchError | None:
         # In download mode a stop would be stored, so that ends first. Where it fails, the stop goes out all the same:
