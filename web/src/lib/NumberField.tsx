@@ -1,7 +1,7 @@
 import { Text, TextInput, type TextInputProps } from "@mantine/core";
 import { useRef, useState } from "react";
 import { flushSync } from "react-dom";
-import { compact, decimalSum, exactText, parseNumber } from "./format";
+import { bound, decimalSum, exactText, parseNumber } from "./format";
 import { symbolOf } from "./units";
 
 export interface NumberFieldProps extends Omit<TextInputProps, "value" | "onChange" | "min" | "max" | "step"> {
@@ -57,8 +57,8 @@ export function NumberField(props: NumberFieldProps) {
     if (integer && !Number.isInteger(candidate)) return "A whole number is needed";
     if (Number.isInteger(candidate) && !Number.isSafeInteger(candidate)) return "Beyond 2^53 digits would be lost";
     if ((min !== undefined && candidate < min) || (max !== undefined && candidate > max)) {
-      if (min === undefined) return `At most ${compact(max)}`;
-      return max === undefined ? `At least ${compact(min)}` : `${compact(min)} to ${compact(max)}`;
+      if (min === undefined) return `At most ${bound(max)}`;
+      return max === undefined ? `At least ${bound(min)}` : `${bound(min)} to ${bound(max)}`;
     }
     return null;
   }

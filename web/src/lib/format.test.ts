@@ -1,5 +1,16 @@
 import { describe, expect, it } from "vitest";
-import { compact, decimalSum, duration, exactText, fixed, frequency, hex, parseNumber, withUnit } from "./format";
+import {
+  bound,
+  compact,
+  decimalSum,
+  duration,
+  exactText,
+  fixed,
+  frequency,
+  hex,
+  parseNumber,
+  withUnit,
+} from "./format";
 
 describe("format", () => {
   it("groups thousands and keeps the sign where there is one", () => {
@@ -16,6 +27,13 @@ describe("format", () => {
     expect(compact(4.2e-7)).toBe("4.200e−7");
     expect(withUnit(90, "deg")).toBe("90°");
     expect(withUnit(1.5, "mm_per_s")).toBe("1.500\u202fmm/s");
+  });
+
+  it("gives bounds with all their digits", () => {
+    expect(bound(-(2 ** 31))).toBe("−2\u202f147\u202f483\u202f648");
+    expect(bound(0.5)).toBe("0.5");
+    expect(bound(-1.5e-7)).toBe("−1.5e−7");
+    expect(bound(1234.5678)).toBe("1234.568");
   });
 
   it("picks the prefix", () => {

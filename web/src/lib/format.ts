@@ -23,6 +23,13 @@ export function compact(value: number | null | undefined, digits = 4): string {
   return fixed(value, Math.max(0, digits - 1 - Math.floor(Math.log10(size))));
 }
 
+/** A bound of what may be entered: whole numbers with all their digits, others with as many as anybody types. */
+export function bound(value: number | undefined): string {
+  if (value === undefined) return "";
+  if (Number.isInteger(value) && Math.abs(value) < 1e12) return fixed(value);
+  return String(Number(value.toPrecision(7))).replaceAll("-", MINUS);
+}
+
 /** A number with its unit: never one without the other. */
 export function withUnit(value: number | null | undefined, unit: string, digits = 4): string {
   const text = compact(value, digits);

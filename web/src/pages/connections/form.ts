@@ -1,5 +1,5 @@
 import forms from "../../api/forms.json";
-import { compact, parseNumber } from "../../lib/format";
+import { bound, compact, parseNumber } from "../../lib/format";
 import type { Kind, Model } from "./models";
 
 /** A field as the server's schema tells it (scripts/forms.py): nothing of it is written down in the page. */
@@ -109,7 +109,7 @@ export function proposed(fields: readonly Field[]): Values {
 /** What a field may hold, in words; nothing where that is anything. */
 export function wanted({ type, minimum, maximum, above_minimum, maxLength, help = "" }: Field): string {
   if (type === "string") return help || (maxLength === undefined ? "" : `at most ${maxLength} characters`);
-  const [least, most] = [minimum, maximum].map((bound) => (bound === undefined ? "" : compact(bound)));
+  const [least, most] = [bound(minimum), bound(maximum)];
   let range = most && `at most ${most}`;
   if (least && above_minimum) range = [`above ${least}`, range].filter(Boolean).join(", ");
   else if (least) range = most ? `${least} to ${most}` : `at least ${least}`;
@@ -174,8 +174,8 @@ export function problemsIn(fields: readonly Field[], values: Values): [path: str
     const lower = beside(field.above ?? field.at_least);
     const [own, least] = [numberAt(field), lower && numberAt(lower)];
     if (lower === undefined || own === undefined || least === undefined) return null;
-    if (field.above !== undefined) return own > least ? null : `Wanted: above ${lower.title}, ${compact(least)}`;
-    return own >= least ? null : `Wanted: not below ${lower.title}, ${compact(least)}`;
+    if (field.above !== undefined) return own > least ? null : `Wanted: above ${lower.title}, ${bound(least)}`;
+    return own >= least ? null : `Wanted: not below ${lower.title}, ${bound(least)}`;
   };
   return fields.flatMap((field) => {
     const found = problem(field);
