@@ -23,7 +23,7 @@ STAMPS := .venv/.stamps
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help run dev test test-fast lint lint-python lint-web format types conformance report bench screenshots install web \
+.PHONY: help run dev test test-all test-fast lint lint-python lint-web format types conformance report bench screenshots install web \
 	web-check chromium lock clean
 
 help:  ## this list
@@ -35,7 +35,10 @@ run: install  ## start stepscope with its demo bench and print the URL (HOST, PO
 dev: $(STAMPS)/kernels $(STAMPS)/tools  ## server and UI, both reload on a change; one Ctrl-C ends both
 	@exec $(PY) scripts/dev.py --host $(HOST) --port $(PORT)
 
-test: $(STAMPS)/app $(STAMPS)/tools chromium  ## everything that CI holds: linters, types, UI, Python and browser tests
+test:  ## everything that CI holds: linters, types, UI, Python and browser tests; says how long it took, and why
+	@+$(PYTHON) scripts/spent.py $(MAKE) --no-print-directory test-all
+
+test-all: $(STAMPS)/app $(STAMPS)/tools chromium
 	@# What keeps one core busy each, at the same time.
 	@$(MAKE) --no-print-directory --jobs=$(WORKERS) lint-python web-check $(STAMPS)/kernels
 	$(BIN)/pytest -n $(WORKERS) -m "not e2e" $(ARGS) $(NONE_IS_WELL)
