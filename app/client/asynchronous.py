@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import asyncio
-import io
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
 from types import TracebackType
 from typing import Any, Self, TypeVar
 
 import httpx
-import pyarrow.parquet as pq
 from websockets.asyncio.client import connect
 from websockets.exceptions import ConnectionClosed
 from websockets.typing import Subprotocol
@@ -304,8 +302,7 @@ class AsyncBench:
     async def recorded(self, recording: str) -> Samples:
         """The rows of a recording as arrays."""
         head = await self._send(calls.recording(recording))
-        table = pq.read_table(io.BytesIO(await self.recording_file(recording, "parquet")))
-        return samples_of(table, head["rate_hz"])
+        return samples_of(await self.recording_file(recording, "parquet"), head["rate_hz"])
 
     async def recording_file(self, recording: str, kind: str = "csv") -> bytes:
         """All rows as a file: "csv" or "parquet"."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import time
 from collections.abc import Callable, Mapping, Sequence
 from datetime import datetime
@@ -10,7 +9,6 @@ from types import TracebackType
 from typing import Any, Self, TypeVar
 
 import httpx
-import pyarrow.parquet as pq
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 from websockets.typing import Subprotocol
@@ -302,8 +300,7 @@ class Bench:
     def recorded(self, recording: str) -> Samples:
         """The rows of a recording as arrays."""
         head = self._send(calls.recording(recording))
-        table = pq.read_table(io.BytesIO(self.recording_file(recording, "parquet")))
-        return samples_of(table, head["rate_hz"])
+        return samples_of(self.recording_file(recording, "parquet"), head["rate_hz"])
 
     def recording_file(self, recording: str, kind: str = "csv") -> bytes:
         """All rows as a file: "csv" or "parquet"."""
