@@ -34,6 +34,8 @@ describe("format", () => {
     expect(bound(0.5)).toBe("0.5");
     expect(bound(-1.5e-7)).toBe("−1.5e−7");
     expect(bound(1234.5678)).toBe("1234.568");
+    expect(bound(7999511.72)).toBe("7\u202f999\u202f512");
+    expect(bound(8e6 + 0.001)).toBe("8\u202f000\u202f000");
   });
 
   it("picks the prefix", () => {

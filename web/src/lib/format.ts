@@ -27,7 +27,8 @@ export function compact(value: number | null | undefined, digits = 4): string {
 export function bound(value: number | undefined): string {
   if (value === undefined) return "";
   if (Number.isInteger(value) && Math.abs(value) < 1e12) return fixed(value);
-  return String(Number(value.toPrecision(7))).replaceAll("-", MINUS);
+  const text = compact(value, 7);
+  return text.includes(".") ? text.replace(/\.?0+(?=e|$)/, "") : text;
 }
 
 /** A number with its unit: never one without the other. */
