@@ -19,7 +19,7 @@ export function compact(value: number | null | undefined, digits = 4): string {
   if (value === null || value === undefined || !Number.isFinite(value)) return NOTHING;
   if (Number.isInteger(value) && Math.abs(value) < 1e9) return fixed(value);
   const size = Math.abs(value);
-  if (size >= 1e9 || size < 1e-4) return value.toExponential(digits - 1).replace("-", MINUS);
+  if (size >= 1e9 || size < 1e-4) return value.toExponential(digits - 1).replaceAll("-", MINUS);
   return fixed(value, Math.max(0, digits - 1 - Math.floor(Math.log10(size))));
 }
 
