@@ -12,7 +12,7 @@ WORKS = "import subprocess, sys, time; subprocess.run([sys.executable, '-c', {wo
 BUSY = "import time\nwhile time.process_time() < 0.5: pass"
 
 
-def test_it_tells_the_work_of_a_command_and_of_what_that_started() -> None:
+def test_it_tells_how_busy_a_command_and_what_it_started_kept_the_cores() -> None:
     ran = subprocess.run(
         [sys.executable, str(SPENT), sys.executable, "-c", WORKS.format(work=BUSY)],
         capture_output=True,
@@ -21,12 +21,14 @@ def test_it_tells_the_work_of_a_command_and_of_what_that_started() -> None:
         timeout=60,
     )
     assert ran.returncode == 3
+    if not Path("/proc/stat").exists():
+        assert re.fullmatch(r"took [\d.]+ s\n", ran.stdout)
+        return
     told = re.fullmatch(
-        r"took ([\d.]+) s, ([\d.]+) s of processor time: (\d+)% of (\d+) cores, on which .* takes ([\d.]+) s .*\n",
-        ran.stdout,
+        r"took ([\d.]+) s, in which (\d+) cores worked ([\d.]+) s, (\d+)% .* takes ([\d.]+) s at least\n", ran.stdout
     )
     assert told is not None, ran.stdout
-    took_s, worked_s, share, cores, least_s = (float(group) for group in told.groups())
-    assert 0.5 <= worked_s <= took_s * cores + 0.1
+    took_s, cores, worked_s, share, least_s = (float(group) for group in told.groups())
+    assert 0.4 <= worked_s <= took_s * cores + 0.2  # /proc/stat counts in hundredths
     assert abs(least_s - worked_s / cores) <= 0.1
     assert abs(share - 100 * worked_s / (took_s * cores)) <= 12  # of figures that were rounded

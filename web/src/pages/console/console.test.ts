@@ -157,6 +157,9 @@ describe("the frame log", () => {
     expect(passes(frame(1), { ...all, errorsOnly: true })).toBe(false);
     expect(passes(refused, { ...all, errorsOnly: true })).toBe(true);
     expect(passes(frame(1), { ...all, text: "gap 0201" })).toBe(true);
+    const ticks = frame(1, { text: "GGP 132, 0 -> 1633", tx: "010a8400000000008f", rx: "0201640a00000661d8" });
+    expect(passes(ticks, { ...all, text: "ggp 66" })).toBe(false);
+    expect(passes(ticks, { ...all, text: "ggp 0661" })).toBe(true);
     expect(passes(frame(1, { priority: "sample" }), { ...all, show: "commands" })).toBe(false);
     expect(passes(frame(1, { priority: "stop" }), { ...all, show: "samples" })).toBe(false);
   });

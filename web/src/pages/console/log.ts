@@ -38,8 +38,14 @@ export function passes(frame: Frame, filter: Filter): boolean {
   if (filter.show === "samples" && frame.priority !== "sample") return false;
   const words = filter.text.toLowerCase().split(/\s+/).filter(Boolean);
   if (words.length === 0) return true;
-  const text = `${frame.text} ${frame.priority} ${frame.error ?? ""} ${frame.tx} ${frame.rx ?? ""}`.toLowerCase();
-  return words.every((word) => text.includes(word));
+  const text = `${frame.text} ${frame.priority} ${frame.error ?? ""}`.toLowerCase();
+  return words.every((word) => text.includes(word) || hasBytes(frame.tx, word) || hasBytes(frame.rx ?? "", word));
+}
+
+/** Whether the digits stand there as whole bytes: half of one and half of the next is nothing that anybody looks for. */
+function hasBytes(hex: string, digits: string): boolean {
+  for (let at = hex.indexOf(digits); at >= 0; at = hex.indexOf(digits, at + 1)) if (at % 2 === 0) return true;
+  return false;
 }
 
 /** No good answer, or an answer that says no. */
