@@ -15,24 +15,26 @@ interface Props {
   stale?: boolean;
 }
 
-const COLUMNS: readonly { label: string; title: string; of: (figures: Figures) => string }[] = [
-  { label: "Peak", title: "the value farthest from 0", of: ({ peak }) => compact(peak, 5) },
-  { label: "Lowest", title: "", of: ({ minimum }) => compact(minimum, 5) },
-  { label: "Highest", title: "", of: ({ maximum }) => compact(maximum, 5) },
-  { label: "Mean", title: "", of: ({ mean }) => compact(mean, 5) },
-  { label: "RMS", title: "root of the mean square", of: ({ rms }) => compact(rms, 5) },
+const COLUMNS: readonly { label: string; means?: string; of: (figures: Figures) => string }[] = [
+  { label: "Peak", means: "the value farthest from 0", of: ({ peak }) => compact(peak, 5) },
+  { label: "Lowest", of: ({ minimum }) => compact(minimum, 5) },
+  { label: "Highest", of: ({ maximum }) => compact(maximum, 5) },
+  { label: "Mean", of: ({ mean }) => compact(mean, 5) },
+  { label: "RMS", means: "root of the mean square", of: ({ rms }) => compact(rms, 5) },
   {
     label: "Overshoot",
-    title: "beyond the last value; of what ends elsewhere than it began",
+    means: "beyond the last value, of what ends elsewhere than it began",
     of: ({ overshoot }) => compact(overshoot, 4),
   },
   {
     label: "Settling",
-    title: "until it stays within 2 % of the way of its last value",
+    means: "until it stays within 2 % of the way of its last value",
     of: ({ settling_s }) => duration(settling_s),
   },
-  { label: "Missing", title: "samples that should be there", of: ({ missing }) => fixed(missing) },
+  { label: "Missing", means: "samples that should be there", of: ({ missing }) => fixed(missing) },
 ];
+
+const MEANINGS = COLUMNS.flatMap(({ label, means }) => (means === undefined ? [] : [`${label}: ${means}.`])).join(" ");
 
 /** Figures of each channel; of several recordings under each other. */
 export function FiguresTable({ channels, sides, stale = false }: Props) {
@@ -48,8 +50,8 @@ export function FiguresTable({ channels, sides, stale = false }: Props) {
           <tr>
             <th>Channel</th>
             {sides.length > 1 && <th>Recording</th>}
-            {COLUMNS.map(({ label, title }) => (
-              <th key={label} className="right" title={title || undefined}>
+            {COLUMNS.map(({ label }) => (
+              <th key={label} className="right">
                 {label}
               </th>
             ))}
@@ -82,6 +84,7 @@ export function FiguresTable({ channels, sides, stale = false }: Props) {
           })}
         </tbody>
       </table>
+      <p className="hint m-0 mt-4">{MEANINGS}</p>
     </section>
   );
 }
