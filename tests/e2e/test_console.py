@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 
 import httpx
 import pytest
-from playwright.sync_api import Page, expect
+from playwright.sync_api import Page, Route, expect
 
 from tests.e2e.conftest import DESKTOP, PHONE, Errors
 from tests.e2e.modules import a_module, select
@@ -67,6 +67,30 @@ def test_what_was_sent_comes_back_with_the_arrow_key_even_after_a_reload(page: P
     line.press("ArrowDown")
     line.press("ArrowDown")
     expect(line).to_have_value("")
+
+
+def test_what_is_entered_while_a_command_is_under_way_is_not_lost(page: Page, drive: str) -> None:
+    page.goto("/console")
+    held: list[Route] = []
+    page.route("**/tmcl", lambda route: held.append(route))
+
+    def let_pass() -> None:
+        for _ in range(500):
+            if held:
+                break
+            page.wait_for_timeout(10)  # routes come while the browser is waited for
+        held.pop().continue_()
+
+    send(page, "GAP 4, 0")
+    send(page, "GAP 5, 0")
+    line = page.get_by_label("TMCL command")
+    line.fill("GAP 6")
+    let_pass()
+    let_pass()
+    sent = page.get_by_label("Commands sent, newest first").get_by_role("listitem")
+    expect(sent).to_have_count(2)
+    expect(sent.first).to_contain_text("GAP 5, 0")
+    expect(line).to_have_value("GAP 6")
 
 
 def test_commands_that_move_are_marked_before_they_are_sent(page: Page, api: httpx.Client, drive: str) -> None:

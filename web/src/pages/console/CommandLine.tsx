@@ -54,9 +54,10 @@ export function CommandLine({ commands, rows, lines, text, onText, connected, bu
   return (
     <form
       className="mb-4 relative"
+      aria-busy={busy}
       onSubmit={(event) => {
         event.preventDefault();
-        if (text.trim() === "" || !connected || busy) return;
+        if (text.trim() === "" || !connected) return;
         back.current = -1;
         onSend(text.trim());
       }}
@@ -83,7 +84,7 @@ export function CommandLine({ commands, rows, lines, text, onText, connected, bu
           onFocus={() => setFocused(true)}
           onBlur={() => setFocused(false)}
         />
-        <Button size="sm" type="submit" disabled={!connected || text.trim() === ""} loading={busy}>
+        <Button size="sm" type="submit" disabled={!connected || text.trim() === ""}>
           Send
         </Button>
       </div>

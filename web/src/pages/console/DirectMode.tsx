@@ -21,18 +21,20 @@ export function DirectMode({ device }: { device: Device }) {
   const [text, setText] = useState("");
   const [warned, setWarned] = useLocalStorage({ key: "stepscope.console.warned", defaultValue: false });
   const send = useMutation({
+    // one after another, in the order in which they were entered: none is lost because the one before is under way
+    scope: { id: `console of ${device.id}` },
     mutationFn: async (line: string) =>
       unwrap(
         await api.POST("/api/v1/devices/{device}/tmcl", { params: { path: { device: device.id } }, body: { line } }),
       ),
-    onSuccess: (answer, line) => {
-      remember(device.id, { line, answer, problem: null });
-      setText("");
+    onSuccess: (answer, line) => remember(device.id, { line, answer, problem: null }),
+    onError: (error, line) => {
+      remember(device.id, { line, answer: null, problem: problemOf(error) });
+      setText((next) => (next === "" ? line : next));
     },
-    onError: (error, line) => remember(device.id, { line, answer: null, problem: problemOf(error) }),
-    onSettled: async () => {
-      await queries.invalidateQueries({ queryKey: ["registers", device.id] });
-      await queries.invalidateQueries({ queryKey: ["devices"] });
+    onSettled: () => {
+      void queries.invalidateQueries({ queryKey: ["registers", device.id] });
+      void queries.invalidateQueries({ queryKey: ["devices"] });
     },
   });
   const commands = catalog.data?.commands ?? [];
@@ -64,7 +66,10 @@ export function DirectMode({ device }: { device: Device }) {
         onText={setText}
         connected={device.state === "connected" || isHeldBack(device)}
         busy={send.isPending}
-        onSend={(line) => send.mutate(line)}
+        onSend={(line) => {
+          setText("");
+          send.mutate(line);
+        }}
       />
       {commands.length > 0 && <Catalog commands={commands} onTake={setText} />}
       <div className="mt-8">
