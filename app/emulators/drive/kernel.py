@@ -177,10 +177,10 @@ def wrap32(x: int) -> int:
 
 
 @inlined
-def _faster(s: Cells, u: int) -> int:
+def _faster(s: Cells, u: int, more: bool) -> int:
     """Speed after one tick of acceleration: A1 below V1, A2 below V2, AMAX from there; 0 leaves a segment out."""
     v1 = s[V1]
-    if u < s[V2] and s[V2] > v1:
+    if more and u < s[V2] and s[V2] > v1:
         return _faster_below_v2(s, u)
     if u >= v1:
         return u + s[AMAX]
@@ -216,11 +216,11 @@ def _slower_by_d2(s: Cells, u: int) -> int:
 
 
 @inlined
-def _slower(s: Cells, u: int) -> int:
+def _slower(s: Cells, u: int, more: bool) -> int:
     """Speed after one tick of deceleration, maybe below zero: DMAX down to V2, D2 to V1, D1 below; 0 leaves a segment
     out."""
     v1 = s[V1]
-    if s[V2] > v1 and u > v1 and u - s[DMAX] < s[V2]:
+    if more and s[V2] > v1 and u > v1 and u - s[DMAX] < s[V2]:
         return _slower_by_d2(s, u)
     if u - s[DMAX] >= v1 or v1 == 0:
         return u - s[DMAX]
@@ -230,7 +230,7 @@ def _slower(s: Cells, u: int) -> int:
 
 
 @inlined
-def _allowed(s: Cells, way: int, kept: int) -> int:
+def _allowed(s: Cells, way: int, kept: int, more: bool) -> int:
     """The highest speed u with u + `kept` ticks of u + braking distance from u <= `way` [1/2^25 step], at least 1."""
     stop = s[VSTOP]
     ticks = 1 + kept
@@ -246,7 +246,7 @@ def _allowed(s: Cells, way: int, kept: int) -> int:
             return _speed_of(d1, knee, left, ticks)
         left -= below
         knee = v1
-    if s[V2] > s[V1] and s[V2] > stop:
+    if more and s[V2] > s[V1] and s[V2] > stop:
         v2, d2 = float(s[V2]), float(s[D2])
         below = (v2 * v2 - knee * knee) / (2.0 * d2)
         if left <= v2 * ticks + below:
@@ -264,15 +264,18 @@ def _speed_of(d: float, knee: float, left: float, ticks: int) -> int:
 
 
 @inlined
-def _brake(s: Cells, u: int) -> int:
+def _brake(s: Cells, u: int, more: bool) -> int:
     """Speed after one tick of braking to a stop from VSTOP, by the deceleration ramp."""
-    u = _slower(s, u)
+    u = _slower(s, u, more)
     return 0 if u < s[VSTOP] or u <= 0 else u
 
 
-@compiled
-def _ramp(s: Cells) -> int:
-    """One tick of the ramp generator: moves X and V, returns the steps made (signed)."""
+@inlined
+def _ramp_by(s: Cells, more: bool) -> int:
+    """One tick of the ramp generator: moves X and V, returns the steps made (signed).
+
+    more : whether V2 or TVMAX have a part in it
+    """
     v = s[V]
     mode = s[MODE]
     direction = 1 if v > 0 else -1
@@ -298,29 +301,28 @@ def _ramp(s: Cells) -> int:
         if mode != POSITION:
             return _move(s, direction, min(u + s[AMAX], s[VMAX]))
     elif (direction < 0 and s[LSTOP]) or (direction > 0 and s[RSTOP]):
-        return _move(s, direction, _brake(s, u) if s[SW] & _SOFT_STOP else 0)
+        return _move(s, direction, _brake(s, u, more) if s[SW] & _SOFT_STOP else 0)
     if mode == POSITION:
         left = direction * way * (1 << STEP_BITS) - s[ACC]
-        lowest = _slower(s, u)
+        lowest = _slower(s, u, more)
         if left <= 0 or s[VMAX] == 0:
             u = 0 if lowest < s[VSTOP] or lowest <= 0 else lowest
             if u == 0 and way != 0:
                 s[HEADING] = direction
             return _move(s, direction, u)
-        wanted = _faster(s, u)
+        wanted = _faster(s, u, more)
         if wanted > s[VMAX]:
             wanted = s[VMAX]
-        new = min(wanted, _allowed(s, left, 0))
-        if s[TVMAX]:
+        new = min(wanted, _allowed(s, left, 0, more))
+        if more and s[TVMAX]:
             new = _by_tvmax(s, u if v != 0 else 0, wanted, new, left)
         if v != 0:  # a start takes no more of VSTART than the way allows
             new = max(new, lowest)
-        if new >= left and new <= s[VSTOP] + max(s[DMAX], s[D1], s[D2] if s[V2] > s[V1] else 0):
+        if new >= left and new <= s[VSTOP] + max(s[DMAX], s[D1], s[D2] if more and s[V2] > s[V1] else 0):
             s[ACC] = 0
             s[X] = s[XT]
             s[V] = 0
             s[ZWAIT] = s[TZERO]
-            s[VWAIT] = s[SLOPE] = 0
             return way
         return _move(s, direction, new)
     if mode == HOLD_MODE:
@@ -341,14 +343,25 @@ def _by_tvmax(s: Cells, u: int, wanted: int, new: int, left: int) -> int:
     if new > u:
         if s[SLOPE] < 0 and s[VWAIT] > 0:
             return u
-        return max(min(wanted, _allowed(s, left, s[TVMAX])), u)
+        return max(min(wanted, _allowed(s, left, s[TVMAX], True)), u)
     return u if s[SLOPE] > 0 and s[VWAIT] > 0 else new
 
 
-@inlined
-def _keep_slope(s: Cells, u: int) -> None:
-    """Note which way the speed changes to `u`: TVMAX counts from there."""
-    before = abs(s[V])
+@compiled
+def _ramp(s: Cells) -> int:
+    """One tick of a ramp of two segments."""
+    return _ramp_by(s, False)
+
+
+@compiled
+def _ramp_with_more(s: Cells) -> int:
+    """One tick of a ramp in which V2 or TVMAX have a part: apart, for every look at them costs each tick of all."""
+    return _ramp_by(s, True)
+
+
+@compiled
+def _keep_slope(s: Cells, before: int, u: int) -> None:
+    """Note which way the speed changed to `u`: TVMAX counts from there."""
     if u == 0:
         s[VWAIT] = s[SLOPE] = 0
     elif u != before:
@@ -361,8 +374,6 @@ def _keep_slope(s: Cells, u: int) -> None:
 @inlined
 def _move(s: Cells, direction: int, u: int) -> int:
     """Go on for one tick at speed `u`; at 0 the wait begins and what was left of a step is dropped."""
-    if s[TVMAX]:
-        _keep_slope(s, u)
     if u == 0:
         if s[V] != 0:
             s[V] = 0
@@ -1002,17 +1013,13 @@ def _braking_way(s: Cells, u: float) -> float:
     return brake
 
 
-@inlined
+@compiled
 def _repeats(s: Cells, steps: int) -> int:
-    """How often the way of the last `steps` to XACTUAL came upon X_COMPARE, or with X_REPEAT upon one of its
-    repetitions."""
+    """How often the way of the last `steps` to XACTUAL came upon one of the repetitions of X_COMPARE."""
     now = wrap32(s[X] - s[X_COMPARE])
-    way = abs(steps)
     ahead = now if steps > 0 else -now
     # `ahead` counts the way that was gone: of ahead - way + 1 to ahead each multiple is one
-    if s[X_REPEAT] > 1:
-        return ahead // s[X_REPEAT] - (ahead - way) // s[X_REPEAT]
-    return 1 if 0 <= ahead < way else 0
+    return ahead // s[X_REPEAT] - (ahead - abs(steps)) // s[X_REPEAT]
 
 
 @compiled
@@ -1074,17 +1081,20 @@ def _tick(s: Cells, f: Floats, table: Floats) -> int:
         events |= _EV_SWITCH_STOP
     s[STOPPING] = stopping
     waiting = s[ZWAIT]
-    steps = _ramp(s)
+    steps = _ramp_with_more(s) if s[V2] or s[TVMAX] else _ramp(s)
     now = s[V]
-    # a jump from VSTOP or to VSTART is no acceleration
-    s[ACTUAL] = now - before if now != 0 and before != 0 else 0
+    if s[TVMAX]:
+        _keep_slope(s, abs(before), abs(now))
+    s[ACTUAL] = now - before
     if now != before:
         _thresholds(s)
         if s[RIGID]:
             _rigid_load(s, f)
         if now == 0:
+            s[ACTUAL] = 0
             events |= _EV_STOPPED
         elif before == 0:
+            s[ACTUAL] = 0  # a jump to VSTART is no acceleration, nor one from VSTOP
             open_window(s, f)
             s[SG_VALID] = s[SG_SUM] = s[SG_COUNT] = 0
             s[COOL_CS] = s[IRUN]
@@ -1095,7 +1105,10 @@ def _tick(s: Cells, f: Floats, table: Floats) -> int:
         if reached:
             s[LATCHED] |= _POS_REACHED
     if steps != 0:
-        s[PASSED] += _repeats(s, steps)
+        if s[X_REPEAT] > 1:
+            s[PASSED] += _repeats(s, steps)
+        elif 0 < (-1 if steps < 0 else 1) * wrap32(s[X_COMPARE] - s[X] + steps) <= abs(steps):
+            s[PASSED] += 1
     arrived = reached and now == 0 and s[MODE] == POSITION
     if arrived and not s[ARRIVED]:
         events |= _EV_POSITION
