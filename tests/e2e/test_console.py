@@ -157,6 +157,26 @@ def test_a_chip_has_its_datagrams_and_its_frames_here(page: Page) -> None:
     expect(page.get_by_label("Frames, newest last")).to_contain_text("read x_actual")
 
 
+def test_a_datagram_entered_while_another_is_under_way_is_not_lost(page: Page) -> None:
+    select(page, "bench")
+    page.goto("/console")
+    held: list[Route] = []
+    page.route("**/exchange", lambda route: held.append(route))
+    line = page.get_by_label("Datagram in hex, 4 bytes")
+    for frame in ("03 00 00 00", "05 00 00 00"):
+        line.fill(frame)
+        line.press("Enter")
+    for _ in range(2):
+        for _ in range(500):
+            if held:
+                break
+            page.wait_for_timeout(10)  # routes come while the browser is waited for
+        held.pop().continue_()
+    sent = page.get_by_label("Datagrams sent, newest first").get_by_role("listitem")
+    expect(sent).to_have_count(2)
+    expect(sent.first).to_contain_text("05 00 00 00")
+
+
 def test_a_disconnected_module_says_so(page: Page, api: httpx.Client, drive: str) -> None:
     api.post(f"/devices/{drive}/disconnect").raise_for_status()
     page.goto("/console")

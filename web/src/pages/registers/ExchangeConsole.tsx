@@ -71,6 +71,8 @@ export function ExchangeConsole({ device: { id: device, about, link }, connected
   const frame = parseFrame(text, wire);
   const request = frame.ok ? decodeRequest(frame.bytes, wire, rows) : null;
   const send = useMutation({
+    // one after the other: what is entered while a datagram is under way goes behind it
+    scope: { id: `datagrams of ${device}` },
     mutationFn: async (sent: string) =>
       unwrap(
         await api.POST("/api/v1/devices/{device}/exchange", { params: { path: { device } }, body: { frame: sent } }),
@@ -83,7 +85,9 @@ export function ExchangeConsole({ device: { id: device, about, link }, connected
         problem: null,
       }),
     onError: (error, sent) => remember(device, { sent, reply: null, lines: [], problem: problemOf(error) }),
-    onSettled: () => queries.invalidateQueries({ queryKey: ["registers", device] }),
+    onSettled: () => {
+      void queries.invalidateQueries({ queryKey: ["registers", device] });
+    },
   });
 
   function recall(by: number) {
@@ -94,9 +98,10 @@ export function ExchangeConsole({ device: { id: device, about, link }, connected
   return (
     <div>
       <form
+        aria-busy={send.isPending}
         onSubmit={(event) => {
           event.preventDefault();
-          if (frame.ok && connected && !send.isPending) {
+          if (frame.ok && connected) {
             back.current = -1;
             send.mutate(frameText(frame.bytes));
           }
@@ -121,7 +126,7 @@ export function ExchangeConsole({ device: { id: device, about, link }, connected
               recall(event.key === "ArrowUp" ? 1 : -1);
             }}
           />
-          <Button size="xs" type="submit" disabled={!frame.ok || !connected} loading={send.isPending}>
+          <Button size="xs" type="submit" disabled={!frame.ok || !connected}>
             Send
           </Button>
         </Group>
