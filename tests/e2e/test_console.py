@@ -50,6 +50,20 @@ def test_a_command_is_completed_sent_and_taken_apart(page: Page, drive: str) -> 
     expect(entry).to_contain_text("1241V144")
 
 
+def test_a_completion_asked_before_the_commands_are_there_is_made_when_they_come(page: Page, drive: str) -> None:
+    held: list[Route] = []
+    page.route("**/api/v1/catalog/*", lambda route: held.append(route))
+    page.goto("/console")
+    line = page.get_by_label("TMCL command")
+    line.press_sequentially("gap actual p")
+    page.keyboard.press("Tab")
+    expect(line).to_be_focused()
+    expect(line).to_have_value("gap actual p")
+    for route in held:
+        route.continue_()
+    expect(line).to_have_value("gap 1, ")
+
+
 def test_what_was_sent_comes_back_with_the_arrow_key_even_after_a_reload(page: Page, drive: str) -> None:
     page.goto("/console")
     send(page, "GAP 4, 0")

@@ -1,5 +1,5 @@
 import { Button, TextInput } from "@mantine/core";
-import { type KeyboardEvent, useId, useRef, useState } from "react";
+import { type KeyboardEvent, useEffect, useId, useRef, useState } from "react";
 import type { RegisterRow } from "../../lib/rows/bits";
 import css from "./console.module.css";
 import { type Command, operandHint, parse, type Suggestion, suggest, usageOf } from "./grammar";
@@ -12,15 +12,19 @@ interface Props {
   text: string;
   onText: (text: string) => void;
   connected: boolean;
+  /** the commands and their operands are still on their way */
+  loading: boolean;
   busy: boolean;
   onSend: (line: string) => void;
 }
 
 /** One line of TMCL: Tab takes the first proposal, arrows walk what was sent before, Enter sends. */
-export function CommandLine({ commands, rows, lines, text, onText, connected, busy, onSend }: Props) {
+export function CommandLine({ commands, rows, lines, text, onText, connected, loading, busy, onSend }: Props) {
   const input = useRef<HTMLInputElement>(null);
   const back = useRef(-1);
   const typed = useRef("");
+  /** what Tab was pressed on before there was anything to propose */
+  const asked = useRef<string | null>(null);
   const hint = useId();
   const list = useId();
   const [focused, setFocused] = useState(false);
@@ -33,6 +37,13 @@ export function CommandLine({ commands, rows, lines, text, onText, connected, bu
     back.current = -1;
     input.current?.focus();
   }
+
+  useEffect(() => {
+    if (loading || asked.current === null) return;
+    const first = asked.current === text ? offers[0] : undefined;
+    asked.current = null;
+    if (first) take(first);
+  });
 
   function recall(by: number) {
     if (lines.length === 0) return;
@@ -47,6 +58,7 @@ export function CommandLine({ commands, rows, lines, text, onText, connected, bu
     if (event.key === "ArrowUp") recall(1);
     else if (event.key === "ArrowDown") recall(-1);
     else if (event.key === "Tab" && !event.shiftKey && first) take(first);
+    else if (event.key === "Tab" && !event.shiftKey && loading && text !== "") asked.current = text;
     else return;
     event.preventDefault();
   }

@@ -65,6 +65,7 @@ export function DirectMode({ device }: { device: Device }) {
         text={text}
         onText={setText}
         connected={device.state === "connected" || isHeldBack(device)}
+        loading={catalog.isPending}
         busy={send.isPending}
         onSend={(line) => {
           setText("");
