@@ -120,7 +120,7 @@ $(STAMPS)/app: $(STAMPS)/venv pyproject.toml hatch_build.py $(CONSTRAINTS) | web
 # Part of the install, so that the first start takes seconds like every other (numba keeps the result on disk).
 $(STAMPS)/kernels: $(STAMPS)/app
 	@echo "compiling the emulators and calculators, once"
-	@$(PY) -c "from app.main import compile_kernels; compile_kernels()"
+	@$(PY) -m app.preparation
 	@touch $@
 
 $(STAMPS)/tools: $(STAMPS)/venv pyproject.toml $(CONSTRAINTS)

@@ -15,12 +15,15 @@ from .devices.core.device import Device
 from .devices.manager import DeviceManager
 from .devices.tmc428.start_up import AxisStart, start_up
 from .errors import BenchError
+from .links.registry import Link
 
 log = logging.getLogger("stepscope.demo")
 
 TRAVEL_MM_PER_REV = 8.0
 FULL_STEPS_PER_REV = 200
 CLOCK_HZ = 16e6
+MODEL = "tmc428"
+LINK: Link = {"kind": "emulator"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,9 +61,8 @@ SLIDER = Tuning(usrs=4, speed_mm_s=150.0, acceleration_mm_s2=300.0, pulse_div=2,
 
 async def add(manager: DeviceManager) -> None:
     """Add both devices and set them up. What fails is logged: a demo must not keep the server from starting."""
-    link = {"kind": "emulator"}
-    bench = await manager.add(DeviceConfig("bench", "tmc428", link, axes=_axes(*BENCH), demo=True))
-    slider = await manager.add(DeviceConfig("slider", "tmc4210", link, axes=_axes("slider"), demo=True))
+    bench = await manager.add(DeviceConfig("bench", MODEL, LINK, axes=_axes(*BENCH), demo=True))
+    slider = await manager.add(DeviceConfig("slider", "tmc4210", LINK, axes=_axes("slider"), demo=True))
     try:
         await set_up_bench(bench)
         await set_up_slider(slider)

@@ -24,16 +24,14 @@ from .api.http.sessions import Sessions
 from .api.links.port_routes import serial_ports
 from .api.schemas import Port
 from .audit.listener import Ear, lease_words
-from .calc.ramps import sramp
-from .calc.ramps.ticked import RampParameters, exact_ramp
 from .clock import BackgroundClock, Clock, WallClock
 from .conditions.service import ConditionService
 from .devices.core.actor import STEPSCOPE
-from .devices.core.config import AxisSettings
+from .devices.core.config import AxisSettings, DeviceConfig
 from .devices.core.device import Device
 from .devices.core.found_moving import FoundMoving
 from .devices.manager import DeviceChange, DeviceManager
-from .emulators.build import build_emulator, options_of, warm_up
+from .emulators.build import build_emulator, options_of
 from .emulators.core.pace import Pace
 from .errors import BenchError, UsageError
 from .lease.lease import Lease
@@ -53,11 +51,13 @@ from .links.registry import (
 )
 from .links.serial_address import allow_ports
 from .positions import EndlessService
+from .preparation import Preparation
 from .procedures.at_rest import after_vanishing, anything_moves, stop_moving
 from .procedures.procedures import Procedures
 from .profiles.service import ProfileService
 from .profiles.start_up import Wish, start_up
 from .recording.service import RecordingDesk
+from .registers.catalog import find_model
 from .registers.wires import BOARD
 from .settings import Settings
 from .store.audit import AuditLog
@@ -75,8 +75,6 @@ log = logging.getLogger("stepscope")
 
 EEPROM_NAME = re.compile(r"[a-z0-9][a-z0-9-]{0,63}")
 COMMAND_LINE = "on the command line"
-PATIENCE_S = 1.5
-"""A start that takes longer than this says why [s]."""
 SAVE_EVERY_S = 2.0
 """Positions without end change all the time; they are saved no more often than that [s]."""
 STOP_WITHIN_S = 0.5
@@ -130,8 +128,16 @@ def create_app(
         except BenchError as error:
             log.warning("%s is not started up: %s", device.name, error)
 
-    manager = DeviceManager(kinds, clock, on_change=changed, start_up=set_up, background=background)
-    saver = Saver(store, manager.configs, clock)
+    preparation = Preparation()
+
+    async def prepare(model: str, link: Link) -> None:
+        if is_emulated(link):
+            await preparation.ready(find_model(model).family)
+
+    manager = DeviceManager(kinds, clock, on_change=changed, start_up=set_up, background=background, prepare=prepare)
+    to_come: list[DeviceConfig] = []
+    """Saved connections that are not open yet: they stay saved, whatever happens until then."""
+    saver = Saver(store, lambda: [*manager.configs(), *to_come], clock)
     positions = PositionStore(settings.data_dir)
     endless = EndlessService(clock, changed=lambda: position_saver.request())
     position_saver = Saver(positions, endless.saved, clock, SAVE_EVERY_S)
@@ -193,12 +199,30 @@ def create_app(
         position_saver,
         Pages(lease, clock, lambda: anything_moves(manager.devices, procedures)),
         vitals,
+        preparation.progress,
         Tokens(TokenStore(settings.data_dir), tokens_changed),
         sessions,
     )
     lease_watch = LeaseWatch(
         lease, bench.calls, clock, lambda how: after_vanishing(how, manager.devices, bench.procedures)
     )
+
+    async def open_saved(configs: Sequence[DeviceConfig], with_demo: bool) -> None:
+        to_come.extend(configs)
+        compiling = preparation.progress.done < preparation.progress.total
+        for config in sorted(configs, key=lambda config: compiling and is_emulated(config.link)):  # those have to wait
+            try:
+                # Not waited for: hardware that is off must not keep the page from coming up.
+                await manager.add(config, wait=False)
+            except Exception as error:  # neither must a link of another version, or what somebody wrote into the file
+                store.keep_back(config)
+                left_out = f"{store.path}: {config.name!r} is left out, and stays in the file: {error}"
+                log.warning("%s", left_out)
+                vitals.notes.append(left_out)
+            to_come.remove(config)
+        if with_demo:
+            await prepare(demo.MODEL, demo.LINK)
+            await demo.add(manager)
 
     @asynccontextmanager
     async def lifespan(_: FastAPI) -> AsyncIterator[None]:
@@ -208,24 +232,14 @@ def create_app(
             log.warning("%s", warning)
             vitals.notes.append(warning)
         endless.restore(kept.positions)
-        compiling = asyncio.create_task(asyncio.to_thread(compile_kernels))
         await asyncio.to_thread(database.open)
         await bench.tokens.start()
         profiles.tell_unfinished()
-        if not (await asyncio.wait({compiling}, timeout=PATIENCE_S))[0]:
-            log.warning("the first start compiles the emulators, which takes some 15 s; later ones find it done")
-        await compiling
-        for config in saved.configs:
-            try:
-                # Not waited for: hardware that is off must not keep the page from coming up.
-                await manager.add(config, wait=False)
-            except Exception as error:  # neither must a link of another version, or what somebody wrote into the file
-                store.keep_back(config)
-                left_out = f"{store.path}: {config.name!r} is left out, and stays in the file: {error}"
-                log.warning("%s", left_out)
-                vitals.notes.append(left_out)
-        if settings.demo or (settings.demo is None and not saved.configs):
-            await demo.add(manager)
+        await preparation.start()
+        with_demo = settings.demo or (settings.demo is None and not saved.configs)
+        opening = asyncio.create_task(open_saved(saved.configs, with_demo))
+        if preparation.progress.done == preparation.progress.total:
+            await opening  # else the server answers meanwhile
         opened.set()
         ear.sync(manager.devices)
         audit.note("start", "stepscope", detail=f"version {__version__}")
@@ -236,6 +250,9 @@ def create_app(
             yield
         finally:
             opened.clear()
+            opening.cancel()
+            await asyncio.gather(opening, return_exceptions=True)
+            await preparation.close()
             audit.note("end", "stepscope")
             await lease_watch.close()
             await vitals.close()
@@ -285,18 +302,16 @@ def emulator_port(
     return EmulatorPort(emulator, hurries=pace is not None)
 
 
+def is_emulated(link: Link) -> bool:
+    """Whether the far end of the link is an emulator in this process."""
+    return link.get("kind") == "emulator"
+
+
 def bench_of(app: FastAPI) -> Bench:
     """The bench that `create_app` put together."""
     bench = app.state.bench
     assert isinstance(bench, Bench)
     return bench
-
-
-def compile_kernels() -> None:
-    """Compile what numba has to compile, or load it from its cache: else the first move would wait for it."""
-    warm_up()
-    sramp.warm_up()
-    exact_ramp(RampParameters(v_min=1, v_max=1000, a_max=100, ramp_div=5, pulse_div=5, pmul=100, pdiv=4), 1000, 10)
 
 
 async def stop_motors(bench: Bench) -> None:

@@ -7,7 +7,13 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from app.kernels import all_compiled
+from app.preparation import compile_kernels
 from tests.conformance import sections
+
+if not all_compiled():
+    # Else servers of tests would begin to compile behind their answers, as on a user's first start.
+    compile_kernels()
 
 # How fast something is, `make bench` measures; here a busy machine must not fail a test that is right.
 settings.register_profile("stepscope", deadline=None)

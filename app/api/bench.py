@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from ..clock import BackgroundClock, Clock
 from ..conditions.service import ConditionService
 from ..devices.manager import DeviceManager
+from ..kernels import Progress
 from ..lease.calls import CallsUnderWay
 from ..lease.lease import Lease
 from ..positions import EndlessService
@@ -55,6 +56,8 @@ class Bench:
     position_saver: Saver
     pages: Pages
     vitals: Vitals
+    kernels: Progress
+    """Of what a first start compiles."""
     tokens: Tokens
     sessions: Sessions
     probing: Probing = field(default_factory=Probing)

@@ -56,7 +56,8 @@ class LinkTrial:
 class DeviceManager:
     """`kinds` are the link kinds that the composition root offers; `on_change` hears of any change worth storing;
     `start_up` sets up an emulator that was just powered, where its connection says so, and raises nothing; `background`
-    is the clock of looks that may wait while somebody stops motors."""
+    is the clock of looks that may wait while somebody stops motors; `prepare` is waited for before a link is made: what
+    an emulator needs is compiled at a first start."""
 
     def __init__(
         self,
@@ -65,12 +66,14 @@ class DeviceManager:
         on_change: Callable[[], None] | None = None,
         start_up: Callable[[Device], Awaitable[None]] | None = None,
         background: Clock | None = None,
+        prepare: Callable[[str, Link], Awaitable[None]] | None = None,
     ) -> None:
         self._kinds = dict(kinds)
         self._clock = clock
         self._background = background or clock
         self._on_change = on_change or (lambda: None)
         self._start_up = start_up
+        self._prepare = prepare or _nothing
         self._devices: dict[str, Device] = {}
         self._watches: dict[Device, Watch] = {}
         self._stopping = Stopping()
@@ -103,6 +106,7 @@ class DeviceManager:
         With `wait` the first attempt is over on return, and always that of an emulator to be set up. Raises UsageError
         for a link that cannot be.
         """
+        await self._prepare(config.model, config.link)
         device = self._make(config, unique_slug(config.name, self._devices))
         self._devices[device.id] = device
         self._on_change()
@@ -143,6 +147,7 @@ class DeviceManager:
             self._put(device_id, device)
             self._on_change()
             return device
+        await self._prepare(config.model, config.link)
         successor = self._make(config, new_id)
         connected = device.state != "disconnected"
         self._put(device_id, successor)
@@ -178,6 +183,7 @@ class DeviceManager:
 
     async def test(self, model: str, link: Link) -> LinkTrial:
         """Try a link without keeping it. Raises UsageError for a link that cannot be."""
+        await self._prepare(model, link)
         device = self._make(DeviceConfig(name="trial", model=model, link=link), "trial")
         try:
             async with asyncio.timeout(ANSWER_WITHIN_S):
@@ -266,3 +272,7 @@ class DeviceManager:
         device.session.set_state("disconnected")
         await device.identity.let_go()
         await device.session.port.aclose()
+
+
+async def _nothing(model: str, link: Link) -> None:
+    del model, link

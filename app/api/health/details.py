@@ -15,6 +15,7 @@ from ...links.emulator import EmulatorPort
 from ...links.queue import Priority
 from ..bench import Bench
 from .schemas import (
+    Compiling,
     DeviceHealth,
     EmulatorHealth,
     HealthDetails,
@@ -62,7 +63,15 @@ async def health_of(bench: Bench) -> HealthDetails:
             connections_ended=None if door is None else door.refused,
         ),
         devices=devices,
+        compiling=_compiling(bench),
     )
+
+
+def _compiling(bench: Bench) -> Compiling | None:
+    kernels = bench.kernels
+    if kernels.done == kernels.total:
+        return None
+    return Compiling(done=kernels.done, total=kernels.total, doing=list(kernels.doing))
 
 
 def _notes(bench: Bench) -> list[str]:

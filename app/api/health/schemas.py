@@ -96,6 +96,14 @@ class SocketsHealth(Answer):
     connections_ended: int | None = Field(description="ended for others, or for taking too long, since the start")
 
 
+class Compiling(Answer):
+    """How far the first start has come with what it compiles."""
+
+    done: int
+    total: int
+    doing: list[str] = Field(description="families of emulators, and calculators, that are being compiled")
+
+
 class HealthDetails(Answer):
     """How the server is."""
 
@@ -106,3 +114,6 @@ class HealthDetails(Answer):
     event_loop: LoopHealth
     sockets: SocketsHealth
     devices: list[DeviceHealth]
+    compiling: Compiling | None = Field(
+        description="what a first start compiles in the background; emulators wait for it. null where all is there"
+    )

@@ -14,15 +14,14 @@ interpolation does not help, and ends at the last bit.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from typing import Any, Final, TypeVar, cast
+from typing import Final, cast
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ...kernels import Kernels
+
 FloatArray = NDArray[np.float64]
-F = TypeVar("F", bound=Callable[..., object])
 
 # What `p` holds, in order.
 VMAX, AMAX, DMAX, BOW1, BOW2, BOW3, BOW4, VSTART, VSTOP, ASTART, DFINAL, USE_ASTART = range(12)
@@ -52,13 +51,7 @@ NEAR: Final = 2e-15
 """Relative: a moment of braking with which the motion ends so near to the target cannot be bettered."""
 MOST_HALVINGS: Final = 200
 
-_OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
-"""As in the emulators' kernels: on disk, off the GIL, no checks for division by zero, no references to count."""
-
-
-def compiled(function: F) -> F:
-    """Numba's njit as this file uses it, with the type of the plain function."""
-    return cast("F", njit(**_OPTIONS)(function))
+compiled = Kernels(__file__).compiled
 
 
 @compiled

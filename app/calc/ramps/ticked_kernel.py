@@ -19,15 +19,14 @@ The emulators have a reading of their own: neither knows the other.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Final, TypeVar, cast
+from typing import Final
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ...kernels import Kernels
+
 IntArray = NDArray[np.int64]
-F = TypeVar("F", bound=Callable[..., object])
 
 # What `settings` holds, in order.
 MODE, V_MIN, V_MAX, A_MAX, RAMP_PERIOD, PULSE_PERIOD, P_MUL, P_SHIFT, V_FIXED = range(9)
@@ -68,9 +67,7 @@ MAX_PHASES: Final = 32
 NEVER: Final = 1 << 61
 
 
-def compiled(function: F) -> F:
-    """Numba's njit with its cache on disk, and with the type of the plain function."""
-    return cast("F", njit(cache=True)(function))
+compiled = Kernels(__file__, options={}).compiled
 
 
 @compiled

@@ -31,11 +31,11 @@ as far as the next thing that could happen: braking, a switch, the N line, X_COM
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from ...kernels import Kernels
 
 Cells = NDArray[np.int64]
 Floats = NDArray[np.float64]
@@ -153,18 +153,8 @@ _SG_STOP, _SOFT_STOP = 1 << 10, 1 << 11
 _EV_POSITION, _EV_STOPPED, _EV_LEFT, _EV_SWITCH_STOP, _EV_STALL = 1, 2, 4, 32, 64
 _EV_DEVIATION, _EV_NULL, _EV_STANDSTILL, _EV_VELOCITY = 128, 512, 2048, 4096
 
-_OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
-"""As in the TMC428's kernel: on disk, off the GIL, no checks for division by zero, nothing to count references of."""
-
-
-def compiled(function: Any) -> Any:
-    """Numba's njit as this file uses it."""
-    return njit(**_OPTIONS)(function)
-
-
-def inlined(function: Any) -> Any:
-    """The same for what the tick calls."""
-    return njit(forceinline=True, **_OPTIONS)(function)
+_KERNELS = Kernels(__file__)
+compiled, inlined = _KERNELS.compiled, _KERNELS.inlined
 
 
 @inlined

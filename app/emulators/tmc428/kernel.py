@@ -30,8 +30,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
+
+from ...kernels import Kernels
 
 Cells = NDArray[np.int64]
 
@@ -93,19 +94,10 @@ LEFT_ONLY, TWO_ONE_NULL, MULTIPLEXED = range(3)
 _XEQ, _WRONG, _MISS, _COMP = 1, 2, 4, 8
 
 
-_OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
-"""Cached on disk, off the GIL, no checks for division by zero. Nothing here allocates, so reference counts
-are left alone: with them every row view costs two atomic operations, and all runs at a fifth of the speed."""
-
-
-def compiled(function: Any) -> Any:
-    """Numba's njit as this file uses it."""
-    return njit(**_OPTIONS)(function)
-
-
-def inlined(function: Any) -> Any:
-    """The same for what the inner loops call. To inline everything would double the time to compile."""
-    return njit(forceinline=True, **_OPTIONS)(function)
+_KERNELS = Kernels(__file__)
+# Not all is inlined: that would double the time to compile. Nothing here allocates, so reference counts are left
+# alone: with them every row view costs two atomic operations, and all runs at a fifth of the speed.
+compiled, inlined = _KERNELS.compiled, _KERNELS.inlined
 
 
 @inlined

@@ -12,8 +12,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 
+from ...kernels import Kernels
 from ...registers.tmcl.commands import PROGRAM_COMMANDS
 
 PC, ACCUMULATOR, X, FLAGS, DEPTH, STACK = 0, 1, 2, 3, 4, 5
@@ -32,17 +32,9 @@ _CALCX, _AGP, _CLE = 33, 35, 36
 _USER_VARIABLES = 2
 _ADD, _SUB, _MUL, _DIV, _MOD, _AND, _OR, _XOR, _NOT, _LOAD, _SWAP = range(11)
 _WRONG_TYPE, _INVALID_VALUE = 3, 4
-_OPTIONS: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
 
-
-def _compiled(function: Any) -> Any:
-    """Numba's njit as this file uses it."""
-    return njit(**_OPTIONS)(function)
-
-
-def _inlined(function: Any) -> Any:
-    """The same for what a command calls."""
-    return njit(forceinline=True, **_OPTIONS)(function)
+_KERNELS = Kernels(__file__)
+_compiled, _inlined = _KERNELS.compiled, _KERNELS.inlined
 
 
 def registers() -> np.ndarray[Any, np.dtype[np.int64]]:

@@ -3747,6 +3747,21 @@ export interface components {
             notes: string[];
         };
         /**
+         * Compiling
+         * @description How far the first start has come with what it compiles.
+         */
+        Compiling: {
+            /** Done */
+            done: number;
+            /** Total */
+            total: number;
+            /**
+             * Doing
+             * @description families of emulators, and calculators, that are being compiled
+             */
+            doing: string[];
+        };
+        /**
          * Condition
          * @description What is so with an axis: one of eleven kinds, why, by which evidence, and what helps.
          */
@@ -5146,6 +5161,8 @@ export interface components {
             sockets: components["schemas"]["SocketsHealth"];
             /** Devices */
             devices: components["schemas"]["DeviceHealth"][];
+            /** @description what a first start compiles in the background; emulators wait for it. null where all is there */
+            compiling: components["schemas"]["Compiling"] | null;
         };
         /**
          * HeldRegister

@@ -6,6 +6,7 @@ import { ColorSchemeToggle } from "./ColorSchemeToggle";
 import { ConditionBar } from "./ConditionBar";
 import { ConnectionBanner } from "./ConnectionBanner";
 import { DevicePicker } from "./DevicePicker";
+import { FirstStart } from "./FirstStart";
 import { HeldBack } from "./HeldBack";
 import { LogOut } from "./LogOut";
 import { LeaseControl } from "./lease/LeaseControl";
@@ -81,6 +82,7 @@ export function Shell({ children }: PropsWithChildren) {
       </nav>
       <main id="main" tabIndex={-1} className={classes.main}>
         <ConnectionBanner />
+        <FirstStart />
         <HeldBack />
         <RunsUnderWay />
         <PageBoundary key={location}>{children}</PageBoundary>

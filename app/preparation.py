@@ -1,0 +1,142 @@
+"""Compiles the kernels in the background while the server already answers.
+
+`python -m stepscope.preparation` compiles them all, for an image or an installation; with the name of a job it compiles
+what that needs, which is what this module starts: a thread of the server would keep it from answering for a minute.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import os
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+from .calc.ramps import sramp
+from .calc.ramps.ticked import RampParameters, exact_ramp
+from .emulators.families import FAMILIES
+from .kernels import Progress, all_compiled, kept_somewhere, tell_compiled
+
+log = logging.getLogger("stepscope.preparation")
+
+JOB_WITHIN_S = 300.0
+"""What takes longer to compile is given up, and compiled by whoever needs it [s]."""
+
+
+def _exact_ramp() -> None:
+    exact_ramp(RampParameters(v_min=1, v_max=1000, a_max=100, ramp_div=5, pulse_div=5, pmul=100, pdiv=4), 1000, 10)
+
+
+JOBS: Mapping[str, Callable[[], None]] = {
+    **{family.name: family.warm_up for family in FAMILIES},
+    "S-ramps": sramp.warm_up,
+    "ramps": _exact_ramp,
+}
+"""What compiles, or takes from disk, by what it is for: families of emulators, then calculators."""
+
+
+def compile_kernels() -> None:
+    """Compile all in this process, or take it from disk: else the first move would wait for it."""
+    for job in JOBS.values():
+        job()
+    tell_compiled()
+
+
+class Preparation:
+    """Has the kernels compiled, by as many processes as there are cores."""
+
+    def __init__(self, processes: int | None = None, jobs: Mapping[str, Callable[[], None]] = JOBS) -> None:
+        self.progress = Progress(total=len(jobs))
+        self._jobs = jobs
+        self._processes = processes or os.cpu_count() or 1
+        self._pending = list(jobs)
+        self._done = {name: asyncio.Event() for name in jobs}
+        self._workers: list[asyncio.Task[None]] = []
+
+    async def start(self) -> None:
+        """Take everything from disk where it is there; else begin to compile, and return at once."""
+        if all_compiled():
+            await asyncio.to_thread(compile_kernels)
+            for name in self._jobs:
+                self._tell(name)
+            self._pending.clear()
+            return
+        log.warning("the first start compiles the emulators, for a minute; what needs none of them works already")
+        self._workers = [asyncio.create_task(self._work()) for _ in range(self._processes)]
+
+    async def ready(self, name: str) -> None:
+        """Wait until the job of that name is done; it is the next that begins. Names of no job are ready."""
+        if name in self._pending:
+            self._pending.remove(name)
+            self._pending.insert(0, name)
+        if name in self._done:
+            await self._done[name].wait()
+
+    async def close(self) -> None:
+        """End what is under way."""
+        for worker in self._workers:
+            worker.cancel()
+        await asyncio.gather(*self._workers, return_exceptions=True)
+
+    async def _work(self) -> None:
+        while self._pending:
+            name = self._pending.pop(0)
+            self.progress.doing.append(name)
+            try:
+                if kept_somewhere():
+                    await _compiled_by_a_child(name)
+                await asyncio.to_thread(self._jobs[name])  # from disk, or here where nothing can be kept
+            except Exception:  # whoever needs it compiles it, and is told why it fails
+                log.exception("%s could not be compiled beforehand", name)
+            finally:
+                self.progress.doing.remove(name)
+            self._tell(name)
+        if self.progress.done == self.progress.total:
+            tell_compiled()
+
+    def _tell(self, name: str) -> None:
+        self.progress.done += 1
+        self._done[name].set()
+
+
+async def _compiled_by_a_child(name: str) -> None:
+    """Have a process of its own compile it into the cache; what goes wrong there is found out here, later."""
+    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[1])}
+    process = await asyncio.create_subprocess_exec(
+        *(sys.executable, "-P", "-m", f"{__package__}.preparation", name),
+        stdin=asyncio.subprocess.DEVNULL,
+        stdout=asyncio.subprocess.DEVNULL,
+        stderr=asyncio.subprocess.DEVNULL,
+        env=environment,
+        start_new_session=True,  # Ctrl-C in the terminal is the server's
+    )
+    try:
+        async with asyncio.timeout(JOB_WITHIN_S):
+            await process.wait()
+    except TimeoutError:
+        log.warning("compiling %s took more than %g s", name, JOB_WITHIN_S)
+    finally:
+        if process.returncode is None:
+            with contextlib.suppress(ProcessLookupError):
+                process.kill()
+            await process.wait()
+
+
+async def _main(names: list[str]) -> None:
+    if names:
+        for name in names:
+            JOBS[name]()
+        return
+    preparation = Preparation()
+    await preparation.start()
+    for name in JOBS:
+        await preparation.ready(name)
+        sys.stdout.write(f"compiled {name}\n")
+        sys.stdout.flush()
+    await preparation.close()
+
+
+if __name__ == "__main__":
+    asyncio.run(_main(sys.argv[1:]))

@@ -1,0 +1,70 @@
+"""Machine code is kept where it can be, good as long as its sources hold the same text; nowhere is no failure."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+KERNEL = """
+from app.kernels import Kernels, all_compiled, kept_somewhere, tell_compiled
+from constants import STEP
+compiled = Kernels(__file__, "constants.py").compiled
+
+@compiled
+def more(x: int) -> int:
+    return x + STEP
+
+was = all_compiled()
+value = more(1)
+tell_compiled()
+print(value, sum(more.stats.cache_hits.values()), kept_somewhere(), was)
+"""
+
+
+def run(folder: Path, **environment: str) -> list[str]:
+    """What a fresh process says: the value, functions taken from disk, whether anything is kept, whether all was."""
+    done = subprocess.run(
+        [sys.executable, "-P", "kernel.py"],
+        cwd=folder,
+        env={**os.environ, "PYTHONPATH": f"{ROOT}:{folder}", "PYTHONDONTWRITEBYTECODE": "1", **environment},
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=60,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout.split()
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "kernel.py").write_text(KERNEL)
+    (tmp_path / "constants.py").write_text("STEP = 1\n")
+    return tmp_path
+
+
+def test_a_copy_with_other_times_is_taken_from_disk_and_another_text_is_not(folder: Path) -> None:
+    cache = {"NUMBA_CACHE_DIR": str(folder / "cache")}
+    assert run(folder, **cache) == ["2", "0", "True", "False"]
+    for name in ("kernel.py", "constants.py"):
+        os.utime(folder / name, (1e9, 1e9))
+    assert run(folder, **cache) == ["2", "1", "True", "True"]
+    (folder / "constants.py").write_text("STEP = 2\n")
+    assert run(folder, **cache) == ["3", "0", "True", "False"]
+
+
+def test_where_nothing_may_be_written_it_is_compiled_all_the_same(folder: Path) -> None:
+    (folder / "__pycache__").write_text("no folder")  # even root cannot write into it
+    assert run(folder, XDG_CACHE_HOME=str(folder / "kernel.py")) == ["2", "0", "False", "False"]
+
+
+def test_a_read_only_installation_keeps_it_in_the_users_folder(folder: Path) -> None:
+    (folder / "__pycache__").write_text("no folder")
+    home = {"XDG_CACHE_HOME": str(folder / "home")}
+    assert run(folder, **home) == ["2", "0", "True", "False"]
+    assert run(folder, **home) == ["2", "1", "True", "True"]

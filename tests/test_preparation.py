@@ -1,0 +1,132 @@
+"""A first start compiles behind the answers: what is asked for comes first, and what fails keeps nobody."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import httpx
+import pytest
+
+from app import preparation
+from app.clock import WallClock
+from app.main import create_app
+from app.preparation import Preparation
+from app.settings import Settings
+
+ROOT = Path(__file__).parent.parent
+
+
+class Children:
+    """Stands for the processes that compile: each ends when the test says so."""
+
+    def __init__(self) -> None:
+        self.begun: list[str] = []
+        self.may_end = asyncio.Event()
+
+    async def __call__(self, name: str) -> None:
+        self.begun.append(name)
+        await self.may_end.wait()
+
+
+@pytest.fixture
+def children(monkeypatch: pytest.MonkeyPatch) -> Children:
+    children = Children()
+    monkeypatch.setattr(preparation, "all_compiled", lambda: False)
+    monkeypatch.setattr(preparation, "tell_compiled", lambda: None)
+    monkeypatch.setattr(preparation, "_compiled_by_a_child", children)
+    return children
+
+
+async def settled() -> None:
+    for _ in range(20):
+        await asyncio.sleep(0)
+
+
+async def test_what_somebody_waits_for_is_the_next(children: Children) -> None:
+    loaded: list[str] = []
+    jobs: dict[str, Callable[[], None]] = {name: lambda name=name: loaded.append(name) for name in "abcd"}  # type: ignore[misc]
+    preparing = Preparation(processes=1, jobs=jobs)
+    await preparing.start()
+    await settled()
+    assert (children.begun, preparing.progress.doing) == (["a"], ["a"])
+    waiting = asyncio.create_task(preparing.ready("d"))
+    await preparing.ready("of no job")
+    await settled()
+    assert not waiting.done()
+    children.may_end.set()
+    async with asyncio.timeout(10):
+        await waiting
+        for name in jobs:
+            await preparing.ready(name)
+    assert loaded == children.begun == ["a", "d", "b", "c"]
+    assert (preparing.progress.done, preparing.progress.doing) == (4, [])
+    await preparing.close()
+
+
+async def test_what_cannot_be_compiled_keeps_nobody_waiting(
+    children: Children, caplog: pytest.LogCaptureFixture
+) -> None:
+    def fail() -> None:
+        raise RuntimeError("no compiler")
+
+    children.may_end.set()
+    preparing = Preparation(processes=2, jobs={"a": fail, "b": lambda: None})
+    await preparing.start()
+    async with asyncio.timeout(10):
+        await preparing.ready("a")
+        await preparing.ready("b")
+    assert "a could not be compiled beforehand" in caplog.text
+    await preparing.close()
+
+
+async def test_the_server_answers_and_saved_connections_stay_saved_until_their_emulators_are_there(
+    children: Children, tmp_path: Path
+) -> None:
+    def entry(name: str, model: str, link: dict[str, object]) -> dict[str, object]:
+        return {"name": name, "model": model, "link": link}
+
+    path = tmp_path / "connections.json"
+    emulated = entry("emulated", "tmc428", {"kind": "emulator"})
+    far = entry("far", "tmc4210", {"kind": "tcp", "host": "127.0.0.1", "port": 9})
+    path.write_text(
+        json.dumps({"format": "stepscope-connections", "version": 1, "connections": [emulated, far]}), encoding="utf-8"
+    )
+    app = create_app(Settings(data_dir=tmp_path), WallClock(), list)
+    transport = httpx.ASGITransport(app)
+    async with (
+        app.router.lifespan_context(app),
+        httpx.AsyncClient(transport=transport, base_url="http://127.0.0.1:8000/api/v1/") as client,
+    ):
+
+        async def names() -> set[str]:
+            return {device["name"] for device in (await client.get("devices")).json()}
+
+        async with asyncio.timeout(20):
+            while await names() != {"far"}:  # noqa: ASYNC110 - nothing tells
+                await asyncio.sleep(0.01)
+            compiling = (await client.get("health/details")).json()["compiling"]
+            assert compiling["done"] == 0
+            assert compiling["total"] == len(preparation.JOBS)
+            assert "tmc428" in compiling["doing"]
+            await client.patch("devices/far", json={"name": "farther"})
+            saved = {one["name"] for one in json.loads(path.read_text(encoding="utf-8"))["connections"]}
+            assert saved == {"emulated", "farther"}
+            children.may_end.set()
+            while await names() != {"farther", "emulated"}:  # noqa: ASYNC110
+                await asyncio.sleep(0.01)
+            while (await client.get("health/details")).json()["compiling"] is not None:  # noqa: ASYNC110
+                await asyncio.sleep(0.01)
+
+
+@pytest.mark.slow
+def test_a_child_compiles_into_the_cache(tmp_path: Path) -> None:
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-P", "-m", "app.preparation", "ramps"]
+    subprocess.run(command, env=environment, cwd=tmp_path, check=True, timeout=100)
+    assert list(tmp_path.rglob("ticked_kernel*.nbc"))
