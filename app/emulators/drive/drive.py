@@ -38,10 +38,25 @@ _PLAIN = {
 }
 _TABLE = ("MSLUTSEL", "MSLUTSTART", *(f"MSLUT[{i}]" for i in range(8)))
 _FASTSTANDSTILL, _EN_PWM_MODE, _SHAFT = 1 << 1, 1 << 2, 1 << 4
+_BLANK_CLOCKS, _PWM_CLOCKS = (16, 24, 36, 54), (1024, 683, 512, 410)
+"""By tbl; by pwm_freq, of two periods."""
 _S2G = {"a": 1 << 27, "b": 1 << 28}
 _GSTAT_RESET, _GSTAT_DRV_ERR, _GSTAT_UV_CP = 1, 2, 4
 _STOP_SG = 1 << 6
-_KEPT = (k.TICK, k.CLOCK, k.WATCH, k.RNG, k.SUBSTEPS, k.BLOCKED, k.FORCE, k.FORCED, k.STALL_V, k.RIGID, k.SG4)
+_KEPT = (
+    k.TICK,
+    k.CLOCK,
+    k.WATCH,
+    k.RNG,
+    k.SUBSTEPS,
+    k.BLOCKED,
+    k.FORCE,
+    k.FORCED,
+    k.STALL_V,
+    k.RIGID,
+    k.SG4,
+    k.PWM_KIND,
+)
 """Cells that a power cycle leaves."""
 
 
@@ -55,9 +70,9 @@ class Drive:
     Chips that are not a TMC5160 in everything say so by the properties below `# --- the rest`: velocity thresholds
     instead of TSTEP's, an N line, pins of switches that are taken, another full scale or least supply, StallGuard4.
 
-    Not modelled: DcStep, vhighfs and vhighchm, short circuits, pins and buses. StealthChop differs from SpreadCycle
-    only in what the registers tell and in freewheeling; StallGuard2 tells 0 there. StallGuard4 goes by the same
-    figures as StallGuard2 (a reading: nobody tells how the PWM's duty falls with load), and CoolStep does not use it.
+    Not modelled: DcStep, vhighfs and vhighchm, pins and buses. With StealthChop the coils get a voltage, which is what
+    PWMCONF, supply and automatic tuning make it; StallGuard2 tells 0 there. StallGuard4 goes by the same figures as
+    StallGuard2 (a reading: nobody tells how the PWM's duty falls with load), and CoolStep does not use it.
 
     Nothing here is thread-safe; the kernel releases the GIL.
     """
@@ -154,8 +169,7 @@ class Drive:
             case "PWM_SCALE":
                 return self._pwm_scale()
             case "PWM_AUTO":
-                conf = self._registers["PWMCONF"]
-                return bits(conf, 0, 8) | bits(conf, 8, 8) << 16
+                return int(s[k.OFS_AUTO]) | int(s[k.GRAD_AUTO]) << 16
             case "LOST_STEPS":
                 return 0
         try:
@@ -230,6 +244,7 @@ class Drive:
                 s[k.FIELD] = (int(s[k.FIELD]) >> mres << mres) + (1 << mres >> 1)
                 per_second = self.options.clock_hz / 2**24 / 2**k.VELOCITY_BITS
                 self._f[k.FS_A_V] = per_second * 2.0 ** int(s[k.MRES]) / 256
+                self._set_pwm_floor()
                 self._bridges_changed()
             case "COOLCONF":
                 s[k.SEMIN], s[k.SEUP], s[k.SEMAX] = bits(value, 0, 4), bits(value, 5, 2), bits(value, 8, 4)
@@ -238,7 +253,7 @@ class Drive:
                 s[k.SG_SUM] = s[k.SG_COUNT] = 0
                 s[k.COOL_CS] = s[k.IRUN]
             case "PWMCONF":
-                s[k.FREEWHEEL] = bits(value, 20, 2)
+                self._set_stealth_chop(value)
             case "X_ENC":
                 self.external.position = value
             case "ENC_CONST":
@@ -274,12 +289,30 @@ class Drive:
         return word
 
     def _pwm_scale(self) -> int:
-        """PWM_SCALE_SUM: the voltage that the coils need, of what the supply has. 0 unless StealthChop works."""
-        supply = float(self._f[k.SUPPLY])
-        if not self._s[k.STEALTH] or supply <= 0 or not self._s[k.DRIVER_ON]:
+        """PWM_SCALE_SUM, and PWM_SCALE_AUTO from bit 16. 0 unless StealthChop works."""
+        s, f = self._s, self._f
+        if not s[k.STEALTH] or not s[k.DRIVER_ON]:
             return 0
-        truth = self.truth
-        return min(round(255 * math.hypot(truth.voltage_a_v, truth.voltage_b_v) / supply), 255)
+        scale = round(float(k.pwm_amplitude(s, f)))
+        if not (s[k.PWM_KIND] == k.TUNED and s[k.AUTOSCALE]):
+            return scale
+        return scale | (round(float(f[k.PWM_AUTO])) & 0x1FF) << 16
+
+    def _set_stealth_chop(self, conf: int) -> None:
+        """PWMCONF. Without pwm_autoscale what it has found by itself is what was written (DS-TMC5160 7.4)."""
+        s = self._s
+        s[k.PWM_OFS], s[k.PWM_GRAD], s[k.AUTOSCALE] = bits(conf, 0, 8), bits(conf, 8, 8), bits(conf, 18, 1)
+        s[k.AUTOGRAD], s[k.FREEWHEEL] = bits(conf, 19, 1), bits(conf, 20, 2)
+        s[k.PWM_REG], s[k.PWM_LIM] = bits(conf, 24, 4), bits(conf, 28, 4)
+        if not s[k.AUTOSCALE]:
+            s[k.OFS_AUTO], s[k.GRAD_AUTO], self._f[k.PWM_AUTO] = s[k.PWM_OFS], s[k.PWM_GRAD], 0.0
+        self._set_pwm_floor()
+
+    def _set_pwm_floor(self) -> None:
+        """t_blank f_PWM V / R: the mean current of the shortest pulse that can be measured (DS-TMC5160 7.3.1)."""
+        shortest = _BLANK_CLOCKS[bits(self._registers["CHOPCONF"], 15, 2)]
+        share = shortest * 2 / _PWM_CLOCKS[bits(self._registers["PWMCONF"], 16, 2)]
+        self._f[k.PWM_FLOOR] = share * self._f[k.SUPPLY] / self.options.motor.resistance_ohm
 
     # --- time ------------------------------------------------------------------------------------
 
@@ -323,13 +356,14 @@ class Drive:
         for at, per_turn in ((k.INTERNAL, encoders.internal_counts), (k.EXTERNAL, 4 * encoders.external_lines)):
             s[at + k.E_PER_TURN], s[at + k.E_STOPS] = per_turn, 1
             s[at + k.E_NUM] = s[at + k.E_DEN] = 1
-        f[k.IA] = f[k.IB] = f[k.TORQUE] = 0.0
+        f[k.IA] = f[k.IB] = f[k.TORQUE] = f[k.PWM_AUTO] = f[k.PWM_SUM] = 0.0
         # the field is where the rotor finds it without losing steps
         s[k.FIELD] = s[k.LOOK] = 1024 * round(float(f[k.TEETH] * f[k.THETA]) / (2 * math.pi))
         s[k.COOL_V], s[k.PINS], s[k.N_HAS], self._wired, self._sense = -1, 7, options.n_line, True, 1.0
         self._registers = {name: row.reset for name, row in WRITABLE.items()}
         for name, value in self._registers.items():
             self._take_over(name, value)
+        s[k.OFS_AUTO], s[k.GRAD_AUTO] = s[k.PWM_OFS], s[k.PWM_GRAD]
         self.external.stops = True  # the register's reset has made it warn only
         self.internal.scale(51_200, encoders.internal_counts)
         self.internal.position = self.external.position = 0
@@ -376,6 +410,16 @@ class Drive:
     @stall_guard_4.setter
     def stall_guard_4(self, value: bool) -> None:
         self._s[k.SG4] = value
+        self._changed()
+
+    @property
+    def stealth_chop(self) -> int:
+        """Kind of StealthChop, as the kernel names them: `TUNED`, of a TMC5160, at first."""
+        return int(self._s[k.PWM_KIND])
+
+    @stealth_chop.setter
+    def stealth_chop(self, kind: int) -> None:
+        self._s[k.PWM_KIND] = kind
         self._changed()
 
     @property
@@ -519,6 +563,7 @@ class Drive:
             self._gstat |= _GSTAT_DRV_ERR
         if self._undervoltage:
             self._gstat |= _GSTAT_UV_CP
+        self._set_pwm_floor()
         self._bridges_changed()
         self._changed()
 

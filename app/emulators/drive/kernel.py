@@ -15,7 +15,8 @@ positioning motor that has sped up keeps its velocity for so many ticks before i
 speeds up only as far as the way suffices for that too. It serves them also where a new target leaves no way for them (a
 reading).
 
-The motor is motor-physics' model: coils behind a regulator of first order that the supply clamps, back-EMF, detent,
+The motor is motor-physics' model: coils behind a regulator of first order that the supply clamps (with StealthChop
+behind the voltage of its PWM, which nothing but the looks of its regulation corrects), back-EMF, detent,
 Coulomb friction with stiction, inertia, in semi-implicit Euler. A coil current within 1 nA of its reference is set on
 it. From there a motor at rest is an exact fixed point of the step, so passing over ticks in which neither reference
 nor world changes (REST), and over all ticks while the ramp generator has nothing to do either (QUIET), changes no bit.
@@ -107,7 +108,12 @@ IRUNDELAY, UP = range(128, 130)
 """Ticks for each step up to the run current, and of that gone."""
 SG4, SG4_THRS, SG4_FILTER, SG4_LAST = range(130, 134)
 """StallGuard4 works in StealthChop; below twice that it is a stall; mean of four; the latest four, a byte each."""
-INTEGERS = 134
+PWM_KIND, AUTOSCALE, AUTOGRAD, PWM_OFS, PWM_GRAD, PWM_REG, PWM_LIM = range(134, 141)
+"""StealthChop: which of the three there are, and PWMCONF's fields; of chips without PWM_OFS it is PWM_AMPL."""
+OFS_AUTO, GRAD_AUTO, PWM_WAIT, PWM_STEPS, PWM_CS, PWM_TUNED, TUNING = range(141, 148)
+"""What it has found by itself; ticks and full steps until it looks again; current scale at the latest look at rest, and
+whether that changed nothing; it is still looking, so nothing is quiet."""
+INTEGERS = 148
 
 # --- cells of `f` --------------------------------------------------------------------------------
 THETA, OMEGA, IA, IB, TORQUE, REF_A, REF_B = range(7)
@@ -128,10 +134,27 @@ E1, P1, E2, P2, ZERO, SLIP_I, SCALE_I, SLIP_E, SCALE_E = range(37, 46)
 """Encoders: errors and their phases, magnet's zero, slips [rad], counts a radian (signed)."""
 RATIO_I, BOUND_I, RATIO_E, BOUND_E = range(46, 50)
 """Microsteps a count, and how far at most [microsteps] an encoder is from what the angle alone would say."""
-REALS = 50
+PWM_AUTO, PWM_SUM, PWM_FLOOR = range(50, 53)
+"""StealthChop: what the regulation adds to the amplitude, the amplitude [1/256 of the supply, about], and the least
+current that the regulation sees [A]."""
+REALS = 53
 
 REGULATED, OPEN, SHORTED, VOLTAGE = range(4)
-"""What the bridges do; the last: a PWM from outside sets their mean voltage, and the references are volts."""
+"""What the bridges do; the last: a PWM sets their mean voltage (StealthChop, or one from outside), and the references
+are volts."""
+TUNED, AMPLITUDE, FIXED = range(3)
+"""Kinds of StealthChop: PWM_OFS and PWM_GRAD that it tunes itself; PWM_AMPL and PWM_GRAD; the same, where velocity adds
+nothing to a fixed amplitude."""
+PWM_PEAK = 248.0 / 256.0 / 256.0
+"""Share of the supply that an amplitude of 1 is at the wave's peak (DS-TMC5160 7.4: 374 = 256 sqrt(2) 256 / 248)."""
+TUNING_TICKS, REGULATION_TICKS = TICKS_A_DELAY, 64
+"""Between two looks at a standing motor: 2^18 clocks where PWM_OFS is tuned (the sheet gives two of them to it), about
+a millisecond where the amplitude is regulated (INFERRED)."""
+TUNING_STEPS = 8
+"""Full steps for each change of PWM_GRAD_AUTO (DS-TMC5160 7.2.1, AT#2)."""
+PWM_LOOP = 0.25
+"""Gain of the regulation: as much as stays stable with a coil that follows slowly (INFERRED; sheets tell only the
+greatest change)."""
 RUN, RAMPING_DOWN, HOLD = range(3)
 LEAPS, NO_LEAPS = 1, 2
 WITHOUT_EMF = 0.2
@@ -430,8 +453,24 @@ def _in_range(s: Cells) -> bool:
     return s[TSTEP] <= s[TCOOLTHRS] and s[TSTEP] > s[THIGH]
 
 
+@compiled
+def _back_to_stealth(s: Cells, f: Floats) -> None:
+    """Bound what the regulation begins with as StealthChop takes over again: PWM_LIM its bits 7 to 4, PWM_AMPL all."""
+    f[PWM_AUTO] = min(f[PWM_AUTO], s[PWM_LIM] * 16.0 + 15.0 if s[PWM_KIND] == TUNED else float(s[PWM_OFS]))
+    s[PWM_STEPS] = 0
+
+
+@compiled
+def _switch_bridges(s: Cells, f: Floats, bridges: int) -> None:
+    """Another way to drive the coils from this tick on."""
+    if bridges == VOLTAGE:
+        _back_to_stealth(s, f)
+    s[BRIDGES] = bridges
+    s[REST] = s[TUNING] = 0
+
+
 @inlined
-def _standing(s: Cells, steps: int) -> int:
+def _standing(s: Cells, f: Floats, steps: int) -> int:
     """Standstill and the way from run to hold current; returns events."""
     events = 0
     if steps != 0:
@@ -469,13 +508,14 @@ def _standing(s: Cells, steps: int) -> int:
     elif s[PHASE] == HOLD:
         s[CS] = s[IHOLD]
     bridges = REGULATED
-    if s[PHASE] == HOLD and s[IHOLD] == 0 and s[STEALTH] and s[FREEWHEEL]:
-        bridges = OPEN if s[FREEWHEEL] == 1 else SHORTED
+    if s[STEALTH]:
+        bridges = VOLTAGE
+        if s[PHASE] == HOLD and s[IHOLD] == 0 and s[FREEWHEEL]:
+            bridges = OPEN if s[FREEWHEEL] == 1 else SHORTED
     if not s[DRIVER_ON]:
         bridges = OPEN
     if bridges != s[BRIDGES]:
-        s[BRIDGES] = bridges
-        s[REST] = 0
+        _switch_bridges(s, f, bridges)
     return events
 
 
@@ -539,8 +579,139 @@ def turn(s: Cells, f: Floats, ref_a: float, ref_b: float) -> None:
 
 @compiled
 def _drive_motor(s: Cells, f: Floats, table: Floats) -> None:
-    """Current references from the sequencer, then the motor, unless it rests and nothing has changed."""
+    """References from the sequencer, then the motor, unless it rests and nothing has changed."""
     scale = f[FULL_SCALE] * (s[CS] + 1) / 32.0
+    look = s[LOOK]
+    ref_a = scale * table[look & 1023]
+    ref_b = scale * table[(look + 256) & 1023]
+    if not s[REST] or ref_a != f[REF_A] or ref_b != f[REF_B]:
+        turn(s, f, ref_a, ref_b)
+
+
+# --- StealthChop ---------------------------------------------------------------------------------
+
+
+@compiled
+def pwm_amplitude(s: Cells, f: Floats) -> float:
+    """StealthChop's amplitude now, 0..255 (DS-TMC5160 7.1, 7.4; DS-TMC5130 7.2)."""
+    velocity = 0.0 if s[V] == 0 else 256.0 / s[TSTEP]
+    if s[PWM_KIND] == TUNED:
+        amplitude = s[OFS_AUTO] * (s[CS] + 1) / 32.0 + s[GRAD_AUTO] * velocity
+        if s[AUTOSCALE]:
+            amplitude += f[PWM_AUTO]
+    elif s[AUTOSCALE]:
+        amplitude = f[PWM_AUTO]
+    else:
+        amplitude = s[PWM_OFS] + (s[PWM_GRAD] * velocity if s[PWM_KIND] == AMPLITUDE else 0.0)
+    return min(max(amplitude, 0.0), 255.0)
+
+
+@compiled
+def _stealth_volts(s: Cells, f: Floats) -> float:
+    """Voltage at the peak of the wave in this tick. A motor at rest is regulated here, one in motion at full steps."""
+    if s[AUTOSCALE] and s[V] == 0:
+        _regulate_at_rest(s, f)
+    else:
+        s[PWM_WAIT] = s[PWM_TUNED] = s[TUNING] = 0
+    f[PWM_SUM] = pwm_amplitude(s, f)
+    return f[SUPPLY] * PWM_PEAK * f[PWM_SUM]
+
+
+@compiled
+def _wished_current(s: Cells, f: Floats) -> float:
+    """Current that is regulated to [A]; 0: it is too small to be seen, and the amplitude stays as it was calculated.
+
+    Shorter pulses than the blank time cannot be measured (DS-TMC5160 7.3.1); PWM_OFS 0 forbids what lies below.
+    """
+    wanted = f[FULL_SCALE] * (s[CS] + 1) / 32.0
+    if wanted >= f[PWM_FLOOR]:
+        return wanted
+    return 0.0 if s[PWM_KIND] == TUNED and s[PWM_OFS] else f[PWM_FLOOR]
+
+
+@compiled
+def _regulate_at_rest(s: Cells, f: Floats) -> None:
+    """A standing motor: PWM_OFS_AUTO is measured while the run current flows (AT#1), an amplitude is regulated."""
+    tuned = s[PWM_KIND] == TUNED
+    if tuned:
+        if s[STILL] < s[STILL_LIMIT]:
+            return
+        f[PWM_AUTO] = 0.0
+        if s[CS] != s[IRUN]:
+            s[PWM_WAIT] = s[TUNING] = 0
+            return
+    s[TUNING] = not s[PWM_TUNED] or s[CS] != s[PWM_CS]
+    s[PWM_WAIT] += 1
+    if s[PWM_WAIT] < (TUNING_TICKS if tuned else REGULATION_TICKS):
+        return
+    s[PWM_WAIT] = 0
+    wanted = _wished_current(s, f)
+    current = math.sqrt(f[IA] * f[IA] + f[IB] * f[IB])
+    s[PWM_CS] = s[CS]
+    if tuned:
+        found = s[OFS_AUTO]
+        if wanted > 0.0:
+            # what cannot be seen is not scaled by, but doubled
+            ratio = wanted / current if current >= f[PWM_FLOOR] and current > 0.0 else 2.0
+            found = min(math.floor(s[OFS_AUTO] * ratio + 0.5), 255)
+            if s[OFS_AUTO] == 0 and current < wanted:
+                found = 1
+        s[PWM_TUNED] = found == s[OFS_AUTO]
+        s[OFS_AUTO] = found
+    else:
+        s[PWM_TUNED] = not _regulate(s, f, current)
+    s[TUNING] = not s[PWM_TUNED]
+
+
+@compiled
+def _regulate(s: Cells, f: Floats, current: float) -> bool:
+    """Change the amplitude towards the wished current by what PWM_REG, or PWM_GRAD, allows for a half wave; whether it
+    was off by more than half an increment."""
+    wanted = _wished_current(s, f)
+    if wanted == 0.0:
+        f[PWM_AUTO] = 0.0
+        return False
+    if s[PWM_KIND] == TUNED:
+        at_rest, most, low = s[OFS_AUTO] * (s[CS] + 1) / 32.0, s[PWM_REG] / 2.0, -255.0
+    else:
+        at_rest, most, low = max(f[PWM_SUM], 4.0), s[PWM_GRAD] / 2.0, 0.0
+    error = at_rest * (1.0 - current / wanted)
+    new = min(max(f[PWM_AUTO] + min(max(PWM_LOOP * error, -most), most), low), 255.0)
+    changes = abs(error) > 0.5 and new != f[PWM_AUTO]
+    f[PWM_AUTO] = new
+    return changes
+
+
+@compiled
+def _stealth_in_motion(s: Cells, f: Floats, current: float) -> None:
+    """The regulation at the end of a full step, when one coil has had a half wave; then PWM_GRAD_AUTO (AT#2).
+
+    AT#2 is done at constant velocity, with the run current, where velocity asks for half to three times the amplitude
+    at rest; what PWM_GRAD_AUTO takes over the regulation gives away (DS-TMC5160 7.2.1).
+    """
+    if not s[AUTOSCALE]:
+        return
+    _regulate(s, f, current)
+    if s[PWM_KIND] != TUNED or not s[AUTOGRAD] or s[ACTUAL] != 0 or s[CS] != s[IRUN]:
+        return
+    at_rest = s[OFS_AUTO] * (s[IRUN] + 1) / 32.0
+    if not 1.5 * at_rest < f[PWM_SUM] < min(4.0 * at_rest, 255.0):
+        return
+    s[PWM_STEPS] += 1
+    if s[PWM_STEPS] < TUNING_STEPS:
+        return
+    s[PWM_STEPS] = 0
+    worth = 256.0 / s[TSTEP]
+    change = 1 if f[PWM_AUTO] > worth / 2.0 else -1 if f[PWM_AUTO] < -worth / 2.0 else 0
+    if 0 <= s[GRAD_AUTO] + change <= 255:
+        s[GRAD_AUTO] += change
+        f[PWM_AUTO] -= change * worth
+
+
+@compiled
+def _drive_by_voltage(s: Cells, f: Floats, table: Floats) -> None:
+    """The same where a PWM sets the coils' voltage."""
+    scale = _stealth_volts(s, f)
     look = s[LOOK]
     ref_a = scale * table[look & 1023]
     ref_b = scale * table[(look + 256) & 1023]
@@ -577,6 +748,8 @@ def stall_guard(s: Cells, f: Floats) -> None:
     if s[STEALTH]:
         s[SG_COUNT] = s[SG_SUM] = 0
         s[COOL_CS] = s[IRUN]
+        if abs(turned) >= 128:
+            _stealth_in_motion(s, f, current)
         if not s[SG4]:
             s[SG] = s[SG_VALID] = 0
             return
@@ -1115,9 +1288,11 @@ def _tick(s: Cells, f: Floats, table: Floats) -> int:
             events |= _EV_VELOCITY
     whole = s[LOOK] >> 8
     _sequence(s, steps)
-    events |= _standing(s, steps)
+    events |= _standing(s, f, steps)
     if s[RIGID]:
         _follow(s, f, table)
+    elif s[BRIDGES] == VOLTAGE:
+        _drive_by_voltage(s, f, table)
     else:
         _drive_motor(s, f, table)
     pressed = physical(s, f)
@@ -1146,7 +1321,8 @@ def _tick(s: Cells, f: Floats, table: Floats) -> int:
             else:
                 s[N_AT] = counts
     s[STEADY] = s[RIGID] == LEAPS and before == now and now != 0 and events == 0
-    s[QUIET] = before == 0 and now == 0 and waiting == 0 and s[REST] and s[PHASE] == HOLD and events == 0
+    still = before == 0 and now == 0 and waiting == 0 and events == 0
+    s[QUIET] = still and s[REST] and s[PHASE] == HOLD and not s[TUNING]
     return events
 
 
@@ -1173,7 +1349,7 @@ def advance(s: Cells, f: Floats, table: Floats, until: int) -> int:
 @compiled
 def refresh(s: Cells, f: Floats) -> None:
     """Take over what Python wrote into the cells since the last `advance`."""
-    s[QUIET] = s[REST] = s[STEADY] = 0
+    s[QUIET] = s[REST] = s[STEADY] = s[PWM_TUNED] = s[TUNING] = 0
     if s[RIGID]:
         # turned by hand or switched on, it comes to rest where the field is
         ahead = f[THETA] * f[TEETH] * 512.0 / math.pi - s[LOOK]

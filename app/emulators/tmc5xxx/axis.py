@@ -33,6 +33,7 @@ class Axis:
         """Dual chips: PWM_AMPL is not 0."""
         self.drive = Drive(options.drive(kind.full_scale_a, has_encoder))
         self.drive.stall_guard_4 = kind.stall_guard_4
+        self.drive.stealth_chop = kind.stealth_chop
         self.drive.least_supply_v = kind.least_supply_v
 
     def reset(self) -> None:
@@ -53,7 +54,7 @@ class Axis:
             case "DRV_STATUS":
                 return lambda: self._warned(read(name)) & mask
             case "PWM_SCALE":
-                return lambda: read(name) << self._kind.scale_shift & mask
+                return lambda: _with_finer_sum(read(name), self._kind.scale_shift) & mask
         return lambda: read(name) & mask
 
     def _temperature(self) -> int:
@@ -114,6 +115,11 @@ class Axis:
         if bits(word, _MRES, 4) not in kind.interpolates:
             word &= ~(1 << _INTPOL)
         self.drive.write("CHOPCONF", word)
+
+
+def _with_finer_sum(word: int, more_bits: int) -> int:
+    """PWM_SCALE whose sum, alone of its parts, has more bits."""
+    return word & ~0xFF | (word & 0xFF) << more_bits
 
 
 def _measured(value: float) -> int:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
+from ..drive.kernel import AMPLITUDE, FIXED, TUNED
 from ..drive.world import UNDERVOLTAGE_V
 from .options import Tmc5xxxModel
 
@@ -38,6 +39,8 @@ class Kind:
     """Load is measured with StealthChop too."""
     least_supply_v: float = UNDERVOLTAGE_V
     """The supply below which the bridges do not work [V]."""
+    stealth_chop: int = TUNED
+    """Its kind, as the kernel names them."""
     scale_shift: int = 0
     """Bits that PWM_SCALE_SUM has more than eight."""
 
@@ -50,8 +53,8 @@ class Kind:
 CHIPS: dict[Tmc5xxxModel, Kind] = {
     "tmc5031": Kind(2, 0x01, "", full_scale_a=1.5, vsense=0.5625, interpolates=()),
     "tmc5062": Kind(2, 0x01, "plain", full_scale_a=1.5, vsense=0.5625, delay_bit=4, interpolates=(4,)),
-    "tmc5072": Kind(2, 0x10, "node", full_scale_a=1.5, vsense=0.5625, interpolates=(4,)),
-    "tmc5130": Kind(1, 0x11, "node", full_scale_a=2.5, vsense=0.18 / 0.325, power_down_less=1),
+    "tmc5072": Kind(2, 0x10, "node", full_scale_a=1.5, vsense=0.5625, interpolates=(4,), stealth_chop=FIXED),
+    "tmc5130": Kind(1, 0x11, "node", full_scale_a=2.5, vsense=0.18 / 0.325, power_down_less=1, stealth_chop=AMPLITUDE),
     "tmc5160": Kind(1, 0x30, "node", full_scale_a=4.2),
     # 12 kOhm at IREF: 36 kOhm A over them (KLIPPER, TMC2240). Least supply: the headline of the data sheet (PY)
     "tmc5240": Kind(

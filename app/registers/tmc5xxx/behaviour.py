@@ -11,7 +11,7 @@ LAG = "the emulated chopper is a lag of first order"
 NO_PINS = "nothing is connected to the pins of the emulated chip that show this"
 NO_STEP_DIR = "the emulated motors follow the ramp generators alone"
 NO_FULL_STEPS = "the emulated driver makes microsteps at every velocity, and does not change its chopper"
-REGULATED = "the emulated StealthChop regulates the current ideally"
+IDEAL_PWM = "the emulated StealthChop measures its currents alike, whatever the shape of its periods"
 NO_SHORTS = "nothing is ever shorted"
 NO_FUSES = "the emulated chip has no fuses"
 OWN_CLOCK = "the emulated clock is as exact as the bench sets it"
@@ -21,16 +21,13 @@ FACTORY = "for the factory alone"
 TWO_PHASES_APART = "the phases of the emulated driver are a quarter of a turn apart"
 NO_PHASE_SHIFT = "the emulated driver has no shift of phase between its choppers"
 
-_CHOPPER = ("hstrt", "tfd_2_0", "hend", "offset", "fd3", "disfdcc", "rndtf", "chm", "tbl", "sync", "tpfd")
+_CHOPPER = ("hstrt", "tfd_2_0", "hend", "offset", "fd3", "disfdcc", "rndtf", "chm", "sync", "tpfd")
 _DIAGNOSTICS = (
     *("diag0_error", "diag0_otpw", "diag0_stall", "diag0_step", "diag1_stall", "diag1_dir", "diag1_index"),
     *("diag1_onstate", "diag1_steps_skipped", "diag0_int_pushpull", "diag1_poscomp_pushpull", "stop_enable"),
     *("diag0_stall_step", "diag1_stall_dir", "length_step_pulse"),
 )
-_STEALTH = (
-    *("PWM_AMPL", "PWM_OFS", "PWM_GRAD", "pwm_freq", "pwm_autoscale", "pwm_autograd", "pwm_symmetric"),
-    *("pwm_meas_sd_enable", "pwm_dis_reg_stst"),
-)
+_STEALTH = ("pwm_symmetric", "pwm_meas_sd_enable", "pwm_dis_reg_stst")
 REGISTERS = {
     "VDCMIN": NO_DCSTEP,
     "DCCTRL": NO_DCSTEP,
@@ -61,10 +58,7 @@ FIELDS = {
         **dict.fromkeys(("ph3sel", "hyst", "nosd3ph", "csync"), TWO_PHASES),
         "dedge": NO_STEP_DIR,
     },
-    "PWMCONF": {
-        **dict.fromkeys(_STEALTH, REGULATED),
-        **dict.fromkeys(("PWM_REG", "PWM_LIM"), REGULATED),
-    },
+    "PWMCONF": dict.fromkeys(_STEALTH, IDEAL_PWM),
     "OTW_OV_VTH": {"OVERVOLTAGE_VTH": NO_PINS},
     "MSLUTSTART": {"OFFSET_SIN90": TWO_PHASES_APART},
     "SG4_THRS": {"sg_angle_offset": NO_PHASE_SHIFT},
@@ -72,17 +66,10 @@ FIELDS = {
     "OUTPUT": {"OUTPUT_PIN_POLARITY": NO_PINS},
 }
 """Register, field: why."""
-ACTS = {("tmc5072", "PWMCONF", "PWM_AMPL")}
-"""Exceptions: of a TMC5072 it switches StealthChop on."""
 
 
-def with_behaviour(model: str, row: Register) -> Register:
-    """`row`, told of what the emulated `model` does not do."""
+def with_behaviour(row: Register) -> Register:
+    """`row`, told of what the emulated chips do not do."""
     reasons = FIELDS.get(row.name, {})
-    fields = tuple(
-        replace(part, behaviour=reasons[part.name])
-        if part.name in reasons and (model, row.name, part.name) not in ACTS
-        else part
-        for part in row.fields
-    )
+    fields = tuple(replace(part, behaviour=reasons[part.name]) if part.name in reasons else part for part in row.fields)
     return replace(row, fields=fields, behaviour=REGISTERS.get(row.name, row.behaviour))

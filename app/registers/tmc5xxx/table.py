@@ -39,7 +39,7 @@ def _rows(model: str, globals_: _Rows, first: _Rows, blocks: tuple[_Block, ...])
             placed += [(replace(row, address=row.address + motor * step), motor) for row in rows]
     for row, axis in sorted(placed, key=lambda place: place[0].address):
         source = f"{sheet(model, row.name, row.group)}; {row.source}"
-        yield with_behaviour(model, replace(row, source=source)).completed(axis)
+        yield with_behaviour(replace(row, source=source)).completed(axis)
 
 
 _MOTION = (motion.XLATCH, motion.ihold_irun(0x30), *motion.VELOCITY_THRESHOLDS)

@@ -147,7 +147,8 @@ class PlainMotor:
     currents: list[float] = field(default_factory=lambda: [0.0, 0.0])
     load_nm: float = 0.0
 
-    def tick(self, references: tuple[float, float]) -> None:
+    def tick(self, references: tuple[float, float], *, volts: bool = False) -> None:
+        """volts: the references are the coils' mean voltages, as with StealthChop, and nothing regulates."""
         options, motor = self.options, self.options.motor
         dt = 256 / options.clock_hz / options.steps_a_tick
         j, kt = options.inertia_kgm2, motor.torque_constant
@@ -161,6 +162,8 @@ class PlainMotor:
                 new = i - math.expm1(-dt / options.regulator_s) * (wanted - i)
                 if abs(wanted - new) < 1e-9:
                     new = wanted
+                if volts:
+                    new = kept * i + gain * (wanted - emf[phase])
                 low = kept * i + gain * (-options.supply_v - emf[phase])
                 high = kept * i + gain * (options.supply_v - emf[phase])
                 self.currents[phase] = min(max(new, low), high)

@@ -203,7 +203,7 @@ def test_without_toff_the_rotor_is_free() -> None:
     assert drive.read("XACTUAL") == 0
 
 
-@pytest.mark.parametrize(("mode", "bridges"), [(0, "regulated"), (1, "open"), (2, "shorted"), (3, "shorted")])
+@pytest.mark.parametrize(("mode", "bridges"), [(0, "voltage"), (1, "open"), (2, "shorted"), (3, "shorted")])
 def test_a_standing_motor_freewheels_or_brakes_in_stealthchop(mode: int, bridges: str) -> None:
     drive = energised()
     write(drive, {"GCONF": 0x4, "IHOLD_IRUN": RATED << 8, "PWMCONF": 0xC40C001E | mode << 20, "XTARGET": 100})
@@ -213,8 +213,8 @@ def test_a_standing_motor_freewheels_or_brakes_in_stealthchop(mode: int, bridges
     drive.world.load_torque_nm = 0.1
     wait(drive, 0.5)
     speed = abs(drive.truth.speed_rad_s)
-    if mode == 0:  # a 32nd of the current is left: not enough
-        assert speed > 10
+    if mode == 0:  # a 32nd of the current is left, which is not enough, and bridges that are a voltage brake too
+        assert 1 < speed < 30
     elif mode == 1:
         free = (0.1 - 0.005) / 1e-3
         assert speed == pytest.approx(free, rel=0.15)
@@ -222,7 +222,7 @@ def test_a_standing_motor_freewheels_or_brakes_in_stealthchop(mode: int, bridges
         assert speed < 30
     drive.write("PWMCONF", 0xC40C001E)
     wait(drive, 0.1)
-    assert drive.truth.bridges == "regulated"
+    assert drive.truth.bridges == "voltage"
 
 
 def test_stealthchop_ends_above_its_threshold() -> None:
