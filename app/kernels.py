@@ -78,9 +78,9 @@ def _digest(files: list[Path]) -> str:
     return text.hexdigest()
 
 
-def kept_somewhere() -> bool:
-    """Whether machine code outlives the process."""
-    return bool(_folders)
+def kept_in() -> Path | None:
+    """A folder in which machine code outlives the process; None where nothing may be written."""
+    return min(_folders, default=None)
 
 
 def all_compiled() -> bool:
@@ -98,8 +98,9 @@ def tell_compiled() -> None:
 
 def _mark() -> Path | None:
     """A file beside the machine code that says of what it is; None where nothing is kept."""
-    if not _folders:
+    folder = kept_in()
+    if folder is None:
         return None
     machine = (numba.__version__, sys.version, platform.machine(), llvm.get_host_cpu_name())
     made_of = hashlib.sha256(repr((machine, _digest(sorted(_sources)))).encode()).hexdigest()[:16]
-    return min(_folders) / f"stepscope-{made_of}.compiled"
+    return folder / f"stepscope-{made_of}.compiled"

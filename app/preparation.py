@@ -17,7 +17,7 @@ from pathlib import Path
 from .calc.ramps import sramp
 from .calc.ramps.ticked import RampParameters, exact_ramp
 from .emulators.families import FAMILIES
-from .kernels import Progress, all_compiled, kept_somewhere, tell_compiled
+from .kernels import Progress, all_compiled, kept_in, tell_compiled
 
 log = logging.getLogger("stepscope.preparation")
 
@@ -85,7 +85,7 @@ class Preparation:
             name = self._pending.pop(0)
             self.progress.doing.append(name)
             try:
-                if kept_somewhere():
+                if kept_in() is not None:
                     await _compiled_by_a_child(name)
                 await asyncio.to_thread(self._jobs[name])  # from disk, or here where nothing can be kept
             except Exception:  # whoever needs it compiles it, and is told why it fails

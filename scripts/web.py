@@ -159,7 +159,8 @@ def install_packages(node: Node) -> None:
     with contextlib.suppress(OSError):
         if stamp.read_text() == lock:
             return
-    npm(node, ["ci", "--no-audit", "--no-fund", "--loglevel=error"])
+    print("fetching the packages of the page", flush=True)
+    npm(node, ["ci", "--no-audit", "--no-fund", "--loglevel=error"], quiet=True)
     stamp.write_text(lock)
 
 
@@ -176,7 +177,8 @@ def build(*, force: bool = False) -> bool:
     sources = sources_hash()
     node = require_node()
     install_packages(node)
-    npm(node, ["run", "build"])
+    print("building the page", flush=True)
+    npm(node, ["run", "build"], quiet=True)
     if not (WEB / "dist" / "index.html").is_file():
         raise WebBuildError("npm run build left no web/dist/index.html")
     _replace(WEB / "dist", TARGET, {"sources": sources, "node": node.node_version, "npm": node.npm_version})
@@ -223,8 +225,7 @@ def main(arguments: Sequence[str]) -> int:
     try:
         match list(arguments):
             case ["build"] | ["build", "--force"]:
-                if build(force="--force" in arguments):
-                    print("built web/ into app/_web")
+                build(force="--force" in arguments)
             case ["npm", *rest] if rest:
                 node = require_node()
                 install_packages(node)

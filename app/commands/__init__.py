@@ -16,6 +16,7 @@ import typer
 from .audit import audit
 from .calls import api, calc
 from .devices import conditions, devices, read, write
+from .diagnosis import doctor
 from .lease import lease
 from .measuring import compare, record, recordings, replay, watch
 from .motion import axis, move, rotate, stop
@@ -43,8 +44,9 @@ COMMANDS: Sequence[Callable[..., None]] = (
     audit,
     calc,
     api,
+    doctor,
 )
-WITHOUT_ARGUMENTS = frozenset({"audit", "conditions", "devices", "recordings", "stop"})
+WITHOUT_ARGUMENTS = frozenset({"audit", "conditions", "devices", "doctor", "recordings", "stop"})
 """Commands that do something when nothing follows; the others show their help then."""
 profile.command(no_args_is_help=True)(script)
 GROUPS: Sequence[typer.Typer] = (lease, profile, tmcl, tokens)
